@@ -1,0 +1,35 @@
+//! pinwarp warps animated glTF scenes and finished frames with pins placed on the screen.
+//!
+//! The stages stand in data-flow order; each is a function from plain data to plain data:
+//!
+//! ```text
+//! scene.glb ─scene─▶ Scene ─pose─▶ Pose ─screen─▶ ScreenMesh ─lattice─▶ Embedding ─┐
+//! shot.toml ─shot──▶ Shot ──keys at a time──────▶ PinTargets ──────────────────────┤
+//!                                                                                  ▼
+//! frame.exr ◀─image─ Frame ◀─raster─ Geometry ◀─ Lattice (solved) ◀──── solve ──▶ SolveReport
+//! ```
+//!
+//! The method is lp-FFD: Fukusato, Maejima and Igarashi, "Locality-Preserving Free-Form
+//! Deformation", 2024, <https://arxiv.org/abs/2405.07450>. `docs/METHOD.md` maps its equations to files.
+
+pub mod space;
+
+pub mod scene;
+
+pub mod pose;
+
+pub mod screen;
+
+pub mod lattice;
+
+pub mod shot;
+
+pub mod solve;
+
+pub mod raster;
+
+pub mod image;
+
+pub mod pipeline;
+
+pub mod cli;

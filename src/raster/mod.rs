@@ -1,0 +1,159 @@
+//! Stage 7: warped geometry becomes a [`Frame`].
+//!
+//! A [`Raster`] is opened once for a scene's materials, then draws frames: `start`, one `draw` a sample pass, `finish`.
+//! [`cpu`] is the reference in safe Rust; [`vulkan`] draws the same picture on a device. Functions of the same name
+//! in `shaders/` and `raster/cpu/` compute the same thing.
+
+pub mod cpu;
+pub mod vulkan;
+
+mod error;
+
+pub use error::RasterError;
+
+use crate::image::Frame;
+use crate::pose::PosedLight;
+use crate::space::{FrameSize, PixelRect, ScenePoint};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
+
+/// One vertex, ready to draw. Everything but `screen`, `next` and `previous` is unwarped.
+///
+/// Interpolation over a triangle is perspective-correct with `screen.w` for all fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RasterVertex {
+    /// Warped homogeneous screen position (x·w, y·w, z·w, w); w > 0; x, y in frame heights, y up;
+    /// z in 0..=1, **1 at the near plane** (reversed), linear on the screen.
+    pub screen: [f32; 4],
+    /// Scene position.
+    pub position: [f32; 3],
+    /// Distance along the view axis, metres.
+    pub depth: f32,
+    /// Scene normal (not unit after interpolation).
+    pub normal: [f32; 3],
+    /// Warped homogeneous screen position one frame later: (x·w, y·w, w) with that frame's w.
+    pub next: [f32; 3],
+    /// The same, one frame earlier.
+    pub previous: [f32; 3],
+    /// Scene tangent, w = handedness; zero where there is none.
+    pub tangent: [f32; 4],
+    /// TEXCOORD_0 (u, v) and TEXCOORD_1 (u, v).
+    pub uv: [f32; 4],
+    /// Linear vertex colour.
+    pub color: [f32; 4],
+}
+
+/// Triangles that share a material and ids; drawn in the order given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draw {
+    /// Corners as a range of [`Geometry::indices`], three a triangle.
+    pub indices: std::ops::Range<u32>,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// 1 + index of the layer in the shot; 0 where no layer claims the mesh.
+    pub layer_id: u32,
+    /// 1 + index of the node in the scene.
+    pub object_id: u32,
+    /// The node mirrors the part: front faces are clockwise.
+    pub is_mirrored: bool,
+}
+
+/// Everything drawn at one time.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Shared vertices.
+    pub vertices: Vec<RasterVertex>,
+    /// Corner indices.
+    pub indices: Vec<u32>,
+    /// Opaque and masked draws first, then blended triangles from back to front over all objects.
+    pub draws: Vec<Draw>,
+    /// Where the camera stands (perspective).
+    pub eye: ScenePoint,
+    /// Set for an orthographic camera: unit scene vector towards the viewer, used instead of `eye`.
+    pub parallel_view: Option<glam::Vec3>,
+    /// All lights.
+    pub lights: Vec<PosedLight>,
+    /// Strength of the neutral surroundings (soft light from above, grey ground); 0: none.
+    pub environment: f32,
+}
+
+/// What a sample pass contributes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PassRole {
+    /// Filtered colour only (another time than mid-shutter).
+    Beauty,
+    /// Depth, normal, motion, ids only (mid-shutter); no shading.
+    Data,
+    /// Both.
+    BeautyAndData,
+}
+
+/// One sample pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass<'a> {
+    /// What to draw.
+    pub geometry: &'a Geometry,
+    /// The picture is shifted by this many pixels, x right, y down, before sampling at pixel centres.
+    pub jitter_px: Vec2,
+    /// What it contributes to.
+    pub role: PassRole,
+}
+
+/// Which groups of channels a frame gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChannelGroup {
+    /// R G B A: half, scene-linear, associated alpha.
+    Beauty,
+    /// `depth.Z`: float, distance along the view axis; 1e10 where nothing is.
+    Depth,
+    /// `forward.u` `forward.v` `backward.u` `backward.v`: float, pixels, x right, y up; 0 where nothing is.
+    Motion,
+    /// `N.X` `N.Y` `N.Z`: float, scene space, unit, shading normal facing the viewer; 0 where nothing is.
+    Normal,
+    /// `id.layer` and `id.object`: float; 0 where nothing is.
+    Id,
+}
+
+/// What a frame is drawn into.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// The display window that screen space is measured against.
+    pub frame: FrameSize,
+    /// The pixels to draw: the frame, a tile of it, or more than it. At most [`Raster::max_side`] on a side.
+    pub window: PixelRect,
+    /// Channels wanted, in any order.
+    pub channels: Vec<ChannelGroup>,
+    /// Number of passes that contribute to beauty: each weighs 1 / this.
+    pub beauty_passes: u32,
+}
+
+/// Something that draws frames.
+///
+/// Data channels keep, per pixel, the nearest surface (greatest reversed z) over all data passes; blended surfaces
+/// count as soon as their alpha is 0.5 or more. Beauty is the mean over its passes.
+pub trait Raster {
+    /// What draws, for messages and metadata: `CPU (2 threads)`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    fn name(&self) -> String;
+
+    /// The largest width or height of a target, pixels.
+    fn max_side(&self) -> u32;
+
+    /// Begins a frame.
+    ///
+    /// # Errors
+    /// [`RasterError`] where memory or the device fails.
+    fn start(&mut self, target: &Target) -> Result<(), RasterError>;
+
+    /// Adds a pass to the frame begun.
+    ///
+    /// # Errors
+    /// [`RasterError`] where memory or the device fails.
+    fn draw(&mut self, pass: &Pass) -> Result<(), RasterError>;
+
+    /// Ends the frame: data window = the target's window, channels in the order of [`ChannelGroup`].
+    ///
+    /// # Errors
+    /// [`RasterError`] where memory or the device fails.
+    fn finish(&mut self) -> Result<Frame, RasterError>;
+}

@@ -1,0 +1,35 @@
+//! What can go wrong while a scene is loaded.
+
+use std::path::PathBuf;
+
+/// A scene that cannot be loaded. Each message says what, where and how to fix it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file (or a buffer or image beside it) cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file breaks the format.
+    #[error("{path} is not valid glTF: {what}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and where in the file.
+        what: String,
+    },
+    /// The file needs something pinwarp does not know.
+    #[error("{path} needs {what}, which is not supported; {hint}")]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The extension or feature by name.
+        what: String,
+        /// How to get on.
+        hint: String,
+    },
+}

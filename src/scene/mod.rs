@@ -1,0 +1,368 @@
+//! Stage 1: a glTF file becomes a [`Scene`] in which everything is resolved.
+//!
+//! In: a path. Out: plain data without indices into buffers, accessors, sparse parts or extensions.
+//! Later stages never see the file format.
+
+mod error;
+
+pub use error::SceneError;
+
+use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
+use std::path::PathBuf;
+
+/// A whole glTF scene. Node order: parents stand before their children.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// The file it came from.
+    pub path: PathBuf,
+    /// All nodes of the scene; a parent has a smaller index than its children.
+    pub nodes: Vec<Node>,
+    /// Meshes that nodes refer to.
+    pub meshes: Vec<Mesh>,
+    /// Skins that nodes refer to.
+    pub skins: Vec<Skin>,
+    /// Cameras that nodes refer to.
+    pub cameras: Vec<Camera>,
+    /// Lights that nodes refer to.
+    pub lights: Vec<Light>,
+    /// Materials; `materials[0]` always exists (glTF's default material stands there when the file has none).
+    pub materials: Vec<Material>,
+    /// Textures: an image with its sampler.
+    pub textures: Vec<Texture>,
+    /// Decoded images, shared by textures.
+    pub images: Vec<Image>,
+    /// Animation clips.
+    pub clips: Vec<Clip>,
+    /// What the file asked for and did not get, in the user's words; the render goes on.
+    pub warnings: Vec<String>,
+}
+
+/// One node of the hierarchy.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Name in the file, or `node_<index in the file>`.
+    pub name: String,
+    /// Index of the parent in [`Scene::nodes`].
+    pub parent: Option<usize>,
+    /// Placement relative to the parent at rest.
+    pub rest: Placement,
+    /// Index into [`Scene::meshes`].
+    pub mesh: Option<usize>,
+    /// Index into [`Scene::skins`].
+    pub skin: Option<usize>,
+    /// Index into [`Scene::cameras`].
+    pub camera: Option<usize>,
+    /// Index into [`Scene::lights`].
+    pub light: Option<usize>,
+    /// Rest weights of the mesh's morph targets (the node's own, else the mesh's); #targets.
+    pub weights: Vec<f32>,
+}
+
+/// How a node stands in its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Placement {
+    /// Translation, rotation, scale: may be animated.
+    Trs {
+        /// Metres.
+        translation: Vec3,
+        /// Unit quaternion.
+        rotation: Quat,
+        /// Factor per axis.
+        scale: Vec3,
+    },
+    /// Any affine matrix (a shear cannot be told as TRS); never animated.
+    Matrix(Mat4),
+}
+
+/// A mesh: primitives that share morph weights.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Name in the file, or `mesh_<index>`.
+    pub name: String,
+    /// One per material.
+    pub primitives: Vec<Primitive>,
+}
+
+/// Triangles of one material, in the space of their node. All per-vertex arrays are empty or #vertices long.
+#[derive(Clone, Debug, Default)]
+pub struct Primitive {
+    /// #vertices.
+    pub positions: Vec<Vec3>,
+    /// #vertices, always present: the file's, or flat normals (vertices then are not shared between triangles).
+    pub normals: Vec<Vec3>,
+    /// #vertices where the material has a normal map (the file's, or computed from the UVs); else empty. w = handedness.
+    pub tangents: Vec<Vec4>,
+    /// TEXCOORD_0 and TEXCOORD_1; each empty or #vertices.
+    pub uvs: [Vec<Vec2>; 2],
+    /// COLOR_0, linear RGBA; empty means white.
+    pub colors: Vec<Vec4>,
+    /// Joint influences, #vertices; empty where not skinned. Up to eight a vertex (JOINTS_0 and JOINTS_1).
+    pub influences: Vec<[Influence; 8]>,
+    /// Morph targets.
+    pub targets: Vec<MorphTarget>,
+    /// Corner indices, counter-clockwise seen from the front. Triangle order is the file's (strips and fans unrolled).
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+}
+
+/// A joint's share in a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Influence {
+    /// Index into the skin's joints.
+    pub joint: u16,
+    /// Share; the shares of a vertex sum to 1.
+    pub weight: f32,
+}
+
+/// Displacements of one morph target; each array is empty or #vertices long.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// Position displacements.
+    pub positions: Vec<Vec3>,
+    /// Normal displacements.
+    pub normals: Vec<Vec3>,
+    /// Tangent displacements.
+    pub tangents: Vec<Vec3>,
+}
+
+/// A skin: joints and the matrices that bring the mesh into each joint's rest space.
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    /// Indices into [`Scene::nodes`].
+    pub joints: Vec<usize>,
+    /// joint_from_mesh at rest, one a joint.
+    pub joint_from_mesh: Vec<Mat4>,
+}
+
+/// A camera; it looks along its node's −z, y up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name of the camera in the file (may be empty); shots select by node name first, then by this.
+    pub name: String,
+    /// Its lens.
+    pub lens: Lens,
+    /// Distance of the near plane, metres, > 0 for a perspective lens.
+    pub near: f32,
+}
+
+/// The projection of a camera. The frame's own aspect ratio decides the width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Full vertical field of view, radians.
+    Perspective {
+        /// Radians.
+        yfov: f32,
+    },
+    /// Half of the visible height, metres.
+    Orthographic {
+        /// Metres.
+        ymag: f32,
+    },
+}
+
+/// KHR_lights_punctual; it shines along its node's −z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Kind and shape.
+    pub kind: LightKind,
+    /// Linear RGB times intensity: lux for directional, candela for point and spot.
+    pub color: Vec3,
+    /// Distance at which it ends, metres; infinite where the file gives none.
+    pub range: f32,
+}
+
+/// Kinds of punctual light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light.
+    Directional,
+    /// Shines in all directions.
+    Point,
+    /// A cone.
+    Spot {
+        /// Half angle where the fall-off starts, radians.
+        inner: f32,
+        /// Half angle where it ends, radians.
+        outer: f32,
+    },
+}
+
+/// A metallic-roughness or unlit material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in the file (may be empty).
+    pub name: String,
+    /// Linear RGBA factor.
+    pub base_color: Vec4,
+    /// sRGB texture.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0..1.
+    pub metallic: f32,
+    /// 0..1.
+    pub roughness: f32,
+    /// Linear texture: g = roughness, b = metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the normal map's x and y.
+    pub normal_scale: f32,
+    /// Linear texture: r = occlusion.
+    pub occlusion_texture: Option<TextureRef>,
+    /// Strength of the occlusion, 0..1.
+    pub occlusion_strength: f32,
+    /// Linear RGB, emissive strength included.
+    pub emissive: Vec3,
+    /// sRGB texture.
+    pub emissive_texture: Option<TextureRef>,
+    /// How alpha is meant.
+    pub alpha: AlphaMode,
+    /// Faces show from both sides.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: base colour only, no shading.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// glTF's default material: white, fully metallic and rough, opaque.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+/// glTF's alpha modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// Alpha below the cutoff is not there, above it is fully there.
+    Mask {
+        /// Threshold.
+        cutoff: f32,
+    },
+    /// Over, sorted from back to front.
+    Blend,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`Scene::textures`].
+    pub texture: usize,
+    /// 0 or 1: which of [`Primitive::uvs`].
+    pub uv_set: usize,
+    /// KHR_texture_transform as rows of a 2x3 matrix: u' = `rows[0]`·(u, v, 1), v' = `rows[1]`·(u, v, 1).
+    pub texture_from_uv: [Vec3; 2],
+}
+
+/// An image with its sampler.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texture {
+    /// Index into [`Scene::images`].
+    pub image: usize,
+    /// How it repeats across and down.
+    pub wrap: [Wrap; 2],
+    /// Magnification: true = linear, false = nearest.
+    pub magnify: Filter,
+    /// Minification within a level.
+    pub minify: Filter,
+    /// Between levels; `None`: only level 0 is used.
+    pub mipmap: Option<Filter>,
+}
+
+/// Sampler repeat modes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// Tile.
+    Repeat,
+    /// Tile, every second one mirrored.
+    Mirror,
+    /// Hold the border.
+    Clamp,
+}
+
+/// Sampler filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// One texel.
+    Nearest,
+    /// Blend of the neighbours.
+    Linear,
+}
+
+/// A decoded image: RGBA8, rows from the top, as stored (colour images are sRGB-encoded).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Image {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+    /// RGBA, 4 * width * height bytes.
+    pub rgba: Vec<u8>,
+    /// Colour (base colour, emissive: sRGB-encoded, decode before filtering) or data (linear).
+    pub is_srgb: bool,
+}
+
+/// An animation clip.
+#[derive(Clone, Debug, Default)]
+pub struct Clip {
+    /// Name in the file, or `clip_<index>`.
+    pub name: String,
+    /// Time of the last key, seconds.
+    pub end_secs: f32,
+    /// One a node and property.
+    pub tracks: Vec<Track>,
+}
+
+/// Keys of one property of one node.
+#[derive(Clone, Debug)]
+pub struct Track {
+    /// Index into [`Scene::nodes`].
+    pub node: usize,
+    /// How values lie between keys.
+    pub interpolation: Interpolation,
+    /// Key times, seconds, strictly increasing, never empty.
+    pub times: Vec<f32>,
+    /// Values: one a key, for cubic splines three (in-tangent, value, out-tangent).
+    pub values: TrackValues,
+}
+
+/// glTF's interpolations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Hold.
+    Step,
+    /// Linear; rotations spherically.
+    Linear,
+    /// Cubic Hermite with stored tangents.
+    CubicSpline,
+}
+
+/// What a track moves.
+#[derive(Clone, Debug)]
+pub enum TrackValues {
+    /// Metres.
+    Translation(Vec<Vec3>),
+    /// Quaternions (cubic tangents are not unit).
+    Rotation(Vec<Quat>),
+    /// Factors.
+    Scale(Vec<Vec3>),
+    /// Morph weights, #targets a value.
+    Weights(Vec<f32>),
+}

@@ -1,0 +1,137 @@
+//! Stage 6: pins, handles and a shape become the lattice that bends it with the least distortion.
+//!
+//! lp-FFD: Fukusato, Maejima and Igarashi 2024, <https://arxiv.org/abs/2405.07450>.
+
+mod error;
+
+pub use error::SolveError;
+
+use crate::lattice::{Grid, Lattice};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the shape's distortion is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Energy {
+    /// The lattice's own gradient at sample points spread over the model (default; dimensionless).
+    Area,
+    /// One rotation a vertex over its edges (the paper's).
+    Edge,
+}
+
+/// What holds handles that nothing else holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Regularizer {
+    /// Distance from the rest handles (the paper's E_gr).
+    Rest,
+    /// Second differences of the handles (default).
+    Bend,
+}
+
+/// Weights of the edges in [`Energy::Edge`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum EdgeWeights {
+    /// 1 a mesh edge.
+    Uniform,
+    /// Cotangents.
+    Cot,
+}
+
+/// Settings of a solve; [`Settings::default`] is the house default, [`Settings::paper`] the paper's preset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Distortion measure.
+    pub energy: Energy,
+    /// Regulariser.
+    pub regularizer: Regularizer,
+    /// Edge weights of [`Energy::Edge`].
+    pub weights: EdgeWeights,
+}
+
+/// The shape inside the lattice: #vertices points and triangles over them (any orientation; slivers allowed).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape<const D: usize> {
+    /// Rest points, #vertices.
+    pub points: Vec<[f64; D]>,
+    /// Corners.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A point that has to go somewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointPin<const D: usize> {
+    /// Where the pinned point is at rest.
+    pub at: [f64; D],
+    /// Where it has to go.
+    pub target: [f64; D],
+    /// 0..=1, times the pin weight of the settings; a pin fades out with it.
+    pub weight: f64,
+    /// Wanted gradient at the pin (columns: images of the axes), for pins that hold a rotation and scale.
+    pub gradient: Option<[[f64; D]; D]>,
+}
+
+/// A handle that has to go somewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandlePin<const D: usize> {
+    /// Handle index.
+    pub index: usize,
+    /// Where it has to go.
+    pub target: [f64; D],
+}
+
+/// How good a solve is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SolveReport {
+    /// Distance of each pin from its target, in units of the space (screen: frame heights), as many as pins.
+    pub pin_errors: Vec<f64>,
+    /// Cells that turn over.
+    pub folded_cells: usize,
+    /// Least determinant of the gradient over the samples.
+    pub least_det: f64,
+    /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.
+    pub angular: f64,
+    /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
+    pub area: f64,
+    /// Local-global iterations run.
+    pub iterations: usize,
+    /// The last step was below the tolerance.
+    pub is_converged: bool,
+    /// What the user should know, in words (pins that contradict each other, no pins, empty shape...).
+    pub warnings: Vec<String>,
+}
+
+/// A solved lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution<const D: usize> {
+    /// The lattice.
+    pub lattice: Lattice<D>,
+    /// How good it is.
+    pub report: SolveReport,
+}
+
+/// Everything a solve needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a, const D: usize> {
+    /// The rest grid.
+    pub grid: &'a Grid<D>,
+    /// What is to keep its shape.
+    pub shape: &'a Shape<D>,
+    /// Pins.
+    pub pins: &'a [PointPin<D>],
+    /// Moved handles.
+    pub handles: &'a [HandlePin<D>],
+    /// Settings.
+    pub settings: &'a Settings,
+}
+
+/// Solves for the handles.
+///
+/// # Errors
+/// [`SolveError`] where the problem is malformed (dims, indices, non-finite numbers) or the factorisation fails.
+pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveError> {
+    let _ = problem;
+    todo!("solve helper")
+}

@@ -1,0 +1,228 @@
+//! The spaces of the program, one type each, so that a point of one cannot be passed for another.
+//!
+//! ```text
+//! scene  right-handed, y up, metres             ScenePoint, SceneVector   f32
+//! screen x right, y UP, unit = frame height     ScreenPoint, ScreenVector f64, (0,0) = lower left of the display window
+//! image  x right, y DOWN, pixels, as in files   ImagePoint                f64, pixel (i, j) has its centre at (i+.5, j+.5)
+//! ```
+//!
+//! [`FrameSize`] holds the only conversion (and the only y-flip) between screen and image.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, Vec3};
+use serde::{Deserialize, Serialize};
+use std::ops::{Add, Sub};
+
+/// A point of scene space (glTF's: right-handed, y up, metres).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct ScenePoint(pub Vec3);
+
+/// A direction or displacement of scene space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct SceneVector(pub Vec3);
+
+/// A point of screen space: x right, y up, unit = frame height, origin at the lower left of the display window.
+///
+/// A point is not a vector, and a screen point is not an image point:
+/// ```compile_fail
+/// use pinwarp::space::{ImagePoint, ScreenPoint};
+/// let wrong: ScreenPoint = ImagePoint::new(3.0, 4.0);
+/// ```
+/// ```compile_fail
+/// use pinwarp::space::ScreenPoint;
+/// let wrong = ScreenPoint::new(0.0, 0.0) + ScreenPoint::new(1.0, 1.0);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(transparent)]
+pub struct ScreenPoint(pub DVec2);
+
+/// A displacement of screen space, in frame heights, y up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(transparent)]
+pub struct ScreenVector(pub DVec2);
+
+/// A point of image space: pixels, y down, origin at the upper left corner of the display window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct ImagePoint(pub DVec2);
+
+impl ScreenPoint {
+    /// The point (x, y), in frame heights.
+    #[must_use]
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self(DVec2::new(x, y))
+    }
+}
+
+impl ScreenVector {
+    /// The displacement (x, y), in frame heights.
+    #[must_use]
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self(DVec2::new(x, y))
+    }
+}
+
+impl ImagePoint {
+    /// The point (x, y), in pixels, y down.
+    #[must_use]
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self(DVec2::new(x, y))
+    }
+}
+
+impl Sub for ScreenPoint {
+    type Output = ScreenVector;
+
+    fn sub(self, from: Self) -> ScreenVector {
+        ScreenVector(self.0 - from.0)
+    }
+}
+
+impl Add<ScreenVector> for ScreenPoint {
+    type Output = Self;
+
+    fn add(self, by: ScreenVector) -> Self {
+        Self(self.0 + by.0)
+    }
+}
+
+/// An axis-aligned box of screen space; `min` is its lower left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScreenBox {
+    /// Lower left corner.
+    pub min: ScreenPoint,
+    /// Upper right corner.
+    pub max: ScreenPoint,
+}
+
+impl ScreenBox {
+    /// The box with the given corners, in frame heights.
+    #[must_use]
+    pub const fn new(min: ScreenPoint, max: ScreenPoint) -> Self {
+        Self { min, max }
+    }
+
+    /// The smallest box around `points`; `None` where there are none.
+    pub fn around(points: impl IntoIterator<Item = ScreenPoint>) -> Option<Self> {
+        points.into_iter().map(|point| Self::new(point, point)).reduce(Self::union)
+    }
+
+    /// The smallest box that holds both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self::new(ScreenPoint(self.min.0.min(other.min.0)), ScreenPoint(self.max.0.max(other.max.0)))
+    }
+
+    /// Width and height, in frame heights.
+    #[must_use]
+    pub fn size(self) -> DVec2 {
+        self.max.0 - self.min.0
+    }
+
+    /// The middle of the box.
+    #[must_use]
+    pub fn center(self) -> ScreenPoint {
+        ScreenPoint((self.min.0 + self.max.0) * 0.5)
+    }
+
+    /// Length of the diagonal, in frame heights: the scale of the solver's tolerances.
+    #[must_use]
+    pub fn diagonal(self) -> f64 {
+        self.size().length()
+    }
+}
+
+/// The display window in pixels: what screen space is measured against.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameSize {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Width of a pixel divided by its height.
+    pub pixel_aspect: f64,
+}
+
+impl FrameSize {
+    /// A frame of square pixels.
+    #[must_use]
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixel_aspect: 1.0 }
+    }
+
+    /// Width of the frame in frame heights (1.778 for a 16:9 frame).
+    #[must_use]
+    pub fn aspect(self) -> f64 {
+        f64::from(self.width) * self.pixel_aspect / f64::from(self.height)
+    }
+
+    /// Where a screen point lies in the image. The one y-flip of the program.
+    ///
+    /// ```
+    /// use pinwarp::space::{FrameSize, ImagePoint, ScreenPoint};
+    /// let frame = FrameSize::new(1920, 1080);
+    /// assert_eq!(frame.image_from_screen(ScreenPoint::new(0.0, 1.0)), ImagePoint::new(0.0, 0.0));
+    /// ```
+    #[must_use]
+    pub fn image_from_screen(self, point: ScreenPoint) -> ImagePoint {
+        let height = f64::from(self.height);
+        ImagePoint::new(point.0.x * height / self.pixel_aspect, (1.0 - point.0.y) * height)
+    }
+
+    /// Where an image point lies on the screen; the inverse of [`Self::image_from_screen`].
+    #[must_use]
+    pub fn screen_from_image(self, point: ImagePoint) -> ScreenPoint {
+        let height = f64::from(self.height);
+        ScreenPoint::new(point.0.x * self.pixel_aspect / height, 1.0 - point.0.y / height)
+    }
+
+    /// A screen displacement in pixels, x right and **y up** (the convention of motion channels).
+    #[must_use]
+    pub fn pixels_from_screen(self, vector: ScreenVector) -> DVec2 {
+        let height = f64::from(self.height);
+        DVec2::new(vector.0.x * height / self.pixel_aspect, vector.0.y * height)
+    }
+
+    /// All pixels of the frame.
+    #[must_use]
+    pub const fn window(self) -> PixelRect {
+        PixelRect { x: 0, y: 0, width: self.width, height: self.height }
+    }
+}
+
+/// A rectangle of whole pixels in image space (y down); may lie partly or wholly outside the frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PixelRect {
+    /// Left column.
+    pub x: i32,
+    /// Top row.
+    pub y: i32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl PixelRect {
+    /// Number of pixels.
+    #[must_use]
+    pub const fn area(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screen_and_image_are_inverse_with_anamorphic_pixels() {
+        let frame = FrameSize { width: 720, height: 576, pixel_aspect: 1.4222 };
+        let point = ImagePoint::new(0.5, 575.5);
+        let screen = frame.screen_from_image(point);
+        assert!((screen.0 - DVec2::new(0.5 * 1.4222 / 576.0, 0.5 / 576.0)).length() < 1e-12);
+        assert!((frame.image_from_screen(screen).0 - point.0).length() < 1e-9);
+    }
+}
