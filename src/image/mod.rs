@@ -44,3 +44,23 @@ impl Frame {
         self.channels.iter().find(|channel| channel.name == name)
     }
 }
+
+/// EXR compressions offered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// None.
+    None,
+    /// Run lengths.
+    Rle,
+    /// Deflate, one line a block.
+    Zips,
+    /// Deflate, 16 lines a block.
+    #[default]
+    Zip,
+    /// Wavelets.
+    Piz,
+    /// DCT, lossy on colour.
+    Dwaa,
+    /// DCT, lossy on colour, large blocks.
+    Dwab,
+}

@@ -157,3 +157,15 @@ pub trait Raster {
     /// [`RasterError`] where memory or the device fails.
     fn finish(&mut self) -> Result<Frame, RasterError>;
 }
+
+/// Which device draws (`--device`).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// The best Vulkan device there is (discrete, integrated, virtual, software), else the CPU twin.
+    #[default]
+    Auto,
+    /// The CPU twin.
+    Cpu,
+    /// A Vulkan device by index or part of its name.
+    Named(String),
+}

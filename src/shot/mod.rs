@@ -6,6 +6,7 @@ mod error;
 
 pub use error::ShotError;
 
+use crate::image::Compression;
 use crate::lattice::Basis;
 use crate::raster::ChannelGroup;
 use crate::solve::Settings;
@@ -233,26 +234,6 @@ pub struct Output {
     pub channels: Vec<ChannelGroup>,
     /// EXR compression.
     pub compression: Compression,
-}
-
-/// EXR compressions offered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Compression {
-    /// None.
-    None,
-    /// Run lengths.
-    Rle,
-    /// Deflate, one line a block.
-    Zips,
-    /// Deflate, 16 lines a block.
-    #[default]
-    Zip,
-    /// Wavelets.
-    Piz,
-    /// DCT, lossy on colour.
-    Dwaa,
-    /// DCT, lossy on colour, large blocks.
-    Dwab,
 }
 
 /// What the keys say at one time: one entry a pin and a handle of the layer, in their order.
