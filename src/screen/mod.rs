@@ -1,1 +1,47 @@
-//! Stage 3: a pose seen through a camera becomes a mesh of screen space.
+//! Stage 3: a [`Pose`] seen through a camera becomes a [`ScreenMesh`]: where every vertex lies on the screen.
+//!
+//! Near-plane policy: nothing in front of the near plane exists. Triangles that cross it are cut there before anything
+//! else happens ([`clip`]), so every later stage divides by a w that is greater than zero. There is no far plane.
+
+mod bounds;
+mod camera;
+mod clip;
+mod pick;
+
+pub use bounds::{Extent, FollowWindow, bounds, reach_of_frame};
+pub use camera::{Camera, Projected, automatic};
+pub use clip::{Corner, clip_near};
+pub use pick::{Hit, pick};
+
+use crate::pose::{Pose, PosedPart};
+use crate::scene::{Primitive, Scene};
+use rayon::prelude::*;
+
+/// A pose on the screen: one part for each of [`Pose::parts`], in that order.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenMesh {
+    /// As many as the pose's parts.
+    pub parts: Vec<ScreenPart>,
+}
+
+/// The projected vertices of one posed part.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenPart {
+    /// #vertices; those nearer than the near plane are valid only as input of [`clip_near`].
+    pub vertices: Vec<Projected>,
+}
+
+/// Projects every vertex of a pose.
+#[must_use]
+pub fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
+    let part = |part: &PosedPart| ScreenPart {
+        vertices: part.positions.par_iter().with_min_len(4096).map(|&point| camera.project(point)).collect(),
+    };
+    ScreenMesh { parts: pose.parts.iter().map(part).collect() }
+}
+
+/// The primitive that a posed part was made from.
+#[must_use]
+pub fn primitive<'a>(scene: &'a Scene, part: &PosedPart) -> &'a Primitive {
+    &scene.meshes[part.mesh].primitives[part.primitive]
+}

@@ -1,0 +1,197 @@
+//! The camera: scene points to homogeneous screen points.
+//!
+//! In: the camera's place and lens, the frame. Out: [`Projected`] points, and the matrices that EXR files carry.
+
+use crate::pose::Pose;
+use crate::scene::Lens;
+use crate::space::{FrameSize, ScenePoint, ScreenPoint};
+use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
+
+/// Vertical field of view of the automatic camera, degrees: a portrait lens.
+const AUTOMATIC_YFOV_DEGREES: f64 = 30.0;
+
+/// From the middle of the scene towards the automatic camera: in front, a little to the right and above.
+const AUTOMATIC_DIRECTION: DVec3 = DVec3::new(0.35, 0.22, 1.0);
+
+/// A camera at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// view_from_scene: the camera looks along −z, y up.
+    view_from_scene: DMat4,
+    lens: Lens,
+    near: f64,
+    aspect: f64,
+}
+
+/// A projected point. Its place on the screen is `h / w`, in frame heights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Projected {
+    /// Homogeneous screen position (x·w, y·w).
+    pub h: DVec2,
+    /// Perspective: the depth; orthographic: 1.
+    pub w: f64,
+    /// Distance along the view axis, metres.
+    pub depth: f64,
+}
+
+impl Projected {
+    /// Its place on the screen; meaningful for points behind the near plane only (w > 0).
+    #[must_use]
+    pub fn point(self) -> ScreenPoint {
+        ScreenPoint(self.h / self.w)
+    }
+
+    /// The point a share `t` of the way to `other`, in scene space. Symmetric for t = 0.5.
+    #[must_use]
+    pub fn lerp(self, other: Self, t: f64) -> Self {
+        let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
+        Self { h: self.h * (1.0 - t) + other.h * t, w: mix(self.w, other.w), depth: mix(self.depth, other.depth) }
+    }
+}
+
+impl Camera {
+    /// The camera of a node placed by `scene_from_camera` (its scale is ignored, as glTF asks).
+    ///
+    /// `near` is kept above a millionth of a metre for a perspective lens.
+    #[must_use]
+    pub fn new(scene_from_camera: Mat4, lens: Lens, near: f32, frame: FrameSize) -> Self {
+        let placed = scene_from_camera.as_dmat4();
+        let axis = |column: DVec4, fallback: DVec3| column.truncate().try_normalize().unwrap_or(fallback).extend(0.0);
+        let rigid = DMat4::from_cols(
+            axis(placed.x_axis, DVec3::X),
+            axis(placed.y_axis, DVec3::Y),
+            axis(placed.z_axis, DVec3::Z),
+            placed.w_axis,
+        );
+        let near = match lens {
+            Lens::Perspective { .. } => f64::from(near).max(1e-6),
+            Lens::Orthographic { .. } => f64::from(near),
+        };
+        Self { view_from_scene: rigid.inverse(), lens, near, aspect: frame.aspect() }
+    }
+
+    /// Where a scene point lies on the screen.
+    #[must_use]
+    pub fn project(&self, point: ScenePoint) -> Projected {
+        let view = self.view_from_scene.transform_point3(point.0.as_dvec3());
+        let depth = -view.z;
+        let w = match self.lens {
+            Lens::Perspective { .. } => depth,
+            Lens::Orthographic { .. } => 1.0,
+        };
+        let half = DVec2::new(self.aspect * 0.5, 0.5);
+        Projected { h: view.truncate() * (0.5 * self.zoom()) + half * w, w, depth }
+    }
+
+    /// Half frame heights a metre at depth 1.
+    fn zoom(&self) -> f64 {
+        match self.lens {
+            Lens::Perspective { yfov } => 1.0 / (f64::from(yfov) * 0.5).tan(),
+            Lens::Orthographic { ymag } => 1.0 / f64::from(ymag),
+        }
+    }
+
+    /// Distance of the near plane, metres.
+    #[must_use]
+    pub const fn near(&self) -> f64 {
+        self.near
+    }
+
+    /// Whether the lens is orthographic.
+    #[must_use]
+    pub const fn is_parallel(&self) -> bool {
+        matches!(self.lens, Lens::Orthographic { .. })
+    }
+
+    /// Where the camera stands.
+    #[must_use]
+    pub fn eye(&self) -> ScenePoint {
+        ScenePoint(self.scene_from_view().w_axis.truncate().as_vec3())
+    }
+
+    /// Unit scene vector from the scene towards the viewer along the view axis.
+    #[must_use]
+    pub fn towards_viewer(&self) -> Vec3 {
+        self.scene_from_view().z_axis.truncate().as_vec3()
+    }
+
+    /// scene_from_view: the camera's own axes and place.
+    #[must_use]
+    pub fn scene_from_view(&self) -> DMat4 {
+        self.view_from_scene.inverse()
+    }
+
+    /// The matrix EXR calls worldToCamera (column vectors; the camera looks along −z, y up).
+    #[must_use]
+    pub const fn view_from_scene(&self) -> DMat4 {
+        self.view_from_scene
+    }
+
+    /// The matrix EXR calls worldToNDC: after division by w, x and y are −1..1 over the frame, z is −1 at the near
+    /// plane and tends to 1.
+    #[must_use]
+    pub fn ndc_from_scene(&self) -> DMat4 {
+        let (zoom, near) = (self.zoom(), self.near);
+        let (depth_row, w_row) = match self.lens {
+            Lens::Perspective { .. } => (DVec4::new(0.0, 0.0, -1.0, -2.0 * near), DVec4::new(0.0, 0.0, -1.0, 0.0)),
+            Lens::Orthographic { .. } => (DVec4::new(0.0, 0.0, -1.0, -1.0 - near), DVec4::W),
+        };
+        let rows = DMat4::from_cols(DVec4::X * (zoom / self.aspect), DVec4::Y * zoom, depth_row, w_row);
+        rows.transpose() * self.view_from_scene
+    }
+}
+
+/// A camera that shows all of `poses`, for scenes that bring none; `None` where nothing can be seen.
+#[must_use]
+pub fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
+    let points =
+        || poses.iter().flat_map(|pose| &pose.parts).flat_map(|part| &part.positions).map(|point| point.0.as_dvec3());
+    let low = points().reduce(DVec3::min)?;
+    let high = points().reduce(DVec3::max)?;
+    let center = (low + high) * 0.5;
+    let radius = points().map(|point| point.distance(center)).fold(1e-3, f64::max);
+    let yfov = AUTOMATIC_YFOV_DEGREES.to_radians();
+    // The narrower of the two half angles has to hold the bounding sphere, with a little air.
+    let half_angle = (yfov * 0.5).tan().min((yfov * 0.5).tan() * frame.aspect()).atan();
+    let distance = 1.05 * radius / half_angle.sin();
+    let back = AUTOMATIC_DIRECTION.normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let scene_from_view = DMat4::from_cols(
+        right.extend(0.0),
+        back.cross(right).extend(0.0),
+        back.extend(0.0),
+        (center + back * distance).extend(1.0),
+    );
+    let lens = Lens::Perspective { yfov: yfov as f32 };
+    Some(Camera::new(scene_from_view.as_mat4(), lens, (distance * 0.01) as f32, frame))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn at_origin(lens: Lens) -> Camera {
+        Camera::new(Mat4::from_scale(Vec3::splat(3.0)), lens, 0.1, FrameSize::new(1920, 1080))
+    }
+
+    #[test]
+    fn frame_height_at_the_field_of_view_is_one() {
+        let camera = at_origin(Lens::Perspective { yfov: 1.0 });
+        let top = camera.project(ScenePoint(Vec3::new(0.0, 2.0 * 0.5_f32.tan(), -2.0)));
+        assert!((top.point().0 - DVec2::new(16.0 / 18.0, 1.0)).length() < 1e-6);
+        assert!((top.depth - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn ndc_matrix_agrees_with_the_projection() {
+        for lens in [Lens::Perspective { yfov: 0.7 }, Lens::Orthographic { ymag: 2.5 }] {
+            let camera = at_origin(lens);
+            let point = Vec3::new(0.3, -0.8, -4.0);
+            let ndc = camera.ndc_from_scene() * point.as_dvec3().extend(1.0);
+            let screen = camera.project(ScenePoint(point)).point().0;
+            let from_ndc = DVec2::new((ndc.x / ndc.w + 1.0) * 0.5 * 16.0 / 9.0, (ndc.y / ndc.w + 1.0) * 0.5);
+            assert!((screen - from_ndc).length() < 1e-6, "{lens:?}: {screen} {from_ndc}");
+        }
+    }
+}
