@@ -5,6 +5,7 @@
 //! in `shaders/` and `raster/cpu/` compute the same thing.
 
 pub mod cpu;
+pub mod geometry;
 pub mod vulkan;
 
 mod error;

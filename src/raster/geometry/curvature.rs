@@ -1,0 +1,113 @@
+//! How strongly a lattice bends, as a table that answers "may this edge stay one straight line?".
+//!
+//! In: a lattice. Out: an upper estimate of the second derivative of its warp over any square of the screen.
+
+use crate::lattice::ScreenLattice;
+use crate::space::ScreenPoint;
+use glam::{DMat2, DVec2};
+
+/// An edge may stray this far from its warped curve, in frame heights: a twentieth of a pixel at 1000 lines.
+const TOLERANCE: f64 = 5e-5;
+
+/// Edges shorter than this stay, however strong the warp: a pixel at 1000 lines. It bounds the number of pieces.
+const MIN_LENGTH: f64 = 1e-3;
+
+/// The greatest second derivative in each cell of a regular table over the lattice box, and the same for 2x2 blocks of
+/// cells, and so on up to one block.
+pub(super) struct Curvature {
+    lo: DVec2,
+    size: DVec2,
+    /// `levels[l]` holds blocks of 2^l cells a side; `side >> l` of them, rows from below.
+    levels: Vec<Vec<f64>>,
+    side: usize,
+    /// Greatest jump of the gradient across the border of the box.
+    kink: f64,
+}
+
+impl Curvature {
+    /// Samples a lattice at twice the density of its handles.
+    pub(super) fn of(lattice: &ScreenLattice) -> Self {
+        let side = (2 * lattice.grid.dims[0].max(lattice.grid.dims[1])).next_power_of_two().clamp(16, 128);
+        let lo = DVec2::from_array(lattice.grid.lo);
+        let size = DVec2::from_array(lattice.grid.hi) - lo;
+        let place = |i: usize, j: usize| lo + size * (DVec2::new(i as f64, j as f64) / side as f64);
+        let row = |j: usize| (0..=side).map(move |i| lattice.jacobian(ScreenPoint(place(i, j)))).collect::<Vec<_>>();
+        let gradients: Vec<Vec<DMat2>> = (0..=side).map(row).collect();
+        let step = size / side as f64;
+        let cells = (0..side * side)
+            .map(|cell| {
+                let (i, j) = (cell % side, cell / side);
+                let [a, b, c, d] = [gradients[j][i], gradients[j][i + 1], gradients[j + 1][i], gradients[j + 1][i + 1]];
+                let across = change(a, b).max(change(c, d)) / step.x;
+                let up = change(a, c).max(change(b, d)) / step.y;
+                across.max(up)
+            })
+            .collect();
+        let border = (0..=side).flat_map(|k| [(0, k), (side, k), (k, 0), (k, side)]);
+        let kink = border.map(|(i, j)| change(gradients[j][i], DMat2::IDENTITY)).fold(0.0, f64::max);
+        Self { lo, size, levels: pyramid(cells, side), side, kink }
+    }
+
+    /// Whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.
+    ///
+    /// The square around the edge's disc is looked at, not the edge alone: the discs over a triangle's three sides
+    /// cover the triangle, so a triangle whose edges may all stay is flat inside, too.
+    pub(super) fn bends(&self, a: DVec2, b: DVec2) -> bool {
+        let length = a.distance(b);
+        if length < MIN_LENGTH {
+            return false;
+        }
+        let strays = self.greatest((a + b) * 0.5, length * 0.5) * length * length / 8.0;
+        let crosses = self.holds(a) != self.holds(b);
+        let kinks = if crosses { self.kink * length / 4.0 } else { 0.0 };
+        strays.max(kinks) > TOLERANCE
+    }
+
+    fn holds(&self, point: DVec2) -> bool {
+        let t = (point - self.lo) / self.size;
+        t.cmpge(DVec2::ZERO).all() && t.cmple(DVec2::ONE).all()
+    }
+
+    /// The greatest second derivative in the square around `center`.
+    fn greatest(&self, center: DVec2, half: f64) -> f64 {
+        let cells = self.side as f64 / self.size;
+        let low = (center - half - self.lo) * cells;
+        let high = (center + half - self.lo) * cells;
+        let last = self.side as f64;
+        if high.cmplt(DVec2::ZERO).any() || low.cmpgt(DVec2::splat(last)).any() {
+            return 0.0;
+        }
+        let first = low.clamp(DVec2::ZERO, DVec2::splat(last - 1.0)).as_usizevec2();
+        let end = high.clamp(DVec2::ZERO, DVec2::splat(last - 1.0)).as_usizevec2();
+        let span = (end - first).max_element() + 1;
+        let level = (span.next_power_of_two().trailing_zeros() as usize).min(self.levels.len() - 1);
+        let width = self.side >> level;
+        let rows = first.y >> level..=end.y >> level;
+        rows.flat_map(|j| (first.x >> level..=end.x >> level).map(move |i| self.levels[level][i + width * j]))
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Greatest change of an entry-wise norm between two gradients.
+fn change(a: DMat2, b: DMat2) -> f64 {
+    let difference = a - b;
+    (difference.x_axis.length_squared() + difference.y_axis.length_squared()).sqrt()
+}
+
+/// Greatest values over blocks of 1, 2, 4, ... cells a side.
+fn pyramid(cells: Vec<f64>, side: usize) -> Vec<Vec<f64>> {
+    let mut levels = vec![cells];
+    let mut width = side;
+    while width > 1 {
+        let below = &levels[levels.len() - 1];
+        let block = |k: usize| {
+            let (i, j) = (2 * (k % (width / 2)), 2 * (k / (width / 2)));
+            let at = |di: usize, dj: usize| below[i + di + width * (j + dj)];
+            at(0, 0).max(at(1, 0)).max(at(0, 1)).max(at(1, 1))
+        };
+        let level = (0..(width / 2) * (width / 2)).map(block).collect();
+        width /= 2;
+        levels.push(level);
+    }
+    levels
+}

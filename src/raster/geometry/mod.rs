@@ -1,0 +1,106 @@
+//! Builds the [`Geometry`] of one time: vertices placed on the screen, cut at the near plane, long edges split, warped.
+//!
+//! In: the scene, its pose and projection now, one frame later and one earlier, and a lattice a part.
+//! Out: what a raster draws. Only places on the screen are warped; depth, normals and lighting stay the scene's own.
+
+mod curvature;
+mod sort;
+mod split;
+mod vertex;
+
+use super::{Draw, Geometry};
+use crate::lattice::ScreenLattice;
+use crate::pose::{Pose, PosedLight};
+use crate::scene::{AlphaMode, Scene};
+use crate::screen::{Camera, ScreenMesh, primitive};
+use curvature::Curvature;
+use rayon::prelude::*;
+use split::Splitter;
+use vertex::{DepthRange, Loose};
+
+/// The scene on the screen at one time, with its solved lattices.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// The pose.
+    pub pose: &'a Pose,
+    /// The same pose, projected.
+    pub mesh: &'a ScreenMesh,
+    /// The camera it was projected with.
+    pub camera: &'a Camera,
+    /// One a part of the pose: the lattice that warps it, if any.
+    pub lattices: &'a [Option<&'a ScreenLattice>],
+}
+
+/// What [`assemble`] needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Assembly<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The time to draw.
+    pub now: Moment<'a>,
+    /// One frame later, then one frame earlier; `None` where motion is not wanted (it is then zero).
+    pub neighbours: Option<[Moment<'a>; 2]>,
+    /// One a part: 1 + index of the layer, 0 for none.
+    pub layer_ids: &'a [u32],
+    /// All lights.
+    pub lights: &'a [PosedLight],
+    /// Strength of the neutral surroundings.
+    pub environment: f32,
+}
+
+/// One part, ready to be joined with the others.
+struct BuiltPart {
+    vertices: Vec<super::RasterVertex>,
+    triangles: Vec<[u32; 3]>,
+    /// Its indices are filled in when the parts are joined.
+    draw: Draw,
+    is_blended: bool,
+}
+
+/// Builds the geometry of one time.
+#[must_use]
+pub fn assemble(assembly: &Assembly) -> Geometry {
+    let camera = assembly.now.camera;
+    let range = DepthRange::of(assembly.now.mesh, camera);
+    let parts: Vec<BuiltPart> =
+        (0..assembly.now.pose.parts.len()).into_par_iter().map(|part| build(assembly, part, range)).collect();
+    let mut geometry = Geometry {
+        eye: camera.eye(),
+        parallel_view: camera.is_parallel().then(|| camera.towards_viewer()),
+        lights: assembly.lights.to_vec(),
+        environment: assembly.environment,
+        ..Geometry::default()
+    };
+    sort::join(parts, &mut geometry);
+    geometry
+}
+
+/// Places, cuts, splits and warps one part.
+fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
+    let Assembly { scene, now, neighbours, .. } = *assembly;
+    let posed = &now.pose.parts[part];
+    let source = primitive(scene, posed);
+    let lattice = now.lattices[part];
+    let curvature = lattice.map(Curvature::of);
+    let mut splitter = Splitter::new(vertex::gather(assembly, part), curvature.as_ref());
+    for corners in &source.triangles {
+        splitter.add(*corners, now.camera.near());
+    }
+    let (loose, triangles) = splitter.finish();
+    let lattices =
+        [lattice, neighbours.and_then(|n| n[0].lattices[part]), neighbours.and_then(|n| n[1].lattices[part])];
+    let warped = |loose: &Loose| loose.warped(lattices, range);
+    let material = &scene.materials[source.material];
+    BuiltPart {
+        vertices: loose.par_iter().with_min_len(2048).map(warped).collect(),
+        triangles,
+        draw: Draw {
+            indices: 0..0,
+            material: source.material as u32,
+            layer_id: assembly.layer_ids[part],
+            object_id: posed.node as u32 + 1,
+            is_mirrored: posed.is_mirrored,
+        },
+        is_blended: material.alpha == AlphaMode::Blend,
+    }
+}
