@@ -2,8 +2,18 @@
 //!
 //! In: a rest box, dims, a basis and moved handles. Out: weights, gradients, warped points.
 
-use crate::space::{ScreenBox, ScreenPoint};
-use glam::DMat2;
+mod axis;
+mod error;
+mod folds;
+mod forward;
+mod grid;
+
+pub use axis::{AxisTerms, MAX_HANDLES};
+pub use error::LatticeError;
+pub use forward::Carried;
+pub use grid::Term;
+
+use crate::space::ScreenBox;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,32 +61,5 @@ impl Grid<2> {
     #[must_use]
     pub fn over(bounds: ScreenBox, dims: [usize; 2], basis: Basis) -> Self {
         Self { dims, basis, lo: bounds.min.0.to_array(), hi: bounds.max.0.to_array() }
-    }
-
-    /// The lattice whose handles are at rest: it warps nothing.
-    #[must_use]
-    pub fn at_rest(&self) -> ScreenLattice {
-        todo!("lattice helper")
-    }
-}
-
-impl Lattice<2> {
-    /// Where the lattice carries a point. Outside the box: the displacement of the nearest box point.
-    #[must_use]
-    pub fn warp(&self, point: ScreenPoint) -> ScreenPoint {
-        point
-    }
-
-    /// The gradient of [`Self::warp`] at a point (identity-like outside the box).
-    #[must_use]
-    pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
-        let _ = point;
-        DMat2::IDENTITY
-    }
-
-    /// Cells between handles (column, row), 0..dims−1, in which the warp turns over (det J ≤ 0 at any probe point).
-    #[must_use]
-    pub fn folded_cells(&self) -> Vec<[usize; 2]> {
-        Vec::new()
     }
 }

@@ -1,0 +1,126 @@
+//! Basis functions of one axis: value and slope at a coordinate t of the unit interval.
+//!
+//! In: basis, number of handles n, t (0 and 1 are the ends of the box; other values extend the end polynomials).
+//! Out: the functions that are not zero there. Slopes are per unit of t.
+
+use super::Basis;
+
+/// Most handles an axis may have.
+pub const MAX_HANDLES: usize = 64;
+
+/// C(n, i) for n < 64: exact up to 2^53, within an ulp or two beyond.
+static BINOMIALS: [[f64; MAX_HANDLES]; MAX_HANDLES] = binomials();
+
+const fn binomials() -> [[f64; MAX_HANDLES]; MAX_HANDLES] {
+    let mut table = [[0.0; MAX_HANDLES]; MAX_HANDLES];
+    let mut n = 0;
+    while n < MAX_HANDLES {
+        table[n][0] = 1.0;
+        let mut i = 1;
+        while i <= n {
+            table[n][i] = table[n - 1][i - 1] + if i < n { table[n - 1][i] } else { 0.0 };
+            i += 1;
+        }
+        n += 1;
+    }
+    table
+}
+
+/// The functions of one axis that are not zero at a coordinate: handles `first..first + len`.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisTerms {
+    /// First handle on this axis.
+    pub first: usize,
+    /// How many handles act.
+    len: usize,
+    values: [f64; MAX_HANDLES],
+    slopes: [f64; MAX_HANDLES],
+}
+
+impl AxisTerms {
+    /// Evaluates the functions of an axis with `count` handles at `t`.
+    ///
+    /// Barycentric cells are no product of axes; here they count as bilinear ones.
+    #[must_use]
+    pub fn at(basis: Basis, count: usize, t: f64) -> Self {
+        match basis {
+            Basis::Bernstein => bernstein(count, t),
+            Basis::Bspline => bspline(count, t),
+            Basis::Bilinear | Basis::Barytri => linear(count, t),
+        }
+    }
+
+    /// Values, one a handle from `first` on.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.len]
+    }
+
+    /// Slopes per unit of t, one a handle from `first` on.
+    #[must_use]
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes[..self.len]
+    }
+}
+
+/// Cell of a piecewise basis: its number and the place within it (0..=1 inside the box).
+pub(super) fn cell(spans: usize, t: f64) -> (usize, f64) {
+    let x = t * spans as f64;
+    let cell = (x.floor().max(0.0) as usize).min(spans - 1);
+    (cell, x - cell as f64)
+}
+
+/// Bernstein polynomials of degree count − 1 (paper, equation 2, with the degree put right).
+///
+/// Powers times binomials: every term is a product, so nothing cancels at any degree.
+fn bernstein(count: usize, t: f64) -> AxisTerms {
+    let degree = count - 1;
+    let (mut up, mut down) = ([1.0; MAX_HANDLES], [1.0; MAX_HANDLES]);
+    for i in 1..count {
+        up[i] = up[i - 1] * t;
+        down[i] = down[i - 1] * (1.0 - t);
+    }
+    let mut terms = AxisTerms { first: 0, len: count, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    for i in 0..count {
+        terms.values[i] = BINOMIALS[degree][i] * up[i] * down[degree - i];
+    }
+    // B_i' = m (b_{i−1} − b_i), b the polynomials of one degree less.
+    for i in 0..degree {
+        let lower = degree as f64 * BINOMIALS[degree - 1][i] * up[i] * down[degree - 1 - i];
+        terms.slopes[i] -= lower;
+        terms.slopes[i + 1] += lower;
+    }
+    terms
+}
+
+/// Uniform cubic B-spline with count − 3 spans.
+fn bspline(count: usize, t: f64) -> AxisTerms {
+    let spans = count - 3;
+    let (first, u) = cell(spans, t);
+    let v = 1.0 - u;
+    let mut terms = AxisTerms { first, len: 4, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    terms.values[..4].copy_from_slice(&[
+        v * v * v / 6.0,
+        (u * u * (3.0 * u - 6.0) + 4.0) / 6.0,
+        (v * v * (3.0 * v - 6.0) + 4.0) / 6.0,
+        u * u * u / 6.0,
+    ]);
+    let scale = spans as f64 / 2.0;
+    terms.slopes[..4].copy_from_slice(&[
+        -v * v * scale,
+        u * (3.0 * u - 4.0) * scale,
+        -v * (3.0 * v - 4.0) * scale,
+        u * u * scale,
+    ]);
+    terms
+}
+
+/// Hat functions.
+fn linear(count: usize, t: f64) -> AxisTerms {
+    let spans = count - 1;
+    let (first, u) = cell(spans, t);
+    let mut terms = AxisTerms { first, len: 2, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    terms.values[..2].copy_from_slice(&[1.0 - u, u]);
+    terms.slopes[..2].copy_from_slice(&[-(spans as f64), spans as f64]);
+    terms
+}

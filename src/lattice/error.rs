@@ -1,0 +1,33 @@
+//! What can be wrong with a grid.
+
+/// A grid that cannot carry a lattice.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LatticeError {
+    /// Too few or too many handles on an axis.
+    #[error(
+        "the lattice has {found} handles on axis {axis}, but the {basis:?} basis needs {least} to {most}; change `dims`"
+    )]
+    Dims {
+        /// Axis, 0 = x.
+        axis: usize,
+        /// Handles asked for.
+        found: usize,
+        /// Fewest the basis works with.
+        least: usize,
+        /// Most that are supported.
+        most: usize,
+        /// The basis.
+        basis: super::Basis,
+    },
+    /// The box has no extent, or a corner is not a number.
+    #[error("the lattice box spans {lo} to {hi} on axis {axis}; give it a finite size above zero")]
+    Box {
+        /// Axis, 0 = x.
+        axis: usize,
+        /// Lower bound.
+        lo: f64,
+        /// Upper bound.
+        hi: f64,
+    },
+}

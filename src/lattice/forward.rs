@@ -1,0 +1,107 @@
+//! The forward free-form deformation: where a lattice carries points, and its gradient.
+//!
+//! In: moved handles and a point. Out: v = Σ_h W_h P_h (paper, equation 1) and J = Σ_h P_h ∇W_hᵀ, J[row][column].
+
+use super::axis::AxisTerms;
+use super::{Basis, Grid, Lattice};
+use crate::space::ScreenPoint;
+use glam::{DMat2, DVec2};
+
+/// A point's image and the gradient there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried<const D: usize> {
+    /// Image of the point.
+    pub point: [f64; D],
+    /// Gradient, `[row][column]`: column c is the image of axis c.
+    pub gradient: [[f64; D]; D],
+}
+
+impl<const D: usize> Lattice<D> {
+    /// Image of a point without any rule for the outside: the polynomial as it is.
+    #[must_use]
+    pub fn carry(&self, point: [f64; D]) -> [f64; D] {
+        let mut image = [0.0; D];
+        self.grid.visit(point, |term| {
+            let handle = self.handles[term.handle];
+            for axis in 0..D {
+                image[axis] += term.weight * handle[axis];
+            }
+        });
+        image
+    }
+
+    /// Image and gradient of a point, without any rule for the outside.
+    #[must_use]
+    pub fn carry_with_gradient(&self, point: [f64; D]) -> Carried<D> {
+        let mut carried = Carried { point: [0.0; D], gradient: [[0.0; D]; D] };
+        self.grid.visit(point, |term| {
+            let handle = self.handles[term.handle];
+            for row in 0..D {
+                carried.point[row] += term.weight * handle[row];
+                for column in 0..D {
+                    carried.gradient[row][column] += term.gradient[column] * handle[row];
+                }
+            }
+        });
+        carried
+    }
+}
+
+impl Lattice<2> {
+    /// Where the lattice carries a point. Outside the box: the displacement of the nearest box point.
+    #[must_use]
+    pub fn warp(&self, point: ScreenPoint) -> ScreenPoint {
+        let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
+        let image = if self.grid.basis == Basis::Barytri {
+            DVec2::from(self.carry(inside.to_array()))
+        } else {
+            sum_rows(self, &self.grid.axes(inside.to_array()))
+        };
+        ScreenPoint(point.0 + (image - inside))
+    }
+
+    /// The gradient of [`Self::warp`] at a point (on an axis along which it lies outside the box: the identity's).
+    #[must_use]
+    pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
+        let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
+        let at_border = if self.grid.basis == Basis::Barytri {
+            let [[xx, xy], [yx, yy]] = self.carry_with_gradient(inside.to_array()).gradient;
+            DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]])
+        } else {
+            gradient_of_rows(&self.grid, &self.handles, &self.grid.axes(inside.to_array()))
+        };
+        let x_axis = if inside.x == point.0.x { at_border.x_axis } else { DVec2::X };
+        let y_axis = if inside.y == point.0.y { at_border.y_axis } else { DVec2::Y };
+        DMat2::from_cols(x_axis, y_axis)
+    }
+}
+
+/// Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product a handle.
+fn sum_rows(lattice: &Lattice<2>, [x, y]: &[AxisTerms; 2]) -> DVec2 {
+    let width = lattice.grid.dims[0];
+    let mut image = DVec2::ZERO;
+    for (row, weight) in y.values().iter().enumerate() {
+        let start = (y.first + row) * width + x.first;
+        let handles = &lattice.handles[start..start + x.values().len()];
+        let sum: DVec2 = handles.iter().zip(x.values()).map(|(&handle, &w)| DVec2::from(handle) * w).sum();
+        image += sum * *weight;
+    }
+    image
+}
+
+/// The gradient from the axes' functions.
+fn gradient_of_rows(grid: &Grid<2>, handles: &[[f64; 2]], [x, y]: &[AxisTerms; 2]) -> DMat2 {
+    let width = grid.dims[0];
+    let mut columns = [DVec2::ZERO; 2];
+    for (row, (value, slope)) in y.values().iter().zip(y.slopes()).enumerate() {
+        let start = (y.first + row) * width + x.first;
+        let (mut sum, mut slant) = (DVec2::ZERO, DVec2::ZERO);
+        for (i, &handle) in handles[start..start + x.values().len()].iter().enumerate() {
+            sum += DVec2::from(handle) * x.values()[i];
+            slant += DVec2::from(handle) * x.slopes()[i];
+        }
+        columns[0] += slant * *value;
+        columns[1] += sum * *slope;
+    }
+    DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1))
+}

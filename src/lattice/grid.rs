@@ -1,0 +1,199 @@
+//! Grids at rest: checks, rest handles, and the weight and gradient of every handle at a point.
+//!
+//! In: dims, basis, box. Out: rows of W and ∇W (sparse where the basis is local).
+
+use super::axis::{self, AxisTerms, MAX_HANDLES};
+use super::{Basis, Grid, Lattice, LatticeError};
+
+/// What one handle contributes at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term<const D: usize> {
+    /// Handle index.
+    pub handle: usize,
+    /// Its weight; all weights at a point add up to 1.
+    pub weight: f64,
+    /// Gradient of the weight, per unit of space.
+    pub gradient: [f64; D],
+}
+
+impl Basis {
+    /// Fewest handles an axis may have.
+    #[must_use]
+    pub fn least_handles(self) -> usize {
+        if self == Self::Bspline { 4 } else { 2 }
+    }
+
+    /// Pieces an axis of `count` handles is made of; Bernstein counts its control intervals.
+    #[must_use]
+    pub fn spans(self, count: usize) -> usize {
+        if self == Self::Bspline { count - 3 } else { count - 1 }
+    }
+
+    /// Each handle acts on a few cells only.
+    #[must_use]
+    pub fn is_local(self) -> bool {
+        self != Self::Bernstein
+    }
+}
+
+impl<const D: usize> Grid<D> {
+    /// Checks dims and box.
+    ///
+    /// # Errors
+    /// [`LatticeError`], naming the axis.
+    pub fn check(&self) -> Result<(), LatticeError> {
+        let least = self.basis.least_handles();
+        for axis in 0..D {
+            let found = self.dims[axis];
+            if !(least..=MAX_HANDLES).contains(&found) {
+                return Err(LatticeError::Dims { axis, found, least, most: MAX_HANDLES, basis: self.basis });
+            }
+            let (lo, hi) = (self.lo[axis], self.hi[axis]);
+            if !((hi - lo).is_normal() && hi > lo && lo.is_finite()) {
+                return Err(LatticeError::Box { axis, lo, hi });
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of handles.
+    #[must_use]
+    pub fn handle_count(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Extent of the box on an axis.
+    #[must_use]
+    pub fn size(&self, axis: usize) -> f64 {
+        self.hi[axis] - self.lo[axis]
+    }
+
+    /// Length of the diagonal of the box.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        (0..D).map(|axis| self.size(axis).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Distance of two rest handles along an axis.
+    #[must_use]
+    pub fn pitch(&self, axis: usize) -> f64 {
+        self.size(axis) / self.basis.spans(self.dims[axis]) as f64
+    }
+
+    /// Step of the handle index along an axis.
+    #[must_use]
+    pub fn stride(&self, axis: usize) -> usize {
+        self.dims[..axis].iter().product()
+    }
+
+    /// Column, row (and layer) of a handle.
+    #[must_use]
+    pub fn place(&self, index: usize) -> [usize; D] {
+        std::array::from_fn(|axis| index / self.stride(axis) % self.dims[axis])
+    }
+
+    /// Where a handle rests; B-spline handles start one pitch outside the box.
+    #[must_use]
+    pub fn rest_handle(&self, index: usize) -> [f64; D] {
+        let place = self.place(index);
+        let shift = if self.basis == Basis::Bspline { 1.0 } else { 0.0 };
+        std::array::from_fn(|axis| self.lo[axis] + (place[axis] as f64 - shift) * self.pitch(axis))
+    }
+
+    /// All rest handles, in index order.
+    #[must_use]
+    pub fn rest_handles(&self) -> Vec<[f64; D]> {
+        (0..self.handle_count()).map(|index| self.rest_handle(index)).collect()
+    }
+
+    /// The lattice whose handles are at rest: it warps nothing.
+    #[must_use]
+    pub fn at_rest(&self) -> Lattice<D> {
+        Lattice { grid: self.clone(), handles: self.rest_handles() }
+    }
+
+    /// Coordinates of a point in the box, 0 to 1 an axis; not clamped.
+    #[must_use]
+    pub fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
+        std::array::from_fn(|axis| {
+            let size = self.size(axis);
+            if size > 0.0 { (point[axis] - self.lo[axis]) / size } else { 0.0 }
+        })
+    }
+
+    /// The point of the box that is nearest to `point`.
+    #[must_use]
+    pub fn nearest_in_box(&self, point: [f64; D]) -> [f64; D] {
+        std::array::from_fn(|axis| point[axis].max(self.lo[axis]).min(self.hi[axis]))
+    }
+
+    /// Basis functions of every axis at a point.
+    pub(crate) fn axes(&self, point: [f64; D]) -> [AxisTerms; D] {
+        let unit = self.unit_from_point(point);
+        std::array::from_fn(|axis| AxisTerms::at(self.basis, self.dims[axis], unit[axis]))
+    }
+
+    /// Calls `visit` for every handle that acts at a point. Outside the box the end polynomials go on.
+    pub fn visit(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
+        if self.basis == Basis::Barytri {
+            return self.visit_simplex(point, visit);
+        }
+        let axes = self.axes(point);
+        let mut at = [0; D];
+        loop {
+            visit(self.tensor_term(&axes, at));
+            let Some(axis) = (0..D).find(|&axis| at[axis] + 1 < axes[axis].values().len()) else { return };
+            at[..axis].fill(0);
+            at[axis] += 1;
+        }
+    }
+
+    /// The product of one function an axis.
+    fn tensor_term(&self, axes: &[AxisTerms; D], at: [usize; D]) -> Term<D> {
+        let (mut handle, mut weight) = (0, 1.0);
+        let mut gradient: [f64; D] = std::array::from_fn(|axis| 1.0 / self.size(axis));
+        for axis in 0..D {
+            let value = axes[axis].values()[at[axis]];
+            handle += (axes[axis].first + at[axis]) * self.stride(axis);
+            weight *= value;
+            for (other, slot) in gradient.iter_mut().enumerate() {
+                *slot *= if other == axis { axes[axis].slopes()[at[axis]] } else { value };
+            }
+        }
+        Term { handle, weight, gradient }
+    }
+
+    /// Barycentric cells: each is cut along its diagonal (in 3D into six) by the order of the local coordinates.
+    fn visit_simplex(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
+        let unit = self.unit_from_point(point);
+        let cells: [(usize, f64); D] = std::array::from_fn(|axis| axis::cell(self.dims[axis] - 1, unit[axis]));
+        let mut order: [usize; D] = std::array::from_fn(|axis| axis);
+        order.sort_by(|&a, &b| cells[b].1.total_cmp(&cells[a].1));
+        let mut handle: usize = (0..D).map(|axis| cells[axis].0 * self.stride(axis)).sum();
+        // The path 00 → 10 → 11 takes the largest coordinate first; weights are the drops along it.
+        for corner in 0..=D {
+            let mut gradient = [0.0; D];
+            let mut weight = 1.0;
+            if corner > 0 {
+                let axis = order[corner - 1];
+                handle += self.stride(axis);
+                weight = cells[axis].1;
+                gradient[axis] = 1.0 / self.pitch(axis);
+            }
+            if corner < D {
+                let axis = order[corner];
+                weight -= cells[axis].1;
+                gradient[axis] = -1.0 / self.pitch(axis);
+            }
+            visit(Term { handle, weight, gradient });
+        }
+    }
+
+    /// The row of W at a point: handles and weights, sparse where the basis is local.
+    #[must_use]
+    pub fn weights(&self, point: [f64; D]) -> Vec<(usize, f64)> {
+        let mut row = Vec::new();
+        self.visit(point, |term| row.push((term.handle, term.weight)));
+        row
+    }
+}
