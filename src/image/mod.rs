@@ -1,6 +1,30 @@
-//! Stage 8: a [`Frame`] to and from EXR and PNG files; frame sequences.
+//! Stage 8: a [`Frame`] to and from EXR and PNG files; frame sequences; drawing on previews.
+//!
+//! In: frames and their metadata. Out: files that appear whole or not at all, with the same bytes every time.
+//! Samples that a file cannot hold are contained, never refused: [`write_exr`] says how.
+
+mod atomic;
+mod complete;
+mod error;
+mod exr_read;
+mod exr_write;
+mod metadata;
+mod preview;
+mod sequence;
+mod window;
+
+pub use complete::is_complete;
+pub use error::ImageError;
+pub use exr_read::{read_exr, read_metadata};
+pub use exr_write::write_exr;
+pub use metadata::{CameraMatrices, FrameMetadata};
+pub use preview::{Preview, preview, write_png};
+pub use sequence::SequencePath;
 
 use crate::space::PixelRect;
+
+/// Depth where nothing is, in scene units. Finite on purpose: infinities breed NaN in compositing.
+pub const EMPTY_DEPTH: f32 = 1e10;
 
 /// A picture of named channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +57,8 @@ pub enum Storage {
     Half,
     /// 32-bit float: everything that is not colour.
     Float,
-    /// 32-bit unsigned: ids of other programs.
+    /// 32-bit unsigned: ids of other programs. A sample holds the id's bits (`f32::from_bits`), since an `f32` as a
+    /// number is exact only up to 2^24; copy such samples, never compute with them.
     Uint,
 }
 
@@ -42,6 +67,26 @@ impl Frame {
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Number of samples that are not a number: a fault of the scene or the plate that is worth a warning, since
+    /// [`write_exr`] stores 0 in their place.
+    #[must_use]
+    pub fn nan_count(&self) -> usize {
+        let floats = self.channels.iter().filter(|channel| channel.storage != Storage::Uint);
+        floats.flat_map(|channel| &channel.samples).filter(|sample| sample.is_nan()).count()
+    }
+}
+
+impl Channel {
+    /// What a sample holds where nothing is: [`EMPTY_DEPTH`] for depth (`Z`, `depth.Z`), else 0.
+    #[must_use]
+    pub fn empty_value(&self) -> f32 {
+        if self.is_depth() { EMPTY_DEPTH } else { 0.0 }
+    }
+
+    fn is_depth(&self) -> bool {
+        self.name == "Z" || self.name == "depth.Z" || self.name.ends_with(".depth.Z")
     }
 }
 
@@ -63,4 +108,12 @@ pub enum Compression {
     Dwaa,
     /// DCT, lossy on colour, large blocks.
     Dwab,
+}
+
+impl Compression {
+    /// Colour comes back a little different.
+    #[must_use]
+    pub const fn is_lossy(self) -> bool {
+        matches!(self, Self::Dwaa | Self::Dwab)
+    }
 }

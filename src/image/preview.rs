@@ -1,0 +1,133 @@
+//! A frame as people look at it: 8-bit sRGB with straight alpha.
+//!
+//! In: [`Frame`] (scene-linear, associated alpha). Out: [`Preview`], the size of the display window; PNG files.
+
+use super::{Frame, ImageError, atomic};
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
+use std::io::Write;
+use std::path::Path;
+
+/// An 8-bit picture: sRGB transfer, straight (unassociated) alpha, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Preview {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Red, green, blue, alpha of each pixel: 4 × width × height bytes.
+    pub rgba: Vec<u8>,
+}
+
+impl Preview {
+    /// A picture in which everything is transparent.
+    #[must_use]
+    pub fn transparent(width: u32, height: u32) -> Self {
+        Self { width, height, rgba: vec![0; 4 * width as usize * height as usize] }
+    }
+
+    /// Red, green, blue, alpha at column `x` and row `y`; `None` outside.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
+        let index = self.index(x, y)?;
+        self.rgba[index..].first_chunk().copied()
+    }
+
+    pub(super) fn pixel_mut(&mut self, x: u32, y: u32) -> Option<&mut [u8; 4]> {
+        let index = self.index(x, y)?;
+        self.rgba[index..].first_chunk_mut()
+    }
+
+    fn index(&self, x: u32, y: u32) -> Option<usize> {
+        (x < self.width && y < self.height).then(|| 4 * (y as usize * self.width as usize + x as usize))
+    }
+}
+
+/// The display window of a frame: channels R, G, B over nothing, alpha kept. Missing colour channels are black; without A
+/// the data window is opaque. Values are clipped at 1: no tone mapping, no exposure. Pixels are not made square.
+///
+/// Light that is stronger than its alpha (a glow with alpha 0, a highlight on an edge) gets the alpha it needs to show,
+/// since straight 8-bit pixels cannot hold it otherwise.
+#[must_use]
+pub fn preview(frame: &Frame) -> Preview {
+    let mut picture = Preview::transparent(frame.display.width, frame.display.height);
+    let samples = |name| frame.channel(name).map(|channel| channel.samples.as_slice());
+    let channels = [samples("R"), samples("G"), samples("B"), samples("A")];
+    let window = frame.data_window;
+    for row in 0..i64::from(window.height) {
+        for column in 0..i64::from(window.width) {
+            let x = u32::try_from(i64::from(window.x) + column - i64::from(frame.display.x));
+            let y = u32::try_from(i64::from(window.y) + row - i64::from(frame.display.y));
+            let (Ok(x), Ok(y)) = (x, y) else { continue };
+            let Some(pixel) = picture.pixel_mut(x, y) else { continue };
+            let index = (row * i64::from(window.width) + column) as usize;
+            let [red, green, blue, alpha] = channels.map(|samples| samples.map(|samples| samples[index]));
+            *pixel = straight_srgb([red, green, blue].map(Option::unwrap_or_default), alpha.unwrap_or(1.0));
+        }
+    }
+    picture
+}
+
+fn straight_srgb(color: [f32; 3], alpha: f32) -> [u8; 4] {
+    let color = color.map(|light| if light.is_nan() { 0.0 } else { light.max(0.0) });
+    let strongest = color.into_iter().fold(0.0, f32::max);
+    // f32::max takes the other number where alpha is NaN.
+    let alpha = alpha.max(strongest).clamp(0.0, 1.0);
+    if alpha == 0.0 {
+        return [0; 4];
+    }
+    let [red, green, blue] = color.map(|light| byte(srgb_from_linear((light / alpha).min(1.0))));
+    [red, green, blue, byte(alpha)]
+}
+
+/// IEC 61966-2-1.
+fn srgb_from_linear(light: f32) -> f32 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn byte(unit: f32) -> u8 {
+    (unit * 255.0).round() as u8
+}
+
+/// Writes a picture as PNG: whole or not at all, like [`super::write_exr`].
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be written or the picture has no pixels.
+pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
+    let bytes_needed = 4 * picture.width as usize * picture.height as usize;
+    if bytes_needed == 0 || picture.rgba.len() != bytes_needed {
+        return Err(ImageError::frame(path, "the preview has no pixels, or not 4 bytes for each"));
+    }
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
+    encoder
+        .write_image(&picture.rgba, picture.width, picture.height, ExtendedColorType::Rgba8)
+        .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
+    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn middle_grey_is_118_and_alpha_is_divided_out() {
+        assert_eq!(straight_srgb([0.18; 3], 1.0), [118, 118, 118, 255]);
+        assert_eq!(straight_srgb([0.09; 3], 0.5), [118, 118, 118, 128]);
+        assert_eq!(straight_srgb([1.0, 0.0, 2.0], 1.0), [255, 0, 255, 255]);
+        assert_eq!(straight_srgb([0.0; 3], 0.0), [0; 4]);
+    }
+
+    #[test]
+    fn light_without_alpha_shows() {
+        let [red, .., alpha] = straight_srgb([0.5, 0.0, 0.0], 0.0);
+        assert_eq!((red, alpha), (255, 128));
+    }
+
+    #[test]
+    fn hostile_samples_stay_in_range() {
+        assert_eq!(straight_srgb([f32::NAN; 3], f32::NAN), [0; 4]);
+        assert_eq!(straight_srgb([f32::INFINITY, -1.0, f32::NAN], 1.0), [255, 0, 0, 255]);
+        assert_eq!(straight_srgb([0.5; 3], f32::NEG_INFINITY)[3], 128);
+    }
+}

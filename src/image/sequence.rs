@@ -1,0 +1,159 @@
+//! Names of the frames of a sequence.
+//!
+//! In: `frame.####.exr`, `frame.%04d.exr`, or a plain path. Out: the path of each frame.
+
+use super::ImageError;
+use std::path::{Path, PathBuf};
+
+/// A path with at most one frame counter, which stands in the file name.
+///
+/// ```
+/// use pinwarp::image::SequencePath;
+/// use std::path::Path;
+///
+/// let frames = SequencePath::parse(Path::new("out/frame.####.exr"))?;
+/// assert_eq!(frames.path_of(7), Path::new("out/frame.0007.exr"));
+/// assert_eq!(frames.path_of(-7), Path::new("out/frame.-007.exr"));
+/// # Ok::<(), pinwarp::image::ImageError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SequencePath {
+    pattern: PathBuf,
+    name: Name,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Name {
+    Single,
+    /// The least number of characters of the counter, the sign included, as `printf` and Nuke count.
+    Counted {
+        before: String,
+        width: usize,
+        after: String,
+    },
+}
+
+impl SequencePath {
+    /// Understands any number of `#`, `%d` and `%04d` in the file name; a name without a counter is a single frame.
+    /// `#` and `%` in the names of folders are taken as they are.
+    ///
+    /// # Errors
+    /// [`ImageError::Pattern`] for two counters, for printf forms other than `%d` and `%04d`, for no file name.
+    pub fn parse(pattern: &Path) -> Result<Self, ImageError> {
+        let wrong = |what: String| ImageError::Pattern { pattern: pattern.to_owned(), what };
+        let Some(file_name) = pattern.file_name() else {
+            return Err(wrong("does not end in a file name; write for example frame.####.exr".into()));
+        };
+        // A name that is not Unicode can hold no counter of ours that we could fill in.
+        let name = file_name.to_str().map_or(Ok(Name::Single), parse_name).map_err(wrong)?;
+        Ok(Self { pattern: pattern.to_owned(), name })
+    }
+
+    /// Where frame number `frame` lies. A single frame lies there whatever its number.
+    #[must_use]
+    pub fn path_of(&self, frame: i32) -> PathBuf {
+        match &self.name {
+            Name::Single => self.pattern.clone(),
+            Name::Counted { before, width, after } => {
+                self.pattern.with_file_name(format!("{before}{frame:0width$}{after}"))
+            }
+        }
+    }
+
+    /// Makes sure that every frame of a range gets a file of its own.
+    ///
+    /// # Errors
+    /// [`ImageError::Pattern`] where there are several frames and no counter.
+    pub fn check_frame_count(&self, count: usize) -> Result<(), ImageError> {
+        if count <= 1 || self.name != Name::Single {
+            return Ok(());
+        }
+        let stem = self.pattern.file_stem().unwrap_or_default().to_string_lossy();
+        let extension = self.pattern.extension().unwrap_or(std::ffi::OsStr::new("exr")).to_string_lossy();
+        let what = format!("has no frame counter for {count} frames; write {stem}.####.{extension}");
+        Err(ImageError::Pattern { pattern: self.pattern.clone(), what })
+    }
+}
+
+fn parse_name(name: &str) -> Result<Name, String> {
+    let Some((start, end, width)) = find_counter(name)? else { return Ok(Name::Single) };
+    let (before, after) = (name[..start].to_owned(), name[end..].to_owned());
+    if find_counter(&after)?.is_some() {
+        return Err("has two frame counters; keep one run of # or one %04d".into());
+    }
+    Ok(Name::Counted { before, width, after })
+}
+
+/// Start and end (bytes) of the first counter, and its width.
+fn find_counter(name: &str) -> Result<Option<(usize, usize, usize)>, String> {
+    let Some(start) = name.find(['#', '%']) else { return Ok(None) };
+    let rest = &name[start..];
+    if rest.starts_with('#') {
+        let width = rest.bytes().take_while(|&byte| byte == b'#').count();
+        return Ok(Some((start, start + width, width)));
+    }
+    let digits = rest[1..].bytes().take_while(u8::is_ascii_digit).count();
+    let number = &rest[1..=digits];
+    let is_printf = rest[1 + digits..].starts_with('d') && (number.is_empty() || number.starts_with('0'));
+    // 255 bytes is the longest file name anywhere.
+    let width = if number.is_empty() { Some(1) } else { number.parse().ok().filter(|&width| width < 256) };
+    match width.filter(|_| is_printf) {
+        Some(width) => Ok(Some((start, start + digits + 2, width))),
+        None => Err(format!("has '%{number}' in its name, which is no frame counter; write #### or %04d")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path_of(pattern: &str, frame: i32) -> String {
+        SequencePath::parse(Path::new(pattern)).expect(pattern).path_of(frame).display().to_string()
+    }
+
+    #[test]
+    fn counters_are_filled_like_in_nuke() {
+        for (pattern, frame, path) in [
+            ("a/frame.####.exr", 101, "a/frame.0101.exr"),
+            ("frame.####.exr", -1, "frame.-001.exr"),
+            ("frame.####.exr", 123_456, "frame.123456.exr"),
+            ("frame_#.exr", 12, "frame_12.exr"),
+            ("########.exr", 5, "00000005.exr"),
+            ("frame.%04d.exr", 7, "frame.0007.exr"),
+            ("frame.%04d.exr", -7, "frame.-007.exr"),
+            ("frame.%d.exr", -7, "frame.-7.exr"),
+            ("%08d", i32::MIN, "-2147483648"),
+            ("take#3/100%/frame.##.exr", 1, "take#3/100%/frame.01.exr"),
+            ("still.exr", 12, "still.exr"),
+            ("Bild_ä.###.exr", 3, "Bild_ä.003.exr"),
+        ] {
+            assert_eq!(path_of(pattern, frame), path);
+        }
+    }
+
+    #[test]
+    fn errors_say_what_to_write() {
+        for (pattern, part) in [
+            ("a.####.##.exr", "two frame counters"),
+            ("a.####.%04d.exr", "two frame counters"),
+            ("a.%4d.exr", "write #### or %04d"),
+            ("a.%s.exr", "write #### or %04d"),
+            ("a.%", "write #### or %04d"),
+            ("a.%0999d.exr", "write #### or %04d"),
+            ("out/..", "does not end in a file name"),
+            ("", "does not end in a file name"),
+        ] {
+            let error = SequencePath::parse(Path::new(pattern)).expect_err(pattern).to_string();
+            assert!(error.contains(part), "{pattern}: {error}");
+        }
+    }
+
+    #[test]
+    fn several_frames_need_a_counter() {
+        let single = SequencePath::parse(Path::new("out/still.exr")).expect("a plain path");
+        assert!(single.check_frame_count(1).is_ok());
+        let error = single.check_frame_count(48).expect_err("48 frames in one file").to_string();
+        assert!(error.contains("48 frames") && error.contains("still.####.exr"), "{error}");
+        assert!(SequencePath::parse(Path::new("a.#.exr")).expect("a counter").check_frame_count(48).is_ok());
+    }
+}

@@ -1,0 +1,212 @@
+//! Frames cut, stitched and made.
+//!
+//! In: frames and windows. Out: frames.
+
+use super::{Channel, Frame, Storage};
+use crate::space::PixelRect;
+
+impl Frame {
+    /// A frame that holds nothing: depth channels at [`super::EMPTY_DEPTH`], all others 0. Square pixels.
+    #[must_use]
+    pub fn blank(display: PixelRect, data_window: PixelRect, channels: &[(&str, Storage)]) -> Self {
+        let channels = channels.iter().map(|&(name, storage)| {
+            let mut channel = Channel { name: name.to_owned(), storage, samples: Vec::new() };
+            channel.samples = vec![channel.empty_value(); data_window.area()];
+            channel
+        });
+        Self { display, data_window, pixel_aspect: 1.0, channels: channels.collect() }
+    }
+
+    /// The frame with the smallest data window that keeps every sample that holds something; area 0 where none does.
+    #[must_use]
+    pub fn crop_to_covered(self) -> Self {
+        let covered = self.covered_window();
+        if covered == self.data_window {
+            return self;
+        }
+        let from = self.data_window;
+        let channels = self
+            .channels
+            .into_iter()
+            .map(|channel| Channel { samples: copied_rows(&channel.samples, from, covered), ..channel });
+        Self { data_window: covered, channels: channels.collect(), ..self }
+    }
+
+    /// Puts a tile's samples into the channels of the same names. Pixels outside the data window, and channels that
+    /// this frame does not have, are left out.
+    pub fn paste(&mut self, tile: &Self) {
+        let Some(shared) = intersection(self.data_window, tile.data_window) else { return };
+        let window = self.data_window;
+        for channel in &mut self.channels {
+            let Some(source) = tile.channel(&channel.name) else { continue };
+            for y in shared.y..shared.y + shared.height as i32 {
+                let to = row(window, shared, y);
+                channel.samples[to].copy_from_slice(&source.samples[row(tile.data_window, shared, y)]);
+            }
+        }
+    }
+
+    fn covered_window(&self) -> PixelRect {
+        let mut bounds = Bounds::NONE;
+        for channel in self.channels.iter().filter(|_| self.data_window.width > 0) {
+            let rows = channel.samples.chunks_exact(self.data_window.width as usize);
+            rows.enumerate().for_each(|(y, row)| bounds.include_row(y, row, |sample| channel.is_covered(sample)));
+        }
+        bounds.window(self.data_window)
+    }
+}
+
+impl Channel {
+    /// Whether something is there. NaN is something: it has to be seen, not cut away.
+    fn is_covered(&self, sample: f32) -> bool {
+        match self.storage {
+            Storage::Uint => sample.to_bits() != 0,
+            _ if self.is_depth() => sample.is_nan() || sample < super::EMPTY_DEPTH,
+            _ => sample != 0.0,
+        }
+    }
+}
+
+/// Covered columns and rows, counted from the upper left corner of the data window.
+struct Bounds {
+    left: usize,
+    right: usize,
+    top: usize,
+    bottom: usize,
+}
+
+impl Bounds {
+    const NONE: Self = Self { left: usize::MAX, right: 0, top: usize::MAX, bottom: 0 };
+
+    /// Looks inwards from both ends of the row, and only as far as it may still widen the bounds.
+    fn include_row(&mut self, y: usize, row: &[f32], is_covered: impl Fn(f32) -> bool) {
+        let left = row.iter().take(self.left).position(|&sample| is_covered(sample));
+        let right = row.iter().skip(self.right).rposition(|&sample| is_covered(sample)).map(|at| at + self.right);
+        let is_row_known = self.top <= y && y < self.bottom;
+        let is_row_covered =
+            left.is_some() || right.is_some() || !is_row_known && row.iter().any(|&sample| is_covered(sample));
+        if !is_row_covered {
+            return;
+        }
+        self.left = left.unwrap_or(self.left);
+        self.right = right.map_or(self.right, |at| at + 1);
+        self.top = self.top.min(y);
+        self.bottom = self.bottom.max(y + 1);
+    }
+
+    fn window(&self, around: PixelRect) -> PixelRect {
+        if self.bottom == 0 {
+            return PixelRect { x: around.x, y: around.y, width: 0, height: 0 };
+        }
+        PixelRect {
+            x: around.x + self.left as i32,
+            y: around.y + self.top as i32,
+            width: (self.right - self.left) as u32,
+            height: (self.bottom - self.top) as u32,
+        }
+    }
+}
+
+fn copied_rows(samples: &[f32], from: PixelRect, window: PixelRect) -> Vec<f32> {
+    let rows = window.y..window.y + window.height as i32;
+    rows.flat_map(|y| &samples[row(from, window, y)]).copied().collect()
+}
+
+/// Indices of the samples of row `y` of `part` in a picture with the data window `whole`, which holds `part`.
+fn row(whole: PixelRect, part: PixelRect, y: i32) -> std::ops::Range<usize> {
+    let start = (y - whole.y) as usize * whole.width as usize + (part.x - whole.x) as usize;
+    start..start + part.width as usize
+}
+
+fn intersection(a: PixelRect, b: PixelRect) -> Option<PixelRect> {
+    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
+    let right = (i64::from(a.x) + i64::from(a.width)).min(i64::from(b.x) + i64::from(b.width));
+    let bottom = (i64::from(a.y) + i64::from(a.height)).min(i64::from(b.y) + i64::from(b.height));
+    let (width, height) = (right - i64::from(x), bottom - i64::from(y));
+    (width > 0 && height > 0).then_some(PixelRect { x, y, width: width as u32, height: height as u32 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHANNELS: [(&str, Storage); 5] = [
+        ("R", Storage::Half),
+        ("A", Storage::Half),
+        ("depth.Z", Storage::Float),
+        ("N.Z", Storage::Float),
+        ("id", Storage::Uint),
+    ];
+    const DISPLAY: PixelRect = PixelRect { x: 0, y: 0, width: 16, height: 16 };
+    const WINDOW: PixelRect = PixelRect { x: -10, y: -20, width: 30, height: 40 };
+
+    fn touched(name: &str, x: usize, y: usize, value: f32) -> Frame {
+        let mut frame = Frame::blank(DISPLAY, WINDOW, &CHANNELS);
+        for channel in frame.channels.iter_mut().filter(|channel| channel.name == name) {
+            channel.samples[y * 30 + x] = value;
+        }
+        frame
+    }
+
+    /// Smooth numbers, different in each channel.
+    fn filled() -> Frame {
+        let mut frame = Frame::blank(DISPLAY, WINDOW, &CHANNELS);
+        for (number, channel) in frame.channels.iter_mut().enumerate() {
+            let samples = channel.samples.iter_mut().enumerate();
+            samples.for_each(|(index, sample)| *sample = (index * 5 + number) as f32 + 1.0);
+        }
+        frame
+    }
+
+    #[test]
+    fn nothing_covered_leaves_no_pixels() {
+        for frame in [touched("R", 3, 4, 0.0), touched("R", 3, 4, -0.0), touched("depth.Z", 3, 4, f32::INFINITY)] {
+            let cropped = frame.crop_to_covered();
+            assert_eq!(cropped.data_window.area(), 0);
+            assert!(cropped.channels.iter().all(|channel| channel.samples.is_empty()));
+            assert_eq!(cropped.clone().crop_to_covered(), cropped);
+        }
+    }
+
+    #[test]
+    fn any_channel_covers() {
+        let id = f32::from_bits(1 << 31);
+        for (name, value) in [("R", 1e-6), ("A", 1.0), ("depth.Z", 5.0), ("N.Z", -1.0), ("id", id), ("R", f32::NAN)] {
+            for (x, y) in [(3, 4), (0, 0), (29, 39)] {
+                let cropped = touched(name, x, y, value).crop_to_covered();
+                let expected = PixelRect { x: x as i32 - 10, y: y as i32 - 20, width: 1, height: 1 };
+                assert_eq!(cropped.data_window, expected, "{name}");
+                let kept = cropped.channel(name).expect("all channels are kept").samples[0];
+                assert_eq!(kept.to_bits(), value.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn cropping_loses_nothing_where_channels_cover_different_corners() {
+        let mut frame = touched("R", 20, 5, 1.0);
+        frame.channels[2].samples[30 * 11 + 2] = 7.0;
+        frame.channels[3].samples[30 * 30 + 10] = 1.0;
+        let cropped = frame.clone().crop_to_covered();
+        assert_eq!(cropped.data_window, PixelRect { x: -8, y: -15, width: 19, height: 26 });
+        let mut pasted = Frame::blank(DISPLAY, WINDOW, &CHANNELS);
+        pasted.paste(&cropped);
+        assert_eq!(pasted, frame);
+    }
+
+    #[test]
+    fn tiles_make_the_frame() {
+        let frame = filled();
+        let mut stitched = Frame::blank(DISPLAY, WINDOW, &CHANNELS);
+        for (x, y) in [(0, 0), (16, 0), (0, 24), (16, 24)] {
+            let window = PixelRect { x: WINDOW.x + x, y: WINDOW.y + y, width: 16, height: 24 };
+            let mut tile = Frame::blank(DISPLAY, window, &CHANNELS);
+            tile.paste(&frame);
+            // What hangs over the frame's edge is left out.
+            stitched.paste(&tile);
+        }
+        assert_eq!(stitched, frame);
+        stitched.paste(&Frame::blank(DISPLAY, PixelRect { x: 1000, ..WINDOW }, &CHANNELS));
+        assert_eq!(stitched, frame);
+    }
+}
