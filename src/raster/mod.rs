@@ -65,7 +65,8 @@ pub struct Draw {
 pub struct Geometry {
     /// Shared vertices.
     pub vertices: Vec<RasterVertex>,
-    /// Corner indices.
+    /// Corner indices. Facing is judged on the screen, so whoever warps lists a triangle that the warp turned over with
+    /// two corners swapped: what was a front face stays one.
     pub indices: Vec<u32>,
     /// Opaque and masked draws first, then blended triangles from back to front over all objects.
     pub draws: Vec<Draw>,
