@@ -1,0 +1,19 @@
+//! The scenes of this folder, made by code.
+//!
+//! Out: the bytes of each .glb file, the same on every run. `cargo run --example make_scenes` writes them.
+
+mod glb;
+mod paint;
+mod patch;
+pub(crate) mod teapot;
+mod teapot_data;
+
+use image::ImageError;
+
+/// Path below `scenes/` and contents of every file that code makes.
+///
+/// # Errors
+/// Where a texture cannot be encoded.
+pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
+    Ok(vec![("teapot/teapot.glb", teapot::scene()?)])
+}
