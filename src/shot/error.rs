@@ -1,4 +1,4 @@
-//! What can go wrong while a shot file is read.
+//! What can go wrong while a shot file is read or edited.
 
 use std::path::PathBuf;
 
@@ -7,12 +7,24 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ShotError {
     /// The file cannot be read.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}: {source}; check the path and its permissions")]
     Io {
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// The file is not TOML.
+    #[error("{path}:{line}:{column}: not valid TOML: {what}; check quotes, brackets and `=` here")]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Character of the line, from 1.
+        column: usize,
+        /// What the parser says.
+        what: String,
     },
     /// A key is unknown, missing, of the wrong type or out of range.
     #[error("{path}:{line}: {key}: {what}; {hint}")]
@@ -28,4 +40,52 @@ pub enum ShotError {
         /// How to fix it.
         hint: String,
     },
+    /// Several independent faults, in the order of the file.
+    #[error("{}", joined(.0))]
+    Many(Vec<ShotError>),
+    /// A pin cannot be put into the text of a shot.
+    #[error("cannot write pin {pin:?}: {what}; {hint}")]
+    Edit {
+        /// The pin's name.
+        pin: String,
+        /// What is wrong.
+        what: String,
+        /// How to fix it.
+        hint: String,
+    },
+}
+
+impl ShotError {
+    /// Every single fault: the parts of [`ShotError::Many`], else the error itself.
+    #[must_use]
+    pub fn each(&self) -> &[Self] {
+        match self {
+            Self::Many(errors) => errors,
+            single => std::slice::from_ref(single),
+        }
+    }
+
+    /// Collects faults, sorted by line; `None` where there are none.
+    pub(super) fn from_faults(mut faults: Vec<Self>) -> Option<Self> {
+        faults.sort_by_key(Self::line);
+        if faults.len() > 1 { Some(Self::Many(faults)) } else { faults.pop() }
+    }
+
+    fn line(&self) -> usize {
+        match self {
+            Self::Syntax { line, .. } | Self::Invalid { line, .. } => *line,
+            _ => 0,
+        }
+    }
+}
+
+/// More faults than a screen shows help nobody.
+const SHOWN_FAULTS: usize = 25;
+
+fn joined(errors: &[ShotError]) -> String {
+    let mut lines: Vec<String> = errors.iter().take(SHOWN_FAULTS).map(ToString::to_string).collect();
+    if errors.len() > SHOWN_FAULTS {
+        lines.push(format!("... and {} more", errors.len() - SHOWN_FAULTS));
+    }
+    lines.join("\n")
 }

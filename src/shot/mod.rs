@@ -1,276 +1,45 @@
 //! Stage 5: `shot.toml` to a checked [`Shot`] and back; keys at a time.
 //!
 //! In: a file. Out: plain data, every rule checked that needs no scene; and [`PinTargets`] at a time.
+//!
+//! ```text
+//! text ─document─▶ tree with lines ─structure (the schema)─▶ raw ─check─▶ Shot ─keys─▶ PinTargets
+//! ```
 
+mod check;
+mod document;
+mod ease;
 mod error;
+mod hints;
+mod keys;
+mod model;
+mod raw;
+mod schema;
+mod structure;
 
 pub use error::ShotError;
+pub use model::*;
+pub use schema::schema;
 
-use crate::image::Compression;
-use crate::lattice::Basis;
-use crate::raster::ChannelGroup;
-use crate::solve::Settings;
-use crate::space::{FrameSize, ScreenBox, ScreenPoint, ScreenVector};
-use std::path::PathBuf;
-
-/// A checked shot. Paths are relative to the shot file's folder in the file, resolved here.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shot {
-    /// The shot file.
-    pub path: PathBuf,
-    /// The glTF scene.
-    pub scene: PathBuf,
-    /// Name of the camera node (or camera); `None`: the scene's first.
-    pub camera: Option<String>,
-    /// Name or index of the clip; `None`: the scene's first, if it has any.
-    pub clip: Option<ClipName>,
-    /// The clip repeats.
-    pub is_looped: bool,
-    /// Frames and rate.
-    pub frames: FrameRange,
-    /// Motion blur.
-    pub shutter: Shutter,
-    /// The frame.
-    pub size: FrameSize,
-    /// Sub-pixel (and sub-frame) samples a pixel, ≥ 1.
-    pub samples: u32,
-    /// Strength of the neutral surroundings; `None`: 1 where the scene has no lights, else 0.
-    pub environment: Option<f32>,
-    /// Gain on all lights, in stops (`exposure`).
-    pub exposure_stops: f32,
-    /// Layers, in order.
-    pub layers: Vec<Layer>,
-    /// What is written.
-    pub output: Output,
-}
-
-/// A clip by name or number.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ClipName {
-    /// By its name.
-    Name(String),
-    /// By its index in the file.
-    Index(usize),
-}
-
-/// Frames of the shot; animation time in seconds = (frame − clip_start) / rate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameRange {
-    /// First frame.
-    pub first: i32,
-    /// Last frame, included.
-    pub last: i32,
-    /// Frames a second.
-    pub rate: f64,
-    /// The frame at which the clip starts.
-    pub clip_start: i32,
-}
-
-impl FrameRange {
-    /// Animation time of a (fractional) frame, seconds.
-    #[must_use]
-    pub fn seconds(&self, frame: f64) -> f64 {
-        (frame - f64::from(self.clip_start)) / self.rate
-    }
-}
-
-/// The shutter: open from frame + phase/360 to frame + (phase + angle)/360.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shutter {
-    /// Degrees, 0..=360; 0: no motion blur.
-    pub angle: f64,
-    /// Degrees; −angle/2 centres the blur on the frame.
-    pub phase: f64,
-}
-
-/// Scene nodes that one lattice deforms.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// Name, unique in the shot.
-    pub name: String,
-    /// Patterns of node names (`*` and `?`); each claims its subtree. Empty: all nodes.
-    pub nodes: Vec<String>,
-    /// Handles per axis.
-    pub dims: [usize; 2],
-    /// Basis of the lattice.
-    pub basis: Basis,
-    /// Where its box comes from.
-    pub bounds: BoxRule,
-    /// The solver's settings.
-    pub settings: Settings,
-    /// Offsets are held for this many frames, counted from the first frame of the shot; 1: every frame.
-    pub step: u32,
-    /// Scales offsets, rotations and log-scales (shot's strength times layer's).
-    pub strength: f64,
-    /// Pins.
-    pub pins: Vec<Pin>,
-    /// Moved handles.
-    pub handles: Vec<HandleTrack>,
-}
-
-/// Where a lattice's rest box comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BoxRule {
-    /// The layer's bounds, padded and smoothed over frames.
-    Follow,
-    /// Always this.
-    Fixed(ScreenBox),
-    /// The whole frame.
-    Frame,
-}
-
-/// A point of the model and where it has to go.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pin {
-    /// Name, unique in its layer.
-    pub name: String,
-    /// What it is attached to.
-    pub anchor: Anchor,
-    /// Unit of the offsets.
-    pub unit: OffsetUnit,
-    /// Keys, frames strictly increasing, at least one.
-    pub keys: Vec<PinKey>,
-}
-
-/// What a pin is attached to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Anchor {
-    /// A point of a triangle.
-    Surface {
-        /// Node name.
-        node: String,
-        /// Index of the primitive in the node's mesh.
-        primitive: usize,
-        /// Index of the triangle.
-        triangle: usize,
-        /// Weights of its corners; they sum to 1.
-        barycentric: [f64; 3],
-        /// The point's place in its node at rest, metres, as stored when the pin was made.
-        rest: Option<[f64; 3]>,
-    },
-    /// A point of the screen.
-    Screen {
-        /// Where.
-        at: ScreenPoint,
-        /// Cast once onto the front-most unwarped surface of this frame, then it follows the surface.
-        frame: Option<i32>,
-    },
-}
-
-/// Unit of a pin's offsets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum OffsetUnit {
-    /// Frame heights.
-    #[default]
-    Frame,
-    /// Sizes of the lattice box.
-    Box,
-}
-
-/// A key of a pin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinKey {
-    /// When.
-    pub frame: f64,
-    /// Where to.
-    pub goal: Goal,
-    /// Rotation it holds, degrees counter-clockwise; `None`: it holds none.
-    pub rotate_degrees: Option<f64>,
-    /// Scale it holds; `None`: it holds none.
-    pub scale: Option<f64>,
-    /// Shapes the segment that leaves this key.
-    pub ease: Ease,
-}
-
-/// Where a key sends its pin. All keys of a pin are of one kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
-    /// Added to the projected anchor.
-    Offset(ScreenVector),
-    /// An absolute place.
-    Target(ScreenPoint),
-}
-
-/// The shape of a segment between keys.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Ease {
-    /// Keeps the value until the next key.
-    Hold,
-    /// Straight.
-    #[default]
-    Linear,
-    /// Slow in, slow out: 3t² − 2t³.
-    Smooth,
-    /// A CSS-like cubic curve through (0,0), (x1,y1), (x2,y2), (1,1); x1, x2 in 0..=1.
-    Bezier([f64; 4]),
-}
-
-/// Keys of one lattice handle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HandleTrack {
-    /// Column and row.
-    pub index: [usize; 2],
-    /// Frame, offset in box sizes, ease; frames strictly increasing.
-    pub keys: Vec<HandleKey>,
-}
-
-/// A key of a handle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandleKey {
-    /// When.
-    pub frame: f64,
-    /// Offset from the rest handle, in box sizes.
-    pub offset: [f64; 2],
-    /// Shapes the segment that leaves this key.
-    pub ease: Ease,
-}
-
-/// What is written where.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Output {
-    /// `frame.####.exr` or `frame.%04d.exr`, resolved against the shot's folder.
-    pub path: PathBuf,
-    /// Channel groups.
-    pub channels: Vec<ChannelGroup>,
-    /// EXR compression.
-    pub compression: Compression,
-}
-
-/// What the keys say at one time: one entry a pin and a handle of the layer, in their order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PinTargets {
-    /// As many as pins.
-    pub pins: Vec<PinTarget>,
-    /// As many as handles: offset in box sizes, strength applied.
-    pub handles: Vec<[f64; 2]>,
-}
-
-/// Where one pin has to go at one time, strength and step applied.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinTarget {
-    /// Offset (in the pin's unit) or absolute target. Strength scales offsets; towards a target it is applied by the
-    /// pipeline: anchor + strength·(target − anchor).
-    pub goal: Goal,
-    /// Radians counter-clockwise; `None`: free.
-    pub rotation: Option<f64>,
-    /// Natural logarithm of the scale; `None`: free.
-    pub log_scale: Option<f64>,
-}
+use document::Document;
+use std::path::Path;
 
 impl Shot {
     /// Reads and checks a shot file.
     ///
     /// # Errors
-    /// [`ShotError`] with file, line, key and the nearest right spelling.
-    pub fn read(path: &std::path::Path) -> Result<Self, ShotError> {
-        let _ = path;
-        todo!("shot helper")
+    /// [`ShotError`] with file, line, key and the nearest right spelling; [`ShotError::Many`] where there are several.
+    pub fn read(path: &Path) -> Result<Self, ShotError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ShotError::Io { path: path.to_owned(), source })?;
+        Self::parse(&text, path)
     }
 
-    /// What the keys of layer `layer` say at a (fractional) frame.
-    #[must_use]
-    pub fn pin_targets(&self, layer: usize, frame: f64) -> PinTargets {
-        let _ = (layer, frame);
-        PinTargets::default()
+    /// Checks the text of a shot file; `path` names it in messages, and its folder is where relative paths start.
+    ///
+    /// # Errors
+    /// As [`Shot::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ShotError> {
+        let document = Document::parse(text, path)?;
+        check::shot(&document)
     }
 }

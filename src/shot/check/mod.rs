@@ -1,0 +1,146 @@
+//! Raw values to a checked [`Shot`]: every rule that relates keys to each other.
+//!
+//! In: a [`Document`]. Out: a shot, or all faults of the file.
+
+mod layer;
+mod output;
+mod pin;
+
+use super::document::{Document, syntax_error};
+use super::raw::{RawClip, RawFrames, RawShot, RawShutter};
+use super::{ClipName, FrameRange, Shot, ShotError, Shutter, structure};
+use crate::space::FrameSize;
+use std::collections::HashSet;
+use std::path::Path;
+use toml::de::DeValue;
+
+/// The only version there is.
+const VERSION: &str = "1";
+
+/// Checks a document.
+///
+/// # Errors
+/// [`ShotError`]: all faults that can be told apart.
+pub(super) fn shot(document: &Document) -> Result<Shot, ShotError> {
+    // Another version may have other keys: nothing else can be said about it.
+    if let Some(fault) = version_fault(document) {
+        return Err(fault);
+    }
+    let mut check = Check { document, faults: structure::faults(document) };
+    match toml::from_str::<RawShot>(document.text) {
+        Ok(raw) => {
+            let shot = check.shot(raw);
+            check.finish().map_or(Ok(shot), Err)
+        }
+        Err(error) => {
+            // The schema says more about it, and in the user's words.
+            let fallback = || syntax_error(document.text, document.path, &error);
+            Err(check.finish().unwrap_or_else(fallback))
+        }
+    }
+}
+
+fn version_fault(document: &Document) -> Option<ShotError> {
+    let version = document.root.get_ref().get("version")?;
+    match version.get_ref() {
+        DeValue::Integer(number) if number.as_str() != VERSION => Some(document.fault(
+            "version",
+            format!("this file has version {number}, this program reads version {VERSION}"),
+            "write `version = 1`, or use the release of pinwarp that wrote the file",
+        )),
+        _ => None,
+    }
+}
+
+/// A document and the faults found in it so far.
+struct Check<'a> {
+    document: &'a Document<'a>,
+    faults: Vec<ShotError>,
+}
+
+impl Check<'_> {
+    /// Notes a fault; one a key, as the first is usually the cause of the next.
+    fn fault(&mut self, key: &str, what: impl Into<String>, hint: impl Into<String>) {
+        let is_named = |fault: &ShotError| matches!(fault, ShotError::Invalid { key: named, .. } if named == key);
+        if !self.faults.iter().any(is_named) {
+            self.faults.push(self.document.fault(key, what, hint));
+        }
+    }
+
+    fn finish(self) -> Option<ShotError> {
+        ShotError::from_faults(self.faults)
+    }
+
+    fn shot(&mut self, raw: RawShot) -> Shot {
+        let path = self.document.path.to_owned();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let frames = self.frames(&raw.frames);
+        let size = self.size(raw.size, raw.pixel_aspect);
+        let defaults = LayerDefaults { step: raw.step, strength: raw.strength, first_frame: frames.first, size };
+        let layers = self.layers(raw.layer, &defaults);
+        Shot {
+            scene: folder.join(&raw.scene),
+            camera: raw.camera,
+            clip: raw.frames.clip.map(ClipName::from),
+            is_looped: raw.frames.is_looped,
+            frames,
+            shutter: raw.shutter.map_or(CLOSED, Shutter::from),
+            size,
+            samples: raw.samples,
+            environment: raw.environment,
+            exposure_stops: raw.exposure,
+            layers,
+            output: self.output(&raw.output, &frames),
+            path,
+        }
+    }
+
+    fn frames(&mut self, raw: &RawFrames) -> FrameRange {
+        let RawFrames { first, last, rate, .. } = *raw;
+        if first > last {
+            let what = format!("the range {first} to {last} is empty");
+            self.fault("frames.last", what, format!("give a last frame of {first} or later"));
+        }
+        FrameRange { first, last, rate, clip_start: raw.clip_start.unwrap_or(first) }
+    }
+
+    fn size(&mut self, [width, height]: [u32; 2], pixel_aspect: f64) -> FrameSize {
+        FrameSize { width, height: height.max(1), pixel_aspect }
+    }
+
+    /// Notes names that occur a second time.
+    fn unique<'n>(&mut self, names: impl Iterator<Item = (String, &'n str)>, what: &str) {
+        let mut seen = HashSet::new();
+        for (key, name) in names {
+            if !seen.insert(name) {
+                self.fault(&key, format!("a {what} named {name:?} is there already"), "choose another name");
+            }
+        }
+    }
+}
+
+/// What layers take from the shot.
+struct LayerDefaults {
+    step: u32,
+    strength: f64,
+    first_frame: i32,
+    size: FrameSize,
+}
+
+/// No motion blur.
+const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
+
+impl From<RawShutter> for Shutter {
+    fn from(raw: RawShutter) -> Self {
+        Self { angle: raw.angle, phase: raw.phase.unwrap_or(-0.5 * raw.angle) }
+    }
+}
+
+impl From<RawClip> for ClipName {
+    fn from(raw: RawClip) -> Self {
+        match raw {
+            RawClip::Name(name) => Self::Name(name),
+            RawClip::Index(index) => Self::Index(index as usize),
+        }
+    }
+}

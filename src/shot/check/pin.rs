@@ -1,0 +1,212 @@
+//! Rules of `[[layer.pin]]` and `[[layer.handle]]`: anchors, keys, units.
+//!
+//! In: raw pins and handles. Out: [`Pin`]s and [`HandleTrack`]s, each with at least one key.
+
+use super::{Check, LayerDefaults};
+use crate::shot::raw::{RawAnchor, RawHandle, RawPin, RawPinKey};
+use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, OffsetUnit, Pin, PinKey};
+use crate::space::{ScreenPoint, ScreenVector};
+
+/// Frame heights (or box sizes) beyond which a number was surely meant as pixels.
+const LARGEST_COORDINATE: f64 = 32.0;
+
+/// How far barycentric weights may be from a sum of 1: they are often written by hand, with three digits.
+const BARYCENTRIC_TOLERANCE: f64 = 1e-3;
+
+impl Check<'_> {
+    pub(super) fn pins(&mut self, raw: Vec<RawPin>, layer: &str, shot: &LayerDefaults) -> Vec<Pin> {
+        let key = |index: usize| format!("{layer}.pin[{index}]");
+        let pins: Vec<Pin> = raw
+            .into_iter()
+            .enumerate()
+            .map(|(index, raw)| Pin {
+                anchor: self.anchor(&raw.anchor, &format!("{}.anchor", key(index)), shot),
+                unit: raw.unit,
+                keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
+                name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
+            })
+            .collect();
+        let names = pins.iter().enumerate().map(|(index, pin)| (format!("{}.name", key(index)), pin.name.as_str()));
+        self.unique(names, "pin of this layer");
+        pins
+    }
+
+    fn anchor(&mut self, raw: &RawAnchor, key: &str, shot: &LayerDefaults) -> Anchor {
+        match (raw.screen, &raw.node) {
+            (Some(at), _) => self.screen_anchor(raw, at, key, shot),
+            (None, Some(node)) => self.surface_anchor(raw, node, key),
+            (None, None) => {
+                let hint = "give { screen = [x, y] } or { node = \"..\", triangle = .., barycentric = [..] }, \
+                            as `pinwarp pick` prints it";
+                self.fault(key, "is neither a point of the screen nor of a surface", hint);
+                Anchor::Screen { at: ScreenPoint::default(), frame: raw.frame }
+            }
+        }
+    }
+
+    fn screen_anchor(&mut self, raw: &RawAnchor, at: [f64; 2], key: &str, shot: &LayerDefaults) -> Anchor {
+        let surface_keys = ["node", "primitive", "triangle", "barycentric", "rest"];
+        for other in surface_keys.map(|other| format!("{key}.{other}")) {
+            if self.document.has(&other) {
+                self.fault(&other, "an anchor is on the screen or on a surface, not both", "remove it or `screen`");
+            }
+        }
+        self.screen_unit(&at, &format!("{key}.screen"), shot);
+        Anchor::Screen { at: ScreenPoint::new(at[0], at[1]), frame: raw.frame }
+    }
+
+    fn surface_anchor(&mut self, raw: &RawAnchor, node: &str, key: &str) -> Anchor {
+        if raw.frame.is_some() {
+            let hint = "remove it, or give `screen` instead of `node`";
+            self.fault(&format!("{key}.frame"), "a point of a surface needs no frame to be cast in", hint);
+        }
+        let hint = "write what `pinwarp pick` prints, or { screen = [x, y], frame = .. }";
+        if raw.triangle.is_none() {
+            self.fault(&format!("{key}.triangle"), "is missing", hint);
+        }
+        if raw.barycentric.is_none() {
+            self.fault(&format!("{key}.barycentric"), "is missing", hint);
+        }
+        let barycentric = raw.barycentric.unwrap_or([1.0, 0.0, 0.0]);
+        Anchor::Surface {
+            node: node.to_owned(),
+            primitive: raw.primitive.unwrap_or(0),
+            triangle: raw.triangle.unwrap_or(0),
+            barycentric: self.barycentric(barycentric, &format!("{key}.barycentric")),
+            rest: raw.rest,
+        }
+    }
+
+    /// Weights that sum to exactly 1 (but for rounding).
+    fn barycentric(&mut self, weights: [f64; 3], key: &str) -> [f64; 3] {
+        let sum: f64 = weights.iter().sum();
+        if (sum - 1.0).abs() > BARYCENTRIC_TOLERANCE {
+            self.fault(key, format!("the weights sum to {sum}, not 1"), "divide each by their sum");
+        } else if weights.iter().any(|&weight| weight < -BARYCENTRIC_TOLERANCE) {
+            self.fault(key, "a negative weight lies outside the triangle", "pick the triangle that holds the point");
+        }
+        let weights = weights.map(|weight| weight.max(0.0));
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
+    }
+
+    fn pin_keys(&mut self, raw: &RawPin, key: &str, shot: &LayerDefaults) -> Vec<PinKey> {
+        self.increasing(raw.keys.iter().map(|key| key.frame), key);
+        let has_targets = raw.keys.first().is_some_and(|key| key.target.is_some());
+        let keys: Vec<PinKey> = raw
+            .keys
+            .iter()
+            .enumerate()
+            .map(|(index, raw_key)| {
+                let key = format!("{key}[{index}]");
+                self.ease(raw_key.ease, &key);
+                let unit = if raw.unit == OffsetUnit::Frame { Some(shot) } else { None };
+                PinKey {
+                    frame: raw_key.frame,
+                    goal: self.goal(raw_key, has_targets, &key, unit),
+                    rotate_degrees: raw_key.rotate,
+                    scale: raw_key.scale,
+                    ease: raw_key.ease,
+                }
+            })
+            .collect();
+        if keys.is_empty() { vec![resting_key(shot.first_frame)] } else { keys }
+    }
+
+    fn goal(&mut self, raw: &RawPinKey, has_targets: bool, key: &str, unit: Option<&LayerDefaults>) -> Goal {
+        let kinds = "give all keys of a pin an `offset`, or all a `target`";
+        let offset = raw.offset.unwrap_or_default();
+        if let Some(shot) = unit {
+            self.screen_unit(&offset, &format!("{key}.offset"), shot);
+            self.screen_unit(&raw.target.unwrap_or_default(), &format!("{key}.target"), shot);
+        }
+        match raw.target {
+            Some(_) if raw.offset.is_some() => {
+                self.fault(&format!("{key}.target"), "this key has an offset and a target", kinds);
+            }
+            Some(_) if !has_targets => self.fault(&format!("{key}.target"), "the first key has no target", kinds),
+            None if has_targets => self.fault(key, "the first key has a target, this one has none", kinds),
+            _ => {}
+        }
+        match raw.target {
+            Some([x, y]) => Goal::Target(ScreenPoint::new(x, y)),
+            None => Goal::Offset(ScreenVector::new(offset[0], offset[1])),
+        }
+    }
+
+    pub(super) fn handles(
+        &mut self,
+        raw: Vec<RawHandle>,
+        layer: &str,
+        dims: [usize; 2],
+        shot: &LayerDefaults,
+    ) -> Vec<HandleTrack> {
+        let mut handles: Vec<HandleTrack> = Vec::with_capacity(raw.len());
+        for (index, raw) in raw.into_iter().enumerate() {
+            let key = format!("{layer}.handle[{index}]");
+            self.handle_index(raw.index, dims, &key);
+            if handles.iter().any(|other| other.index == raw.index) {
+                let [i, j] = raw.index;
+                self.fault(&format!("{key}.index"), format!("handle [{i}, {j}] is listed twice"), "keep one of them");
+            }
+            handles.push(self.handle(&raw, &format!("{key}.keys"), shot));
+        }
+        handles
+    }
+
+    fn handle_index(&mut self, [i, j]: [usize; 2], [nx, ny]: [usize; 2], key: &str) {
+        if i >= nx || j >= ny {
+            let what = format!("there is no handle [{i}, {j}] in a lattice of {nx} x {ny}");
+            let hint = format!("columns run from 0 to {}, rows from 0 to {}", nx - nx.min(1), ny - ny.min(1));
+            self.fault(&format!("{key}.index"), what, hint);
+        }
+    }
+
+    fn handle(&mut self, raw: &RawHandle, key: &str, shot: &LayerDefaults) -> HandleTrack {
+        self.increasing(raw.keys.iter().map(|key| key.frame), key);
+        for (index, raw_key) in raw.keys.iter().enumerate() {
+            self.ease(raw_key.ease, &format!("{key}[{index}]"));
+        }
+        let resting = HandleKey { frame: f64::from(shot.first_frame), offset: [0.0; 2], ease: Ease::Linear };
+        let keys = raw.keys.iter().map(|key| HandleKey { frame: key.frame, offset: key.offset, ease: key.ease });
+        let keys: Vec<HandleKey> = keys.collect();
+        HandleTrack { index: raw.index, keys: if keys.is_empty() { vec![resting] } else { keys } }
+    }
+
+    fn increasing(&mut self, frames: impl Iterator<Item = f64>, key: &str) {
+        let frames: Vec<f64> = frames.collect();
+        for (index, pair) in frames.windows(2).enumerate().filter(|(_, pair)| pair[1] <= pair[0]) {
+            let what = format!("frame {} does not come after frame {} of the key before", pair[1], pair[0]);
+            let hint = "put the keys in the order of their frames, one a frame";
+            self.fault(&format!("{key}[{}].frame", index + 1), what, hint);
+        }
+    }
+
+    fn ease(&mut self, ease: Ease, key: &str) {
+        let Ease::Bezier([x1, _, x2, _]) = ease else { return };
+        if [x1, x2].iter().any(|x| !(0.0..=1.0).contains(x)) {
+            let what = format!("the curve [x1, y1, x2, y2] runs back in time: x1 = {x1}, x2 = {x2}");
+            self.fault(&format!("{key}.ease.bezier"), what, "keep x1 and x2 within 0 to 1");
+        }
+    }
+
+    /// Numbers that cannot be frame heights.
+    pub(super) fn screen_unit(&mut self, values: &[f64], key: &str, shot: &LayerDefaults) {
+        let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
+        let height = shot.size.height;
+        let in_heights = (value / f64::from(height) * 1e4).round() / 1e4;
+        let hint = format!("divide pixels by the height of the frame: {value} px of {height} is {in_heights}");
+        self.fault(key, format!("{value} frame heights look like pixels"), hint);
+    }
+}
+
+/// A pin without keys holds its place.
+fn resting_key(first_frame: i32) -> PinKey {
+    PinKey {
+        frame: f64::from(first_frame),
+        goal: Goal::Offset(ScreenVector::default()),
+        rotate_degrees: None,
+        scale: None,
+        ease: Ease::Linear,
+    }
+}

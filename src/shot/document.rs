@@ -1,0 +1,108 @@
+//! A TOML text as a tree whose every key knows its line.
+//!
+//! In: text and the name of its file. Out: [`Document`], and errors that point into it.
+
+use super::ShotError;
+use std::collections::HashMap;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A parsed text.
+pub(super) struct Document<'a> {
+    /// The file, for messages.
+    pub(super) path: &'a Path,
+    /// Its text.
+    pub(super) text: &'a str,
+    /// The tree.
+    pub(super) root: Spanned<DeValue<'a>>,
+    /// Byte offset of each key and list item, by its path.
+    offsets: HashMap<String, usize>,
+}
+
+impl<'a> Document<'a> {
+    /// Parses a text.
+    ///
+    /// # Errors
+    /// [`ShotError::Syntax`] where it is not TOML.
+    pub(super) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ShotError> {
+        let table = DeTable::parse(text).map_err(|error| syntax_error(text, path, &error))?;
+        let root = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
+        let mut offsets = HashMap::new();
+        collect_offsets(&root, "", &mut offsets);
+        Ok(Self { path, text, root, offsets })
+    }
+
+    /// The line of a key, from 1; where it is absent, that of the table that should hold it.
+    pub(super) fn line(&self, key: &str) -> usize {
+        let mut known = key;
+        loop {
+            if let Some(&offset) = self.offsets.get(known) {
+                return line_column(self.text, offset).0;
+            }
+            match known.rfind(['.', '[']) {
+                Some(end) => known = &known[..end],
+                None => return 1,
+            }
+        }
+    }
+
+    /// The file has this key (or list item).
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.offsets.contains_key(key)
+    }
+
+    /// A fault of this document.
+    pub(super) fn fault(&self, key: &str, what: impl Into<String>, hint: impl Into<String>) -> ShotError {
+        ShotError::Invalid {
+            path: self.path.to_owned(),
+            line: self.line(key),
+            key: key.to_owned(),
+            what: what.into(),
+            hint: hint.into(),
+        }
+    }
+}
+
+/// A TOML error with its place.
+pub(super) fn syntax_error(text: &str, path: &Path, error: &toml::de::Error) -> ShotError {
+    let (line, column) = line_column(text, error.span().map_or(0, |span| span.start));
+    ShotError::Syntax { path: path.to_owned(), line, column, what: error.message().replace('\n', ", ") }
+}
+
+/// `parent.key`, or `key` at the top; keys that are not plain words are quoted as in TOML.
+pub(super) fn child(parent: &str, key: &str) -> String {
+    let is_plain = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    let key = if is_plain { key.to_owned() } else { format!("{key:?}") };
+    if parent.is_empty() { key } else { format!("{parent}.{key}") }
+}
+
+fn collect_offsets(node: &Spanned<DeValue>, path: &str, offsets: &mut HashMap<String, usize>) {
+    match node.get_ref() {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                let path = child(path, key.get_ref());
+                collect_offsets(value, &path, offsets);
+                offsets.insert(path, key.span().start);
+            }
+        }
+        DeValue::Array(items) => {
+            for (index, item) in items.iter().enumerate() {
+                let path = format!("{path}[{index}]");
+                collect_offsets(item, &path, offsets);
+                offsets.insert(path, item.span().start);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Line and character of a byte offset, both from 1.
+fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text.as_bytes()[..offset.min(text.len())];
+    let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+    // Characters, not bytes: count what does not continue a UTF-8 sequence.
+    let column = 1 + before[line_start..].iter().filter(|&&byte| byte & 0xC0 != 0x80).count();
+    (line, column)
+}

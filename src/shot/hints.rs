@@ -1,0 +1,194 @@
+//! Words for faults: what was expected, what was probably meant, what to write instead.
+//!
+//! In: schema rules and what the user wrote. Out: parts of messages.
+
+use super::structure::{choices, names, type_of};
+use serde_json::{Map, Value as Rules};
+use toml::de::{DeTable, DeValue};
+
+/// Values that are not part of the format yet although somebody may well write them.
+const FOREIGN_NAMES: &[(&str, &str)] = &[
+    ("cryptomatte", "Cryptomatte is not written yet, use \"id\""),
+    ("vertex", "this energy is not built in yet, use \"edge\" or \"area\""),
+    ("element", "this energy is not built in yet, use \"edge\" or \"area\""),
+    ("stroke", "this energy is not built in yet, use \"edge\" or \"area\""),
+    ("noh", "this regulariser is not built in yet, use \"bend\" or \"rest\""),
+    ("affine", "this regulariser is not built in yet, use \"bend\" or \"rest\""),
+];
+
+/// Keys that belong elsewhere, or to nothing yet.
+const FOREIGN_KEYS: &[(&str, &str)] = &[
+    ("plate", "warping plates is not supported by render yet; give `scene`, a .gltf or .glb file"),
+    ("image", "warping images is not supported by render yet; give `scene`, a .gltf or .glb file"),
+    ("clip", "it belongs into frames: frames = { first = 1, last = 48, clip = \"Walk\" }"),
+    ("clip_start", "it belongs into frames: frames = { first = 1, last = 48, clip_start = 1 }"),
+    ("loop", "it belongs into frames: frames = { first = 1, last = 48, loop = true }"),
+    ("rate", "it belongs into frames: frames = { first = 1, last = 48, rate = 24 }"),
+    ("pin", "pins belong to a layer: [[layer]], then [[layer.pin]]"),
+    ("handle", "handles belong to a layer: [[layer]], then [[layer.handle]]"),
+    ("dims", "it belongs into lattice: lattice = { dims = [10, 10] }"),
+    ("basis", "it belongs into lattice: lattice = { basis = \"bspline\" }"),
+    ("box", "it belongs into lattice: lattice = { box = \"follow\" }"),
+    ("energy", "it belongs into solve: solve = { energy = \"area\" }"),
+    ("regularizer", "it belongs into solve: solve = { regularizer = \"bend\" }"),
+    ("preset", "it belongs into solve: solve = { preset = \"paper\" }"),
+    ("channels", "it belongs into [output]"),
+    ("compression", "it belongs into [output]"),
+    ("weight", "pins have no weight; `strength` of the layer scales them all"),
+];
+
+/// What the user wrote, in short.
+pub(super) fn found(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the text {text:?}"),
+        DeValue::Integer(number) => number.to_string(),
+        DeValue::Float(number) => number.to_string(),
+        DeValue::Boolean(value) => value.to_string(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}
+
+/// What has to be written, in words: `a whole number`, `a list of 2 numbers`, `"hold", "linear"... or { bezier = .. }`.
+pub(super) fn expected(rules: &Rules) -> String {
+    let words: Vec<String> = choices(rules).into_iter().map(expected_one).collect();
+    words.join(" or ")
+}
+
+fn expected_one(rules: &Rules) -> String {
+    let names = names(rules);
+    if !names.is_empty() {
+        return quoted(&names).join(" or ");
+    }
+    match type_of(rules) {
+        "string" => "text in quotes".to_owned(),
+        "integer" => "a whole number".to_owned(),
+        "number" => "a number".to_owned(),
+        "boolean" => "true or false".to_owned(),
+        "array" => expected_list(rules),
+        _ => expected_table(rules),
+    }
+}
+
+fn expected_list(rules: &Rules) -> String {
+    let kind = match type_of(&rules["items"]) {
+        "integer" => "whole numbers",
+        "number" => "numbers",
+        "object" => "tables",
+        _ => "texts",
+    };
+    let limit = |name: &str| rules.get(name).and_then(Rules::as_u64);
+    match (limit("minItems"), limit("maxItems")) {
+        (Some(min), Some(max)) if min == max => format!("a list of {min} {kind}"),
+        (Some(min), _) => format!("a list of at least {min} of {kind}"),
+        _ => format!("a list of {kind}"),
+    }
+}
+
+fn expected_table(rules: &Rules) -> String {
+    let keys = rules.get("properties").and_then(Rules::as_object).into_iter().flatten();
+    let single: Vec<&String> = keys.map(|(key, _)| key).collect();
+    match single.as_slice() {
+        [only] => format!("{{ {only} = .. }}"),
+        _ => "a table".to_owned(),
+    }
+}
+
+/// `write scene = "scene.glb"`, from the schema's example or default.
+pub(super) fn example(rules: &Rules, path: &str) -> String {
+    let key = path.rsplit('.').next().unwrap_or(path);
+    let value = rules.pointer("/examples/0").or_else(|| rules.get("default"));
+    match value {
+        Some(value) if !key.contains('[') => format!("write for example `{key} = {}`", toml_text(value)),
+        _ if !rules.get("minimum").is_none_or(Rules::is_null) => range(rules),
+        _ => format!("write {}", expected(rules)),
+    }
+}
+
+/// `give a whole number from 1 to 4096`.
+pub(super) fn range(rules: &Rules) -> String {
+    let kind = expected_one(rules);
+    let limit = |name: &str| rules.get(name).filter(|limit| limit.is_number()).map(limit_text);
+    match (limit("minimum"), limit("maximum")) {
+        (Some(min), Some(max)) if min == max => format!("write {min}"),
+        (Some(min), Some(max)) => format!("give {kind} from {min} to {max}"),
+        (Some(min), None) => format!("give {kind} of at least {min}"),
+        (None, Some(max)) => format!("give {kind} of at most {max}"),
+        (None, None) => format!("give {kind}"),
+    }
+}
+
+/// Whole limits without `.0`, so that -32.0 reads -32.
+fn limit_text(limit: &Rules) -> String {
+    limit.as_f64().map_or_else(|| limit.to_string(), |number| number.to_string())
+}
+
+/// What to say about a name that is none of `names`; `rules` may allow more than names.
+pub(super) fn name(written: &str, names: &[&str], rules: &Rules) -> String {
+    if let Some(remedy) = foreign(FOREIGN_NAMES, written) {
+        return remedy.to_owned();
+    }
+    let allowed = format!("allowed: {}", expected_names(names, rules));
+    match nearest(written, names.iter().copied()) {
+        Some(meant) => format!("did you mean {meant:?}? {allowed}"),
+        None => allowed,
+    }
+}
+
+fn expected_names(names: &[&str], rules: &Rules) -> String {
+    let tables = choices(rules).into_iter().filter(|choice| type_of(choice) == "object").map(expected_table);
+    quoted(names).into_iter().chain(tables).collect::<Vec<_>>().join(", ")
+}
+
+/// What is wrong with an unknown key of the table at `path`, and what to do.
+pub(super) fn unknown_key(key: &str, known: &Map<String, Rules>, path: &str) -> (String, String) {
+    let what = "is not a key".to_owned() + if path.is_empty() { " of a shot" } else { " of this table" };
+    let keys: Vec<&str> = known.keys().map(String::as_str).collect();
+    let allowed = format!("keys here: {}", keys.join(", "));
+    let remedy = foreign(FOREIGN_KEYS, key).map(str::to_owned);
+    let meant = nearest(key, keys.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
+    // A word of another table is known exactly; a near miss is only a guess.
+    match remedy.or(meant) {
+        Some(remedy) => (what, format!("{remedy} ({allowed})")),
+        None => (what, format!("remove it ({allowed})")),
+    }
+}
+
+/// Another key of the table, misspelt or not supported, already brought the fault of the missing one.
+pub(super) fn stands_for(table: &DeTable, missing: &str, known: &Map<String, Rules>) -> bool {
+    let is_plate = |key: &str| missing == "scene" && ["plate", "image"].contains(&key);
+    let unknown = table.keys().map(|key| key.get_ref().as_ref()).filter(|key| !known.contains_key(*key));
+    let mut meant = unknown.map(|key| is_plate(key) || nearest(key, known.keys().map(String::as_str)) == Some(missing));
+    meant.any(|is_meant| is_meant)
+}
+
+fn foreign(table: &'static [(&str, &str)], word: &str) -> Option<&'static str> {
+    table.iter().find(|(foreign, _)| *foreign == word).map(|(_, remedy)| *remedy)
+}
+
+/// The most similar candidate, where it is similar at all (Jaro-Winkler forgives swapped and missing letters).
+fn nearest<'a>(written: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let written = written.to_lowercase();
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(&written, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+fn quoted(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| format!("{name:?}")).collect()
+}
+
+/// A JSON value as TOML.
+fn toml_text(value: &Rules) -> String {
+    match value {
+        Rules::Object(table) => {
+            let pairs: Vec<String> = table.iter().map(|(key, value)| format!("{key} = {}", toml_text(value))).collect();
+            format!("{{ {} }}", pairs.join(", "))
+        }
+        Rules::Array(items) => format!("[{}]", items.iter().map(toml_text).collect::<Vec<_>>().join(", ")),
+        other => other.to_string(),
+    }
+}
