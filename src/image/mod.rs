@@ -5,15 +5,18 @@
 
 mod atomic;
 mod complete;
+mod draw;
 mod error;
 mod exr_read;
 mod exr_write;
+mod font;
 mod metadata;
 mod preview;
 mod sequence;
 mod window;
 
 pub use complete::is_complete;
+pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;

@@ -108,8 +108,11 @@ impl Bounds {
 }
 
 fn copied_rows(samples: &[f32], from: PixelRect, window: PixelRect) -> Vec<f32> {
-    let rows = window.y..window.y + window.height as i32;
-    rows.flat_map(|y| &samples[row(from, window, y)]).copied().collect()
+    let mut copy = Vec::with_capacity(window.area());
+    for y in window.y..window.y + window.height as i32 {
+        copy.extend_from_slice(&samples[row(from, window, y)]);
+    }
+    copy
 }
 
 /// Indices of the samples of row `y` of `part` in a picture with the data window `whole`, which holds `part`.
