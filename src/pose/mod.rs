@@ -1,8 +1,14 @@
 //! Stage 2: a [`Scene`] at one time becomes a [`Pose`]: skinned, morphed, placed in scene space.
+//!
+//! In: the scene, a clip and seconds. Out: positions, normals and lights in scene space.
 
-use crate::scene::{LightKind, Scene};
+mod deform;
+mod place;
+mod sample;
+
+use crate::scene::{Clip, LightKind, Scene};
 use crate::space::{ScenePoint, SceneVector};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{DMat4, Mat4, Vec3, Vec4};
 
 /// The scene at one time. Everything is in scene space.
 #[derive(Clone, Debug, Default)]
@@ -58,9 +64,28 @@ pub struct ClipChoice {
     pub is_looped: bool,
 }
 
-/// The scene at `seconds` of the chosen clip.
+/// The scene at `seconds` of the chosen clip. Clips hold their first and last keys, or repeat from 0 to their end. A clip
+/// number that the scene does not have gives the rest pose.
+///
+/// ```
+/// use pinwarp::{pose, scene::Scene};
+/// let posed = pose::pose(&Scene::default(), pose::ClipChoice::default(), 0.5);
+/// assert!(posed.parts.is_empty());
+/// ```
 #[must_use]
 pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
-    let _ = (scene, choice, seconds);
-    Pose::default()
+    let clip = choice.clip.and_then(|index| scene.clips.get(index));
+    let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
+    let scene_from_node = place::scene_from_nodes(scene, &moved);
+    Pose {
+        parts: deform::parts(scene, &moved, &scene_from_node),
+        lights: place::lights(scene, &scene_from_node),
+        scene_from_node: scene_from_node.iter().map(DMat4::as_mat4).collect(),
+    }
+}
+
+/// Time inside the clip.
+fn clip_seconds(clip: &Clip, is_looped: bool, seconds: f64) -> f64 {
+    let end = f64::from(clip.end_secs);
+    if is_looped && end > 0.0 { seconds.rem_euclid(end) } else { seconds }
 }

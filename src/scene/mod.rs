@@ -3,9 +3,24 @@
 //! In: a path. Out: plain data without indices into buffers, accessors, sparse parts or extensions.
 //! Later stages never see the file format.
 
+mod accessor;
+mod animation;
+mod attributes;
 mod error;
+mod file;
+mod find;
+mod geometry;
+mod json;
+mod load;
+mod material;
+mod mesh;
+mod nodes;
+mod skin;
+mod texture;
 
 pub use error::SceneError;
+pub use find::FindError;
+pub use load::load;
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;

@@ -1,0 +1,189 @@
+//! Morphing and skinning.
+//!
+//! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex is a function of its own data, so the
+//! result does not depend on the number of threads.
+
+use super::PosedPart;
+use super::sample::Moved;
+use crate::scene::{Influence, MorphTarget, Primitive, Scene, Skin};
+use crate::space::{ScenePoint, SceneVector};
+use glam::{DMat4, Mat3, Mat4, Vec3, Vec4};
+use rayon::prelude::*;
+
+/// From this many vertices on, threads pay.
+const PARALLEL_VERTICES: usize = 50_000;
+/// Least vertices a thread takes at once.
+const CHUNK: usize = 8_192;
+
+/// All parts, in node order, then primitive order.
+pub(super) fn parts(scene: &Scene, moved: &Moved, scene_from_node: &[DMat4]) -> Vec<PosedPart> {
+    let jobs: Vec<Job<'_>> =
+        (0..scene.nodes.len()).flat_map(|node| jobs(scene, node, moved, scene_from_node)).collect();
+    let vertices: usize = jobs.iter().map(|job| job.primitive.positions.len()).sum();
+    if vertices >= PARALLEL_VERTICES {
+        jobs.par_iter().map(Job::run).collect()
+    } else {
+        jobs.iter().map(Job::run).collect()
+    }
+}
+
+/// One primitive to place.
+struct Job<'a> {
+    node: usize,
+    mesh: usize,
+    number: usize,
+    primitive: &'a Primitive,
+    weights: &'a [f64],
+    placing: Placing,
+}
+
+/// How vertices get into the scene.
+enum Placing {
+    /// scene_from_node.
+    Rigid(Frame),
+    /// scene_from_mesh of every joint; the node's own placement does not count (glTF 2.0, §3.7.3.3).
+    Skinned(Vec<Mat4>),
+}
+
+/// A placement of points, directions and normals.
+#[derive(Clone, Copy)]
+struct Frame {
+    scene_from_mesh: Mat4,
+    /// Inverse transpose up to a positive factor: turns normals.
+    normals: Mat3,
+    /// −1 where the placement mirrors, else 1.
+    side: f32,
+}
+
+impl Frame {
+    fn new(scene_from_mesh: Mat4) -> Self {
+        let [x, y, z] = [scene_from_mesh.x_axis, scene_from_mesh.y_axis, scene_from_mesh.z_axis].map(Vec4::truncate);
+        // The cofactor matrix, det · inverse transpose, also serves where one axis is flattened.
+        let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let side = if x.dot(y.cross(z)) < 0.0 { -1.0 } else { 1.0 };
+        Self { scene_from_mesh, normals: cofactors * side, side }
+    }
+}
+
+fn jobs<'a>(scene: &'a Scene, node: usize, moved: &'a Moved, scene_from_node: &[DMat4]) -> Vec<Job<'a>> {
+    let Some(index) = scene.nodes[node].mesh else { return Vec::new() };
+    let skin = scene.nodes[node].skin.map(|skin| joint_matrices(&scene.skins[skin], scene_from_node));
+    let primitives = scene.meshes[index].primitives.iter().enumerate();
+    let visible = primitives.filter(|(_, primitive)| !primitive.triangles.is_empty());
+    let job = |(number, primitive): (usize, &'a Primitive)| Job {
+        node,
+        mesh: index,
+        number,
+        primitive,
+        weights: &moved.weights[node],
+        placing: match &skin {
+            Some(joints) if !primitive.influences.is_empty() => Placing::Skinned(joints.clone()),
+            _ => Placing::Rigid(Frame::new(scene_from_node[node].as_mat4())),
+        },
+    };
+    visible.map(job).collect()
+}
+
+/// scene_from_mesh of every joint; multiplied in f64, because both factors may be far from the origin.
+fn joint_matrices(skin: &Skin, scene_from_node: &[DMat4]) -> Vec<Mat4> {
+    let pairs = skin.joints.iter().zip(&skin.joint_from_mesh);
+    pairs.map(|(&joint, joint_from_mesh)| (scene_from_node[joint] * joint_from_mesh.as_dmat4()).as_mat4()).collect()
+}
+
+/// A vertex before and after placing.
+#[derive(Clone, Copy)]
+struct Vertex {
+    position: Vec3,
+    normal: Vec3,
+    tangent: Vec4,
+}
+
+impl Job<'_> {
+    fn run(&self) -> PosedPart {
+        let count = self.primitive.positions.len();
+        let active = self.active_targets();
+        let vertices: Vec<Vertex> = if count >= PARALLEL_VERTICES {
+            (0..count).into_par_iter().with_min_len(CHUNK).map(|index| self.vertex(index, &active)).collect()
+        } else {
+            (0..count).map(|index| self.vertex(index, &active)).collect()
+        };
+        let has_tangents = !self.primitive.tangents.is_empty();
+        PosedPart {
+            node: self.node,
+            mesh: self.mesh,
+            primitive: self.number,
+            positions: vertices.iter().map(|vertex| ScenePoint(vertex.position)).collect(),
+            normals: vertices.iter().map(|vertex| SceneVector(vertex.normal)).collect(),
+            tangents: vertices.iter().filter(|_| has_tangents).map(|vertex| vertex.tangent).collect(),
+            is_mirrored: self.is_mirrored(),
+        }
+    }
+
+    /// The targets that move anything, with their weights.
+    fn active_targets(&self) -> Vec<(f32, &MorphTarget)> {
+        let weighted = self.weights.iter().zip(&self.primitive.targets);
+        weighted.filter(|(weight, _)| **weight != 0.0).map(|(weight, target)| (*weight as f32, target)).collect()
+    }
+
+    fn vertex(&self, index: usize, active: &[(f32, &MorphTarget)]) -> Vertex {
+        let at_rest = morph(self.primitive, index, active);
+        match &self.placing {
+            Placing::Rigid(frame) => place(frame, at_rest),
+            Placing::Skinned(joints) => place(&Frame::new(blend(joints, &self.primitive.influences[index])), at_rest),
+        }
+    }
+
+    /// Joints may disagree; the joint that the first vertex follows most speaks for the part.
+    fn is_mirrored(&self) -> bool {
+        match &self.placing {
+            Placing::Rigid(frame) => frame.side < 0.0,
+            Placing::Skinned(joints) => {
+                let first = self.primitive.influences.first();
+                first.is_some_and(|influences| Frame::new(blend(joints, influences)).side < 0.0)
+            }
+        }
+    }
+}
+
+fn morph(primitive: &Primitive, index: usize, active: &[(f32, &MorphTarget)]) -> Vertex {
+    let mut vertex = Vertex {
+        position: primitive.positions[index],
+        normal: primitive.normals[index],
+        tangent: primitive.tangents.get(index).copied().unwrap_or_default(),
+    };
+    for (weight, target) in active {
+        // Each list may be empty: nothing moves.
+        let by = |list: &[Vec3]| list.get(index).copied().unwrap_or_default() * *weight;
+        vertex.position += by(&target.positions);
+        vertex.normal += by(&target.normals);
+        vertex.tangent += by(&target.tangents).extend(0.0);
+    }
+    vertex
+}
+
+/// The weighted sum of joint matrices (linear blend skinning).
+fn blend(joints: &[Mat4], influences: &[Influence; 8]) -> Mat4 {
+    let mut sum = Mat4::ZERO;
+    for influence in influences.iter().filter(|influence| influence.weight > 0.0) {
+        // Loading checked the numbers; a scene made by hand with a wrong one collapses there instead of failing.
+        let joint = joints.get(usize::from(influence.joint)).copied().unwrap_or(Mat4::ZERO);
+        sum += joint * influence.weight;
+    }
+    sum
+}
+
+fn place(frame: &Frame, vertex: Vertex) -> Vertex {
+    let normal = frame.normals * vertex.normal;
+    let tangent = frame.scene_from_mesh.transform_vector3(vertex.tangent.truncate());
+    Vertex {
+        position: frame.scene_from_mesh.transform_point3(vertex.position),
+        normal: direction(normal).or_else(|| direction(vertex.normal)).unwrap_or(Vec3::Z),
+        tangent: direction(tangent).unwrap_or(Vec3::X).extend(vertex.tangent.w * frame.side),
+    }
+}
+
+/// Unit length; `None` where there is no direction. Scaled first: cofactors of small scales are tiny.
+fn direction(vector: Vec3) -> Option<Vec3> {
+    let largest = vector.abs().max_element();
+    (largest > 0.0 && largest.is_finite()).then(|| (vector / largest).normalize())
+}

@@ -1,0 +1,190 @@
+//! Animation clips.
+//!
+//! In: the JSON's animations. Out: tracks of scene nodes with checked keys; `clips[i]` is the file's i-th.
+
+use super::accessor::Integers;
+use super::file::File;
+use super::nodes::{self, Tree};
+use super::{Clip, Interpolation, Node, Placement, SceneError, Track, TrackValues};
+use glam::{Quat, Vec3};
+use gltf::json::accessor::Type;
+use gltf::json::animation::{Channel, Interpolation as JsonInterpolation, Property, Sampler};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Accessor, Index};
+use std::collections::HashSet;
+
+/// All clips. A node that a clip moves gets a TRS placement in `nodes` where the file gave a matrix.
+pub(super) fn load(
+    file: &File,
+    tree: &Tree,
+    nodes: &mut [Node],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Clip>, SceneError> {
+    let mut clips = Vec::with_capacity(file.root.animations.len());
+    for (index, animation) in file.root.animations.iter().enumerate() {
+        let name = animation.name.clone().filter(|name| !name.is_empty());
+        let mut loader = Loader {
+            file,
+            tree,
+            nodes,
+            warnings,
+            animation,
+            clip: name.unwrap_or_else(|| format!("clip_{index}")),
+            taken: HashSet::new(),
+        };
+        let tracks = loader.tracks()?;
+        let ends = tracks.iter().filter_map(|track| track.times.last().copied());
+        clips.push(Clip { end_secs: ends.fold(0.0, f32::max), name: loader.clip, tracks });
+    }
+    Ok(clips)
+}
+
+struct Loader<'a> {
+    file: &'a File,
+    tree: &'a Tree,
+    nodes: &'a mut [Node],
+    warnings: &'a mut Vec<String>,
+    animation: &'a json::Animation,
+    /// Name of the clip.
+    clip: String,
+    /// Node and property of the tracks so far.
+    taken: HashSet<(usize, u8)>,
+}
+
+/// Where a message belongs.
+struct Place<'a> {
+    clip: &'a str,
+    channel: usize,
+    node: &'a str,
+}
+
+impl std::fmt::Display for Place<'_> {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "clip \"{}\", channel {} (node \"{}\")", self.clip, self.channel, self.node)
+    }
+}
+
+impl Loader<'_> {
+    fn tracks(&mut self) -> Result<Vec<Track>, SceneError> {
+        let mut tracks = Vec::new();
+        for (number, channel) in self.animation.channels.iter().enumerate() {
+            tracks.extend(self.track(number, channel)?);
+        }
+        Ok(tracks)
+    }
+
+    /// `None` where the channel moves nothing of this scene.
+    fn track(&mut self, number: usize, channel: &Channel) -> Result<Option<Track>, SceneError> {
+        let file_node = channel.target.node.value();
+        let name = nodes::name(self.file, file_node);
+        let place = Place { clip: &self.clip, channel: number, node: &name };
+        let Some(node) = self.tree.scene_from_file.get(file_node) else {
+            return Err(self.file.invalid(format!("{place}: the node does not exist")));
+        };
+        let (Some(node), Checked::Valid(property)) = (*node, channel.target.path) else { return Ok(None) };
+        if !self.taken.insert((node, property as u8)) {
+            self.warnings.push(format!("{place}: its {property:?} is moved twice, the second is ignored"));
+            return Ok(None);
+        }
+        let Some(sampler) = self.animation.samplers.get(channel.sampler.value()) else {
+            return Err(self.file.invalid(format!("{place}: its sampler does not exist")));
+        };
+        let targets = self.nodes[node].weights.len();
+        if property == Property::MorphTargetWeights && targets == 0 {
+            self.warnings.push(format!("{place} moves morph weights, but there are no morph targets"));
+            return Ok(None);
+        }
+        let keys = Keys { file: self.file, place: &place, sampler, targets };
+        let track = keys.read(node, property)?;
+        if property != Property::MorphTargetWeights {
+            decompose(&mut self.nodes[node]);
+        }
+        Ok(track)
+    }
+}
+
+/// Turns a matrix into TRS, so that a track can replace a part of it.
+fn decompose(node: &mut Node) {
+    if let Placement::Matrix(matrix) = node.rest {
+        let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+        node.rest = Placement::Trs { translation, rotation: nodes::unit(rotation), scale };
+    }
+}
+
+/// Reads the keys of one channel.
+struct Keys<'a> {
+    file: &'a File,
+    place: &'a Place<'a>,
+    sampler: &'a Sampler,
+    /// Morph targets of the node.
+    targets: usize,
+}
+
+impl Keys<'_> {
+    fn read(&self, node: usize, property: Property) -> Result<Option<Track>, SceneError> {
+        let interpolation = match self.sampler.interpolation {
+            Checked::Valid(JsonInterpolation::Step) => Interpolation::Step,
+            Checked::Valid(JsonInterpolation::Linear) => Interpolation::Linear,
+            Checked::Valid(JsonInterpolation::CubicSpline) => Interpolation::CubicSpline,
+            Checked::Invalid => return Err(self.fault("an unknown interpolation")),
+        };
+        let times = self.times()?;
+        if times.is_empty() {
+            return Ok(None);
+        }
+        let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        let is_cubic = interpolation == Interpolation::CubicSpline;
+        let values = self.values(property, is_cubic)?;
+        let (have, need) = match &values {
+            TrackValues::Translation(values) | TrackValues::Scale(values) => (values.len(), times.len() * per_key),
+            TrackValues::Rotation(values) => (values.len(), times.len() * per_key),
+            TrackValues::Weights(values) => (values.len(), times.len() * per_key * self.targets),
+        };
+        if have != need {
+            return Err(self.fault(&format!("{have} values where {need} belong")));
+        }
+        Ok(Some(Track { node, interpolation, times, values }))
+    }
+
+    fn times(&self) -> Result<Vec<f32>, SceneError> {
+        let times = self.floats(self.sampler.input, Type::Scalar, Integers::AsFlagged)?;
+        let is_bad = |key: &usize| *key > 0 && times[*key] <= times[*key - 1];
+        match (0..times.len()).find(is_bad) {
+            Some(key) => Err(self.fault(&format!("key {key} that is not later than the one before"))),
+            None => Ok(times),
+        }
+    }
+
+    fn values(&self, property: Property, is_cubic: bool) -> Result<TrackValues, SceneError> {
+        let output = self.sampler.output;
+        let vectors = |integers| {
+            let values = self.floats(output, Type::Vec3, integers)?;
+            Ok(values.as_chunks::<3>().0.iter().map(|value| Vec3::from_array(*value)).collect())
+        };
+        Ok(match property {
+            Property::Translation => TrackValues::Translation(vectors(Integers::AsFlagged)?),
+            Property::Scale => TrackValues::Scale(vectors(Integers::AsFlagged)?),
+            Property::Rotation => {
+                let values = self.floats(output, Type::Vec4, Integers::Normalized)?;
+                let raw = values.as_chunks::<4>().0.iter().map(|value| Quat::from_array(*value));
+                // The tangents of cubic keys are not rotations; their values become unit after interpolation.
+                TrackValues::Rotation(if is_cubic { raw.collect() } else { raw.map(nodes::unit).collect() })
+            }
+            Property::MorphTargetWeights => {
+                TrackValues::Weights(self.floats(output, Type::Scalar, Integers::Normalized)?)
+            }
+        })
+    }
+
+    fn floats(&self, accessor: Index<Accessor>, kind: Type, integers: Integers) -> Result<Vec<f32>, SceneError> {
+        let values = self.file.floats(accessor, &[kind], integers, format_args!("{}", self.place))?.values;
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(_) => Err(self.fault("a value that is not a finite number")),
+            None => Ok(values),
+        }
+    }
+
+    fn fault(&self, what: &str) -> SceneError {
+        self.file.invalid(format!("{} has {what}", self.place))
+    }
+}

@@ -1,0 +1,198 @@
+//! Finding nodes, cameras and clips by the names people write into shots.
+//!
+//! In: a scene and a name, number or pattern. Out: indices, or an error that offers the nearest right spelling.
+
+use super::Scene;
+
+/// Least similarity (Jaro-Winkler) at which a name is offered as what was meant.
+const NEAR: f64 = 0.7;
+
+/// Something a shot names that the scene does not have.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FindError {
+    /// The scene has no camera at all; the caller may frame it automatically.
+    #[error("the scene has no camera")]
+    NoCamera,
+    /// No camera of that name.
+    #[error("the scene has no camera \"{name}\"; {}", advice(nearest.as_deref(), known))]
+    UnknownCamera {
+        /// The name asked for.
+        name: String,
+        /// The most similar name.
+        nearest: Option<String>,
+        /// All names, in node order.
+        known: Vec<String>,
+    },
+    /// No clip of that name.
+    #[error("the scene has no clip \"{name}\"; {}", advice(nearest.as_deref(), known))]
+    UnknownClip {
+        /// The name asked for.
+        name: String,
+        /// The most similar name.
+        nearest: Option<String>,
+        /// All names, in the file's order.
+        known: Vec<String>,
+    },
+    /// A clip number past the end.
+    #[error("the scene has {count} clips, there is no clip {index} (the first is 0)")]
+    ClipOutOfRange {
+        /// The number asked for.
+        index: usize,
+        /// Number of clips.
+        count: usize,
+    },
+}
+
+fn advice(nearest: Option<&str>, known: &[String]) -> String {
+    const SHOWN: usize = 12;
+    match (nearest, known) {
+        (Some(name), _) => format!("did you mean \"{name}\"?"),
+        (None, []) => "it has none".to_owned(),
+        (None, known) => {
+            let more = if known.len() > SHOWN { ", …" } else { "" };
+            format!("it has {}{more}", known[..known.len().min(SHOWN)].join(", "))
+        }
+    }
+}
+
+impl Scene {
+    /// The first node of that name.
+    #[must_use]
+    pub fn node_named(&self, name: &str) -> Option<usize> {
+        self.nodes.iter().position(|node| node.name == name)
+    }
+
+    /// The node name most similar to `name`, for messages.
+    #[must_use]
+    pub fn nearest_node_name(&self, name: &str) -> Option<&str> {
+        nearest(name, self.nodes.iter().map(|node| node.name.as_str()))
+    }
+
+    /// The node of a camera: by node name, then by camera name; `None`: the first in node order.
+    ///
+    /// # Errors
+    /// [`FindError::NoCamera`] where the scene has none, [`FindError::UnknownCamera`] where none has that name.
+    pub fn find_camera(&self, name: Option<&str>) -> Result<usize, FindError> {
+        let cameras: Vec<(usize, &str, &str)> = self
+            .nodes
+            .iter()
+            .enumerate()
+            .filter_map(|(index, node)| {
+                Some((index, node.name.as_str(), self.cameras.get(node.camera?)?.name.as_str()))
+            })
+            .collect();
+        let Some(&(first, ..)) = cameras.first() else { return Err(FindError::NoCamera) };
+        let Some(name) = name else { return Ok(first) };
+        let by_node = cameras.iter().find(|(_, node, _)| *node == name);
+        let found = by_node.or_else(|| cameras.iter().find(|(.., camera)| *camera == name));
+        let names = || cameras.iter().flat_map(|(_, node, camera)| [*node, *camera]).filter(|name| !name.is_empty());
+        found.map(|(index, ..)| *index).ok_or_else(|| FindError::UnknownCamera {
+            name: name.to_owned(),
+            nearest: nearest(name, names()).map(str::to_owned),
+            known: cameras.iter().map(|(_, node, _)| (*node).to_owned()).collect(),
+        })
+    }
+
+    /// The clip of that name, else of that number, else the first; `None` only where the scene has no clips and none
+    /// was asked for.
+    ///
+    /// # Errors
+    /// [`FindError::UnknownClip`] or [`FindError::ClipOutOfRange`].
+    pub fn find_clip(&self, name: Option<&str>, index: Option<usize>) -> Result<Option<usize>, FindError> {
+        let count = self.clips.len();
+        match (name, index) {
+            (Some(name), _) => match self.clips.iter().position(|clip| clip.name == name) {
+                Some(index) => Ok(Some(index)),
+                None => Err(FindError::UnknownClip {
+                    name: name.to_owned(),
+                    nearest: nearest(name, self.clips.iter().map(|clip| clip.name.as_str())).map(str::to_owned),
+                    known: self.clips.iter().map(|clip| clip.name.clone()).collect(),
+                }),
+            },
+            (None, Some(index)) if index >= count => Err(FindError::ClipOutOfRange { index, count }),
+            (None, Some(index)) => Ok(Some(index)),
+            (None, None) => Ok((count > 0).then_some(0)),
+        }
+    }
+
+    /// `node` and all below it, in node order; empty where there is no such node.
+    #[must_use]
+    pub fn subtree(&self, node: usize) -> Vec<usize> {
+        let mut is_inside = vec![false; self.nodes.len()];
+        for index in node..self.nodes.len() {
+            // Parents stand first, so theirs is already known.
+            is_inside[index] = index == node || self.nodes[index].parent.is_some_and(|parent| is_inside[parent]);
+        }
+        (0..is_inside.len()).filter(|&index| is_inside[index]).collect()
+    }
+
+    /// Nodes whose name matches a pattern, in node order: `*` stands for any characters, `?` for one.
+    ///
+    /// ```
+    /// use pinwarp::scene::Scene;
+    /// assert!(Scene::default().matching("Teapot*").is_empty());
+    /// ```
+    #[must_use]
+    pub fn matching(&self, pattern: &str) -> Vec<usize> {
+        let pattern: Vec<char> = pattern.chars().collect();
+        let is_match = |index: &usize| {
+            let name: Vec<char> = self.nodes[*index].name.chars().collect();
+            matches(&pattern, &name)
+        };
+        (0..self.nodes.len()).filter(is_match).collect()
+    }
+}
+
+/// The candidate most similar to `name`, if any is similar at all.
+fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let folded = name.to_lowercase();
+    let scored = candidates.map(|candidate| (strsim::jaro_winkler(&folded, &candidate.to_lowercase()), candidate));
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= NEAR).then_some(best.1)
+}
+
+/// Glob match in linear space: on a mismatch the last star takes one more character.
+fn matches(pattern: &[char], name: &[char]) -> bool {
+    let (mut p, mut n) = (0, 0);
+    let mut star = None;
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(&c) if c == '?' || c == name[n] => {
+                p += 1;
+                n += 1;
+            }
+            _ => {
+                let Some((at, taken)) = star else { return false };
+                star = Some((at, taken + 1));
+                p = at + 1;
+                n = taken + 1;
+            }
+        }
+    }
+    pattern[p..].iter().all(|c| *c == '*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn globs_match_as_people_expect() {
+        let check = |pattern: &str, name: &str| {
+            matches(&pattern.chars().collect::<Vec<_>>(), &name.chars().collect::<Vec<_>>())
+        };
+        for (pattern, name) in
+            [("*", ""), ("Tea*", "Teapot"), ("*pot", "Teapot"), ("T?a*t", "Teapot"), ("a*b*c", "axbxbc")]
+        {
+            assert!(check(pattern, name), "{pattern} matches {name}");
+        }
+        for (pattern, name) in [("", "x"), ("Tea", "Teapot"), ("?", ""), ("a*b*c", "axbxb"), ("tea*", "Teapot")] {
+            assert!(!check(pattern, name), "{pattern} does not match {name}");
+        }
+    }
+}

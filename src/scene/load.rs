@@ -1,0 +1,85 @@
+//! Loading: reads a file and puts the scene together.
+//!
+//! In: the path of a .gltf or .glb file. Out: a [`Scene`] with everything resolved, or an error that says what is wrong
+//! and where; what can be passed over becomes a warning in the scene.
+
+use super::file::File;
+use super::nodes::References;
+use super::{Mesh, Scene, SceneError, animation, json, material, mesh, nodes, skin};
+use std::path::Path;
+
+/// Loads a glTF 2.0 file with all buffers and images it refers to.
+///
+/// # Errors
+/// [`SceneError`] where the file or a buffer cannot be read, breaks the format, or needs an unsupported extension.
+///
+/// ```no_run
+/// let scene = pinwarp::scene::load("teapot.glb".as_ref())?;
+/// println!("{} nodes, {} clips", scene.nodes.len(), scene.clips.len());
+/// # Ok::<(), pinwarp::scene::SceneError>(())
+/// ```
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    let mut warnings = Vec::new();
+    let parsed = json::parse(path, &bytes, &mut warnings)?;
+    let file = File::resolve(path, parsed.root, bytes, parsed.binary)?;
+    let mut scene = build(&file, &mut warnings)?;
+    scene.path = path.to_owned();
+    let has_triangles = scene.meshes.iter().flat_map(|mesh| &mesh.primitives).any(|one| !one.triangles.is_empty());
+    if !has_triangles {
+        warnings.push("the scene has no triangles: nothing of it can be seen".to_owned());
+    }
+    scene.warnings = warnings;
+    Ok(scene)
+}
+
+fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {
+    let tree = nodes::tree(file)?;
+    let mut used = References::default();
+    let mut nodes = nodes::load(file, &tree, &mut used)?;
+    let (mut materials, textures) = material::load(file, warnings)?;
+    let loaded = mesh::load(file, &used.meshes, &mut materials, warnings)?;
+    for node in &mut nodes {
+        complete_weights(node, &loaded);
+    }
+    let mut scene = Scene {
+        meshes: loaded.into_iter().map(|loaded| loaded.mesh).collect(),
+        skins: skin::load(file, &tree, &used.skins)?,
+        cameras: nodes::cameras(file, &used.cameras)?,
+        lights: nodes::lights(file, &used.lights)?,
+        materials,
+        textures: textures.textures,
+        images: textures.images,
+        clips: animation::load(file, &tree, &mut nodes, warnings)?,
+        nodes,
+        ..Scene::default()
+    };
+    skin::check_influences(file, &scene)?;
+    drop_idle_skins(&mut scene);
+    Ok(scene)
+}
+
+/// One weight a morph target: the node's own, else the mesh's, else zero.
+fn complete_weights(node: &mut super::Node, meshes: &[mesh::Loaded]) {
+    let Some(loaded) = node.mesh.map(|mesh| &meshes[mesh]) else {
+        node.weights.clear();
+        return;
+    };
+    if node.weights.is_empty() {
+        node.weights.clone_from(&loaded.weights);
+    }
+    node.weights.resize(target_count(&loaded.mesh), 0.0);
+    node.weights.iter_mut().filter(|weight| !weight.is_finite()).for_each(|weight| *weight = 0.0);
+}
+
+fn target_count(mesh: &Mesh) -> usize {
+    mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
+}
+
+/// A mesh without joint weights stands where its node stands, whatever skin the node names.
+fn drop_idle_skins(scene: &mut Scene) {
+    for node in &mut scene.nodes {
+        let is_skinned = |mesh: usize| scene.meshes[mesh].primitives.iter().any(|one| !one.influences.is_empty());
+        node.skin = node.skin.filter(|_| node.mesh.is_some_and(is_skinned));
+    }
+}

@@ -1,0 +1,225 @@
+//! Meshes: triangles of every mode, and what is made of their attributes.
+//!
+//! In: the JSON's meshes and the materials. Out: primitives with normals (and tangents where a normal map needs them).
+//! A primitive keeps its number in the file; points and lines leave an empty one behind, with a warning.
+
+use super::accessor::Integers;
+use super::attributes::{Attributes, Label};
+use super::file::File;
+use super::nodes::Used;
+use super::{Material, Mesh, MorphTarget, Primitive, SceneError, geometry};
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Accessor, Index};
+
+/// A mesh with the rest weights of its morph targets.
+pub(super) struct Loaded {
+    pub(super) mesh: Mesh,
+    /// The mesh's own weights; may be shorter than its targets.
+    pub(super) weights: Vec<f32>,
+}
+
+/// The meshes in use. Adds the default material to `materials` where a primitive has none.
+pub(super) fn load(
+    file: &File,
+    used: &Used,
+    materials: &mut Vec<Material>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Loaded>, SceneError> {
+    let of_file = materials.len();
+    let lacks_material =
+        |index: &usize| file.root.meshes[*index].primitives.iter().any(|primitive| primitive.material.is_none());
+    if of_file == 0 || used.file_from_scene.iter().any(lacks_material) {
+        materials.push(Material::default());
+    }
+    let mut loader = Loader { file, materials, of_file, warnings };
+    used.file_from_scene.iter().map(|&index| loader.mesh(index)).collect()
+}
+
+struct Loader<'a> {
+    file: &'a File,
+    materials: &'a [Material],
+    /// Number of materials in the file; the default one stands behind them.
+    of_file: usize,
+    warnings: &'a mut Vec<String>,
+}
+
+impl Loader<'_> {
+    fn mesh(&mut self, index: usize) -> Result<Loaded, SceneError> {
+        let json = &self.file.root.meshes[index];
+        let name = json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("mesh_{index}"));
+        let mut primitives = Vec::with_capacity(json.primitives.len());
+        for (number, primitive) in json.primitives.iter().enumerate() {
+            primitives.push(self.primitive(primitive, Label { mesh: &name, primitive: number })?);
+        }
+        Ok(Loaded { mesh: Mesh { name, primitives }, weights: json.weights.clone().unwrap_or_default() })
+    }
+
+    fn primitive(&mut self, json: &json::mesh::Primitive, label: Label<'_>) -> Result<Primitive, SceneError> {
+        let Checked::Valid(mode) = json.mode else {
+            return Err(self.file.invalid(format!("{label} has an unknown mode")));
+        };
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.warnings.push(format!("{label} consists of points or lines and is not drawn"));
+            return Ok(Primitive::default());
+        }
+        let Some(&position) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            self.warnings.push(format!("{label} has no positions and is not drawn"));
+            return Ok(Primitive::default());
+        };
+        let material = self.material(json, label)?;
+        let positions = positions(self.file, position, label)?;
+        let corners = corners(self.file, json, positions.len(), label)?;
+        if mode == Mode::Triangles && corners.len() % 3 != 0 {
+            self.warnings
+                .push(format!("{label}: {} corners are not whole triangles, the rest is left out", corners.len()));
+        }
+        let attributes = Attributes { file: self.file, json, count: positions.len(), label };
+        let mut primitive = Primitive {
+            uvs: [attributes.uvs(0)?, attributes.uvs(1)?],
+            colors: attributes.colors()?,
+            influences: attributes.influences(self.warnings)?,
+            targets: attributes.targets()?,
+            triangles: triangles(mode, &corners),
+            material,
+            positions,
+            ..Primitive::default()
+        };
+        let normals = attributes.vectors(Semantic::Normals)?;
+        let tangents = attributes.tangents()?;
+        complete_normals(&mut primitive, normals);
+        self.complete_uvs(&mut primitive, label);
+        self.complete_tangents(&mut primitive, tangents);
+        Ok(primitive)
+    }
+
+    fn material(&self, json: &json::mesh::Primitive, label: Label<'_>) -> Result<usize, SceneError> {
+        match json.material.map(|index| index.value()) {
+            None => Ok(self.of_file),
+            Some(index) if index < self.of_file => Ok(index),
+            Some(index) => Err(self.file.invalid(format!("{label} names materials[{index}], which does not exist"))),
+        }
+    }
+
+    /// A texture without coordinates shows its corner, as on any graphics card; later stages need not ask.
+    fn complete_uvs(&mut self, primitive: &mut Primitive, label: Label<'_>) {
+        let material = &self.materials[primitive.material];
+        let textures = [
+            material.base_color_texture,
+            material.metallic_roughness_texture,
+            material.normal_texture,
+            material.occlusion_texture,
+            material.emissive_texture,
+        ];
+        for texture in textures.into_iter().flatten() {
+            let uvs = &mut primitive.uvs[texture.uv_set];
+            if uvs.is_empty() && !primitive.positions.is_empty() {
+                let set = texture.uv_set;
+                self.warnings.push(format!("{label} has textures but no TEXCOORD_{set}; they show one texel"));
+                *uvs = vec![Vec2::ZERO; primitive.positions.len()];
+            }
+        }
+    }
+
+    fn complete_tangents(&self, primitive: &mut Primitive, stored: Option<Vec<Vec4>>) {
+        let Some(texture) = self.materials[primitive.material].normal_texture else { return };
+        primitive.tangents = match stored {
+            // Unshared vertices (flat normals) void stored tangents, as the format says.
+            Some(mut tangents) if tangents.len() == primitive.normals.len() => {
+                geometry::repair_tangents(&primitive.normals, &mut tangents);
+                tangents
+            }
+            _ => {
+                let uvs = &primitive.uvs[texture.uv_set];
+                geometry::tangents(&primitive.positions, &primitive.normals, uvs, &primitive.triangles)
+            }
+        };
+    }
+}
+
+fn positions(file: &File, accessor: Index<Accessor>, label: Label<'_>) -> Result<Vec<Vec3>, SceneError> {
+    let what = format_args!("{label}, POSITION");
+    let positions = file.floats(accessor, &[Type::Vec3], Integers::AsFlagged, what)?.map(Vec3::from_array);
+    match positions.iter().position(|position| !position.is_finite()) {
+        Some(vertex) => Err(file.invalid(format!("{label}: the position of vertex {vertex} is not a finite number"))),
+        None if u32::try_from(positions.len()).is_err() => Err(file.invalid(format!("{label} has too many vertices"))),
+        None => Ok(positions),
+    }
+}
+
+/// Vertex numbers in drawing order, all below `count`.
+fn corners(file: &File, json: &json::mesh::Primitive, count: usize, label: Label<'_>) -> Result<Vec<u32>, SceneError> {
+    let Some(accessor) = json.indices else { return Ok((0..count as u32).collect()) };
+    let corners = file.integers(accessor, Type::Scalar, format_args!("{label}, indices"))?;
+    match corners.iter().position(|&corner| corner as usize >= count) {
+        Some(place) => {
+            let corner = corners[place];
+            Err(file.invalid(format!("{label}: index {place} asks for vertex {corner} of {count}")))
+        }
+        None => Ok(corners),
+    }
+}
+
+/// Unrolls strips and fans; the winding is that of glTF 2.0, §3.7.2.1.
+fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let turn = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            corners.windows(3).enumerate().map(turn).collect()
+        }
+        Mode::TriangleFan => {
+            let Some((&hub, rim)) = corners.split_first() else { return Vec::new() };
+            rim.windows(2).map(|pair| [pair[0], pair[1], hub]).collect()
+        }
+        _ => corners.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// Gives every vertex a unit normal: the stored one or, on unshared vertices, that of its face.
+fn complete_normals(primitive: &mut Primitive, stored: Option<Vec<Vec3>>) {
+    if let Some(mut normals) = stored {
+        geometry::repair_normals(&primitive.positions, &primitive.triangles, &mut normals);
+        primitive.normals = normals;
+        return;
+    }
+    unshare(primitive);
+    primitive.normals = geometry::flat_normals(&primitive.positions);
+    for target in &mut primitive.targets {
+        complete_target_normals(target, &primitive.positions, &primitive.normals);
+    }
+}
+
+/// Flat normals turn with a morph target: their displacement is exact where the target's weight is 0 or 1.
+fn complete_target_normals(target: &mut MorphTarget, positions: &[Vec3], normals: &[Vec3]) {
+    target.normals.clear();
+    if target.positions.is_empty() {
+        return;
+    }
+    let moved: Vec<Vec3> = positions.iter().zip(&target.positions).map(|(at, by)| at + by).collect();
+    target.normals = geometry::flat_normals(&moved).iter().zip(normals).map(|(to, from)| to - from).collect();
+}
+
+/// Gives every triangle vertices of its own; the order of triangles stays.
+fn unshare(primitive: &mut Primitive) {
+    let order: Vec<u32> = primitive.triangles.iter().flatten().copied().collect();
+    gather(&mut primitive.positions, &order);
+    gather(&mut primitive.colors, &order);
+    gather(&mut primitive.influences, &order);
+    primitive.uvs.iter_mut().for_each(|uvs| gather(uvs, &order));
+    for target in &mut primitive.targets {
+        gather(&mut target.positions, &order);
+        gather(&mut target.normals, &order);
+        gather(&mut target.tangents, &order);
+    }
+    // The caller's corners are u32, so three a triangle may pass that limit only with more memory than there is.
+    let count = order.len() as u32;
+    primitive.triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+}
+
+fn gather<T: Copy>(array: &mut Vec<T>, order: &[u32]) {
+    if !array.is_empty() {
+        *array = order.iter().map(|&vertex| array[vertex as usize]).collect();
+    }
+}
