@@ -30,3 +30,37 @@ fn teapot_has_as_many_vertices_as_in_the_paper() {
         assert!(facing > 0.0, "triangle {a} {b} {c} faces inwards");
     }
 }
+
+#[test]
+fn gingerman_is_about_as_fine_as_in_the_paper() {
+    let parts = make::gingerman::parts([0, 1, 2]);
+    let of = |wanted: fn(&str) -> bool| {
+        parts.iter().filter(|(name, _)| wanted(name)).map(|(_, surface)| surface.positions.len()).sum::<usize>()
+    };
+    assert!((215..=235).contains(&of(|name| name != "Shadow")), "{}", of(|name| name != "Shadow"));
+    for (name, surface) in &parts {
+        for corners in &surface.triangles {
+            let [a, b, c] = corners.map(|corner| surface.positions[corner as usize]);
+            assert!((b - a).cross(c - a).z > 0.0, "{name}: triangle {corners:?} is turned over");
+        }
+    }
+}
+
+/// The shot files of all scenes.
+fn shots() -> Vec<PathBuf> {
+    let folders = std::fs::read_dir(scenes()).expect("the folder exists").flatten().map(|entry| entry.path());
+    let mut shots: Vec<_> = folders.map(|folder| folder.join("shot.toml")).filter(|path| path.is_file()).collect();
+    shots.sort();
+    shots
+}
+
+#[test]
+fn every_shot_is_read_and_has_pins() {
+    assert!(shots().len() >= 2, "{:?}", shots());
+    for path in shots() {
+        let shot = pinwarp::shot::Shot::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert!(shot.scene.is_file(), "{} is missing", shot.scene.display());
+        assert!(path.with_file_name("LICENSE.txt").is_file(), "{} has no licence", path.display());
+        assert!(shot.layers.iter().all(|layer| !layer.pins.is_empty()), "{}", path.display());
+    }
+}

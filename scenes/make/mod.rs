@@ -2,7 +2,9 @@
 //!
 //! Out: the bytes of each .glb file, the same on every run. `cargo run --example make_scenes` writes them.
 
+pub(crate) mod gingerman;
 mod glb;
+mod outline;
 mod paint;
 mod patch;
 pub(crate) mod teapot;
@@ -15,5 +17,5 @@ use image::ImageError;
 /// # Errors
 /// Where a texture cannot be encoded.
 pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
-    Ok(vec![("teapot/teapot.glb", teapot::scene()?)])
+    Ok(vec![("teapot/teapot.glb", teapot::scene()?), ("gingerman/gingerman.glb", gingerman::scene()?)])
 }

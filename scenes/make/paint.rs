@@ -3,23 +3,54 @@
 //! In: a function from texture coordinates to linear colour. Out: the bytes of a PNG file, sRGB-encoded.
 
 use glam::{DVec2, DVec3};
-use image::{ExtendedColorType, ImageEncoder as _, ImageError, codecs::png::PngEncoder};
+use image::{
+    ExtendedColorType, ImageEncoder as _, ImageError,
+    codecs::png::{CompressionType, FilterType, PngEncoder},
+};
+
+/// A linear colour with its opacity, not multiplied.
+pub(crate) struct Rgba {
+    /// Linear RGB.
+    pub(crate) color: DVec3,
+    /// 0: clear, 1: opaque; clamped.
+    pub(crate) alpha: f64,
+}
 
 /// The PNG of a colour function, sampled at texel centres; (0, 0) is the upper left corner.
 ///
 /// # Errors
 /// Where the encoder fails.
 pub(crate) fn png(width: u32, height: u32, color_at: impl Fn(DVec2) -> DVec3) -> Result<Vec<u8>, ImageError> {
-    let size = DVec2::new(f64::from(width), f64::from(height));
-    let mut rgb = Vec::with_capacity((width * height * 3) as usize);
-    for row in 0..height {
-        for column in 0..width {
-            let uv = (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / size;
-            rgb.extend(color_at(uv).to_array().map(srgb_from_linear));
-        }
-    }
+    let texels: Vec<u8> =
+        texel_centers(width, height).flat_map(|uv| color_at(uv).to_array().map(srgb_from_linear)).collect();
+    encoded([width, height], &texels, ExtendedColorType::Rgb8)
+}
+
+/// As [`png`], with opacity.
+///
+/// # Errors
+/// Where the encoder fails.
+pub(crate) fn png_rgba(width: u32, height: u32, paint_at: impl Fn(DVec2) -> Rgba) -> Result<Vec<u8>, ImageError> {
+    let texel = |uv: DVec2| {
+        let Rgba { color, alpha } = paint_at(uv);
+        let [r, g, b] = color.to_array().map(srgb_from_linear);
+        [r, g, b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8]
+    };
+    let texels: Vec<u8> = texel_centers(width, height).flat_map(texel).collect();
+    encoded([width, height], &texels, ExtendedColorType::Rgba8)
+}
+
+/// Rows from the top, u and v in 0..1.
+fn texel_centers(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
+    let center = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
+    (0..height)
+        .flat_map(move |row| (0..width).map(move |column| DVec2::new(center(column, width), center(row, height))))
+}
+
+fn encoded([width, height]: [u32; 2], texels: &[u8], color: ExtendedColorType) -> Result<Vec<u8>, ImageError> {
     let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
+    let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive);
+    encoder.write_image(texels, width, height, color)?;
     Ok(file)
 }
 
