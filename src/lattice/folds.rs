@@ -2,11 +2,22 @@
 //!
 //! In: a solved 2D lattice. Out: cells between rest handles with det J ≤ 0 at any of 4 x 4 probe points.
 
-use super::{Basis, Lattice};
+use super::{Basis, Grid, Lattice};
 use crate::space::ScreenPoint;
 
 /// Probe points a cell and axis; neighbours share the outer ones.
 const PROBES: usize = 4;
+
+impl<const D: usize> Lattice<D> {
+    /// How many cells turn over; 0 in space, where cells are not probed.
+    #[must_use]
+    pub fn folded_cell_count(&self) -> usize {
+        let Ok(dims) = <[usize; 2]>::try_from(self.grid.dims.as_slice()) else { return 0 };
+        let plane = |corner: [f64; D]| [corner[0], corner[1]];
+        let grid = Grid { dims, basis: self.grid.basis, lo: plane(self.grid.lo), hi: plane(self.grid.hi) };
+        Lattice { grid, handles: self.handles.iter().map(|&handle| plane(handle)).collect() }.folded_cells().len()
+    }
+}
 
 impl Lattice<2> {
     /// Cells between handles (column, row), 0..dims−1, in which the warp turns over (det J ≤ 0 at any probe point).

@@ -2,9 +2,26 @@
 //!
 //! lp-FFD: Fukusato, Maejima and Igarashi 2024, <https://arxiv.org/abs/2405.07450>.
 
+mod anderson;
+mod check;
+mod energy;
 mod error;
+mod iterate;
+mod matrix;
+mod packs;
+mod pins;
+mod regularizer;
+mod rows;
+mod samples;
+mod settings;
+mod small;
+mod solver;
+mod weld;
 
 pub use error::SolveError;
+pub use iterate::Energies;
+pub use settings::{EqualVertices, Lambdas, OutsidePins, Sampling, Scaling, Settings, Start};
+pub use solver::Solver;
 
 use crate::lattice::{Grid, Lattice};
 use schemars::JsonSchema;
@@ -38,17 +55,6 @@ pub enum EdgeWeights {
     Uniform,
     /// Cotangents.
     Cot,
-}
-
-/// Settings of a solve; [`Settings::default`] is the house default, [`Settings::paper`] the paper's preset.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Distortion measure.
-    pub energy: Energy,
-    /// Regulariser.
-    pub regularizer: Regularizer,
-    /// Edge weights of [`Energy::Edge`].
-    pub weights: EdgeWeights,
 }
 
 /// The shape inside the lattice: #vertices points and triangles over them (any orientation; slivers allowed).
@@ -132,6 +138,5 @@ pub struct Problem<'a, const D: usize> {
 /// # Errors
 /// [`SolveError`] where the problem is malformed (dims, indices, non-finite numbers) or the factorisation fails.
 pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveError> {
-    let _ = problem;
-    todo!("solve helper")
+    Ok(Solver::new(problem)?.solve())
 }

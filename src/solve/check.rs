@@ -1,0 +1,105 @@
+//! Checks of a problem before anything is computed.
+//!
+//! In: a problem. Out: the first thing that is wrong with it, in words.
+
+use super::{HandlePin, PointPin, Problem, Shape, SolveError};
+
+/// Checks grid, shape, pins and handles.
+pub(crate) fn problem<const D: usize>(problem: &Problem<D>) -> Result<(), SolveError> {
+    problem.grid.check()?;
+    shape(problem.shape)?;
+    problem.pins.iter().enumerate().try_for_each(|(index, one)| pin(index, one))?;
+    let count = problem.grid.handle_count();
+    for (entry, handle) in problem.handles.iter().enumerate() {
+        if handle.index >= count {
+            return Err(invalid(
+                format!("moved handle {entry} has index {}, the lattice has {count} handles", handle.index),
+                format!("use an index from 0 to {}", count - 1),
+            ));
+        }
+        finite(&handle.target, || format!("the target of moved handle {entry}"))?;
+    }
+    let lambdas = problem.settings.lambdas;
+    for (name, value) in [
+        ("shape", lambdas.shape),
+        ("pins", lambdas.pins),
+        ("handles", lambdas.handles),
+        ("regularizer", lambdas.regularizer),
+    ] {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(invalid(format!("the weight `{name}` is {value}"), "use a finite number from 0".into()));
+        }
+    }
+    Ok(())
+}
+
+fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
+    if let Some(bad) = shape.points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+        return Err(invalid(
+            format!("vertex {bad} of the shape is {:?}", shape.points[bad]),
+            "remove vertices that are not numbers".into(),
+        ));
+    }
+    let count = shape.points.len();
+    let is_bad = |triangle: &[u32; 3]| triangle.iter().any(|&corner| corner as usize >= count);
+    if let Some(bad) = shape.triangles.iter().position(is_bad) {
+        return Err(invalid(
+            format!("triangle {bad} has corners {:?}, the shape has {count} vertices", shape.triangles[bad]),
+            "corners are vertex indices from 0".into(),
+        ));
+    }
+    Ok(())
+}
+
+fn pin<const D: usize>(index: usize, pin: &PointPin<D>) -> Result<(), SolveError> {
+    finite(&pin.at, || format!("the rest point of pin {index}"))?;
+    finite(&pin.target, || format!("the target of pin {index}"))?;
+    pin.gradient.iter().flatten().try_for_each(|image| finite(image, || format!("the gradient of pin {index}")))?;
+    if pin.weight >= 0.0 && pin.weight.is_finite() {
+        return Ok(());
+    }
+    Err(invalid(format!("pin {index} has weight {}", pin.weight), "use a weight from 0 to 1".into()))
+}
+
+/// Pins of an update are those of the problem.
+pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin<D>]) -> Result<(), SolveError> {
+    same_count(known.len(), given.len(), "pins")?;
+    for (index, (a, b)) in known.iter().zip(given).enumerate() {
+        pin(index, b)?;
+        if a.at != b.at || a.weight != b.weight || a.gradient.is_some() != b.gradient.is_some() {
+            return Err(changed(format!("pin {index} has another rest point, weight or kind")));
+        }
+    }
+    Ok(())
+}
+
+/// Handles of an update are those of the problem.
+pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[HandlePin<D>]) -> Result<(), SolveError> {
+    same_count(known.len(), given.len(), "moved handles")?;
+    for (entry, (a, b)) in known.iter().zip(given).enumerate() {
+        finite(&b.target, || format!("the target of moved handle {entry}"))?;
+        if a.index != b.index {
+            return Err(changed(format!("moved handle {entry} has index {}, it had {}", b.index, a.index)));
+        }
+    }
+    Ok(())
+}
+
+fn same_count(known: usize, given: usize, what: &str) -> Result<(), SolveError> {
+    if known == given { Ok(()) } else { Err(changed(format!("{given} {what} instead of {known}"))) }
+}
+
+fn finite<const D: usize>(values: &[f64; D], what: impl Fn() -> String) -> Result<(), SolveError> {
+    if values.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(invalid(format!("{} is {values:?}", what()), "use finite numbers".into()))
+}
+
+fn invalid(what: String, hint: String) -> SolveError {
+    SolveError::Invalid { what, hint }
+}
+
+fn changed(what: String) -> SolveError {
+    invalid(what, "build a new solver; an update changes targets only".into())
+}

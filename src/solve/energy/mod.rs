@@ -1,0 +1,124 @@
+//! Distortion measures: one a file, all behind [`Distortion`].
+//!
+//! In: rest grid and shape. Out: the constant normal matrix, and per iteration the rotations and the right side.
+
+mod area;
+mod edge;
+mod neighbours;
+
+pub(crate) use area::Area;
+pub(crate) use edge::Edge;
+#[cfg(test)]
+pub(crate) use neighbours::half_edges;
+
+use super::matrix::Normal;
+use super::small::{Square, area_of, determinant, dot, minus};
+use super::{Sampling, Shape};
+use crate::lattice::Grid;
+
+/// A sum of squares that is quadratic in the handles once its rotations are fixed.
+pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
+    /// How many rotations the local step finds.
+    fn rotation_count(&self) -> usize;
+
+    /// What turns the sum into a mean of ‖J−R‖²: twice the area it covers.
+    fn mass(&self) -> f64;
+
+    /// Adds the constant matrix.
+    fn add_normal(&self, scale: f64, normal: &mut Normal);
+
+    /// Local step: the best rotations at `handles`. Adds their right side, times `scale`; gives the energy.
+    fn local_step(
+        &self,
+        handles: &[[f64; D]],
+        scale: f64,
+        rotations: &mut [Square<D>],
+        right_side: &mut [[f64; D]],
+    ) -> f64;
+
+    /// The energy at `handles` under given rotations.
+    fn energy(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> f64;
+
+    /// How the shape fares at `handles`.
+    fn quality(&self, handles: &[[f64; D]]) -> Quality;
+}
+
+/// Area-weighted sums over samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quality {
+    /// Least determinant seen.
+    pub(crate) least_det: f64,
+    area: f64,
+    angular_sum: f64,
+    area_sum: f64,
+}
+
+impl Quality {
+    pub(crate) fn new() -> Self {
+        Self { least_det: f64::INFINITY, area: 0.0, angular_sum: 0.0, area_sum: 0.0 }
+    }
+
+    /// Adds a sample by its gradient.
+    pub(crate) fn add<const D: usize>(&mut self, area: f64, gradient: &Square<D>) {
+        let det = determinant(gradient);
+        let norm: f64 = gradient.iter().flatten().map(|x| x * x).sum();
+        // In the plane s1² + s2² = ‖J‖² and s1·s2 = |det J|; in space these are means over the three directions.
+        self.add_measured(area, det, norm / D as f64, det.abs().powf(2.0 / D as f64));
+    }
+
+    /// Adds a triangle by its rest and moved corners; triangles without area count for nothing.
+    pub(crate) fn add_triangle<const D: usize>(&mut self, rest: [&[f64; D]; 3], moved: [&[f64; D]; 3]) {
+        let sides = |corners: [&[f64; D]; 3]| [minus(corners[1], corners[0]), minus(corners[2], corners[0])];
+        let ([u, v], [a, b]) = (sides(rest), sides(moved));
+        let doubled = area_of(&u, &v);
+        if !(doubled > 0.0) {
+            return;
+        }
+        // An orthonormal frame of the rest triangle makes the map a 2 x 2 (or 3 x 2) matrix.
+        let along = dot(&u, &u).sqrt();
+        let (shear, height) = (dot(&u, &v) / along, doubled / along);
+        let first: [f64; D] = std::array::from_fn(|d| a[d] / along);
+        let second: [f64; D] = std::array::from_fn(|d| (b[d] - shear * first[d]) / height);
+        let turned = if D == 2 && u[0] * v[1] - u[1] * v[0] < 0.0 { -1.0 } else { 1.0 };
+        let det =
+            if D == 2 { turned * (first[0] * second[1] - first[1] * second[0]) } else { area_of(&first, &second) };
+        self.add_measured(0.5 * doubled, det, 0.5 * (dot(&first, &first) + dot(&second, &second)), det.abs());
+    }
+
+    /// Adds a sample by determinant, mean squared singular value, and squared geometric mean of them.
+    fn add_measured(&mut self, area: f64, det: f64, power: f64, volume: f64) {
+        let volume = volume.max(1e-12);
+        self.least_det = self.least_det.min(det);
+        self.area += area;
+        self.angular_sum += area * (2.0 * power / volume - 2.0).max(0.0);
+        self.area_sum += area * (volume + 1.0 / volume - 2.0);
+    }
+
+    /// Mean of s1/s2 + s2/s1 − 2.
+    pub(crate) fn angular(&self) -> f64 {
+        if self.area > 0.0 { self.angular_sum / self.area } else { 0.0 }
+    }
+
+    /// Mean of s1·s2 + 1/(s1·s2) − 2.
+    pub(crate) fn area(&self) -> f64 {
+        if self.area > 0.0 { self.area_sum / self.area } else { 0.0 }
+    }
+}
+
+/// Builds the measure that the settings ask for.
+pub(crate) fn build<const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape<D>,
+    settings: &super::Settings,
+) -> Box<dyn Distortion<D>> {
+    match settings.energy {
+        super::Energy::Edge => Box::new(Edge::new(grid, shape, settings)),
+        super::Energy::Area => {
+            let samples = match settings.sampling {
+                Sampling::Subcells => super::samples::subcell_samples(grid, shape),
+                Sampling::Centroids => super::samples::centroid_samples(grid, shape),
+            };
+            Box::new(Area::new(grid, &samples))
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The local-global iteration: best rotations, then one linear solve, until the handles rest.
+//!
+//! In: a factored problem and a first state. Out: handles, and how the iteration ended.
+
+use super::Settings;
+use super::anderson::Anderson;
+use super::energy::Distortion;
+use super::matrix::Factor;
+use super::small::{Square, identity};
+use super::solver::{Scales, Terms};
+
+/// All that an iteration needs.
+pub(crate) struct Iteration<'a, const D: usize> {
+    pub(crate) distortion: &'a dyn Distortion<D>,
+    pub(crate) factor: &'a Factor,
+    pub(crate) scales: Scales,
+    pub(crate) terms: &'a Terms<D>,
+    pub(crate) settings: &'a Settings,
+    /// Length that steps are measured by.
+    pub(crate) diagonal: f64,
+    /// First handles; the weak hold pulls towards them.
+    pub(crate) start: Vec<[f64; D]>,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Run<const D: usize> {
+    pub(crate) handles: Vec<[f64; D]>,
+    pub(crate) iterations: usize,
+    pub(crate) is_converged: bool,
+}
+
+/// Unweighted terms and their weighted sum.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Energies {
+    /// Distortion.
+    pub ml: f64,
+    /// Pins.
+    pub mp: f64,
+    /// Moved handles.
+    pub gp: f64,
+    /// Regulariser.
+    pub gr: f64,
+    /// Weighted sum.
+    pub total: f64,
+}
+
+impl<const D: usize> Iteration<'_, D> {
+    /// Iterates to the tolerance or the limit.
+    pub(crate) fn run(&self) -> Run<D> {
+        let constant = self.constant_right_side();
+        let mut rotations = vec![identity::<D>(); self.distortion.rotation_count()];
+        let mut anderson = Anderson::new(self.settings.acceleration);
+        let mut state = self.start.clone();
+        let mut plain: Option<Vec<[f64; D]>> = None;
+        let mut last_energy = f64::INFINITY;
+        for iteration in 1..=self.settings.iteration_limit {
+            let mut next = constant.clone();
+            let mut energy = self.local_energy(&state, &mut rotations, &mut next);
+            // The safeguard: an accelerated state that is worse than the last one gives way to the plain one.
+            if !(energy <= last_energy * (1.0 + 1e-12))
+                && let Some(plain) = plain.take()
+            {
+                state = plain;
+                anderson.reset();
+                next.copy_from_slice(&constant);
+                energy = self.local_energy(&state, &mut rotations, &mut next);
+            }
+            last_energy = energy;
+            self.factor.solve(&mut next);
+            let step = largest_step(&state, &next);
+            if step <= self.settings.tolerance * self.diagonal {
+                return Run { handles: next, iterations: iteration, is_converged: true };
+            }
+            if self.settings.acceleration > 0 {
+                plain = Some(next.clone());
+                anderson.step(&state, &mut next);
+            }
+            state = next;
+        }
+        // An accelerated state that nobody has checked is not handed out.
+        let handles = plain.unwrap_or(state);
+        Run { handles, iterations: self.settings.iteration_limit, is_converged: false }
+    }
+
+    /// Runs exactly so many plain iterations; calls `visit(iteration, handles, energies)` after each.
+    pub(crate) fn run_plain(&self, count: usize, mut visit: impl FnMut(usize, &[[f64; D]], Energies)) {
+        let constant = self.constant_right_side();
+        let mut rotations = vec![identity::<D>(); self.distortion.rotation_count()];
+        let mut state = self.start.clone();
+        for iteration in 1..=count {
+            let mut next = constant.clone();
+            self.distortion.local_step(&state, self.scales.shape, &mut rotations, &mut next);
+            self.factor.solve(&mut next);
+            visit(iteration, &next, self.energies(&next, &rotations));
+            state = next;
+        }
+    }
+
+    /// The terms at `handles` under given rotations.
+    pub(crate) fn energies(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> Energies {
+        let ml = self.distortion.energy(handles, rotations);
+        let mp = self.terms.pins.energy(handles);
+        let gp = self.terms.handles.energy(handles);
+        let gr = self.terms.regularizer.energy(handles);
+        let scales = self.scales;
+        let total = scales.shape * ml + scales.pins * mp + scales.handles * gp + scales.regularizer * gr;
+        Energies { ml, mp, gp, gr, total }
+    }
+
+    /// Local step: adds its right side and gives the total energy at `state`.
+    fn local_energy(&self, state: &[[f64; D]], rotations: &mut [Square<D>], right_side: &mut [[f64; D]]) -> f64 {
+        let ml = self.distortion.local_step(state, self.scales.shape, rotations, right_side);
+        if self.settings.acceleration == 0 {
+            return 0.0;
+        }
+        self.scales.shape * ml
+            + self.scales.pins * self.terms.pins.energy(state)
+            + self.scales.handles * self.terms.handles.energy(state)
+            + self.scales.regularizer * self.terms.regularizer.energy(state)
+    }
+
+    /// The part of the right side that no rotation changes.
+    fn constant_right_side(&self) -> Vec<[f64; D]> {
+        let mut right_side: Vec<[f64; D]> = self.start.iter().map(|x| x.map(|x| x * self.scales.hold)).collect();
+        self.terms.pins.add_right_side(self.scales.pins, &mut right_side);
+        self.terms.handles.add_right_side(self.scales.handles, &mut right_side);
+        self.terms.regularizer.add_right_side(self.scales.regularizer, &mut right_side);
+        right_side
+    }
+}
+
+/// Largest distance a handle moves.
+fn largest_step<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
+    let squares = from.iter().zip(to).map(|(a, b)| (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>());
+    squares.fold(0.0, |most: f64, square| if square <= most { most } else { square }).sqrt()
+}

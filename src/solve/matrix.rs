@@ -1,0 +1,222 @@
+//! Symmetric matrices over handles: built term by term, factored once, solved often. The only place that knows faer.
+//!
+//! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
+
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
+use faer::{Accum, Mat, MatRef, Par, Side};
+
+/// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band.
+#[derive(Clone, Debug)]
+pub(crate) struct Normal {
+    size: usize,
+    band: usize,
+    columns: Vec<f64>,
+}
+
+impl Normal {
+    /// A zero matrix in which handles farther than `band` apart never meet.
+    pub(crate) fn zero(size: usize, band: usize) -> Self {
+        let band = band.min(size.saturating_sub(1));
+        Self { size, band, columns: vec![0.0; size * (band + 1)] }
+    }
+
+    /// Every handle may meet every other.
+    pub(crate) fn is_dense(&self) -> bool {
+        self.band + 1 >= self.size
+    }
+
+    /// Adds to one entry of the symmetric matrix.
+    #[inline]
+    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
+        let (high, low) = (row.max(column), row.min(column));
+        debug_assert!(high - low <= self.band, "entry outside the band");
+        self.columns[low * (self.band + 1) + high - low] += value;
+    }
+
+    /// Adds weight · row rowᵀ.
+    pub(crate) fn add_row(&mut self, weight: f64, row: impl Iterator<Item = (usize, f64)> + Clone) {
+        let mut rest = row;
+        while let Some((handle, coefficient)) = rest.next() {
+            self.add(handle, handle, weight * coefficient * coefficient);
+            for (other, factor) in rest.clone() {
+                self.add(handle, other, weight * coefficient * factor);
+            }
+        }
+    }
+
+    /// Adds scale · aᵀb, known to be symmetric; a and b are #rows × #handles, column-major. Dense matrices only.
+    pub(crate) fn add_product(&mut self, scale: f64, a: &[f64], b: &[f64]) {
+        let rows = a.len() / self.size;
+        let (a, b) =
+            (MatRef::from_column_major_slice(a, rows, self.size), MatRef::from_column_major_slice(b, rows, self.size));
+        let mut product = Mat::<f64>::zeros(self.size, self.size);
+        matmul(
+            &mut product,
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            a.transpose(),
+            BlockStructure::Rectangular,
+            b,
+            BlockStructure::Rectangular,
+            scale,
+            Par::Seq,
+        );
+        for low in 0..self.size {
+            for high in low..self.size {
+                self.add(high, low, product[(high, low)]);
+            }
+        }
+    }
+
+    /// Mean of the diagonal.
+    pub(crate) fn mean_diagonal(&self) -> f64 {
+        (0..self.size).map(|j| self.columns[j * (self.band + 1)]).sum::<f64>() / self.size.max(1) as f64
+    }
+
+    /// The whole symmetric matrix.
+    fn full(&self) -> Mat<f64> {
+        Mat::from_fn(self.size, self.size, |row, column| {
+            let (high, low) = (row.max(column), row.min(column));
+            if high - low > self.band { 0.0 } else { self.columns[low * (self.band + 1) + high - low] }
+        })
+    }
+}
+
+/// A factored matrix.
+#[derive(Debug)]
+pub(crate) enum Factor {
+    /// L Lᵀ.
+    Cholesky(Cholesky),
+    /// For matrices that negative cotangents make indefinite.
+    Lu(Box<PartialPivLu<f64>>),
+}
+
+/// L, by columns and by rows, so that both substitutions run over contiguous numbers.
+#[derive(Debug)]
+pub(crate) struct Cholesky {
+    size: usize,
+    band: usize,
+    /// L[j+k][j] at j·(band+1) + k; the diagonal holds 1/L[j][j].
+    columns: Vec<f64>,
+    /// L[i][i−k] at i·(band+1) + band − k.
+    rows: Vec<f64>,
+}
+
+impl Factor {
+    /// Factors a matrix; `None` where it is singular or holds a NaN.
+    pub(crate) fn new(normal: Normal) -> Option<Self> {
+        let full = (!normal.is_banded_enough()).then(|| normal.full());
+        let columns = match &full {
+            None => banded_cholesky(&normal),
+            Some(full) => dense_cholesky(full),
+        };
+        if let Some(columns) = columns {
+            return Some(Self::Cholesky(Cholesky::new(normal.size, normal.band, columns)));
+        }
+        let full = full.unwrap_or_else(|| normal.full());
+        let lu = PartialPivLu::new(full.as_ref());
+        let diagonal = (0..normal.size).map(|k| lu.U()[(k, k)].abs());
+        let (least, most) = diagonal.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+        (least > 1e-15 * most && most.is_finite()).then(|| Self::Lu(Box::new(lu)))
+    }
+
+    /// Solves in place for D right sides.
+    pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
+        match self {
+            Self::Cholesky(cholesky) => cholesky.solve(x),
+            Self::Lu(lu) => {
+                let solved = lu.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
+                for (row, values) in x.iter_mut().enumerate() {
+                    *values = std::array::from_fn(|column| solved[(row, column)]);
+                }
+            }
+        }
+    }
+}
+
+impl Normal {
+    /// Banded storage pays where the band is well below the size; else faer's dense kernels win.
+    fn is_banded_enough(&self) -> bool {
+        self.size < 48 || self.band * 2 < self.size
+    }
+}
+
+/// Right-looking Cholesky inside the band; columns as in [`Cholesky`].
+fn banded_cholesky(normal: &Normal) -> Option<Vec<f64>> {
+    let (size, stride) = (normal.size, normal.band + 1);
+    let mut columns = normal.columns.clone();
+    for j in 0..size {
+        let (done, below) = columns.split_at_mut((j + 1) * stride);
+        let column = &mut done[j * stride..];
+        // `!(>)` also catches NaN.
+        if !(column[0] > 0.0 && column[0].is_finite()) {
+            return None;
+        }
+        let inverse = 1.0 / column[0].sqrt();
+        column[0] = inverse;
+        column[1..].iter_mut().for_each(|x| *x *= inverse);
+        let reach = normal.band.min(size - 1 - j);
+        for k in 1..=reach {
+            let factor = column[k];
+            let target = &mut below[(k - 1) * stride..][..reach + 1 - k];
+            for (slot, x) in target.iter_mut().zip(&column[k..=reach]) {
+                *slot -= factor * x;
+            }
+        }
+    }
+    Some(columns)
+}
+
+/// faer's dense Cholesky; columns as in [`Cholesky`] with band = size − 1.
+fn dense_cholesky(full: &Mat<f64>) -> Option<Vec<f64>> {
+    let size = full.nrows();
+    let llt = Llt::new(full.as_ref(), Side::Lower).ok()?;
+    let lower = llt.L();
+    let mut columns = vec![0.0; size * size];
+    for j in 0..size {
+        columns[j * size] = 1.0 / lower[(j, j)];
+        for i in j + 1..size {
+            columns[j * size + i - j] = lower[(i, j)];
+        }
+    }
+    columns.iter().all(|x| x.is_finite()).then_some(columns)
+}
+
+impl Cholesky {
+    fn new(size: usize, band: usize, columns: Vec<f64>) -> Self {
+        // The dense path returns full columns whatever the band was.
+        let band = if columns.len() == size * size { size.saturating_sub(1) } else { band };
+        let stride = band + 1;
+        let mut rows = vec![0.0; size * stride];
+        for j in 0..size {
+            for k in 1..=band.min(size - 1 - j) {
+                rows[(j + k) * stride + band - k] = columns[j * stride + k];
+            }
+        }
+        Self { size, band, columns, rows }
+    }
+
+    /// L y = b, then Lᵀ x = y; both by subtracting multiples of contiguous columns.
+    fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
+        let stride = self.band + 1;
+        for j in 0..self.size {
+            let (done, below) = x.split_at_mut(j + 1);
+            let pivot = &mut done[j];
+            pivot.iter_mut().for_each(|value| *value *= self.columns[j * stride]);
+            for (target, factor) in below.iter_mut().zip(&self.columns[j * stride + 1..(j + 1) * stride]) {
+                (0..D).for_each(|d| target[d] -= factor * pivot[d]);
+            }
+        }
+        for i in (0..self.size).rev() {
+            let (above, done) = x.split_at_mut(i);
+            let pivot = &mut done[0];
+            pivot.iter_mut().for_each(|value| *value *= self.columns[i * stride]);
+            let reach = self.band.min(i);
+            let factors = &self.rows[i * stride + self.band - reach..i * stride + self.band];
+            for (target, factor) in above[i - reach..].iter_mut().zip(factors) {
+                (0..D).for_each(|d| target[d] -= factor * pivot[d]);
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Pins and moved handles as least-squares rows, the rigid motion that fits them best, and what is odd about them.
+//!
+//! In: pins, handles, settings. Out: rows, a rigid motion, warnings.
+
+use super::rows::RowSet;
+use super::small::{Square, apply, best_rotation, dot, identity, minus};
+use super::{HandlePin, OutsidePins, PointPin, Settings};
+use crate::lattice::Grid;
+
+/// x ↦ R (x − from) + to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rigid<const D: usize> {
+    rotation: Square<D>,
+    from: [f64; D],
+    to: [f64; D],
+}
+
+impl<const D: usize> Rigid<D> {
+    /// Where a point goes.
+    pub(crate) fn image(&self, point: &[f64; D]) -> [f64; D] {
+        let turned = apply(&self.rotation, &minus(point, &self.from));
+        std::array::from_fn(|d| turned[d] + self.to[d])
+    }
+
+    /// The motion that brings pins and moved handles nearest to their targets.
+    pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
+        let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
+        let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
+        let total: f64 = pairs.iter().map(|pair| pair.2).sum();
+        if !(total > 0.0) {
+            return Self { rotation: identity(), from: [0.0; D], to: [0.0; D] };
+        }
+        let mean = |pick: &dyn Fn(&([f64; D], [f64; D], f64)) -> [f64; D]| -> [f64; D] {
+            std::array::from_fn(|d| pairs.iter().map(|pair| pair.2 / total * pick(pair)[d]).sum())
+        };
+        let (from, to) = (mean(&|pair| pair.0), mean(&|pair| pair.1));
+        let mut s = [[0.0; D]; D];
+        let mut add = |weight: f64, rest: [f64; D], now: [f64; D]| {
+            for a in 0..D {
+                (0..D).for_each(|b| s[a][b] += weight * rest[a] * now[b]);
+            }
+        };
+        pairs.iter().for_each(|(rest, now, weight)| add(weight / total, minus(rest, &from), minus(now, &to)));
+        // A wanted gradient says where the axes go, with a lever of a tenth of the box.
+        let lever = 0.01 * grid.diagonal().powi(2);
+        for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
+            for (axis, image) in gradient.into_iter().enumerate() {
+                let unit = std::array::from_fn(|d| if d == axis { 1.0 } else { 0.0 });
+                add(pin.weight / total * lever, unit, image);
+            }
+        }
+        let spread: f64 = (0..D).map(|d| s[d].iter().map(|x| x.abs()).sum::<f64>()).sum();
+        // Rounding alone must not choose a direction; and where many are best, the one nearest to no turn is taken.
+        let noise = 1e-13 * grid.diagonal().powi(2);
+        (0..D).for_each(|d| s[d][d] += 1e-12 * spread + noise);
+        Self { rotation: best_rotation(&s), from, to }
+    }
+}
+
+/// Rows of the pins, λmp = 1 (paper, equation 8); pins that want a gradient add one row an axis after their own.
+pub(crate) fn pin_rows<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], settings: &Settings) -> RowSet<D> {
+    let mut rows = RowSet::new();
+    for pin in pins {
+        let at = held_point(grid, pin, settings);
+        rows.push(pin.weight, grid.weights(at), held_target(grid, pin, settings));
+        for (axis, image) in pin.gradient.iter().flatten().enumerate() {
+            let mut row = Vec::new();
+            // Times the box diagonal, which makes the miss of a gradient a length like the miss of a pin.
+            grid.visit(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
+            rows.push(pin.weight, row, image.map(|x| x * grid.diagonal()));
+        }
+    }
+    rows
+}
+
+/// Where the row of a pin is evaluated.
+pub(crate) fn held_point<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
+    match settings.outside_pins {
+        OutsidePins::Nearest => grid.nearest_in_box(pin.at),
+        OutsidePins::Extended => pin.at,
+    }
+}
+
+/// Target of a pin's row: outside the box the nearest box point has to make the same displacement.
+pub(crate) fn held_target<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
+    let held = held_point(grid, pin, settings);
+    std::array::from_fn(|d| pin.target[d] + (held[d] - pin.at[d]))
+}
+
+/// Sets the targets of [`pin_rows`] anew.
+pub(crate) fn retarget<const D: usize>(
+    rows: &mut RowSet<D>,
+    grid: &Grid<D>,
+    pins: &[PointPin<D>],
+    settings: &Settings,
+) {
+    let mut row = 0;
+    for pin in pins {
+        rows.set_target(row, held_target(grid, pin, settings));
+        row += 1;
+        for image in pin.gradient.iter().flatten() {
+            rows.set_target(row, image.map(|x| x * grid.diagonal()));
+            row += 1;
+        }
+    }
+}
+
+/// Rows of the moved handles, λgp = 1 (paper, equation 9).
+pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> RowSet<D> {
+    let mut rows = RowSet::new();
+    for handle in handles {
+        rows.push(1.0, [(handle.index, 1.0)], handle.target);
+    }
+    rows
+}
+
+/// Pins and handles that cannot all be satisfied, in words.
+pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Vec<String> {
+    let near = 1e-9 * grid.diagonal();
+    let is_near = |a: &[f64; D], b: &[f64; D]| {
+        let gap = minus(a, b);
+        dot(&gap, &gap).sqrt() <= near
+    };
+    let mut warnings = Vec::new();
+    for (later, b) in pins.iter().enumerate() {
+        for (first, a) in pins[..later].iter().enumerate() {
+            if is_near(&a.at, &b.at) && !is_near(&a.target, &b.target) {
+                warnings.push(format!(
+                    "pins {first} and {later} hold the same point but have different targets; \
+                     the point goes between them (least squares); remove one of them"
+                ));
+            }
+        }
+    }
+    for (later, b) in handles.iter().enumerate() {
+        for (first, a) in handles[..later].iter().enumerate() {
+            if a.index == b.index && !is_near(&a.target, &b.target) {
+                warnings.push(format!(
+                    "handle {} is moved twice, to different targets (entries {first} and {later}); \
+                     it goes between them (least squares); remove one of them",
+                    a.index
+                ));
+            }
+        }
+    }
+    warnings
+}

@@ -1,0 +1,80 @@
+//! Least-squares rows over handles: pins, held handles and regularisers are all Σ w ‖row·P − target‖².
+//!
+//! In: sparse rows with weight and target. Out: their part of the normal matrix, right side and energy.
+
+use super::matrix::Normal;
+
+/// Rows of one term, sparse, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowSet<const D: usize> {
+    ends: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+    weights: Vec<f64>,
+    targets: Vec<[f64; D]>,
+}
+
+impl<const D: usize> RowSet<D> {
+    /// No rows.
+    pub(crate) fn new() -> Self {
+        Self { ends: Vec::new(), entries: Vec::new(), weights: Vec::new(), targets: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub(crate) fn push(&mut self, weight: f64, row: impl IntoIterator<Item = (usize, f64)>, target: [f64; D]) {
+        self.entries.extend(row);
+        self.ends.push(self.entries.len());
+        self.weights.push(weight);
+        self.targets.push(target);
+    }
+
+    /// Number of rows.
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Replaces the target of a row.
+    pub(crate) fn set_target(&mut self, row: usize, target: [f64; D]) {
+        self.targets[row] = target;
+    }
+
+    fn row(&self, index: usize) -> &[(usize, f64)] {
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        &self.entries[start..self.ends[index]]
+    }
+
+    /// Adds Σ w rowᵀ row.
+    pub(crate) fn add_normal(&self, scale: f64, normal: &mut Normal) {
+        for index in 0..self.len() {
+            normal.add_row(scale * self.weights[index], self.row(index).iter().copied());
+        }
+    }
+
+    /// Adds Σ w rowᵀ target.
+    pub(crate) fn add_right_side(&self, scale: f64, right_side: &mut [[f64; D]]) {
+        for index in 0..self.len() {
+            let (weight, target) = (scale * self.weights[index], self.targets[index]);
+            for &(handle, coefficient) in self.row(index) {
+                (0..D).for_each(|d| right_side[handle][d] += weight * coefficient * target[d]);
+            }
+        }
+    }
+
+    /// Distance of a row from its target.
+    pub(crate) fn miss(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
+        let mut miss = self.targets[index].map(|x| -x);
+        for &(handle, coefficient) in self.row(index) {
+            (0..D).for_each(|d| miss[d] += coefficient * handles[handle][d]);
+        }
+        miss
+    }
+
+    /// Σ w ‖row·P − target‖².
+    pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
+        (0..self.len())
+            .map(|index| {
+                let miss = self.miss(index, handles);
+                self.weights[index] * miss.iter().map(|x| x * x).sum::<f64>()
+            })
+            .sum()
+    }
+}

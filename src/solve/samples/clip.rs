@@ -1,0 +1,64 @@
+//! Convex polygons cut by axis-aligned planes (I. Sutherland and G. Hodgman, "Reentrant polygon clipping", 1974).
+//!
+//! In: a polygon and a plane. Out: the part below and the part above; together they are the polygon, to rounding.
+
+/// Corners a triangle can have after two cuts an axis, in up to three dimensions.
+const MOST_CORNERS: usize = 12;
+
+/// A convex polygon in D dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polygon<const D: usize> {
+    corners: [[f64; D]; MOST_CORNERS],
+    count: usize,
+}
+
+impl<const D: usize> Polygon<D> {
+    pub(super) fn triangle(corners: [[f64; D]; 3]) -> Self {
+        let mut polygon = Self { corners: [[0.0; D]; MOST_CORNERS], count: 3 };
+        polygon.corners[..3].copy_from_slice(&corners);
+        polygon
+    }
+
+    pub(super) fn corners(&self) -> &[[f64; D]] {
+        &self.corners[..self.count]
+    }
+
+    /// Lowest and highest coordinate on an axis.
+    pub(super) fn range(&self, axis: usize) -> [f64; 2] {
+        self.corners().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
+            [low.min(corner[axis]), high.max(corner[axis])]
+        })
+    }
+
+    fn push(&mut self, corner: [f64; D]) {
+        // Convex input gains one corner a cut; rounding cannot make it more, and a dropped one would cost a sliver.
+        if self.count < MOST_CORNERS {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
+
+    /// The parts with coordinate ≤ `at` and ≥ `at` on an axis; either may be empty.
+    pub(super) fn split(&self, axis: usize, at: f64) -> [Self; 2] {
+        let empty = Self { corners: [[0.0; D]; MOST_CORNERS], count: 0 };
+        let [mut below, mut above] = [empty, empty];
+        for k in 0..self.count {
+            let (from, to) = (self.corners[k], self.corners[(k + 1) % self.count]);
+            let (height, next) = (from[axis] - at, to[axis] - at);
+            if height <= 0.0 {
+                below.push(from);
+            }
+            if height >= 0.0 {
+                above.push(from);
+            }
+            if height * next < 0.0 || (height < 0.0) != (next < 0.0) && height != 0.0 && next != 0.0 {
+                let t = height / (height - next);
+                let mut crossing: [f64; D] = std::array::from_fn(|d| from[d] + t * (to[d] - from[d]));
+                crossing[axis] = at;
+                below.push(crossing);
+                above.push(crossing);
+            }
+        }
+        [below, above]
+    }
+}

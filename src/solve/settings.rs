@@ -1,0 +1,131 @@
+//! Settings of a solve: what is minimised, in which units, and when to stop.
+
+use super::{EdgeWeights, Energy, Regularizer};
+
+/// Units of the four terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scaling {
+    /// Sums as the paper writes them; the balance shifts with mesh density, grid size and model scale.
+    Plain,
+    /// Means: mean ‖J−R‖² over the area, pins in units of the box diagonal s, bend = s²·mean(second derivative²).
+    Dimensionless,
+}
+
+/// Where [`Energy::Area`] looks at the gradient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// Points that match the model's area, centroid and covariance in every sub-cell.
+    Subcells,
+    /// One point a triangle.
+    Centroids,
+}
+
+/// The state the iteration starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The rigid motion that brings the pins nearest to their targets.
+    RigidFit,
+    /// The rest pose, all rotations the identity.
+    Rest,
+}
+
+/// What a pin outside the box holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutsidePins {
+    /// The nearest box point, moved by the same displacement, as [`crate::lattice::Lattice::warp`] does.
+    Nearest,
+    /// The polynomial, extended.
+    Extended,
+}
+
+/// Treatment of vertices at equal places in [`Energy::Edge`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EqualVertices {
+    /// One neighbourhood: seams of texture coordinates do not tear.
+    Welded,
+    /// The mesh as it is given.
+    Apart,
+}
+
+/// Weights of the terms (paper, equation 11: λml, λmp, λgp, λgr).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lambdas {
+    /// Distortion, λml.
+    pub shape: f64,
+    /// Pins, λmp.
+    pub pins: f64,
+    /// Moved handles, λgp.
+    pub handles: f64,
+    /// Regulariser, λgr.
+    pub regularizer: f64,
+}
+
+/// Settings of a solve; [`Settings::default`] is the house default, [`Settings::paper`] the paper's preset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Distortion measure.
+    pub energy: Energy,
+    /// Regulariser.
+    pub regularizer: Regularizer,
+    /// Edge weights of [`Energy::Edge`].
+    pub weights: EdgeWeights,
+    /// Weights of the terms.
+    pub lambdas: Lambdas,
+    /// Units of the terms.
+    pub scaling: Scaling,
+    /// Samples of [`Energy::Area`].
+    pub sampling: Sampling,
+    /// First state.
+    pub start: Start,
+    /// Pins outside the box.
+    pub outside_pins: OutsidePins,
+    /// Vertices at equal places.
+    pub equal_vertices: EqualVertices,
+    /// Most local-global iterations.
+    pub iteration_limit: usize,
+    /// Stop when no handle moves farther than this part of the box diagonal; 0 runs to the limit.
+    pub tolerance: f64,
+    /// Previous steps that Anderson acceleration looks at; 0 switches it off.
+    pub acceleration: usize,
+}
+
+impl Settings {
+    /// λgr of [`Regularizer::Bend`] in dimensionless units: 1e-3 of the plain sum at 10 x 10 (docs/METHOD.md).
+    pub const BEND: f64 = 4.3e-5;
+    /// λgr of [`Regularizer::Rest`] in dimensionless units.
+    pub const REST: f64 = 5.3;
+
+    /// The paper's preset: `edge`, uniform weights, `rest`, plain sums, λ = 1, 1e2, 1e2, 1e-2, started at rest.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            energy: Energy::Edge,
+            regularizer: Regularizer::Rest,
+            lambdas: Lambdas { shape: 1.0, pins: 1e2, handles: 1e2, regularizer: 1e-2 },
+            scaling: Scaling::Plain,
+            start: Start::Rest,
+            acceleration: 0,
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for Settings {
+    /// `area` and `bend`, dimensionless, pins at 1e4 of the plain sums, accelerated.
+    fn default() -> Self {
+        Self {
+            energy: Energy::Area,
+            regularizer: Regularizer::Bend,
+            weights: EdgeWeights::Uniform,
+            lambdas: Lambdas { shape: 4.0, pins: 5.3e4, handles: 5.3e4, regularizer: Self::BEND },
+            scaling: Scaling::Dimensionless,
+            sampling: Sampling::Subcells,
+            start: Start::RigidFit,
+            outside_pins: OutsidePins::Nearest,
+            equal_vertices: EqualVertices::Welded,
+            iteration_limit: 200,
+            tolerance: 1e-6,
+            acceleration: 5,
+        }
+    }
+}

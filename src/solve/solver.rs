@@ -1,0 +1,246 @@
+//! The solver: everything that does not depend on targets is computed and factored once, then solved many times.
+//!
+//! In: grid, shape, pins, handles, settings; later only targets. Out: solutions.
+
+use super::energy::{self, Distortion};
+use super::iterate::{Iteration, Run};
+use super::matrix::{Factor, Normal};
+use super::pins::{self, Rigid};
+use super::rows::RowSet;
+use super::{HandlePin, PointPin, Problem, Scaling, Settings, Shape, Solution, SolveError, SolveReport, regularizer};
+use crate::lattice::{Grid, Lattice};
+
+/// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
+///
+/// ```
+/// use pinwarp::lattice::{Basis, Grid};
+/// use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solver};
+/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
+/// let shape = Shape { points: vec![[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], triangles: vec![[0, 1, 2]] };
+/// let mut pin = PointPin { at: [0.5, 0.9], target: [0.5, 0.9], weight: 1.0, gradient: None };
+/// let settings = Settings::default();
+/// let problem = Problem { grid: &grid, shape: &shape, pins: &[pin], handles: &[], settings: &settings };
+/// let solver = Solver::new(&problem)?;
+/// pin.target = [0.7, 0.9];
+/// let solution = solver.update(&[pin], &[])?;
+/// let moved = solution.lattice.carry([0.5, 0.5]);
+/// assert!((moved[0] - 0.7).abs() < 1e-6 && (moved[1] - 0.5).abs() < 1e-6);
+/// # Ok::<(), pinwarp::solve::SolveError>(())
+/// ```
+#[derive(Debug)]
+pub struct Solver<const D: usize> {
+    grid: Grid<D>,
+    settings: Settings,
+    distortion: Box<dyn Distortion<D>>,
+    factor: Factor,
+    scales: Scales,
+    pins: Vec<PointPin<D>>,
+    handles: Vec<HandlePin<D>>,
+    terms: Terms<D>,
+    /// What the shape itself had to say.
+    warnings: Vec<String>,
+}
+
+/// Factors of the four terms and of the weak hold to the rigid fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    pub(crate) shape: f64,
+    pub(crate) pins: f64,
+    pub(crate) handles: f64,
+    pub(crate) regularizer: f64,
+    pub(crate) hold: f64,
+}
+
+/// The terms without rotations.
+#[derive(Clone, Debug)]
+pub(crate) struct Terms<const D: usize> {
+    pub(crate) pins: RowSet<D>,
+    pub(crate) handles: RowSet<D>,
+    pub(crate) regularizer: RowSet<D>,
+}
+
+/// Part of the mean diagonal with which handles hold on to the rigid fit: it decides what nothing else decides, and
+/// moves what something else decides by less than the tolerance.
+const HOLD: f64 = 1e-9;
+
+impl<const D: usize> Solver<D> {
+    /// Samples the shape and factors the matrix.
+    ///
+    /// # Errors
+    /// [`SolveError`] where the problem is malformed or its matrix is singular.
+    pub fn new(problem: &Problem<D>) -> Result<Self, SolveError> {
+        super::check::problem(problem)?;
+        let (grid, settings) = (problem.grid, problem.settings);
+        let distortion = energy::build(grid, problem.shape, settings);
+        Self::with_distortion(problem, distortion, shape_warnings(grid, problem.shape))
+    }
+
+    /// Factors a problem whose energy is built already.
+    pub(crate) fn with_distortion(
+        problem: &Problem<D>,
+        distortion: Box<dyn Distortion<D>>,
+        warnings: Vec<String>,
+    ) -> Result<Self, SolveError> {
+        let (grid, settings) = (problem.grid, problem.settings);
+        let mut moved = vec![false; grid.handle_count()];
+        problem.handles.iter().for_each(|handle| moved[handle.index] = true);
+        let terms = Terms {
+            pins: pins::pin_rows(grid, problem.pins, settings),
+            handles: pins::handle_rows(problem.handles),
+            regularizer: regularizer::rows(settings.regularizer, grid, &moved, settings.scaling),
+        };
+        let mut scales = Scales::of(grid, settings, distortion.mass());
+        let mut normal = Normal::zero(grid.handle_count(), band(grid));
+        distortion.add_normal(scales.shape, &mut normal);
+        terms.pins.add_normal(scales.pins, &mut normal);
+        terms.handles.add_normal(scales.handles, &mut normal);
+        terms.regularizer.add_normal(scales.regularizer, &mut normal);
+        if settings.scaling == Scaling::Dimensionless {
+            scales.hold = HOLD * normal.mean_diagonal();
+            (0..grid.handle_count()).for_each(|handle| normal.add(handle, handle, scales.hold));
+        }
+        let factor = Factor::new(normal).ok_or_else(|| SolveError::Singular {
+            what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
+            hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
+        })?;
+        Ok(Self {
+            grid: grid.clone(),
+            settings: settings.clone(),
+            distortion,
+            factor,
+            scales,
+            pins: problem.pins.to_vec(),
+            handles: problem.handles.to_vec(),
+            terms,
+            warnings,
+        })
+    }
+
+    /// Solves for the targets the problem was given with.
+    #[must_use]
+    pub fn solve(&self) -> Solution<D> {
+        self.run(&self.pins, &self.handles, &self.terms)
+    }
+
+    /// Solves for new targets (and wanted gradients) of the same pins and handles.
+    ///
+    /// # Errors
+    /// [`SolveError`] where the pins or handles are not those of the problem, or a target is not a number.
+    pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
+        super::check::same_pins(&self.pins, pins)?;
+        super::check::same_handles(&self.handles, handles)?;
+        let mut terms = self.terms.clone();
+        pins::retarget(&mut terms.pins, &self.grid, pins, &self.settings);
+        for (row, handle) in handles.iter().enumerate() {
+            terms.handles.set_target(row, handle.target);
+        }
+        Ok(self.run(pins, handles, &terms))
+    }
+
+    fn run(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>], terms: &Terms<D>) -> Solution<D> {
+        let mut warnings = self.warnings.clone();
+        warnings.extend(pins::conflicts(&self.grid, pins, handles));
+        if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
+            warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
+            let run = Run { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
+            return self.report(pins, run, warnings);
+        }
+        let run = self.iteration(pins, handles, terms).run();
+        if !run.is_converged && self.settings.tolerance > 0.0 {
+            warnings.push(format!("not converged after {} iterations; the result may still move", run.iterations));
+        }
+        self.report(pins, run, warnings)
+    }
+
+    /// The iteration for given targets.
+    pub(crate) fn iteration<'a>(
+        &'a self,
+        pins: &[PointPin<D>],
+        handles: &[HandlePin<D>],
+        terms: &'a Terms<D>,
+    ) -> Iteration<'a, D> {
+        let rest = self.grid.rest_handles();
+        let start = match self.settings.start {
+            super::Start::Rest => rest,
+            super::Start::RigidFit => {
+                let rigid = Rigid::fit(&self.grid, pins, handles);
+                rest.iter().map(|handle| rigid.image(handle)).collect()
+            }
+        };
+        Iteration {
+            distortion: self.distortion.as_ref(),
+            factor: &self.factor,
+            scales: self.scales,
+            terms,
+            settings: &self.settings,
+            diagonal: self.grid.diagonal(),
+            start,
+        }
+    }
+
+    /// The terms without rotations, with the targets the problem was given with.
+    pub(crate) fn terms(&self) -> &Terms<D> {
+        &self.terms
+    }
+
+    fn report(&self, pins: &[PointPin<D>], run: Run<D>, warnings: Vec<String>) -> Solution<D> {
+        let quality = self.distortion.quality(&run.handles);
+        let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
+        let pin_errors = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let report = SolveReport {
+            pin_errors,
+            folded_cells: lattice.folded_cell_count(),
+            least_det: quality.least_det,
+            angular: quality.angular(),
+            area: quality.area(),
+            iterations: run.iterations,
+            is_converged: run.is_converged,
+            warnings,
+        };
+        Solution { lattice, report }
+    }
+
+    fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
+        let target = pins::held_target(&self.grid, pin, &self.settings);
+        let held = pins::held_point(&self.grid, pin, &self.settings);
+        let miss = super::small::minus(&lattice.carry(held), &target);
+        super::small::dot(&miss, &miss).sqrt()
+    }
+}
+
+impl Scales {
+    fn of<const D: usize>(grid: &Grid<D>, settings: &Settings, mass: f64) -> Self {
+        let lambdas = settings.lambdas;
+        let [shape, pins] = match settings.scaling {
+            Scaling::Plain => [1.0, 1.0],
+            // Negative cotangents can leave no mass to divide by.
+            Scaling::Dimensionless => [if mass > 0.0 { 1.0 / mass } else { 1.0 }, 1.0 / grid.diagonal().powi(2)],
+        };
+        Self {
+            shape: shape * lambdas.shape,
+            pins: pins * lambdas.pins,
+            handles: pins * lambdas.handles,
+            regularizer: lambdas.regularizer,
+            hold: 0.0,
+        }
+    }
+}
+
+/// How far apart handles can be that meet in a term.
+fn band<const D: usize>(grid: &Grid<D>) -> usize {
+    if grid.basis.is_local() { (0..D).map(|axis| 3 * grid.stride(axis)).sum() } else { usize::MAX }
+}
+
+fn shape_warnings<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<String> {
+    let is_inside = |corner: &u32| {
+        let point = shape.points[*corner as usize];
+        (0..D).all(|axis| (grid.lo[axis]..=grid.hi[axis]).contains(&point[axis]))
+    };
+    if shape.triangles.is_empty() {
+        vec!["the shape has no triangles: the whole box keeps its shape instead".into()]
+    } else if !shape.triangles.iter().flatten().any(is_inside) {
+        vec!["no corner of the shape lies inside the lattice box; check the box".into()]
+    } else {
+        Vec::new()
+    }
+}

@@ -1,0 +1,24 @@
+//! Vertices at equal places become one, so that texture seams do not split a neighbourhood.
+//!
+//! In: a shape. Out: the same shape over its distinct points, in order of first appearance.
+
+use super::Shape;
+use std::collections::HashMap;
+
+/// Welds vertices whose coordinates are equal to the last bit (0 and −0 are equal).
+pub(crate) fn weld<const D: usize>(shape: &Shape<D>) -> Shape<D> {
+    let mut first: HashMap<[u64; D], u32> = HashMap::with_capacity(shape.points.len());
+    let mut points = Vec::new();
+    let index: Vec<u32> = shape
+        .points
+        .iter()
+        .map(|point| {
+            *first.entry(point.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                points.push(*point);
+                points.len() as u32 - 1
+            })
+        })
+        .collect();
+    let triangles = shape.triangles.iter().map(|triangle| triangle.map(|corner| index[corner as usize])).collect();
+    Shape { points, triangles }
+}
