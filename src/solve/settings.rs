@@ -108,6 +108,19 @@ impl Settings {
             ..Self::default()
         }
     }
+
+    /// The same settings with another regulariser, at the weight that suits it.
+    #[must_use]
+    pub fn with_regularizer(mut self, regularizer: Regularizer) -> Self {
+        self.lambdas.regularizer = match (self.scaling, regularizer) {
+            (Scaling::Plain, Regularizer::Rest) => 1e-2,
+            (Scaling::Plain, Regularizer::Bend) => 1e-3,
+            (Scaling::Dimensionless, Regularizer::Rest) => Self::REST,
+            (Scaling::Dimensionless, Regularizer::Bend) => Self::BEND,
+        };
+        self.regularizer = regularizer;
+        self
+    }
 }
 
 impl Default for Settings {

@@ -73,11 +73,13 @@ impl Check<'_> {
             }
         }
         let mut settings = match raw.preset {
-            Some(RawPreset::Paper) => paper_settings(),
-            Some(RawPreset::Default) | None => default_settings(),
+            Some(RawPreset::Paper) => Settings::paper(),
+            Some(RawPreset::Default) | None => Settings::default(),
         };
         settings.energy = raw.energy.unwrap_or(settings.energy);
-        settings.regularizer = raw.regularizer.unwrap_or(settings.regularizer);
+        if let Some(regularizer) = raw.regularizer {
+            settings = settings.with_regularizer(regularizer);
+        }
         settings.weights = raw.weights.unwrap_or(settings.weights);
         if raw.weights.is_some() && settings.energy != Energy::Edge {
             let hint = "add energy = \"edge\" or remove `weights`";
@@ -85,12 +87,4 @@ impl Check<'_> {
         }
         settings
     }
-}
-
-fn default_settings() -> Settings {
-    Settings { energy: Energy::Area, regularizer: Regularizer::Bend, weights: EdgeWeights::Uniform }
-}
-
-fn paper_settings() -> Settings {
-    Settings { energy: Energy::Edge, regularizer: Regularizer::Rest, weights: EdgeWeights::Uniform }
 }
