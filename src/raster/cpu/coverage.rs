@@ -1,0 +1,122 @@
+//! Visibility in one tile: which triangle is nearest at each pixel.
+//!
+//! In: triangles in drawing order. Out: per pixel the greatest reversed z and the number of its triangle.
+//! The inner loops work on eight pixels at a time in plain arrays, which the compiler turns into vector code.
+
+use super::bin::TILE;
+use super::triangle::Triangle;
+use glam::IVec2;
+
+/// Pixels a tile.
+pub(super) const TILE_PIXELS: usize = (TILE * TILE) as usize;
+
+/// No triangle.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+const LANES: usize = 8;
+
+/// A tile's depth and the number of the triangle seen, rows from the top.
+#[derive(Debug)]
+pub(super) struct Visibility {
+    pub(super) z: Vec<f32>,
+    pub(super) seen: Vec<u32>,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self { z: vec![0.0; TILE_PIXELS], seen: vec![NOTHING; TILE_PIXELS] }
+    }
+}
+
+/// Edge functions of a triangle from the tile's first pixel on.
+struct TileEdges {
+    a: [i32; 3],
+    b: [i32; 3],
+    /// Value at the tile's first pixel.
+    start: [i32; 3],
+}
+
+impl TileEdges {
+    /// `None` where the triangle misses the tile.
+    ///
+    /// An edge that holds in the whole tile becomes 0, so what is left changes sign inside and fits 32 bits:
+    /// |a| + |b| ≤ 2·49152·256 over 63 pixels < 2³¹.
+    fn of(triangle: &Triangle, origin: IVec2) -> Option<Self> {
+        let mut edges = Self { a: [0; 3], b: [0; 3], start: [0; 3] };
+        let reach = i64::from(TILE - 1);
+        for (i, edge) in triangle.edges.iter().enumerate() {
+            let (a, b) = (i64::from(edge.a), i64::from(edge.b));
+            let start = edge.c + a * i64::from(origin.x) + b * i64::from(origin.y);
+            let greatest = start + a.max(0) * reach + b.max(0) * reach;
+            let least = start + a.min(0) * reach + b.min(0) * reach;
+            if greatest < 0 {
+                return None;
+            }
+            if least < 0 {
+                (edges.a[i], edges.b[i], edges.start[i]) = (edge.a, edge.b, start as i32);
+            }
+        }
+        Some(edges)
+    }
+
+    /// Values at the tile's pixel (x, y).
+    fn at(&self, x: i32, y: i32) -> [i32; 3] {
+        [0, 1, 2].map(|i| self.start[i] + self.a[i] * x + self.b[i] * y)
+    }
+}
+
+impl Visibility {
+    pub(super) fn clear(&mut self) {
+        self.z.fill(0.0);
+        self.seen.fill(NOTHING);
+    }
+
+    /// Draws an opaque triangle: where it is covered and nearer, it is seen.
+    pub(super) fn fill(&mut self, triangle: &Triangle, origin: IVec2, number: u32) {
+        let Some(edges) = TileEdges::of(triangle, origin) else { return };
+        let (low, high) = bounds(triangle, origin);
+        let first = low.x & !(LANES as i32 - 1);
+        let ramps = [0, 1, 2].map(|k| std::array::from_fn::<i32, LANES, _>(|lane| edges.a[k] * lane as i32));
+        for y in low.y..=high.y {
+            let mut values = edges.at(first, y);
+            for x in (first..=high.x).step_by(LANES) {
+                let place = (y * TILE + x) as usize;
+                let offset = origin + IVec2::new(x, y) - triangle.min;
+                let z_start = triangle.z.base + triangle.z.dy * offset.y as f32;
+                let depths: [f32; LANES] =
+                    std::array::from_fn(|lane| z_start + triangle.z.dx * (offset.x + lane as i32) as f32);
+                let z = &mut self.z[place..place + LANES];
+                let seen = &mut self.seen[place..place + LANES];
+                for lane in 0..LANES {
+                    let inside =
+                        (values[0] + ramps[0][lane]) | (values[1] + ramps[1][lane]) | (values[2] + ramps[2][lane]);
+                    let wins = (inside >= 0) & (depths[lane] > z[lane]);
+                    z[lane] = if wins { depths[lane] } else { z[lane] };
+                    seen[lane] = if wins { number } else { seen[lane] };
+                }
+                values = [0, 1, 2].map(|k| values[k] + edges.a[k] * LANES as i32);
+            }
+        }
+    }
+
+    /// Calls `visit` with place, window pixel and z where the triangle is covered and nearer than what is seen.
+    pub(super) fn visit(&self, triangle: &Triangle, origin: IVec2, mut visit: impl FnMut(usize, IVec2, f32)) {
+        let Some(edges) = TileEdges::of(triangle, origin) else { return };
+        let (low, high) = bounds(triangle, origin);
+        for y in low.y..=high.y {
+            for x in low.x..=high.x {
+                let [p, q, r] = edges.at(x, y);
+                let pixel = origin + IVec2::new(x, y);
+                let (place, z) = ((y * TILE + x) as usize, triangle.z.at(pixel - triangle.min));
+                if (p | q | r) >= 0 && z > self.z[place] {
+                    visit(place, pixel, z);
+                }
+            }
+        }
+    }
+}
+
+/// The triangle's first and last pixel in the tile, from the tile's first pixel.
+fn bounds(triangle: &Triangle, origin: IVec2) -> (IVec2, IVec2) {
+    ((triangle.min - origin).max(IVec2::ZERO), (triangle.max - origin).min(IVec2::splat(TILE - 1)))
+}

@@ -1,0 +1,177 @@
+//! One pixel of one triangle: perspective-correct attributes, its colour and its data.
+//!
+//! In: a set-up triangle, its vertices, a pixel. Out: associated RGBA, depth, normal, motion.
+
+use super::material::{Materials, Prepared};
+use super::shading::{self, Light, Surface};
+use super::texture::Footprint;
+use super::triangle::Triangle;
+use crate::raster::{Draw, Geometry, RasterVertex};
+use glam::{IVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
+
+/// What all triangles of a pass share.
+pub(super) struct Shade<'a> {
+    pub(super) geometry: &'a Geometry,
+    pub(super) materials: &'a Materials,
+    pub(super) lights: &'a [Light],
+    /// Pixels a unit of screen space, x and y.
+    pub(super) pixels_per_unit: Vec2,
+}
+
+/// A triangle with everything its pixels look up.
+#[derive(Clone, Copy)]
+pub(super) struct Face<'a> {
+    pub(super) triangle: &'a Triangle,
+    pub(super) draw: &'a Draw,
+    pub(super) material: &'a Prepared,
+    corners: [&'a RasterVertex; 3],
+}
+
+/// Perspective-correct shares of the three corners.
+#[derive(Clone, Copy, Debug)]
+struct Shares([f32; 3]);
+
+/// Data of a surface point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SurfaceData {
+    pub(super) depth: f32,
+    pub(super) forward: Vec2,
+    pub(super) backward: Vec2,
+}
+
+impl Shares {
+    fn vec3(&self, of: [[f32; 3]; 3]) -> Vec3 {
+        let [p, q, r] = of.map(Vec3::from);
+        p * self.0[0] + q * self.0[1] + r * self.0[2]
+    }
+
+    fn vec4(&self, of: [[f32; 4]; 3]) -> Vec4 {
+        let [p, q, r] = of.map(Vec4::from);
+        p * self.0[0] + q * self.0[1] + r * self.0[2]
+    }
+}
+
+impl<'a> Face<'a> {
+    pub(super) fn of(shade: &Shade<'a>, triangle: &'a Triangle) -> Self {
+        let draw = &shade.geometry.draws[triangle.draw as usize];
+        let corners = triangle.corners.map(|corner| &shade.geometry.vertices[corner as usize]);
+        Self { triangle, draw, material: shade.materials.get(draw.material), corners }
+    }
+
+    fn each<T>(&self, field: impl Fn(&RasterVertex) -> T) -> [T; 3] {
+        self.corners.map(field)
+    }
+
+    /// The pixel's shares, and their change to the next pixel right and down.
+    ///
+    /// With screen shares l and W = Σ lᵢ/wᵢ: bᵢ = lᵢ/(wᵢ W), so ∂bᵢ = (∂lᵢ/wᵢ − bᵢ ∂W)/W.
+    fn shares(&self, pixel: IVec2) -> Shares {
+        let offset = pixel - self.triangle.min;
+        let [second, third] = self.triangle.shares.map(|share| share.at(offset));
+        let w = self.triangle.inverse_w;
+        let raw = [(1.0 - second - third) * w[0], second * w[1], third * w[2]];
+        let scale = 1.0 / (raw[0] + raw[1] + raw[2]);
+        Shares(raw.map(|share| share * scale))
+    }
+
+    fn share_slopes(&self, pixel: IVec2, shares: &Shares) -> [Shares; 2] {
+        let offset = pixel - self.triangle.min;
+        let planes = &self.triangle.shares;
+        let [second, third] = planes.map(|share| share.at(offset));
+        let w = self.triangle.inverse_w;
+        let whole = (1.0 - second - third) * w[0] + second * w[1] + third * w[2];
+        [[planes[0].dx, planes[1].dx], [planes[0].dy, planes[1].dy]].map(|[second, third]| {
+            let raw = [-(second + third) * w[0], second * w[1], third * w[2]];
+            let slope = raw[0] + raw[1] + raw[2];
+            Shares([0, 1, 2].map(|i| (raw[i] - shares.0[i] * slope) / whole))
+        })
+    }
+
+    /// Where textures are looked up: both sets of coordinates with their footprints.
+    fn footprints(&self, pixel: IVec2, shares: &Shares) -> [Footprint; 2] {
+        if !self.material.has_textures() {
+            return [Footprint::default(); 2];
+        }
+        let uv = self.each(|vertex| vertex.uv);
+        let [at, dx, dy] = [shares.vec4(uv), Vec4::ZERO, Vec4::ZERO];
+        let [slope_x, slope_y] = self.share_slopes(pixel, shares);
+        let (dx, dy) = (dx + slope_x.vec4(uv), dy + slope_y.vec4(uv));
+        [Footprint { at: at.xy(), dx: dx.xy(), dy: dy.xy() }, Footprint { at: at.zw(), dx: dx.zw(), dy: dy.zw() }]
+    }
+
+    /// Alpha as the material means it, before any cutoff.
+    pub(super) fn alpha(&self, shade: &Shade, pixel: IVec2) -> f32 {
+        let shares = self.shares(pixel);
+        let uv = self.footprints(pixel, &shares);
+        let color = shares.vec4(self.each(|vertex| vertex.color));
+        shade.materials.base_color(self.material, &uv, color).w
+    }
+
+    /// Associated linear RGBA.
+    pub(super) fn color(&self, shade: &Shade, pixel: IVec2) -> Vec4 {
+        let shares = self.shares(pixel);
+        let uv = self.footprints(pixel, &shares);
+        let vertex_color = shares.vec4(self.each(|vertex| vertex.color));
+        let base = shade.materials.base_color(self.material, &uv, vertex_color);
+        let alpha = if self.material.is_blended() { base.w.clamp(0.0, 1.0) } else { 1.0 };
+        if self.material.factors.unlit {
+            return (base.xyz() * alpha).extend(alpha);
+        }
+        let (metallic, roughness) = shade.materials.metallic_roughness(self.material, &uv);
+        let position = shares.vec3(self.each(|vertex| vertex.position));
+        let normal = self.normal_at(shade, &shares, &uv);
+        let towards = shade.geometry.parallel_view.unwrap_or(shade.geometry.eye.0 - position);
+        let surface = Surface {
+            position,
+            normal,
+            to_viewer: shading::unit_or(towards, normal),
+            base_color: base.xyz(),
+            metallic: metallic.clamp(0.0, 1.0),
+            roughness: roughness.clamp(0.0, 1.0),
+            occlusion: shade.materials.occlusion(self.material, &uv),
+            emissive: shade.materials.emissive(self.material, &uv),
+        };
+        let ambient = shading::ambient_surface(&surface, shade.geometry.environment);
+        let lit = shade.lights.iter().fold(ambient, |sum, light| sum + shading::light_surface(&surface, light));
+        (lit * alpha).extend(alpha)
+    }
+
+    /// Shading normal that faces the viewer.
+    pub(super) fn normal(&self, shade: &Shade, pixel: IVec2) -> Vec3 {
+        let shares = self.shares(pixel);
+        let needs_map = self.material.has_normal_map();
+        let uv = if needs_map { self.footprints(pixel, &shares) } else { [Footprint::default(); 2] };
+        self.normal_at(shade, &shares, &uv)
+    }
+
+    fn normal_at(&self, shade: &Shade, shares: &Shares, uv: &[Footprint; 2]) -> Vec3 {
+        let normal = shares.vec3(self.each(|vertex| vertex.normal));
+        if !self.material.has_normal_map() {
+            return shading::shading_normal(normal, Vec4::ZERO, Vec3::Z, self.triangle.is_front);
+        }
+        let tangent = shares.vec4(self.each(|vertex| vertex.tangent));
+        let mapped = shade.materials.mapped_normal(self.material, uv);
+        shading::shading_normal(normal, tangent, mapped, self.triangle.is_front)
+    }
+
+    /// Depth and motion.
+    pub(super) fn data(&self, shade: &Shade, pixel: IVec2) -> SurfaceData {
+        let shares = self.shares(pixel);
+        let depths = self.each(|vertex| vertex.depth);
+        let here = place(shares.vec3(self.each(|vertex| [vertex.screen[0], vertex.screen[1], vertex.screen[3]])));
+        let towards = |to: [[f32; 3]; 3]| match (here, place(shares.vec3(to))) {
+            (Some(here), Some(there)) => (there - here) * shade.pixels_per_unit,
+            _ => Vec2::ZERO,
+        };
+        SurfaceData {
+            depth: Vec3::from(shares.0).dot(depths.into()),
+            forward: towards(self.each(|vertex| vertex.next)),
+            backward: towards(self.each(|vertex| vertex.previous)),
+        }
+    }
+}
+
+/// Screen place of a homogeneous position; `None` behind the camera.
+fn place(homogeneous: Vec3) -> Option<Vec2> {
+    (homogeneous.z > 1e-6).then(|| homogeneous.truncate() / homogeneous.z)
+}

@@ -1,0 +1,274 @@
+//! Light on a surface: the Rust twin of `shaders/shading.wgsl`, function for function.
+//!
+//! In: a [`Surface`] and a [`Light`]. Out: linear radiance towards the viewer.
+//! BRDF: Khronos, "glTF 2.0 Specification", Appendix B,
+//! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#appendix-b-brdf-implementation>. Lights:
+//! <https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Khronos/KHR_lights_punctual>
+
+use crate::pose::PosedLight;
+use crate::scene::LightKind;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use std::f32::consts::PI;
+
+/// Values of [`Light::kind`].
+const LIGHT_DIRECTIONAL: u32 = 0;
+const LIGHT_POINT: u32 = 1;
+const LIGHT_SPOT: u32 = 2;
+
+/// Reflectance of a dielectric (index of refraction 1.5) at normal incidence.
+const DIELECTRIC_F0: f32 = 0.04;
+
+/// A smaller roughness would make highlights of punctual lights narrower than a half float can hold.
+const MIN_ROUGHNESS: f32 = 0.045;
+
+/// Square of the least distance from a point light, metres²: keeps 1/d² finite.
+const MIN_DISTANCE_SQUARED: f32 = 1e-4;
+
+/// The neutral surroundings: radiance `GROUND` below the horizon, `SKY + OVERHEAD·(d·up)` above it.
+/// SKY + 2/3·OVERHEAD = 1, so a white matte surface that faces up shows 1.
+const GROUND: f32 = 0.25;
+const SKY: f32 = 0.5;
+const OVERHEAD: f32 = 0.75;
+
+/// A point of a surface, as it is lit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    /// Scene position.
+    pub(crate) position: Vec3,
+    /// Unit shading normal; faces the viewer's side of the triangle.
+    pub(crate) normal: Vec3,
+    /// Unit vector towards the viewer.
+    pub(crate) to_viewer: Vec3,
+    /// Linear, 0..1.
+    pub(crate) base_color: Vec3,
+    /// 0 dielectric, 1 metal.
+    pub(crate) metallic: f32,
+    /// Perceptual roughness, 0..1.
+    pub(crate) roughness: f32,
+    /// 1 open, 0 hidden from the surroundings; punctual lights are not affected.
+    pub(crate) occlusion: f32,
+    /// Linear radiance given off.
+    pub(crate) emissive: Vec3,
+}
+
+/// A punctual light, laid out as the shaders' storage buffer expects it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Light {
+    /// Scene position (unused where directional).
+    position: [f32; 3],
+    /// 1 / range in 1/metres; 0 where the light has no end.
+    inverse_range: f32,
+    /// Unit vector along which it shines.
+    direction: [f32; 3],
+    /// `LIGHT_DIRECTIONAL`, `LIGHT_POINT` or `LIGHT_SPOT`.
+    kind: u32,
+    /// Linear RGB: lux where directional, else candela.
+    color: [f32; 3],
+    /// 1 / max(0.001, cos inner − cos outer); 0 where not a spot.
+    cone_scale: f32,
+    /// −cos outer · `cone_scale`; 1 where not a spot.
+    cone_offset: f32,
+    /// Fills the shaders' 16-byte rows.
+    _padding: [f32; 3],
+}
+
+impl From<&PosedLight> for Light {
+    fn from(light: &PosedLight) -> Self {
+        let (kind, cone_scale, cone_offset) = match light.kind {
+            LightKind::Directional => (LIGHT_DIRECTIONAL, 0.0, 1.0),
+            LightKind::Point => (LIGHT_POINT, 0.0, 1.0),
+            LightKind::Spot { inner, outer } => {
+                let scale = 1.0 / (inner.cos() - outer.cos()).max(0.001);
+                (LIGHT_SPOT, scale, -outer.cos() * scale)
+            }
+        };
+        Self {
+            position: light.position.0.to_array(),
+            inverse_range: if light.range.is_finite() && light.range > 0.0 { 1.0 / light.range } else { 0.0 },
+            direction: light.direction.0.to_array(),
+            kind,
+            color: light.color.to_array(),
+            cone_scale,
+            cone_offset,
+            _padding: [0.0; 3],
+        }
+    }
+}
+
+/// Light that arrives at a point.
+struct Arrival {
+    /// Unit vector towards the light.
+    to_light: Vec3,
+    /// Illuminance on a plane that faces the light, lux.
+    illuminance: Vec3,
+}
+
+/// Unit vector along `v`, or `fallback` where `v` has no length.
+pub(crate) fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
+    let squared = v.length_squared();
+    if squared > 1e-37 { v * (1.0 / squared.sqrt()) } else { fallback }
+}
+
+/// The normal after the normal map, turned to the side that is seen.
+///
+/// `mapped` is the map's normal in tangent space with its scale applied, (0, 0, 1) without a map;
+/// `tangent.w` is the handedness, a zero tangent means no map.
+pub(crate) fn shading_normal(normal: Vec3, tangent: Vec4, mapped: Vec3, is_front: bool) -> Vec3 {
+    let n = unit_or(normal, Vec3::Z);
+    let t = unit_or(tangent.xyz() - n * n.dot(tangent.xyz()), Vec3::ZERO);
+    let b = n.cross(t) * tangent.w;
+    let bent = unit_or(t * mapped.x + b * mapped.y + n * mapped.z, n);
+    if is_front { bent } else { -bent }
+}
+
+/// A stored normal map texel (0..1) as a vector of tangent space; `scale` acts on x and y (glTF 2.0, 3.9.3).
+pub(crate) fn normal_from_texel(texel: Vec3, scale: f32) -> Vec3 {
+    (texel * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0)
+}
+
+/// Trowbridge-Reitz (GGX) distribution D (Appendix B.3.2).
+fn distribution_ggx(n_h: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let f = n_h * n_h * (a2 - 1.0) + 1.0;
+    a2 / (PI * f * f)
+}
+
+/// Height-correlated Smith visibility V = G / (4 n·l n·v) (Appendix B.3.2).
+fn visibility_smith(n_l: f32, n_v: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let view = n_l * (n_v * n_v * (1.0 - a2) + a2).sqrt();
+    let light = n_v * (n_l * n_l * (1.0 - a2) + a2).sqrt();
+    0.5 / (view + light).max(1e-6)
+}
+
+/// Schlick's Fresnel term (Appendix B.3.3).
+fn fresnel_schlick(f0: Vec3, v_h: f32) -> Vec3 {
+    let m = 1.0 - v_h;
+    let m2 = m * m;
+    f0 + (Vec3::ONE - f0) * (m2 * m2 * m)
+}
+
+/// Reflectance at normal incidence.
+fn normal_reflectance(surface: &Surface) -> Vec3 {
+    Vec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic)
+}
+
+/// Albedo of the matte part.
+fn diffuse_albedo(surface: &Surface) -> Vec3 {
+    surface.base_color * (1.0 - surface.metallic)
+}
+
+/// Cosine towards the viewer, kept off 0 where a smooth normal points past the silhouette.
+fn view_cosine(surface: &Surface) -> f32 {
+    surface.normal.dot(surface.to_viewer).clamp(1e-3, 1.0)
+}
+
+/// BRDF times cosine, 1/sr (Appendix B.3.5).
+fn reflect_light(surface: &Surface, to_light: Vec3) -> Vec3 {
+    let n_l = surface.normal.dot(to_light).clamp(0.0, 1.0);
+    let n_v = view_cosine(surface);
+    let halfway = unit_or(to_light + surface.to_viewer, surface.normal);
+    let n_h = surface.normal.dot(halfway).clamp(0.0, 1.0);
+    let v_h = surface.to_viewer.dot(halfway).clamp(0.0, 1.0);
+    let roughness = surface.roughness.max(MIN_ROUGHNESS);
+    let alpha = roughness * roughness;
+    let fresnel = fresnel_schlick(normal_reflectance(surface), v_h);
+    let matte = (Vec3::ONE - fresnel) * diffuse_albedo(surface) * (1.0 / PI);
+    let gloss = fresnel * (distribution_ggx(n_h, alpha) * visibility_smith(n_l, n_v, alpha));
+    (matte + gloss) * n_l
+}
+
+/// Fades a light out towards its range (`KHR_lights_punctual`, "Range Property").
+fn range_window(squared_distance: f32, inverse_range: f32) -> f32 {
+    let x = squared_distance * inverse_range * inverse_range;
+    (1.0 - x * x).clamp(0.0, 1.0)
+}
+
+/// Fades a spot out towards the rim of its cone (`KHR_lights_punctual`, "Inner and Outer Cone Angles").
+fn cone_window(light: &Light, to_light: Vec3) -> f32 {
+    let f = Vec3::from(light.direction).dot(-to_light) * light.cone_scale + light.cone_offset;
+    let f = f.clamp(0.0, 1.0);
+    f * f
+}
+
+/// The light that arrives at a scene position.
+fn arrive(light: &Light, position: Vec3) -> Arrival {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return Arrival { to_light: -Vec3::from(light.direction), illuminance: light.color.into() };
+    }
+    let path = Vec3::from(light.position) - position;
+    let squared = path.length_squared().max(MIN_DISTANCE_SQUARED);
+    let to_light = path * (1.0 / squared.sqrt());
+    let window = range_window(squared, light.inverse_range) * cone_window(light, to_light);
+    Arrival { to_light, illuminance: Vec3::from(light.color) * (window / squared) }
+}
+
+/// Radiance towards the viewer that one light causes.
+pub(crate) fn light_surface(surface: &Surface, light: &Light) -> Vec3 {
+    let arrival = arrive(light, surface.position);
+    reflect_light(surface, arrival.to_light) * arrival.illuminance
+}
+
+/// Mean radiance of the surroundings over the cosine lobe around a direction whose cosine with up is y.
+///
+/// Exact: a plane sees (1 + y)/2 of the upper half weighted by the cosine; the overhead part is the clamped cosine
+/// convolved with the clamped cosine, 2/(3π)·(sin θ + (π − θ)·cos θ), as in a Lambertian sphere's phase law.
+fn surroundings_matte(y: f32) -> f32 {
+    let y = y.clamp(-1.0, 1.0);
+    let theta = y.acos();
+    let overhead = ((1.0 - y * y).sqrt() + (PI - theta) * y) * (2.0 / (3.0 * PI));
+    mix(GROUND, SKY, 0.5 + 0.5 * y) + OVERHEAD * overhead
+}
+
+/// Mean radiance of the surroundings over the highlight lobe around such a direction: the horizon softens and the
+/// gradient nears `surroundings_matte` as roughness grows.
+fn surroundings_gloss(y: f32, roughness: f32) -> f32 {
+    let half_width = mix(0.03, 1.0, roughness);
+    let above = smoothstep(-half_width, half_width, y);
+    let sharp = mix(GROUND, SKY + OVERHEAD * y.max(0.0), above);
+    mix(sharp, surroundings_matte(y), roughness * roughness)
+}
+
+/// Scale and offset of f0 in the light reflected from uniform surroundings.
+///
+/// Karis, "Physically Based Shading on Mobile", 2014, EnvBRDFApprox, a fit after Lazarov, "Getting More Physical in
+/// Call of Duty: Black Ops II", 2013. <https://www.unrealengine.com/blog/physically-based-shading-on-mobile>
+fn environment_brdf(roughness: f32, n_v: f32) -> Vec2 {
+    let r = roughness * Vec4::new(-1.0, -0.0275, -0.572, 0.022) + Vec4::new(1.0, 0.0425, 1.04, -0.04);
+    let a004 = (r.x * r.x).min((-9.28 * n_v).exp2()) * r.x + r.y;
+    Vec2::new(-1.04, 1.04) * a004 + r.zw()
+}
+
+/// Radiance towards the viewer that the surroundings cause, for strength 1.
+fn environment(surface: &Surface) -> Vec3 {
+    let brdf = environment_brdf(surface.roughness, view_cosine(surface));
+    let reflected = (normal_reflectance(surface) * brdf.x + brdf.y).clamp(Vec3::ZERO, Vec3::ONE);
+    let mirror_y = 2.0 * surface.normal.dot(surface.to_viewer) * surface.normal.y - surface.to_viewer.y;
+    let gloss = reflected * surroundings_gloss(mirror_y, surface.roughness);
+    let matte = (Vec3::ONE - reflected) * diffuse_albedo(surface) * surroundings_matte(surface.normal.y);
+    (gloss + matte) * surface.occlusion
+}
+
+/// Everything but the punctual lights: what the surface gives off and the surroundings at `strength`.
+pub(crate) fn ambient_surface(surface: &Surface, strength: f32) -> Vec3 {
+    if strength <= 0.0 {
+        return surface.emissive;
+    }
+    surface.emissive + environment(surface) * strength
+}
+
+/// glTF's occlusion: 1 + strength·(texel − 1) (glTF 2.0, 3.9.3).
+pub(crate) fn occlusion_from_texel(texel: f32, strength: f32) -> f32 {
+    1.0 + strength * (texel - 1.0)
+}
+
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a * (1.0 - t) + b * t
+}
+
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

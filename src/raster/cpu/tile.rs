@@ -1,0 +1,258 @@
+//! Draws one tile: visibility first, then each visible pixel is shaded once, then blended triangles in order.
+//!
+//! In: the tile's triangles of a pass. Out: the tile's planes, which gather all passes of a frame.
+
+use super::bin::TILE;
+use super::coverage::{NOTHING, TILE_PIXELS, Visibility};
+use super::fragment::{Face, Shade};
+use super::layout::Layout;
+use super::triangle::Triangle;
+use crate::raster::PassRole;
+use glam::{IVec2, Vec2, Vec4};
+
+/// What a tile has gathered so far.
+#[derive(Debug, Default)]
+pub(super) struct Tile {
+    /// [`Layout::planes`] planes of [`TILE_PIXELS`] samples; kept between frames.
+    planes: Vec<f32>,
+    /// A pass has drawn into the planes of beauty.
+    has_beauty: bool,
+    /// A pass has drawn into the planes of data.
+    has_data: bool,
+}
+
+/// Buffers a thread needs while it draws a tile.
+#[derive(Default)]
+pub(super) struct Scratch<'a> {
+    /// Triangles of the tile.
+    list: Vec<&'a Triangle>,
+    /// Opaque and masked surfaces.
+    visibility: Visibility,
+    /// Surfaces that count for data: those and nearly opaque blended ones.
+    data: Visibility,
+    color: Vec<Vec4>,
+}
+
+/// What happens to a tile in a pass.
+#[derive(Clone, Copy)]
+pub(super) struct TilePass<'a> {
+    pub(super) shade: &'a Shade<'a>,
+    pub(super) layout: &'a Layout,
+    pub(super) role: PassRole,
+    /// 1 / number of beauty passes.
+    pub(super) weight: f32,
+    /// First pixel of the tile in the window.
+    pub(super) origin: IVec2,
+    /// Pixels of the tile that lie in the window.
+    pub(super) size: IVec2,
+}
+
+/// Blended surfaces of at least this alpha count for data.
+const DATA_ALPHA: f32 = 0.5;
+
+impl TilePass<'_> {
+    fn wants_beauty(&self) -> bool {
+        self.role != PassRole::Data && self.layout.beauty.is_some()
+    }
+
+    fn wants_data(&self) -> bool {
+        self.role != PassRole::Beauty && self.layout.has_data()
+    }
+
+    /// Places (index in the tile) and window pixels of a tile's visible part.
+    fn pixels(&self) -> impl Iterator<Item = (usize, IVec2)> + use<> {
+        let (origin, size) = (self.origin, self.size);
+        (0..size.y).flat_map(move |y| (0..size.x).map(move |x| ((y * TILE + x) as usize, origin + IVec2::new(x, y))))
+    }
+}
+
+impl Tile {
+    /// Forgets what the last frame left.
+    pub(super) fn reset(&mut self) {
+        (self.has_beauty, self.has_data) = (false, false);
+    }
+
+    /// The samples of a plane, row by row; `None` where nothing was ever drawn into its group.
+    pub(super) fn plane(&self, layout: &Layout, plane: usize) -> Option<&[f32]> {
+        let is_drawn = if layout.is_beauty(plane) { self.has_beauty } else { self.has_data };
+        is_drawn.then(|| &self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS])
+    }
+
+    /// Draws a pass's triangles.
+    pub(super) fn draw<'a>(
+        &mut self,
+        pass: &TilePass<'a>,
+        triangles: impl Iterator<Item = &'a Triangle>,
+        scratch: &mut Scratch<'a>,
+    ) {
+        scratch.list.clear();
+        scratch.list.extend(triangles);
+        if scratch.list.is_empty() {
+            return;
+        }
+        self.prepare(pass);
+        scratch.cover(pass);
+        if pass.wants_beauty() {
+            scratch.shade(pass);
+        }
+        scratch.blend(pass);
+        if pass.wants_beauty() {
+            self.add_beauty(pass, &scratch.color);
+        }
+        if pass.wants_data() {
+            self.keep_nearest(pass, scratch);
+        }
+    }
+
+    fn prepare(&mut self, pass: &TilePass) {
+        self.planes.resize(pass.layout.planes * TILE_PIXELS, 0.0);
+        if let (true, false, Some(first)) = (pass.wants_beauty(), self.has_beauty, pass.layout.beauty) {
+            self.planes[first * TILE_PIXELS..(first + 4) * TILE_PIXELS].fill(0.0);
+            self.has_beauty = true;
+        }
+        if pass.wants_data() && !self.has_data {
+            for (plane, empty) in pass.layout.data_planes() {
+                self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS].fill(empty);
+            }
+            self.has_data = true;
+        }
+    }
+
+    fn add_beauty(&mut self, pass: &TilePass, color: &[Vec4]) {
+        let Some(first) = pass.layout.beauty else { return };
+        let planes = &mut self.planes[first * TILE_PIXELS..(first + 4) * TILE_PIXELS];
+        for (channel, plane) in planes.chunks_exact_mut(TILE_PIXELS).enumerate() {
+            for (sum, color) in plane.iter_mut().zip(color) {
+                *sum += color[channel] * pass.weight;
+            }
+        }
+    }
+
+    /// Writes data where this pass's surface is nearer than those of the passes before.
+    fn keep_nearest(&mut self, pass: &TilePass, scratch: &Scratch) {
+        let mut faces = FaceCache::new(pass.shade);
+        for (place, pixel) in pass.pixels() {
+            let (number, z) = (scratch.data.seen[place], scratch.data.z[place]);
+            if number == NOTHING || z <= self.planes[pass.layout.z * TILE_PIXELS + place] {
+                continue;
+            }
+            let face = faces.get(number, &scratch.list);
+            self.write_data(pass, face, (place, pixel));
+            self.planes[pass.layout.z * TILE_PIXELS + place] = z;
+        }
+    }
+
+    fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2)) {
+        let layout = pass.layout;
+        let mut put = |plane: usize, value: f32| self.planes[plane * TILE_PIXELS + place] = value;
+        if layout.depth.is_some() || layout.motion.is_some() {
+            let data = face.data(pass.shade, pixel);
+            if let Some(plane) = layout.depth {
+                put(plane, data.depth);
+            }
+            if let Some(plane) = layout.motion {
+                let values: [Vec2; 2] = [data.forward, data.backward];
+                (0..4).for_each(|i| put(plane + i, values[i / 2][i % 2]));
+            }
+        }
+        if let Some(plane) = layout.normal {
+            let normal = face.normal(pass.shade, pixel);
+            (0..3).for_each(|i| put(plane + i, normal[i]));
+        }
+        if let Some(plane) = layout.id {
+            put(plane, face.draw.layer_id as f32);
+            put(plane + 1, face.draw.object_id as f32);
+        }
+    }
+}
+
+/// The face last looked up: neighbours mostly share it.
+struct FaceCache<'a> {
+    shade: &'a Shade<'a>,
+    last: Option<(u32, Face<'a>)>,
+}
+
+impl<'a> FaceCache<'a> {
+    fn new(shade: &'a Shade<'a>) -> Self {
+        Self { shade, last: None }
+    }
+
+    fn get(&mut self, number: u32, list: &[&'a Triangle]) -> &Face<'a> {
+        if self.last.as_ref().is_none_or(|last| last.0 != number) {
+            self.last = None;
+        }
+        let shade = self.shade;
+        &self.last.get_or_insert_with(|| (number, Face::of(shade, list[number as usize]))).1
+    }
+}
+
+impl<'a> Scratch<'a> {
+    /// Finds the nearest opaque or masked triangle of each pixel.
+    fn cover(&mut self, pass: &TilePass<'a>) {
+        self.visibility.clear();
+        let mut kept = Vec::new();
+        for (number, triangle) in self.list.iter().enumerate() {
+            let face = Face::of(pass.shade, triangle);
+            if face.material.is_blended() {
+                continue;
+            }
+            let Some(cutoff) = face.material.cutoff() else {
+                self.visibility.fill(triangle, pass.origin, number as u32);
+                continue;
+            };
+            kept.clear();
+            self.visibility.visit(triangle, pass.origin, |place, pixel, z| {
+                if face.alpha(pass.shade, pixel) >= cutoff {
+                    kept.push((place, z));
+                }
+            });
+            for &(place, z) in &kept {
+                (self.visibility.z[place], self.visibility.seen[place]) = (z, number as u32);
+            }
+        }
+    }
+
+    /// Colours every pixel that shows an opaque surface.
+    fn shade(&mut self, pass: &TilePass<'a>) {
+        self.color.clear();
+        self.color.resize(TILE_PIXELS, Vec4::ZERO);
+        let mut faces = FaceCache::new(pass.shade);
+        for (place, pixel) in pass.pixels() {
+            let number = self.visibility.seen[place];
+            if number != NOTHING {
+                self.color[place] = faces.get(number, &self.list).color(pass.shade, pixel);
+            }
+        }
+    }
+
+    /// Lays blended triangles over, and finds which surface counts for data.
+    fn blend(&mut self, pass: &TilePass<'a>) {
+        if pass.wants_data() {
+            self.data.z.copy_from_slice(&self.visibility.z);
+            self.data.seen.copy_from_slice(&self.visibility.seen);
+        }
+        for (number, triangle) in self.list.iter().enumerate() {
+            let face = Face::of(pass.shade, triangle);
+            if !face.material.is_blended() {
+                continue;
+            }
+            let (color, data) = (&mut self.color, &mut self.data);
+            self.visibility.visit(triangle, pass.origin, |place, pixel, z| {
+                if pixel.cmpge(pass.origin + pass.size).any() {
+                    return;
+                }
+                let alpha = match pass.wants_beauty() {
+                    true => {
+                        let over = face.color(pass.shade, pixel);
+                        color[place] = over + color[place] * (1.0 - over.w);
+                        over.w
+                    }
+                    false => face.alpha(pass.shade, pixel),
+                };
+                if pass.wants_data() && alpha >= DATA_ALPHA && z > data.z[place] {
+                    (data.z[place], data.seen[place]) = (z, number as u32);
+                }
+            });
+        }
+    }
+}
