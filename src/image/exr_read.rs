@@ -16,8 +16,25 @@ use std::path::Path;
 /// # Errors
 /// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
 pub fn read_exr(path: &Path) -> Result<Frame, ImageError> {
+    check_size(path)?;
     let image = exr::image::read::read_all_flat_layers_from_file(path).map_err(|failed| read_error(path, failed))?;
     frame_from_image(path, image)
+}
+
+/// One wrong byte in the head may promise a picture of petabytes: asks for the memory before the reader takes it.
+fn check_size(path: &Path) -> Result<(), ImageError> {
+    let head = MetaData::read_from_file(path, false).map_err(|failed| read_error(path, failed))?;
+    let part_bytes = head.headers.iter().map(|header| {
+        let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
+        pixels * header.channels.bytes_per_pixel as u128
+    });
+    let bytes = part_bytes.sum::<u128>();
+    let is_there_memory = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if is_there_memory {
+        return Ok(());
+    }
+    let what = format!("its head promises {} GB of pixels, more than this machine can hold", bytes / 1_000_000_000);
+    Err(ImageError::damaged(path, what))
 }
 
 /// What a file written by [`super::write_exr`] says about itself; `None` where the file came from elsewhere. The camera
