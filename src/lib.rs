@@ -14,6 +14,8 @@
 
 pub mod space;
 
+mod spelling;
+
 pub mod scene;
 
 pub mod pose;

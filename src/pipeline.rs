@@ -1,1 +1,28 @@
-//! Runs the stages over a frame range.
+//! Runs the stages over a frame range: overlap, progress, cancel, per-frame errors.
+//!
+//! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s on the way, a [`Summary`].
+//! Frame N is a function of the shot and N alone; what is kept between frames is only what would be computed again.
+
+mod anchors;
+mod claims;
+mod draw;
+mod error;
+mod lighting;
+mod moment;
+mod options;
+mod overlay;
+mod passes;
+mod produce;
+mod render;
+mod report;
+mod setup;
+mod write;
+
+pub use anchors::{Pinned, Rest};
+pub use error::PipelineError;
+pub use moment::{LayerState, Moment, PinState};
+pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
+pub use passes::{PassPlan, plan_passes};
+pub use render::render;
+pub use report::report;
+pub use setup::Setup;

@@ -1,9 +1,76 @@
-//! The command line.
+//! The command line: arguments in, one of the library's jobs run, words and an exit code out.
+//!
+//! Exit codes: 0 all good, 1 some frames failed or were not reached, 2 bad input or usage.
 
+mod args;
+mod check;
+mod frames;
+mod progress;
+mod render;
+
+pub use args::Args;
+
+use args::Command;
+use clap::{CommandFactory, Parser};
+use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Runs the program.
+/// What a command ends with, when it does not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Everything asked for was done.
+    Complete,
+    /// Some frames are missing.
+    Partial,
+}
+
+/// Runs the program on its own arguments.
 #[must_use]
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    let args = Args::parse();
+    log_to_stderr(args.verbose);
+    match run(args.command) {
+        Ok(Outcome::Complete) => ExitCode::SUCCESS,
+        Ok(Outcome::Partial) => ExitCode::from(1),
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(io::stderr(), "pinwarp: error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<Outcome> {
+    match command {
+        Command::Render(args) => render::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::New(_) | Command::Pick(_) | Command::Solve(_) | Command::Devices => {
+            anyhow::bail!("this command is not built in yet")
+        }
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Args::command(), "pinwarp", &mut io::stdout());
+            Ok(Outcome::Complete)
+        }
+        Command::Man => {
+            clap_mangen::Man::new(Args::command()).render(&mut io::stdout())?;
+            Ok(Outcome::Complete)
+        }
+    }
+}
+
+/// Whoever read our output has seen enough.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
+}
+
+/// Sends the library's log to stderr: warnings, with -v information, with -vv everything.
+fn log_to_stderr(verbose: u8) {
+    let level = match verbose {
+        0 => tracing::Level::WARN,
+        1 => tracing::Level::INFO,
+        _ => tracing::Level::TRACE,
+    };
+    tracing_subscriber::fmt().with_max_level(level).with_writer(io::stderr).without_time().init();
 }

@@ -107,9 +107,9 @@ pub enum Compression {
     Zip,
     /// Wavelets.
     Piz,
-    /// DCT, lossy on colour (half channels) and only there.
+    /// DCT, lossy on colour.
     Dwaa,
-    /// The same in large blocks.
+    /// DCT, lossy on colour, large blocks.
     Dwab,
 }
 

@@ -9,8 +9,10 @@ pub mod geometry;
 pub mod vulkan;
 
 mod error;
+mod open;
 
 pub use error::RasterError;
+pub use open::open;
 
 use crate::image::Frame;
 use crate::pose::PosedLight;

@@ -127,17 +127,26 @@ impl Camera {
         self.view_from_scene
     }
 
-    /// The matrix EXR calls worldToNDC: after division by w, x and y are −1..1 over the frame, z is −1 at the near
-    /// plane and tends to 1.
+    /// Scene space to homogeneous screen space (x·w, y·w, z·w, w): frame heights, y up; z/w is 0 at the near plane of a
+    /// perspective lens and tends to 1, of an orthographic one it is the distance behind the near plane.
     #[must_use]
-    pub fn ndc_from_scene(&self) -> DMat4 {
-        let (zoom, near) = (self.zoom(), self.near);
-        let (depth_row, w_row) = match self.lens {
-            Lens::Perspective { .. } => (DVec4::new(0.0, 0.0, -1.0, -2.0 * near), DVec4::new(0.0, 0.0, -1.0, 0.0)),
-            Lens::Orthographic { .. } => (DVec4::new(0.0, 0.0, -1.0, -1.0 - near), DVec4::W),
+    pub fn screen_from_scene(&self) -> DMat4 {
+        let (zoom, half, near) = (0.5 * self.zoom(), DVec2::new(self.aspect * 0.5, 0.5), self.near);
+        let rows = match self.lens {
+            Lens::Perspective { .. } => [
+                DVec4::new(zoom, 0.0, -half.x, 0.0),
+                DVec4::new(0.0, zoom, -half.y, 0.0),
+                DVec4::new(0.0, 0.0, -1.0, -near),
+                DVec4::new(0.0, 0.0, -1.0, 0.0),
+            ],
+            Lens::Orthographic { .. } => [
+                DVec4::new(zoom, 0.0, 0.0, half.x),
+                DVec4::new(0.0, zoom, 0.0, half.y),
+                DVec4::new(0.0, 0.0, -1.0, -near),
+                DVec4::W,
+            ],
         };
-        let rows = DMat4::from_cols(DVec4::X * (zoom / self.aspect), DVec4::Y * zoom, depth_row, w_row);
-        rows.transpose() * self.view_from_scene
+        DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose() * self.view_from_scene
     }
 }
 
@@ -184,14 +193,14 @@ mod tests {
     }
 
     #[test]
-    fn ndc_matrix_agrees_with_the_projection() {
+    fn screen_matrix_agrees_with_the_projection() {
         for lens in [Lens::Perspective { yfov: 0.7 }, Lens::Orthographic { ymag: 2.5 }] {
             let camera = at_origin(lens);
             let point = Vec3::new(0.3, -0.8, -4.0);
-            let ndc = camera.ndc_from_scene() * point.as_dvec3().extend(1.0);
-            let screen = camera.project(ScenePoint(point)).point().0;
-            let from_ndc = DVec2::new((ndc.x / ndc.w + 1.0) * 0.5 * 16.0 / 9.0, (ndc.y / ndc.w + 1.0) * 0.5);
-            assert!((screen - from_ndc).length() < 1e-6, "{lens:?}: {screen} {from_ndc}");
+            let homogeneous = camera.screen_from_scene() * point.as_dvec3().extend(1.0);
+            let projected = camera.project(ScenePoint(point));
+            assert!((homogeneous.truncate().truncate() - projected.h).length() < 1e-9, "{lens:?}");
+            assert!((homogeneous.w - projected.w).abs() < 1e-9, "{lens:?}");
         }
     }
 }

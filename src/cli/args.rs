@@ -1,0 +1,151 @@
+//! All arguments of the program: help, man page and completions come from here.
+
+use super::frames::{FrameList, Scale};
+use crate::raster::DeviceChoice;
+use clap::builder::TypedValueParser;
+use clap::{ArgAction, Parser, Subcommand};
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+/// Warps animated glTF scenes with pins placed on the screen, and writes EXR sequences.
+#[derive(Debug, Parser)]
+#[command(name = "pinwarp", version, propagate_version = true, after_help = EXIT_CODES)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub(super) command: Command,
+
+    /// Says more: -v what is done, -vv every detail.
+    #[arg(short, long, action = ArgAction::Count, global = true)]
+    pub(super) verbose: u8,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 all good, 1 some frames failed, 2 bad input or usage.";
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a shot into an EXR sequence.
+    Render(RenderArgs),
+    /// Write a commented, working shot file for a scene.
+    New(NewArgs),
+    /// Tell everything a render would trip over, without rendering.
+    Check(CheckArgs),
+    /// Cast a screen point onto the model and print a ready pin.
+    Pick(PickArgs),
+    /// Solve a bare lattice problem (JSON in, JSON out).
+    Solve(SolveArgs),
+    /// List what can draw.
+    Devices,
+    /// Print completions for a shell.
+    Completions {
+        /// Which shell.
+        shell: Shell,
+    },
+    /// Print the man page.
+    Man,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct RenderArgs {
+    /// The shot file.
+    pub(super) shot: PathBuf,
+    /// Frames to render, e.g. 1-48x2,60; default: the shot's range.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(super) frames: Option<FrameList>,
+    /// Size of the picture against the shot's: 1/2, 0.5, 50%.
+    #[arg(long, value_name = "FACTOR", default_value = "1")]
+    pub(super) scale: Scale,
+    /// Samples a pixel, instead of the shot's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(super) samples: Option<u32>,
+    /// Output path, instead of the shot's: frame.####.exr or frame.%04d.exr.
+    #[arg(short, long, value_name = "PATH")]
+    pub(super) output: Option<PathBuf>,
+    /// What draws: auto, cpu, or a Vulkan device by index or part of its name.
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
+    pub(super) device: DeviceChoice,
+    /// Keep complete frames that are already there, render the rest.
+    #[arg(long, conflicts_with = "overwrite")]
+    pub(super) resume: bool,
+    /// Replace frames that are already there.
+    #[arg(long)]
+    pub(super) overwrite: bool,
+    /// Write an sRGB PNG beside every frame.
+    #[arg(long)]
+    pub(super) preview: bool,
+    /// Draw lattice, pins, targets and folded cells over the preview.
+    #[arg(long)]
+    pub(super) overlay: bool,
+    /// Print one JSON event a line instead of words and a progress bar.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct NewArgs {
+    /// The scene: .glb or .gltf.
+    pub(super) scene: PathBuf,
+    /// The shot file to write.
+    #[arg(short, long, value_name = "SHOT", default_value = "shot.toml")]
+    pub(super) output: PathBuf,
+    /// Replace a shot file that is already there.
+    #[arg(long)]
+    pub(super) overwrite: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct CheckArgs {
+    /// The shot file.
+    pub(super) shot: PathBuf,
+    /// Frames to check, e.g. 1-48x2,60; default: the shot's range.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(super) frames: Option<FrameList>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct PickArgs {
+    /// The shot file.
+    pub(super) shot: PathBuf,
+    /// Frame in which the point is seen; default: the shot's first.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(super) frame: Option<i32>,
+    /// Screen point in frame heights, x right, y up, from the lower left: 0.9,0.5.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true,
+          required_unless_present = "at_px", conflicts_with = "at_px")]
+    pub(super) at: Option<[f64; 2]>,
+    /// Screen point in pixels of the shot's size, y down, as picture viewers show it: 960,540.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
+    pub(super) at_px: Option<[f64; 2]>,
+    /// Put the pin into the shot file under this name.
+    #[arg(long, value_name = "NAME")]
+    pub(super) write: Option<String>,
+    /// Layer that gets the pin; default: the one that claims the surface.
+    #[arg(long, value_name = "LAYER")]
+    pub(super) layer: Option<String>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct SolveArgs {
+    /// The problem, JSON.
+    pub(super) problem: PathBuf,
+    /// Where the result goes; default: standard output.
+    #[arg(short, long, value_name = "RESULT")]
+    pub(super) output: Option<PathBuf>,
+}
+
+/// `auto`, `cpu`, anything else by name.
+fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
+    clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
+        "auto" => DeviceChoice::Auto,
+        "cpu" => DeviceChoice::Cpu,
+        _ => DeviceChoice::Named(text),
+    })
+}
+
+/// Two numbers with a comma between them.
+fn parse_pair(text: &str) -> Result<[f64; 2], String> {
+    let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    text.split_once(',')
+        .and_then(|(x, y)| Some([parse(x)?, parse(y)?]))
+        .ok_or_else(|| "two numbers with a comma between them are needed, e.g. 0.9,0.5".to_owned())
+}

@@ -1,0 +1,109 @@
+//! Tells a render's events: a progress bar on a terminal, plain lines elsewhere, JSON lines on request.
+
+use crate::pipeline::{Event, FrameReport, Summary};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeMap;
+use std::io::{self, IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Warnings that every frame repeats are told this often, then counted.
+const REPEATS_TOLD: usize = 3;
+
+/// Tells events as the user wants them.
+pub(super) struct Teller {
+    is_json: bool,
+    bar: ProgressBar,
+    begun: Instant,
+    told: Mutex<BTreeMap<String, usize>>,
+}
+
+impl Teller {
+    pub(super) fn new(is_json: bool) -> Self {
+        let bar = if is_json || !io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} frames  {msg}  {eta} left");
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        Self { is_json, bar, begun: Instant::now(), told: Mutex::default() }
+    }
+
+    /// Tells one event.
+    pub(super) fn tell(&self, event: &Event) {
+        if self.is_json {
+            if let Ok(line) = serde_json::to_string(event) {
+                // A reader that has gone away is no reason to stop rendering.
+                let _ = writeln!(io::stdout().lock(), "{line}");
+            }
+            return;
+        }
+        match event {
+            Event::Note { text } => self.line(&format!("note: {text}")),
+            Event::Started { device, frames, kept } => {
+                self.bar.set_length(*frames as u64);
+                self.bar.enable_steady_tick(Duration::from_millis(500));
+                let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
+                self.line(&format!("{frames} frames on {device}{kept}"));
+            }
+            Event::FrameDone(report) => self.frame_done(report),
+            Event::FrameFailed { frame, error } => {
+                self.bar.inc(1);
+                self.line(&format!("error: frame {frame}: {error}"));
+            }
+            Event::Finished(summary) => self.finished(summary),
+        }
+    }
+
+    fn frame_done(&self, report: &FrameReport) {
+        self.bar.inc(1);
+        let fps = self.bar.position() as f64 / self.begun.elapsed().as_secs_f64();
+        self.bar.set_message(format!("{fps:.2} fps"));
+        for warning in &report.warnings {
+            self.warn(report.frame, warning);
+        }
+        if self.bar.is_hidden() {
+            self.line(&format!("frame {} -> {}", report.frame, report.path.display()));
+        }
+    }
+
+    /// Frames often repeat a warning with other numbers: what stands before the first digit tells the kind.
+    fn warn(&self, frame: i32, warning: &str) {
+        let kind = warning.split(|letter: char| letter.is_ascii_digit()).next().unwrap_or(warning);
+        let count = {
+            let mut told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let count = told.entry(kind.to_owned()).or_default();
+            *count += 1;
+            *count
+        };
+        if count <= REPEATS_TOLD {
+            self.line(&format!("warning: frame {frame}: {warning}"));
+        }
+    }
+
+    fn finished(&self, summary: &Summary) {
+        self.bar.finish_and_clear();
+        let told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
+            self.line(&format!("warning: {} more frames: {}...", count - REPEATS_TOLD, kind.trim_end()));
+        }
+        let fps = summary.rendered as f64 / summary.wall_secs;
+        let failed = if summary.failed > 0 { format!(", {} FAILED", summary.failed) } else { String::new() };
+        let stopped = if summary.is_cancelled { "; stopped: go on with --resume" } else { "" };
+        self.line(&format!(
+            "{} frames in {:.1} s ({fps:.2} fps){failed}{stopped}",
+            summary.rendered, summary.wall_secs
+        ));
+        tracing::info!(
+            "busy: geometry {:.0} ms, raster {:.0} ms, write {:.0} ms",
+            summary.geometry_ms,
+            summary.raster_ms,
+            summary.write_ms
+        );
+    }
+
+    fn line(&self, text: &str) {
+        self.bar.suspend(|| {
+            let _ = writeln!(io::stderr(), "{text}");
+        });
+    }
+}

@@ -1,0 +1,54 @@
+//! `pinwarp render`.
+
+use super::Outcome;
+use super::args::RenderArgs;
+use super::progress::Teller;
+use crate::pipeline::{self, Existing, RenderOptions, Setup};
+use crate::shot::Shot;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
+    let mut shot = Shot::read(&args.shot)?;
+    shot.size = args.scale.of(shot.size);
+    shot.samples = args.samples.unwrap_or(shot.samples);
+    if let Some(output) = &args.output {
+        shot.output.path.clone_from(output);
+    }
+    let options = RenderOptions {
+        frames: args.frames.clone().map(|list| list.0).unwrap_or_default(),
+        device: args.device.clone(),
+        existing: existing(args),
+        has_preview: args.preview,
+        has_overlay: args.overlay,
+    };
+    let cancel = cancel_on_interrupt()?;
+    let setup = Setup::new(shot)?;
+    let teller = Teller::new(args.json);
+    let summary = pipeline::render(&setup, &options, &cancel, &|event| teller.tell(&event))?;
+    let is_complete = summary.failed == 0 && !summary.is_cancelled;
+    Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
+}
+
+fn existing(args: &RenderArgs) -> Existing {
+    if args.resume {
+        Existing::Resume
+    } else if args.overwrite {
+        Existing::Overwrite
+    } else {
+        Existing::Refuse
+    }
+}
+
+/// The first Ctrl-C lets the frames in flight end, the second ends the program.
+fn cancel_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancel);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+        eprintln!("pinwarp: stopping after the frames in flight; press Ctrl-C again to stop now");
+    })?;
+    Ok(cancel)
+}

@@ -1,0 +1,121 @@
+//! Ties pins to the scene: names become indices once, then every frame gives the pin's rest point.
+//!
+//! In: a pin's anchor. Out: [`Pinned`], and its [`Rest`] at a time.
+
+use super::PipelineError;
+use crate::pose::{Pose, PosedPart};
+use crate::scene::Scene;
+use crate::screen::{Hit, ScreenMesh, primitive};
+use crate::shot::{Anchor, Layer, Pin, Shot};
+use crate::space::ScreenPoint;
+use crate::spelling;
+use glam::DVec3;
+
+/// A pin fades out between this many near-plane distances and one.
+const FADE_STARTS_AT: f64 = 2.0;
+
+/// A stored rest position may differ by this share of the primitive's size before the user is told.
+const MOVED_SHARE: f64 = 1e-3;
+
+/// What a pin is tied to, by index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pinned {
+    /// A point of a triangle.
+    Surface {
+        /// Index into the pose's parts.
+        part: usize,
+        /// Vertex indices.
+        corners: [u32; 3],
+        /// Their weights.
+        barycentric: [f64; 3],
+    },
+    /// A point of the screen.
+    Screen(ScreenPoint),
+}
+
+/// Where a pinned point is before the warp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// On the screen.
+    pub point: ScreenPoint,
+    /// 1, or less where the point comes close to the near plane; 0 at it and in front of it.
+    pub weight: f64,
+}
+
+impl Pinned {
+    /// The pinned point of a projected pose.
+    #[must_use]
+    pub fn rest(&self, mesh: &ScreenMesh, near: f64) -> Rest {
+        match *self {
+            Self::Screen(point) => Rest { point, weight: 1.0 },
+            Self::Surface { part, corners, barycentric } => {
+                let vertices = corners.map(|corner| mesh.parts[part].vertices[corner as usize]);
+                let h =
+                    vertices[0].h * barycentric[0] + vertices[1].h * barycentric[1] + vertices[2].h * barycentric[2];
+                let mix = |of: fn(&crate::screen::Projected) -> f64| -> f64 {
+                    vertices.iter().zip(barycentric).map(|(vertex, share)| of(vertex) * share).sum()
+                };
+                let (w, depth) = (mix(|vertex| vertex.w), mix(|vertex| vertex.depth));
+                let beyond = if near > 0.0 { (depth / near - 1.0) / (FADE_STARTS_AT - 1.0) } else { depth - near };
+                let t = beyond.clamp(0.0, 1.0);
+                let point = if w > 0.0 { ScreenPoint(h / w) } else { ScreenPoint::default() };
+                Rest { point, weight: if w > 0.0 { t * t * (3.0 - 2.0 * t) } else { 0.0 } }
+            }
+        }
+    }
+
+    /// A pick as a pinned point.
+    #[must_use]
+    pub fn on(scene: &Scene, pose: &Pose, hit: &Hit) -> Self {
+        let corners = primitive(scene, &pose.parts[hit.part]).triangles[hit.triangle];
+        Self::Surface { part: hit.part, corners, barycentric: hit.barycentric }
+    }
+}
+
+/// Finds the triangle of a surface anchor; a note where its stored rest position does not fit any more.
+pub(super) fn find(
+    (shot, layer, pin): (&Shot, &Layer, &Pin),
+    scene: &Scene,
+    parts: &[PosedPart],
+) -> Result<(Pinned, Option<String>), PipelineError> {
+    let Anchor::Surface { node, primitive: wanted, triangle, barycentric, rest } = &pin.anchor else {
+        return Err(mismatch(shot, layer, pin, ("is not a surface anchor".into(), "pick it again".into())));
+    };
+    let Some(index) = scene.node_named(node) else {
+        let names = scene.nodes.iter().filter(|node| node.mesh.is_some()).map(|node| node.name.as_str());
+        let hint = spelling::hint(node, names);
+        return Err(mismatch(shot, layer, pin, (format!("there is no node '{node}' in the scene"), hint)));
+    };
+    let Some(part) = parts.iter().position(|part| part.node == index && part.primitive == *wanted) else {
+        let count = parts.iter().filter(|part| part.node == index).count();
+        let what = format!("node '{node}' has no primitive {wanted} with triangles");
+        return Err(mismatch(shot, layer, pin, (what, format!("it has {count}, counted from 0"))));
+    };
+    let source = primitive(scene, &parts[part]);
+    let Some(&corners) = source.triangles.get(*triangle) else {
+        let what = format!("node '{node}', primitive {wanted} has no triangle {triangle}");
+        let hint = format!("its last is {}; `pinwarp pick` prints a ready anchor", source.triangles.len() - 1);
+        return Err(mismatch(shot, layer, pin, (what, hint)));
+    };
+    let place = |corner: usize| source.positions[corners[corner] as usize].as_dvec3() * barycentric[corner];
+    let now = place(0) + place(1) + place(2);
+    let size = source.positions.iter().map(|point| point.as_dvec3().length()).fold(0.0, f64::max);
+    let moved = rest.map(DVec3::from_array).filter(|&stored| stored.distance(now) > MOVED_SHARE * size);
+    let note = moved.map(|stored| {
+        format!(
+            "layer '{}', pin '{}': its triangle was at {stored} when it was placed and is at {now} now; was the scene \
+             exported again? Place it anew with `pinwarp pick --write {}`",
+            layer.name, pin.name, pin.name
+        )
+    });
+    Ok((Pinned::Surface { part, corners, barycentric: *barycentric }, note))
+}
+
+/// A pin that does not fit the scene.
+pub(super) fn mismatch(shot: &Shot, layer: &Layer, pin: &Pin, (what, hint): (String, String)) -> PipelineError {
+    PipelineError::Mismatch {
+        path: shot.path.clone(),
+        what: format!("layer '{}', pin '{}': {what}", layer.name, pin.name),
+        hint,
+    }
+}

@@ -1,0 +1,62 @@
+//! Which layer claims which part of the scene.
+//!
+//! In: the layers' node patterns and the posed parts. Out: a layer a part; overlaps and empty claims are errors.
+
+use super::PipelineError;
+use crate::pose::PosedPart;
+use crate::scene::Scene;
+use crate::shot::{Layer, Shot};
+use crate::spelling;
+use std::collections::BTreeSet;
+
+/// One a part: the index of the layer that claims it.
+pub(super) fn claim(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Vec<Option<usize>>, PipelineError> {
+    let mut owners = vec![None; parts.len()];
+    for (index, layer) in shot.layers.iter().enumerate() {
+        let nodes = nodes_of(shot, layer, scene)?;
+        for (owner, part) in owners.iter_mut().zip(parts).filter(|(_, part)| nodes.contains(&part.node)) {
+            if let Some(other) = owner.replace(index) {
+                return Err(twice(shot, scene, part, (other, index)));
+            }
+        }
+        if !owners.contains(&Some(index)) {
+            return Err(PipelineError::Mismatch {
+                path: shot.path.clone(),
+                what: format!("layer '{}': none of its nodes has triangles", layer.name),
+                hint: "name nodes that carry a mesh in `nodes`, or leave `nodes` out for all".into(),
+            });
+        }
+    }
+    Ok(owners)
+}
+
+/// All nodes that a layer's patterns claim, with their subtrees.
+fn nodes_of(shot: &Shot, layer: &Layer, scene: &Scene) -> Result<BTreeSet<usize>, PipelineError> {
+    if layer.nodes.is_empty() {
+        return Ok((0..scene.nodes.len()).collect());
+    }
+    let mut nodes = BTreeSet::new();
+    for pattern in &layer.nodes {
+        let matched = scene.matching(pattern);
+        if matched.is_empty() {
+            let names = scene.nodes.iter().map(|node| node.name.as_str());
+            return Err(PipelineError::Mismatch {
+                path: shot.path.clone(),
+                what: format!("layer '{}': no node matches '{pattern}'", layer.name),
+                hint: spelling::hint(pattern, names),
+            });
+        }
+        nodes.extend(matched.into_iter().flat_map(|node| scene.subtree(node)));
+    }
+    Ok(nodes)
+}
+
+/// Two layers want the same part.
+fn twice(shot: &Shot, scene: &Scene, part: &PosedPart, (one, other): (usize, usize)) -> PipelineError {
+    let node = &scene.nodes[part.node].name;
+    PipelineError::Mismatch {
+        path: shot.path.clone(),
+        what: format!("layers '{}' and '{}' both claim node '{node}'", shot.layers[one].name, shot.layers[other].name),
+        hint: "give the layers patterns that do not overlap".into(),
+    }
+}

@@ -1,0 +1,128 @@
+//! Second stage of a render: draws jobs, tile by tile.
+//!
+//! In: [`Job`]s. Out: [`Drawn`] frames, whole, data window = what is covered.
+
+use super::produce::{BuiltPass, Facts, Job};
+use super::write::Drawn;
+use super::{PassPlan, PipelineError, Setup, plan_passes};
+use crate::image::Frame;
+use crate::raster::{Pass, PassRole, Raster, Target};
+use crate::space::PixelRect;
+use std::sync::mpsc::{Receiver, SyncSender};
+use std::time::Instant;
+
+/// Larger frames are drawn in tiles even where the device could draw them at once: it bounds its memory.
+const MAX_TILE_SIDE: u32 = 8192;
+
+/// Cuts a window into tiles that the device can draw, rows of tiles from above.
+pub(super) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
+    let side = max_side.min(MAX_TILE_SIDE);
+    let starts = |length: u32| (0..length).step_by(side as usize);
+    let tile = |x: u32, y: u32| PixelRect {
+        x: window.x + x as i32,
+        y: window.y + y as i32,
+        width: side.min(window.width - x),
+        height: side.min(window.height - y),
+    };
+    starts(window.height).flat_map(|y| starts(window.width).map(move |x| tile(x, y))).collect()
+}
+
+/// Draws all jobs; returns for how long the raster was busy, milliseconds.
+pub(super) fn draw_all(
+    device: &mut dyn Raster,
+    setup: &Setup,
+    tiles: &[PixelRect],
+    (jobs, drawn): (Receiver<Job>, SyncSender<Drawn>),
+) -> f64 {
+    let plan = plan_passes(setup.shot.samples, setup.shot.shutter);
+    let mut artist = Artist { device, setup, plan, busy_ms: 0.0 };
+    for job in jobs {
+        let before_ms = artist.busy_ms;
+        let done = match artist.draw(&job, tiles) {
+            Ok((frame, mut facts)) => {
+                facts.report.raster_ms = artist.busy_ms - before_ms;
+                Drawn::Frame(Box::new(frame), Box::new(facts))
+            }
+            Err(error) => Drawn::Failed(job.frame, error),
+        };
+        if drawn.send(done).is_err() {
+            break;
+        }
+    }
+    artist.busy_ms
+}
+
+/// A raster at work.
+struct Artist<'a> {
+    device: &'a mut dyn Raster,
+    setup: &'a Setup,
+    plan: Vec<PassPlan>,
+    busy_ms: f64,
+}
+
+impl Artist<'_> {
+    /// Draws a frame.
+    fn draw(&mut self, job: &Job, tiles: &[PixelRect]) -> Result<(Frame, Facts), PipelineError> {
+        let mut whole: Option<Frame> = None;
+        for &window in tiles {
+            let tile = self.tile(job, window)?;
+            match &mut whole {
+                None if tiles.len() == 1 => whole = Some(tile),
+                None => {
+                    let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
+                    let display = self.setup.shot.size.window();
+                    let pixel_aspect = self.setup.shot.size.pixel_aspect;
+                    let mut frame = Frame { pixel_aspect, ..Frame::blank(display, display, &channels) };
+                    frame.paste(&tile);
+                    whole = Some(frame);
+                }
+                Some(frame) => frame.paste(&tile),
+            }
+        }
+        let begun = Instant::now();
+        let frame = whole.ok_or_else(|| lost(job))?.crop_to_covered();
+        self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;
+        Ok((frame, job.facts.recv().map_err(|_| lost(job))?))
+    }
+
+    fn tile(&mut self, job: &Job, window: PixelRect) -> Result<Frame, PipelineError> {
+        let is_beauty = |pass: &&PassPlan| pass.role != PassRole::Data;
+        let target = Target {
+            frame: self.setup.shot.size,
+            window,
+            channels: self.setup.shot.output.channels.clone(),
+            beauty_passes: self.plan.iter().filter(is_beauty).count() as u32,
+        };
+        // The first pass is waited for before the clock starts: its geometry is not the raster's work.
+        let mut next = Some(receive(job)?);
+        self.timed(|device| device.start(&target))?;
+        for remaining in (0..self.plan.len()).rev() {
+            let Some(pass) = next.take() else { break };
+            let BuiltPass { geometry, jitter_px, role } = pass;
+            self.timed(|device| device.draw(&Pass { geometry: &geometry, jitter_px, role }))?;
+            next = if remaining > 0 { Some(receive(job)?) } else { None };
+        }
+        self.timed(|device| device.finish())
+    }
+
+    /// Runs a step of the device and adds its time.
+    fn timed<T, E: Into<PipelineError>>(
+        &mut self,
+        step: impl FnOnce(&mut dyn Raster) -> Result<T, E>,
+    ) -> Result<T, PipelineError> {
+        let begun = Instant::now();
+        let outcome = step(self.device);
+        self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;
+        outcome.map_err(Into::into)
+    }
+}
+
+/// The next pass of a job, or why there is none.
+fn receive(job: &Job) -> Result<BuiltPass, PipelineError> {
+    job.passes.recv().map_err(|_| lost(job))?
+}
+
+/// The geometry thread ended in the middle of a frame.
+fn lost(job: &Job) -> PipelineError {
+    PipelineError::Interrupted { frame: job.frame }
+}

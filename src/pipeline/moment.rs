@@ -1,0 +1,190 @@
+//! The scene at one time: posed, projected, and every layer solved.
+//!
+//! In: a [`Setup`] and a (fractional) frame. Out: a [`Moment`].
+
+use super::{PipelineError, Setup};
+use crate::lattice::{Grid, ScreenLattice};
+use crate::pose::Pose;
+use crate::screen::{Camera, Extent, FollowWindow, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
+use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets};
+use crate::solve::{HandlePin, PointPin, Problem, Shape, Solution, solve};
+use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
+use glam::DVec2;
+
+/// The scene at one time.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// The (fractional) frame.
+    pub frame: f64,
+    /// The pose.
+    pub pose: Pose,
+    /// The camera.
+    pub camera: Camera,
+    /// The pose on the screen, unwarped.
+    pub mesh: ScreenMesh,
+    /// One a layer of the shot.
+    pub layers: Vec<LayerState>,
+}
+
+/// A layer at one time.
+#[derive(Clone, Debug, Default)]
+pub struct LayerState {
+    /// The solved lattice; `None` where the layer is out of sight or has neither pins nor handles.
+    pub solution: Option<Solution<2>>,
+    /// One a pin that acts.
+    pub pins: Vec<PinState>,
+}
+
+/// A pin at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinState {
+    /// Index in the layer.
+    pub pin: usize,
+    /// Where its point is before the warp.
+    pub rest: ScreenPoint,
+    /// Where it has to go.
+    pub target: ScreenPoint,
+}
+
+impl Moment {
+    /// The lattice that warps a part, one a part.
+    pub(super) fn lattices(&self, owners: &[Option<usize>]) -> Vec<Option<&ScreenLattice>> {
+        let lattice = |layer: usize| self.layers[layer].solution.as_ref().map(|solution| &solution.lattice);
+        owners.iter().map(|owner| owner.and_then(lattice)).collect()
+    }
+}
+
+impl Setup {
+    /// Poses, projects and solves a (fractional) frame.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub(super) fn compute(&self, frame: f64) -> Result<Moment, PipelineError> {
+        let (pose, camera) = self.view(frame);
+        let mesh = crate::screen::project(&pose, &camera);
+        let mut moment = Moment { frame, pose, camera, mesh, layers: Vec::new() };
+        for (index, layer) in self.shot.layers.iter().enumerate() {
+            let state = self.solve_layer(&moment, index, layer)?;
+            moment.layers.push(state);
+        }
+        Ok(moment)
+    }
+
+    fn solve_layer(&self, moment: &Moment, index: usize, layer: &Layer) -> Result<LayerState, PipelineError> {
+        if layer.pins.is_empty() && layer.handles.is_empty() {
+            return Ok(LayerState::default());
+        }
+        let Some(rest_box) = self.lattice_box(moment, index, layer) else {
+            return Ok(LayerState::default());
+        };
+        let grid = Grid::over(rest_box, layer.dims, layer.basis);
+        let targets = self.shot.pin_targets(index, moment.frame);
+        let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
+        let rest_handles = grid.at_rest().handles;
+        let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 2])| {
+            let index = track.index[0] + layer.dims[0] * track.index[1];
+            let moved = DVec2::from_array(rest_handles[index]) + DVec2::from_array(*offset) * rest_box.size();
+            HandlePin { index, target: moved.to_array() }
+        };
+        let handles: Vec<_> = layer.handles.iter().zip(&targets.handles).map(handle).collect();
+        let shape = self.shape(moment, index);
+        let problem =
+            Problem { grid: &grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
+        let solution = solve(&problem).map_err(|source| PipelineError::Solve {
+            layer: layer.name.clone(),
+            frame: moment.frame,
+            source,
+        })?;
+        Ok(LayerState { solution: Some(solution), pins })
+    }
+
+    /// The pins that act, as the overlay and the solver want them.
+    fn point_pins(
+        &self,
+        moment: &Moment,
+        index: usize,
+        (rest_box, targets): (ScreenBox, &PinTargets),
+    ) -> (Vec<PinState>, Vec<PointPin<2>>) {
+        let layer = &self.shot.layers[index];
+        let mut states = Vec::new();
+        let mut points = Vec::new();
+        for (pin, (pinned, target)) in self.anchors[index].iter().zip(&targets.pins).enumerate() {
+            let rest = pinned.rest(&moment.mesh, moment.camera.near());
+            if rest.weight <= 0.0 {
+                continue;
+            }
+            let goal = match target.goal {
+                Goal::Offset(offset) => match layer.pins[pin].unit {
+                    OffsetUnit::Frame => rest.point + offset,
+                    OffsetUnit::Box => rest.point + ScreenVector(offset.0 * rest_box.size()),
+                },
+                Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
+            };
+            let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
+                let (sin, cos) = target.rotation.unwrap_or(0.0).sin_cos();
+                let scale = target.log_scale.unwrap_or(0.0).exp();
+                [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
+            });
+            states.push(PinState { pin, rest: rest.point, target: goal });
+            points.push(PointPin {
+                at: rest.point.0.to_array(),
+                target: goal.0.to_array(),
+                weight: rest.weight,
+                gradient,
+            });
+        }
+        (states, points)
+    }
+
+    /// The layer's triangles on the screen, cut at the near plane.
+    fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
+        let near = moment.camera.near();
+        let mut shape = Shape::default();
+        for &part in &self.parts_of_layer[index] {
+            let vertices = &moment.mesh.parts[part].vertices;
+            let base = shape.points.len() as u32;
+            // Hidden vertices keep their index; no triangle that is left uses them.
+            let place =
+                |vertex: &crate::screen::Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
+            shape.points.extend(vertices.iter().map(place));
+            for corners in &primitive(&self.scene, &moment.pose.parts[part]).triangles {
+                let ends = corners.map(|corner| vertices[corner as usize]);
+                if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
+                    shape.triangles.push(corners.map(|corner| corner + base));
+                    continue;
+                }
+                let (cut, count) = clip_near(ends, near);
+                for cut in &cut[..count] {
+                    let first = shape.points.len() as u32;
+                    let point =
+                        |corner: &crate::screen::Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
+                    shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
+                    shape.triangles.push([first, first + 1, first + 2]);
+                }
+            }
+        }
+        shape
+    }
+
+    /// The rest box of a layer's lattice; `None` where nothing of the layer is in reach.
+    fn lattice_box(&self, moment: &Moment, index: usize, layer: &Layer) -> Option<ScreenBox> {
+        match layer.bounds {
+            BoxRule::Fixed(fixed) => Some(fixed),
+            BoxRule::Frame => {
+                Some(ScreenBox::new(ScreenPoint::default(), ScreenPoint::new(self.shot.size.aspect(), 1.0)))
+            }
+            BoxRule::Follow => {
+                let now = self.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera);
+                let window = FollowWindow::new(moment.frame);
+                let neighbours: Vec<_> = window.frames().map(|frame| (frame, self.bounds_at(index, frame))).collect();
+                window.smooth(&neighbours, now)
+            }
+        }
+    }
+
+    pub(super) fn bounds_of(&self, layer: usize, pose: &Pose, mesh: &ScreenMesh, camera: &Camera) -> Option<ScreenBox> {
+        let reach = reach_of_frame(self.shot.size);
+        let extent = Extent { parts: &self.parts_of_layer[layer], near: camera.near(), reach };
+        bounds(&self.scene, pose, mesh, extent)
+    }
+}

@@ -1,0 +1,103 @@
+//! Draws what a solve did over the preview: lattice, pins, targets, folded cells.
+//!
+//! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
+
+use super::{Moment, PinState, Setup};
+use crate::image::{Canvas, Preview, Rgba8};
+use crate::lattice::ScreenLattice;
+use crate::space::{FrameSize, ImagePoint, ScreenPoint};
+use glam::DVec2;
+
+/// Line pieces between two neighbouring handles' rest places.
+const PIECES: usize = 8;
+
+const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
+const HANDLE: Rgba8 = Rgba8([64, 200, 255, 220]);
+const FOLDED: Rgba8 = Rgba8([255, 40, 40, 110]);
+const REST: Rgba8 = Rgba8([255, 255, 255, 230]);
+const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
+const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
+
+/// What is drawn over one frame.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    frame: FrameSize,
+    layers: Vec<LayerPicture>,
+}
+
+#[derive(Clone, Debug)]
+struct LayerPicture {
+    lattice: ScreenLattice,
+    pins: Vec<(PinState, String)>,
+}
+
+impl Picture {
+    /// What a moment's solves did.
+    #[must_use]
+    pub fn of(setup: &Setup, moment: &Moment) -> Self {
+        let layers = setup.shot.layers.iter().zip(&moment.layers).filter_map(|(layer, state)| {
+            let lattice = state.solution.as_ref()?.lattice.clone();
+            let named = |pin: &PinState| (*pin, layer.pins[pin.pin].name.clone());
+            Some(LayerPicture { lattice, pins: state.pins.iter().map(named).collect() })
+        });
+        Self { frame: setup.shot.size, layers: layers.collect() }
+    }
+
+    /// Draws it.
+    pub fn draw(&self, preview: &mut Preview) {
+        // Lines keep their looks at any size of the picture.
+        let unit_px = (f64::from(self.frame.height) / 720.0).max(1.0);
+        let mut canvas = Canvas::new(preview);
+        for layer in &self.layers {
+            self.draw_lattice(&mut canvas, &layer.lattice, unit_px);
+            for (pin, name) in &layer.pins {
+                self.draw_pin(&mut canvas, (pin, name), unit_px);
+            }
+        }
+    }
+
+    fn px(&self, point: ScreenPoint) -> ImagePoint {
+        self.frame.image_from_screen(point)
+    }
+
+    /// The warped grid of the rest box, one cell a handle interval, and the handles themselves.
+    fn draw_lattice(&self, canvas: &mut Canvas, lattice: &ScreenLattice, unit_px: f64) {
+        let [nx, ny] = lattice.grid.dims;
+        let warped = |i: f64, j: f64| {
+            let share = [i / (nx - 1) as f64, j / (ny - 1) as f64];
+            let at = |axis: usize| lattice.grid.lo[axis] + share[axis] * lattice.grid.size(axis);
+            self.px(lattice.warp(ScreenPoint::new(at(0), at(1))))
+        };
+        let along = |k: usize| k as f64 / PIECES as f64;
+        for [i, j] in lattice.folded_cells() {
+            let (i, j) = (i as f64, j as f64);
+            canvas.fill_polygon(
+                &[warped(i, j), warped(i + 1.0, j), warped(i + 1.0, j + 1.0), warped(i, j + 1.0)],
+                FOLDED,
+            );
+        }
+        for j in 0..ny {
+            for k in 0..(nx - 1) * PIECES {
+                canvas.line(warped(along(k), j as f64), warped(along(k + 1), j as f64), unit_px, GRID);
+            }
+        }
+        for i in 0..nx {
+            for k in 0..(ny - 1) * PIECES {
+                canvas.line(warped(i as f64, along(k)), warped(i as f64, along(k + 1)), unit_px, GRID);
+            }
+        }
+        for &handle in &lattice.handles {
+            canvas.disc(self.px(ScreenPoint(handle.into())), 1.5 * unit_px, HANDLE);
+        }
+    }
+
+    /// A ring at rest, a line to the target, a disc there, the pin's name beside it.
+    fn draw_pin(&self, canvas: &mut Canvas, (pin, name): (&PinState, &str), unit_px: f64) {
+        let (rest, target) = (self.px(pin.rest), self.px(pin.target));
+        canvas.line(rest, target, 1.5 * unit_px, TARGET);
+        canvas.ring(rest, 5.0 * unit_px, 1.5 * unit_px, REST);
+        canvas.disc(target, 4.0 * unit_px, TARGET);
+        let beside = ImagePoint(target.0 + DVec2::new(7.0, -4.0) * unit_px);
+        canvas.text(beside, name, unit_px.round() as u32, NAME);
+    }
+}

@@ -1,0 +1,122 @@
+//! The sample passes of a frame: when each is drawn and how far it is shifted.
+//!
+//! One mechanism gives anti-aliasing and motion blur: every pass samples pixel centres of a picture shifted by a
+//! sub-pixel offset at a sub-frame time, and beauty is the mean. The offsets are distributed like the reconstruction
+//! filter (filter importance sampling: Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006), so the
+//! plain mean is the filtered picture.
+
+use crate::raster::PassRole;
+use crate::shot::Shutter;
+use glam::{DVec2, Vec2};
+
+/// Radius of the Blackman-Harris reconstruction filter, pixels.
+const FILTER_RADIUS_PX: f64 = 1.5;
+
+/// With motion blur, data channels get this many passes of their own at mid-shutter (or fewer, if beauty has fewer).
+const DATA_PASSES: u32 = 8;
+
+/// The plastic number's powers: steps of the R2 sequence (Roberts, "The Unreasonable Effectiveness of
+/// Quasirandom Sequences", 2018).
+const R2_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
+
+/// One pass of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassPlan {
+    /// Time of the pass, frames after the frame's own.
+    pub time_frames: f64,
+    /// Shift of the picture, pixels, x right, y down.
+    pub jitter_px: Vec2,
+    /// What it contributes to.
+    pub role: PassRole,
+}
+
+/// Middle of the shutter's opening, frames after the frame's own.
+#[must_use]
+pub fn mid_shutter(shutter: Shutter) -> f64 {
+    if shutter.angle > 0.0 { (shutter.phase + shutter.angle * 0.5) / 360.0 } else { 0.0 }
+}
+
+/// The passes of a frame, in time order; the same for every frame, so that nothing flickers.
+#[must_use]
+pub fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
+    let samples = samples.max(1);
+    let middle = mid_shutter(shutter);
+    let jitter = |index: u32, of: u32| if of > 1 { filter_offset(index) } else { Vec2::ZERO };
+    if shutter.angle <= 0.0 {
+        let still =
+            |index| PassPlan { time_frames: middle, jitter_px: jitter(index, samples), role: PassRole::BeautyAndData };
+        return (0..samples).map(still).collect();
+    }
+    let beauty = |index: u32| PassPlan {
+        time_frames: (shutter.phase + shutter.angle * (f64::from(index) + 0.5) / f64::from(samples)) / 360.0,
+        jitter_px: jitter(index, samples),
+        role: PassRole::Beauty,
+    };
+    let data_passes = samples.min(DATA_PASSES);
+    let data =
+        |index: u32| PassPlan { time_frames: middle, jitter_px: jitter(index, data_passes), role: PassRole::Data };
+    (0..samples).map(beauty).chain((0..data_passes).map(data)).collect()
+}
+
+/// The `index`-th offset of a sequence whose density is the reconstruction filter.
+fn filter_offset(index: u32) -> Vec2 {
+    let uniform = (DVec2::splat(0.5) + R2_STEP * f64::from(index)).fract();
+    Vec2::new(inverse_filter(uniform.x) as f32, inverse_filter(uniform.y) as f32)
+}
+
+/// The offset at which the filter's running integral reaches `share`, pixels (bisection: it has no closed inverse).
+fn inverse_filter(share: f64) -> f64 {
+    let (mut low, mut high) = (-FILTER_RADIUS_PX, FILTER_RADIUS_PX);
+    for _ in 0..48 {
+        let middle = 0.5 * (low + high);
+        if filter_integral(middle) < share { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Integral of the normalised 4-term Blackman-Harris window (Harris 1978) from its left end to `x` pixels.
+fn filter_integral(x: f64) -> f64 {
+    const A: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
+    let t = std::f64::consts::TAU * (x / FILTER_RADIUS_PX + 1.0) * 0.5;
+    let wave = |k: usize| A[k] * (t * k as f64).sin() / k as f64;
+    (A[0] * t - wave(1) + wave(2) - wave(3)) / (A[0] * std::f64::consts::TAU)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPEN: Shutter = Shutter { angle: 180.0, phase: -90.0 };
+    const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
+
+    #[test]
+    fn one_sample_sits_in_the_middle() {
+        let plan = plan_passes(1, CLOSED);
+        assert_eq!(plan, [PassPlan { time_frames: 0.0, jitter_px: Vec2::ZERO, role: PassRole::BeautyAndData }]);
+    }
+
+    #[test]
+    fn shutter_times_fill_the_opening_and_data_sits_at_its_middle() {
+        let plan = plan_passes(16, Shutter { angle: 180.0, phase: 0.0 });
+        let times: Vec<f64> = plan.iter().filter(|p| p.role == PassRole::Beauty).map(|p| p.time_frames).collect();
+        assert_eq!((times.len(), times[0], times[15]), (16, 0.5 / 32.0, 15.5 / 32.0));
+        let data: Vec<_> = plan.iter().filter(|p| p.role == PassRole::Data).collect();
+        assert_eq!(data.len(), 8);
+        assert!(data.iter().all(|pass| pass.time_frames == 0.25));
+        assert_eq!(mid_shutter(OPEN), 0.0);
+    }
+
+    #[test]
+    fn offsets_follow_the_filter() {
+        let offsets: Vec<Vec2> = plan_passes(1024, CLOSED).iter().map(|pass| pass.jitter_px).collect();
+        let mean: Vec2 = offsets.iter().sum::<Vec2>() / 1024.0;
+        assert!(mean.length() < 2e-3, "{mean}");
+        // Standard deviation of the window of radius 1.5: integrated numerically here, sampled there.
+        let steps = 10_000;
+        let density = |x: f64| (filter_integral(x + 1e-5) - filter_integral(x - 1e-5)) / 2e-5;
+        let place = |k: i32| -1.499 + 2.998 * (f64::from(k) + 0.5) / f64::from(steps);
+        let variance: f64 = (0..steps).map(|k| place(k).powi(2) * density(place(k)) * 2.998 / f64::from(steps)).sum();
+        let sampled: f32 = offsets.iter().map(|offset| offset.x * offset.x).sum::<f32>() / 1024.0;
+        assert!((variance - f64::from(sampled)).abs() < 1e-3, "{variance} {sampled}");
+    }
+}

@@ -1,0 +1,139 @@
+//! First thread of a render: poses, solves and builds the geometry of every pass.
+//!
+//! In: frame numbers. Out: a [`Job`] a frame, whose passes arrive while it is drawn.
+
+use super::passes::mid_shutter;
+use super::{FrameReport, Moment, PipelineError, Setup, lighting, overlay, plan_passes, report};
+use crate::image::CameraMatrices;
+use crate::lattice::ScreenLattice;
+use crate::raster::geometry::{self, Assembly, assemble};
+use crate::raster::{Geometry, PassRole};
+use glam::Vec2;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
+
+/// Passes that may wait to be drawn.
+const QUEUED_PASSES: usize = 2;
+
+/// One frame to draw.
+pub(super) struct Job {
+    /// Number of the frame.
+    pub(super) frame: i32,
+    /// All passes, once a tile, in the order of the plan; or the reason why there are none.
+    pub(super) passes: Receiver<Result<BuiltPass, PipelineError>>,
+    /// What the frame's file and the user are told; arrives before the first pass.
+    pub(super) facts: Receiver<Facts>,
+}
+
+/// What is known of a frame once it is solved.
+pub(super) struct Facts {
+    pub(super) report: FrameReport,
+    pub(super) picture: Option<overlay::Picture>,
+    pub(super) camera: CameraMatrices,
+}
+
+/// One pass to draw.
+pub(super) struct BuiltPass {
+    pub(super) geometry: Arc<Geometry>,
+    pub(super) jitter_px: Vec2,
+    pub(super) role: PassRole,
+}
+
+/// Makes jobs.
+pub(super) struct Producer<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) tile_count: usize,
+    pub(super) has_overlay: bool,
+    pub(super) cancel: &'a AtomicBool,
+}
+
+/// The raster has hung up: it knows why.
+struct HungUp;
+
+impl Producer<'_> {
+    /// Makes the jobs of all frames; ends early when cancelled or when nobody draws any more.
+    pub(super) fn run(&self, frames: &[i32], jobs: &SyncSender<Job>) {
+        for &frame in frames {
+            let (pass, passes) = sync_channel(QUEUED_PASSES);
+            let (fact, facts) = sync_channel(1);
+            let is_over = self.cancel.load(Ordering::Relaxed) || jobs.send(Job { frame, passes, facts }).is_err();
+            if is_over {
+                return;
+            }
+            // A frame that the raster gave up is no reason to give up the next.
+            if let Err(error) = self.frame(frame, (&pass, &fact)) {
+                let _ = pass.send(Err(error));
+            }
+        }
+    }
+
+    fn frame(
+        &self,
+        frame: i32,
+        (pass, fact): (&SyncSender<Result<BuiltPass, PipelineError>>, &SyncSender<Facts>),
+    ) -> Result<(), PipelineError> {
+        let begun = Instant::now();
+        let shot = &self.setup.shot;
+        let middle = self.setup.moment(f64::from(frame) + mid_shutter(shot.shutter))?;
+        let mut facts = Some(self.facts(frame, &middle));
+        let plan = plan_passes(shot.samples, shot.shutter);
+        let mut last: Option<((f64, bool), Arc<Geometry>)> = None;
+        for planned in (0..self.tile_count).flat_map(|_| &plan) {
+            let key = (planned.time_frames, planned.role != PassRole::Beauty);
+            let geometry = match last.take() {
+                Some((kept, geometry)) if kept == key => geometry,
+                _ => Arc::new(self.geometry(f64::from(frame) + key.0, key.1)?),
+            };
+            last = Some((key, Arc::clone(&geometry)));
+            if let Some(mut facts) = facts.take() {
+                facts.report.geometry_ms = begun.elapsed().as_secs_f64() * 1e3;
+                let _ = fact.send(facts);
+            }
+            let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
+            if pass.send(Ok(built)).map_err(|_| HungUp).is_err() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn facts(&self, frame: i32, middle: &Moment) -> Facts {
+        Facts {
+            report: report(self.setup, frame, middle),
+            picture: self.has_overlay.then(|| overlay::Picture::of(self.setup, middle)),
+            camera: CameraMatrices {
+                camera_from_scene: middle.camera.view_from_scene(),
+                screen_from_scene: middle.camera.screen_from_scene(),
+            },
+        }
+    }
+
+    /// The geometry of one time, with the neighbours' places where motion is wanted.
+    fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
+        let setup = self.setup;
+        let now = setup.moment(frame)?;
+        let around = if has_motion { Some([setup.moment(frame + 1.0)?, setup.moment(frame - 1.0)?]) } else { None };
+        let lattices = now.lattices(&setup.owners);
+        let around_lattices = around.as_ref().map(|moments| moments.each_ref().map(|m| m.lattices(&setup.owners)));
+        let neighbours = around
+            .as_ref()
+            .zip(around_lattices.as_ref())
+            .map(|(moments, lattices)| [view_of(&moments[0], &lattices[0]), view_of(&moments[1], &lattices[1])]);
+        let layer_ids: Vec<u32> = setup.owners.iter().map(|owner| owner.map_or(0, |layer| layer as u32 + 1)).collect();
+        Ok(assemble(&Assembly {
+            scene: &setup.scene,
+            now: view_of(&now, &lattices),
+            neighbours,
+            layer_ids: &layer_ids,
+            lights: &lighting::lights(&setup.shot, &now.pose, &setup.rig),
+            environment: lighting::environment(&setup.shot, &now.pose),
+        }))
+    }
+}
+
+/// A moment as the geometry stage wants it.
+fn view_of<'a>(moment: &'a Moment, lattices: &'a [Option<&'a ScreenLattice>]) -> geometry::Moment<'a> {
+    geometry::Moment { pose: &moment.pose, mesh: &moment.mesh, camera: &moment.camera, lattices }
+}

@@ -1,0 +1,86 @@
+//! Renders frames: geometry of the next frame, drawing of this one and writing of the last go on at the same time.
+//!
+//! ```text
+//! thread 1: pose, solve, build geometry ──Job──▶ this thread: draw ──Drawn──▶ thread 2: encode, write
+//! ```
+//! The channels are short, so memory does not grow with the length of the sequence.
+
+use super::draw::{draw_all, tiles};
+use super::produce::Producer;
+use super::write::Writer;
+use super::{Event, Existing, PipelineError, RenderOptions, Setup, Summary};
+use crate::image::{SequencePath, is_complete};
+use crate::raster;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::time::Instant;
+
+/// Frames that may wait at either border between threads.
+const QUEUED_FRAMES: usize = 1;
+
+/// Renders the frames asked for.
+///
+/// `tell` is called from several threads. `cancel` ends the render after the frames in flight.
+///
+/// # Errors
+/// [`PipelineError`] where nothing can be rendered at all; single frames that fail are events and counted.
+pub fn render(
+    setup: &Setup,
+    options: &RenderOptions,
+    cancel: &AtomicBool,
+    tell: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, PipelineError> {
+    let begun = Instant::now();
+    let output = SequencePath::parse(&setup.shot.output.path)?;
+    let wanted = if options.frames.is_empty() {
+        (setup.shot.frames.first..=setup.shot.frames.last).collect()
+    } else {
+        options.frames.clone()
+    };
+    output.check_frame_count(wanted.len())?;
+    let frames = frames_to_do(&wanted, &output, options.existing)?;
+    let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
+    for text in setup.notes.iter().cloned().chain(fallback) {
+        tell(Event::Note { text });
+    }
+    let kept = wanted.len() - frames.len();
+    tell(Event::Started { device: device.name(), frames: frames.len(), kept });
+    let mut writer = Writer::new(setup, options, output, device.name());
+    let tiles = tiles(setup.shot.size.window(), device.max_side());
+    let mut raster_ms = 0.0;
+    std::thread::scope(|scope| {
+        let (job, jobs) = sync_channel(QUEUED_FRAMES);
+        let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
+        let producer = Producer { setup, tile_count: tiles.len(), has_overlay: options.has_overlay, cancel };
+        scope.spawn(move || producer.run(&frames, &job));
+        let writing = scope.spawn(|| writer.run(drawns, tell));
+        raster_ms = draw_all(device.as_mut(), setup, &tiles, (jobs, drawn));
+        // A panic in the writer is passed on, not swallowed.
+        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+    let summary = Summary {
+        kept,
+        raster_ms,
+        is_cancelled: cancel.load(Ordering::Relaxed),
+        wall_secs: begun.elapsed().as_secs_f64(),
+        ..writer.summary()
+    };
+    tell(Event::Finished(summary.clone()));
+    Ok(summary)
+}
+
+/// The frames that have to be rendered.
+fn frames_to_do(wanted: &[i32], output: &SequencePath, existing: Existing) -> Result<Vec<i32>, PipelineError> {
+    let is_there = |frame: &&i32| output.path_of(**frame).exists();
+    match existing {
+        Existing::Overwrite => Ok(wanted.to_vec()),
+        Existing::Resume => Ok(wanted.iter().copied().filter(|&frame| !is_complete(&output.path_of(frame))).collect()),
+        Existing::Refuse => match wanted.iter().find(is_there) {
+            None => Ok(wanted.to_vec()),
+            Some(&first) => Err(PipelineError::Exists {
+                count: wanted.iter().filter(is_there).count(),
+                first: output.path_of(first),
+            }),
+        },
+    }
+}

@@ -1,0 +1,222 @@
+//! A shot made ready: scene loaded, camera and clip chosen, layers claimed, pins tied.
+//!
+//! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
+
+use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
+use crate::pose::{ClipChoice, Pose, PosedLight, pose};
+use crate::scene::{self, FindError, Scene};
+use crate::screen::{self, Camera, ScreenMesh};
+use crate::shot::{Anchor, ClipName, Shot};
+use crate::space::ScreenBox;
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Moments kept: a frame, its two neighbours, and the one before.
+const KEPT_MOMENTS: usize = 4;
+
+/// The greatest number of pixels of a frame: 16384 x 16384.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Where the camera comes from.
+#[derive(Clone, Copy, Debug)]
+enum CameraSource {
+    /// A node of the scene.
+    Node(usize),
+    /// Framed by us.
+    Automatic(Camera),
+}
+
+/// A shot ready to be rendered.
+#[derive(Debug)]
+pub struct Setup {
+    /// The shot.
+    pub shot: Shot,
+    /// Its scene.
+    pub scene: Scene,
+    /// What was chosen or ignored, in the user's words.
+    pub notes: Vec<String>,
+    /// One a part of every pose: the layer that claims it.
+    pub owners: Vec<Option<usize>>,
+    /// One a layer: the parts it claims.
+    pub(super) parts_of_layer: Vec<Vec<usize>>,
+    /// One a layer and pin.
+    pub(super) anchors: Vec<Vec<Pinned>>,
+    /// The neutral lights, used where the scene has none.
+    pub(super) rig: Vec<PosedLight>,
+    camera: CameraSource,
+    clip: ClipChoice,
+    moments: Mutex<VecDeque<Arc<Moment>>>,
+    bounds: Mutex<HashMap<i32, Vec<Option<ScreenBox>>>>,
+}
+
+impl Setup {
+    /// Loads the scene and ties the shot to it.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
+    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+        let scene = scene::load(&shot.scene)?;
+        let mut notes = scene.warnings.clone();
+        check_size(&shot)?;
+        let clip = choose_clip(&shot, &scene, &mut notes)?;
+        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        if first.parts.is_empty() {
+            return Err(mismatch(&shot, "the scene has no triangles", "export meshes with it"));
+        }
+        let camera = choose_camera(&shot, &scene, clip, &mut notes)?;
+        let owners = claims::claim(&shot, &scene, &first.parts)?;
+        let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
+        let parts_of_layer = (0..shot.layers.len()).map(of_layer).collect();
+        let mut setup = Self {
+            shot,
+            scene,
+            notes,
+            owners,
+            parts_of_layer,
+            anchors: Vec::new(),
+            rig: Vec::new(),
+            camera,
+            clip,
+            moments: Mutex::default(),
+            bounds: Mutex::default(),
+        };
+        setup.rig = lighting::neutral_rig(&setup.view(f64::from(setup.shot.frames.first)).1);
+        if first.lights.is_empty() {
+            setup.notes.push("the scene has no lights: a neutral three-light rig is used".into());
+        }
+        setup.tie_pins(&first)?;
+        Ok(setup)
+    }
+
+    /// The pose and the camera of a (fractional) frame.
+    #[must_use]
+    pub fn view(&self, frame: f64) -> (Pose, Camera) {
+        let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
+        let camera = match self.camera {
+            CameraSource::Node(node) => camera_of(&self.shot, &self.scene, &pose, node),
+            CameraSource::Automatic(camera) => camera,
+        };
+        (pose, camera)
+    }
+
+    /// The solved scene at a (fractional) frame; recent ones are kept.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn moment(&self, frame: f64) -> Result<Arc<Moment>, PipelineError> {
+        let kept = || self.moments.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(moment) = kept().iter().find(|moment| moment.frame == frame) {
+            return Ok(Arc::clone(moment));
+        }
+        let moment = Arc::new(self.compute(frame)?);
+        let mut moments = kept();
+        moments.push_back(Arc::clone(&moment));
+        if moments.len() > KEPT_MOMENTS {
+            moments.pop_front();
+        }
+        Ok(moment)
+    }
+
+    /// Bounds of a layer at a whole frame.
+    pub(super) fn bounds_at(&self, layer: usize, frame: i32) -> Option<ScreenBox> {
+        let known = || self.bounds.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(all) = known().get(&frame) {
+            return all[layer];
+        }
+        let (pose, camera) = self.view(f64::from(frame));
+        let mesh = screen::project(&pose, &camera);
+        let all: Vec<_> =
+            (0..self.shot.layers.len()).map(|layer| self.bounds_of(layer, &pose, &mesh, &camera)).collect();
+        let bounds = all[layer];
+        known().insert(frame, all);
+        bounds
+    }
+
+    /// Turns every pin's anchor into indices.
+    fn tie_pins(&mut self, first: &Pose) -> Result<(), PipelineError> {
+        let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
+        for layer in &self.shot.layers {
+            let mut tied = Vec::new();
+            for pin in &layer.pins {
+                tied.push(match pin.anchor {
+                    Anchor::Screen { at, frame: None } => Pinned::Screen(at),
+                    Anchor::Screen { at, frame: Some(frame) } => {
+                        let (pose, mesh, camera) = casts.entry(frame).or_insert_with(|| {
+                            let (pose, camera) = self.view(f64::from(frame));
+                            let mesh = screen::project(&pose, &camera);
+                            (pose, mesh, camera)
+                        });
+                        let hit = screen::pick(&self.scene, pose, mesh, camera.near(), at).ok_or_else(|| {
+                            let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
+                            anchors::mismatch(&self.shot, layer, pin, (what, "move the anchor onto the model".into()))
+                        })?;
+                        Pinned::on(&self.scene, pose, &hit)
+                    }
+                    Anchor::Surface { .. } => {
+                        let (pinned, note) = anchors::find((&self.shot, layer, pin), &self.scene, &first.parts)?;
+                        self.notes.extend(note);
+                        pinned
+                    }
+                });
+            }
+            self.anchors.push(tied);
+        }
+        Ok(())
+    }
+}
+
+/// Refuses frames that no memory holds.
+fn check_size(shot: &Shot) -> Result<(), PipelineError> {
+    let pixels = u64::from(shot.size.width) * u64::from(shot.size.height);
+    if pixels <= MAX_PIXELS {
+        return Ok(());
+    }
+    let what = format!("a frame of {} x {} pixels is too large", shot.size.width, shot.size.height);
+    Err(mismatch(shot, &what, "stay within 268 million pixels (16384 x 16384)"))
+}
+
+fn mismatch(shot: &Shot, what: &str, hint: &str) -> PipelineError {
+    PipelineError::Mismatch { path: shot.path.clone(), what: what.into(), hint: hint.into() }
+}
+
+fn camera_of(shot: &Shot, scene: &Scene, pose: &Pose, node: usize) -> Camera {
+    let camera = scene.nodes[node].camera.map(|camera| &scene.cameras[camera]);
+    let camera = camera.expect("camera nodes are chosen among nodes that carry one");
+    Camera::new(pose.scene_from_node[node], camera.lens, camera.near, shot.size)
+}
+
+/// The camera the shot names, else the scene's first, else one that shows everything.
+fn choose_camera(
+    shot: &Shot,
+    scene: &Scene,
+    clip: ClipChoice,
+    notes: &mut Vec<String>,
+) -> Result<CameraSource, PipelineError> {
+    match scene.find_camera(shot.camera.as_deref()) {
+        Ok(node) => return Ok(CameraSource::Node(node)),
+        Err(FindError::NoCamera) if shot.camera.is_none() => {}
+        Err(source) => return Err(PipelineError::Find { path: shot.path.clone(), source }),
+    }
+    notes.push("the scene has no camera: one that shows the whole scene is used".into());
+    let frames = shot.frames;
+    let times = [frames.first, frames.first.midpoint(frames.last), frames.last];
+    let poses = times.map(|frame| pose(scene, clip, frames.seconds(f64::from(frame))));
+    let framed = screen::automatic(&poses, shot.size).map(CameraSource::Automatic);
+    framed.ok_or_else(|| mismatch(shot, "the scene has no vertices to frame", "add a camera to the scene"))
+}
+
+/// The clip the shot names, else the scene's first, if any.
+fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<ClipChoice, PipelineError> {
+    let (name, index) = match &shot.clip {
+        None => (None, None),
+        Some(ClipName::Name(name)) => (Some(name.as_str()), None),
+        Some(ClipName::Index(index)) => (None, Some(*index)),
+    };
+    let found = scene.find_clip(name, index);
+    let clip = found.map_err(|source| PipelineError::Find { path: shot.path.clone(), source })?;
+    if shot.clip.is_none() && scene.clips.len() > 1 {
+        let names: Vec<&str> = scene.clips.iter().map(|clip| clip.name.as_str()).collect();
+        notes.push(format!("no clip is named: '{}' is used; there are: {}", names[0], names.join(", ")));
+    }
+    Ok(ClipChoice { clip, is_looped: shot.is_looped })
+}

@@ -1,0 +1,93 @@
+//! Last thread of a render: encodes and writes frames and previews.
+//!
+//! In: [`Drawn`] frames. Out: files, events, counts.
+
+use super::produce::Facts;
+use super::{Event, PipelineError, RenderOptions, Setup, Summary};
+use crate::image::{Frame, FrameMetadata, SequencePath, preview, write_exr, write_png};
+use std::path::Path;
+use std::sync::mpsc::Receiver;
+use std::time::Instant;
+
+/// What the raster hands to the writer.
+pub(super) enum Drawn {
+    /// A whole frame.
+    Frame(Box<Frame>, Box<Facts>),
+    /// A frame that could not be made, and why.
+    Failed(i32, PipelineError),
+}
+
+/// Writes frames and counts them.
+pub(super) struct Writer<'a> {
+    setup: &'a Setup,
+    options: &'a RenderOptions,
+    output: SequencePath,
+    device: String,
+    shot_hash: String,
+    summary: Summary,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(setup: &'a Setup, options: &'a RenderOptions, output: SequencePath, device: String) -> Self {
+        let shot_hash = String::new();
+        Self { setup, options, output, device, shot_hash, summary: Summary::default() }
+    }
+
+    /// Writes everything that arrives; one failed frame does not stop the others.
+    pub(super) fn run(&mut self, drawns: Receiver<Drawn>, tell: &(dyn Fn(Event) + Sync)) {
+        for drawn in drawns {
+            let (number, outcome) = match drawn {
+                Drawn::Frame(frame, facts) => (facts.report.frame, self.write(&frame, *facts)),
+                Drawn::Failed(number, error) => (number, Err(error)),
+            };
+            match outcome {
+                Ok(done) => {
+                    self.summary.rendered += 1;
+                    tell(done);
+                }
+                Err(error) => {
+                    self.summary.failed += 1;
+                    tell(Event::FrameFailed { frame: number, error: error.to_string() });
+                }
+            }
+        }
+    }
+
+    /// Counts and times of what was written.
+    pub(super) fn summary(self) -> Summary {
+        self.summary
+    }
+
+    fn write(&mut self, frame: &Frame, facts: Facts) -> Result<Event, PipelineError> {
+        let begun = Instant::now();
+        let Facts { mut report, picture, camera } = facts;
+        report.path = self.output.path_of(report.frame);
+        let metadata = FrameMetadata {
+            frame: report.frame,
+            frames_per_second: self.setup.shot.frames.rate,
+            shot_hash: self.shot_hash.clone(),
+            device: self.device.clone(),
+            camera: Some(camera),
+        };
+        if let Some(folder) = report.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            create_folder(folder)?;
+        }
+        write_exr(&report.path, frame, &metadata, self.setup.shot.output.compression)?;
+        if self.options.has_preview || picture.is_some() {
+            let mut shown = preview(frame);
+            if let Some(picture) = picture {
+                picture.draw(&mut shown);
+            }
+            write_png(&report.path.with_extension("png"), &shown)?;
+        }
+        report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
+        self.summary.geometry_ms += report.geometry_ms;
+        self.summary.write_ms += report.write_ms;
+        Ok(Event::FrameDone(report))
+    }
+}
+
+/// Makes sure that the output folder is there.
+fn create_folder(folder: &Path) -> Result<(), PipelineError> {
+    std::fs::create_dir_all(folder).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
+}

@@ -1,0 +1,201 @@
+//! Who may import whom, where third-party crates and `unsafe` may appear, and that the documents name real files.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A stage and the stages it may know. Front ends and the pipeline know everything below them.
+const MAY_IMPORT: &[(&str, &[&str])] = &[
+    ("space", &[]),
+    ("spelling", &[]),
+    ("scene", &["space", "spelling"]),
+    ("pose", &["scene", "space"]),
+    ("screen", &["pose", "scene", "space"]),
+    ("lattice", &["space"]),
+    ("image", &["space"]),
+    ("solve", &["lattice", "space", "spelling"]),
+    ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
+    ("shot", &["image", "lattice", "raster", "solve", "space", "spelling"]),
+    ("pipeline", &["image", "lattice", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"]),
+    (
+        "cli",
+        &["image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"],
+    ),
+];
+
+/// A third-party crate and the only places that may name it.
+const ENTERS_ONLY: &[(&str, &[&str])] = &[
+    ("gltf", &["src/scene/"]),
+    ("toml", &["src/shot/"]),
+    ("toml_edit", &["src/shot/"]),
+    ("faer", &["src/solve/"]),
+    ("ash", &["src/raster/vulkan/", "src/raster/error.rs"]),
+    ("gpu_allocator", &["src/raster/vulkan/"]),
+    ("exr", &["src/image/"]),
+    ("clap", &["src/cli/"]),
+    ("indicatif", &["src/cli/"]),
+    ("ctrlc", &["src/cli/"]),
+];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All Rust files below `folder`, as paths from the root with forward slashes, and their text.
+fn sources(folder: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut open = vec![root().join(folder)];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).expect("the folder is part of the repository") {
+            let path = entry.expect("readable").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let name = path.strip_prefix(root()).expect("below the root").to_string_lossy().replace('\\', "/");
+                found.push((name, fs::read_to_string(&path).expect("readable")));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The stage a file belongs to: `src/solve/area.rs` and `src/solve.rs` to `solve`.
+fn stage_of(file: &str) -> &str {
+    let rest = file.strip_prefix("src/").unwrap_or(file);
+    rest.split(['/', '.']).next().unwrap_or(rest)
+}
+
+/// Lines of code, without line comments.
+fn code_lines(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(|line| line.split("//").next().unwrap_or(line))
+}
+
+/// Stages that a text names as `crate::<stage>`, also in nested `use crate::{...}` lists.
+fn stages_named(text: &str) -> BTreeSet<String> {
+    let code: String = code_lines(text).collect::<Vec<_>>().join("\n");
+    let first_word = |rest: &str| -> String { rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect() };
+    let mut named = BTreeSet::new();
+    for (at, _) in code.match_indices("crate::") {
+        let rest = &code[at + "crate::".len()..];
+        if let Some(list) = rest.strip_prefix('{') {
+            named.extend(top_level_items(list).iter().map(|item| first_word(item)));
+        } else {
+            named.insert(first_word(rest));
+        }
+    }
+    named.retain(|name| MAY_IMPORT.iter().any(|(stage, _)| stage == name));
+    named
+}
+
+/// Items of a `{a::{b, c}, d}` list after its opening brace, without what is nested.
+fn top_level_items(list: &str) -> Vec<String> {
+    let mut depth = 1;
+    let mut items = vec![String::new()];
+    for letter in list.chars() {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 1 => items.push(String::new()),
+            _ if depth == 1 && !letter.is_whitespace() => items.last_mut().expect("never empty").push(letter),
+            _ => {}
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    items
+}
+
+/// Every forbidden import in a file.
+fn forbidden(file: &str, text: &str) -> Vec<String> {
+    let stage = stage_of(file);
+    let Some((_, allowed)) = MAY_IMPORT.iter().find(|(name, _)| *name == stage) else { return Vec::new() };
+    let may = |named: &String| named == stage || allowed.contains(&named.as_str());
+    stages_named(text).into_iter().filter(|named| !may(named)).map(|named| format!("{file} imports {named}")).collect()
+}
+
+#[test]
+fn stages_import_only_what_they_may() {
+    let faults: Vec<String> = sources("src").iter().flat_map(|(file, text)| forbidden(file, text)).collect();
+    assert!(faults.is_empty(), "forbidden imports:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn a_forbidden_import_is_found() {
+    assert_eq!(forbidden("src/solve/mod.rs", "use crate::raster::Frame;"), ["src/solve/mod.rs imports raster"]);
+    assert_eq!(forbidden("src/pose/a.rs", "use crate::{scene::Scene, cli};"), ["src/pose/a.rs imports cli"]);
+    assert!(forbidden("src/pose/a.rs", "// crate::cli is not known here\nuse crate::scene::Scene;").is_empty());
+}
+
+/// Every place where a third-party crate is named outside its stage.
+fn strays(file: &str, text: &str) -> Vec<String> {
+    let names = |line: &str, krate: &str| {
+        line.match_indices(&format!("{krate}::")).any(|(at, _)| {
+            let before = line[..at].chars().next_back();
+            // `crate::image::` and `self::exr::` are modules of ours.
+            !before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':')
+                || line[..at].trim_end().ends_with("use ::")
+        })
+    };
+    let stray = |(krate, places): &&(&str, &[&str])| {
+        !places.iter().any(|place| file.starts_with(place)) && code_lines(text).any(|line| names(line, krate))
+    };
+    ENTERS_ONLY.iter().filter(stray).map(|(krate, _)| format!("{file} names {krate}")).collect()
+}
+
+#[test]
+fn third_party_crates_enter_once() {
+    let faults: Vec<String> = sources("src").iter().flat_map(|(file, text)| strays(file, text)).collect();
+    assert!(faults.is_empty(), "third-party crates outside their stage:\n{}", faults.join("\n"));
+    assert_eq!(strays("src/cli/a.rs", "use gltf::Gltf;"), ["src/cli/a.rs names gltf"]);
+}
+
+#[test]
+fn unsafe_lives_in_two_folders() {
+    let is_fenced = |file: &str| file.starts_with("src/raster/vulkan/") || file.starts_with("src/ofx/");
+    let unsafe_code = |text: &str| code_lines(text).any(|line| line.contains("unsafe {") || line.contains("unsafe fn"));
+    for (file, text) in sources("src") {
+        assert!(is_fenced(&file) || !unsafe_code(&text), "{file} holds unsafe code");
+    }
+    assert!(unsafe_code("let x = unsafe { read() };"));
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    for (file, text) in sources("src") {
+        assert!(text.starts_with("//! "), "{file} has no module head");
+        let head = text.lines().take_while(|line| line.starts_with("//!")).count();
+        assert!(head <= 24, "{file}: its head has {head} lines");
+    }
+}
+
+#[test]
+fn files_stay_small() {
+    for (file, text) in sources("src") {
+        let lines = text.lines().count();
+        assert!(lines <= 600, "{file} has {lines} lines; split it");
+    }
+}
+
+/// Paths in backticks that look like files of the repository.
+fn paths_in(text: &str) -> Vec<&str> {
+    let is_path = |word: &&str| {
+        ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/"].iter().any(|folder| word.starts_with(folder))
+            && !word.contains(['*', '<', ' ', '#'])
+    };
+    text.split('`').skip(1).step_by(2).filter(is_path).collect()
+}
+
+#[test]
+fn documents_name_files_that_are_there() {
+    for document in
+        ["docs/ARCHITECTURE.md", "docs/CONVENTIONS.md", "docs/METHOD.md", "docs/PERFORMANCE.md", "README.md"]
+    {
+        let text = fs::read_to_string(root().join(document)).unwrap_or_else(|error| panic!("{document}: {error}"));
+        for path in paths_in(&text) {
+            assert!(Path::new(&root()).join(path).exists(), "{document} names {path}, which is not there");
+        }
+    }
+    assert_eq!(paths_in("see `src/x.rs` and `other`"), ["src/x.rs"]);
+}

@@ -1,0 +1,196 @@
+//! Geometry assembly: splitting follows the warp without cracks, the near plane is respected, blended parts are sorted.
+
+use glam::{DVec2, Mat4, Quat, Vec2, Vec3};
+use pinwarp::lattice::{Basis, Grid, ScreenLattice};
+use pinwarp::pose::{Pose, PosedPart};
+use pinwarp::raster::Geometry;
+use pinwarp::raster::geometry::{Assembly, Moment, assemble};
+use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
+use pinwarp::screen::{Camera, project};
+use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
+use std::collections::HashMap;
+
+const FRAME: FrameSize = FrameSize::new(1600, 1000);
+
+/// A scene of one node a primitive.
+fn scene_of(primitives: Vec<Primitive>, materials: Vec<Material>) -> Scene {
+    let node = |mesh: usize| Node {
+        name: format!("n{mesh}"),
+        parent: None,
+        rest: Placement::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE },
+        mesh: Some(mesh),
+        skin: None,
+        camera: None,
+        light: None,
+        weights: Vec::new(),
+    };
+    Scene {
+        nodes: (0..primitives.len()).map(node).collect(),
+        meshes: primitives.into_iter().map(|p| Mesh { name: String::new(), primitives: vec![p] }).collect(),
+        materials,
+        ..Scene::default()
+    }
+}
+
+/// The scene as it stands, without nodes' placements.
+fn still(scene: &Scene) -> Pose {
+    let part = |(mesh, source): (usize, &Mesh)| PosedPart {
+        node: mesh,
+        mesh,
+        primitive: 0,
+        positions: source.primitives[0].positions.iter().map(|&point| ScenePoint(point)).collect(),
+        normals: source.primitives[0].normals.iter().map(|&normal| SceneVector(normal)).collect(),
+        tangents: Vec::new(),
+        is_mirrored: false,
+    };
+    Pose { parts: scene.meshes.iter().enumerate().map(part).collect(), ..Pose::default() }
+}
+
+fn quad(size: f32, z: f32) -> Primitive {
+    Primitive {
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(x * size, y * size, z))
+            .to_vec(),
+        normals: vec![Vec3::Z; 4],
+        uvs: [vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y], Vec::new()],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Primitive::default()
+    }
+}
+
+fn camera() -> Camera {
+    Camera::new(Mat4::IDENTITY, Lens::Perspective { yfov: 1.0 }, 0.1, FRAME)
+}
+
+/// A lattice over the frame whose middle handle is pulled up and right.
+fn bulge() -> ScreenLattice {
+    let bounds = ScreenBox::new(ScreenPoint::new(-0.2, -0.2), ScreenPoint::new(1.8, 1.2));
+    let mut lattice = Grid::over(bounds, [10, 10], Basis::Bspline).at_rest();
+    for (index, by) in [(44, [0.2, 0.1]), (45, [0.1, 0.2])] {
+        (0..2).for_each(|axis| lattice.handles[index][axis] += by[axis]);
+    }
+    lattice
+}
+
+fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometry {
+    let camera = camera();
+    let mesh = project(pose, &camera);
+    let lattices = vec![lattice; pose.parts.len()];
+    let now = Moment { pose, mesh: &mesh, camera: &camera, lattices: &lattices };
+    let layer_ids = vec![1; pose.parts.len()];
+    assemble(&Assembly { scene, now, neighbours: None, layer_ids: &layer_ids, lights: &[], environment: 1.0 })
+}
+
+fn place(geometry: &Geometry, vertex: u32) -> DVec2 {
+    let [x, y, _, w] = geometry.vertices[vertex as usize].screen.map(f64::from);
+    DVec2::new(x / w, y / w)
+}
+
+#[test]
+fn an_unwarped_mesh_is_not_split() {
+    let scene = scene_of(vec![quad(1.0, -3.0)], vec![Material::default()]);
+    let geometry = build(&scene, &still(&scene), None);
+    assert_eq!((geometry.vertices.len(), geometry.indices.len()), (4, 6));
+}
+
+#[test]
+fn a_split_mesh_follows_the_warp_to_a_tenth_of_a_pixel() {
+    let mut tilted = quad(1.4, -3.0);
+    tilted.positions[2].z -= 1.5;
+    let scene = scene_of(vec![tilted], vec![Material::default()]);
+    let pose = still(&scene);
+    let lattice = bulge();
+    let geometry = build(&scene, &pose, Some(&lattice));
+    assert!(geometry.vertices.len() > 100, "{}", geometry.vertices.len());
+    let camera = camera();
+    let mut worst: f64 = 0.0;
+    for corners in geometry.indices.as_chunks::<3>().0 {
+        // The raster interpolates position and w linearly between the corners; the scene point there is linear, too.
+        let mix = |of: &dyn Fn(u32) -> [f64; 3]| -> [f64; 3] {
+            let [a, b, c] = corners.map(of);
+            std::array::from_fn(|i| a[i] * 0.5 + b[i] * 0.3 + c[i] * 0.2)
+        };
+        let [x, y, w] = mix(&|v| {
+            let [x, y, _, w] = geometry.vertices[v as usize].screen.map(f64::from);
+            [x, y, w]
+        });
+        let point = mix(&|v| geometry.vertices[v as usize].position.map(f64::from));
+        let point = ScenePoint(Vec3::from_array(point.map(|x| x as f32)));
+        let wanted = lattice.warp(camera.project(point).point());
+        worst = worst.max(wanted.0.distance(DVec2::new(x / w, y / w)));
+    }
+    assert!(worst < 1e-4, "worst deviation {worst} frame heights");
+}
+
+#[test]
+fn split_edges_leave_no_cracks_across_seams() {
+    // Two triangles that share an edge by place only: their vertices are doubled, as at a UV seam, in other order.
+    let mut seam = quad(1.4, -3.0);
+    seam.positions.extend([seam.positions[2], seam.positions[0]]);
+    seam.normals.extend([Vec3::Z; 2]);
+    seam.uvs[0].extend([Vec2::ZERO; 2]);
+    seam.triangles = vec![[0, 1, 2], [3, 5, 4]];
+    let scene = scene_of(vec![seam], vec![Material::default()]);
+    let geometry = build(&scene, &still(&scene), Some(&bulge()));
+    let mut sides: HashMap<[[u64; 2]; 2], i32> = HashMap::new();
+    let key = |vertex| place(&geometry, vertex).to_array().map(f64::to_bits);
+    for corners in geometry.indices.as_chunks::<3>().0 {
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let (a, b) = (key(corners[a]), key(corners[b]));
+            let (edge, turn) = if a < b { ([a, b], 1) } else { ([b, a], -1) };
+            *sides.entry(edge).or_default() += turn;
+        }
+    }
+    let open: Vec<_> = sides.iter().filter(|(_, turn)| **turn != 0).collect();
+    // All open edges lie on the outline: their unwarped places have |x| or |y| at the border. Count them by length:
+    // an interior crack would add edges on the diagonal, whose middle is inside.
+    let camera = camera();
+    let outline = [(-1.4, -1.4), (1.4, -1.4), (1.4, 1.4), (-1.4, 1.4)]
+        .map(|(x, y)| camera.project(ScenePoint(Vec3::new(x, y, -3.0))).point().0);
+    let lattice = bulge();
+    let on_outline = |point: [u64; 2]| {
+        let point = DVec2::from_array(point.map(f64::from_bits));
+        (0..4).any(|side| {
+            let (a, b) = (outline[side], outline[(side + 1) % 4]);
+            (0..=4000).any(|k| lattice.warp(ScreenPoint(a.lerp(b, f64::from(k) / 4000.0))).0.distance(point) < 1e-3)
+        })
+    };
+    assert!(open.len() > 40);
+    for (edge, _) in open {
+        assert!(edge.iter().all(|&end| on_outline(end)), "a crack at {:?}", edge.map(|end| end.map(f64::from_bits)));
+    }
+}
+
+#[test]
+fn what_passes_the_near_plane_is_cut() {
+    let mut through = quad(1.0, -0.5);
+    through.positions[0].z = 0.5;
+    through.positions[1].z = 0.2;
+    let scene = scene_of(vec![through], vec![Material::default()]);
+    let geometry = build(&scene, &still(&scene), Some(&bulge()));
+    assert!(!geometry.indices.is_empty());
+    for &index in &geometry.indices {
+        let vertex = &geometry.vertices[index as usize];
+        assert!(vertex.depth >= 0.1 - 1e-6 && vertex.screen[3] > 0.0, "{vertex:?}");
+        assert!(vertex.screen[2] / vertex.screen[3] <= 1.0 + 1e-6);
+    }
+}
+
+#[test]
+fn everything_behind_the_camera_gives_nothing() {
+    let scene = scene_of(vec![quad(1.0, 3.0)], vec![Material::default()]);
+    let geometry = build(&scene, &still(&scene), Some(&bulge()));
+    assert!(geometry.indices.is_empty() && geometry.draws.is_empty());
+}
+
+#[test]
+fn blended_triangles_come_last_and_from_back_to_front() {
+    let glass = Material { alpha: AlphaMode::Blend, ..Material::default() };
+    let mut primitives = vec![quad(1.0, -2.0), quad(1.0, -4.0), quad(1.0, -3.0)];
+    primitives[0].material = 1;
+    primitives[2].material = 1;
+    let scene = scene_of(primitives, vec![Material::default(), glass]);
+    let geometry = build(&scene, &still(&scene), None);
+    let objects: Vec<u32> = geometry.draws.iter().map(|draw| draw.object_id).collect();
+    assert_eq!(objects, [2, 3, 1]);
+}

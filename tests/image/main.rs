@@ -1,5 +1,0 @@
-//! Frames to files and back.
-
-mod files;
-mod support;
-mod values;
