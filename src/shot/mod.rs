@@ -9,13 +9,16 @@
 mod check;
 mod document;
 mod ease;
+pub mod edit;
 mod error;
+mod hash;
 mod hints;
 mod keys;
 mod model;
 mod raw;
 mod schema;
 mod structure;
+pub mod template;
 
 pub use error::ShotError;
 pub use model::*;

@@ -70,6 +70,12 @@ impl FrameRange {
     pub fn seconds(&self, frame: f64) -> f64 {
         (frame - f64::from(self.clip_start)) / self.rate
     }
+
+    /// Number of frames, first and last included.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        usize::try_from(i64::from(self.last) - i64::from(self.first) + 1).unwrap_or(0)
+    }
 }
 
 /// The shutter: open from frame + phase/360 to frame + (phase + angle)/360.

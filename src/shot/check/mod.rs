@@ -59,9 +59,13 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// Notes a fault; one a key, as the first is usually the cause of the next.
+    /// Notes a fault; one a key and what is inside it, as the first is usually the cause of the next.
     fn fault(&mut self, key: &str, what: impl Into<String>, hint: impl Into<String>) {
-        let is_named = |fault: &ShotError| matches!(fault, ShotError::Invalid { key: named, .. } if named == key);
+        let is_inside = |rest: &str| rest.is_empty() || rest.starts_with(['.', '[']);
+        let is_named = |fault: &ShotError| match fault {
+            ShotError::Invalid { key: named, .. } => named.strip_prefix(key).is_some_and(is_inside),
+            _ => false,
+        };
         if !self.faults.iter().any(is_named) {
             self.faults.push(self.document.fault(key, what, hint));
         }

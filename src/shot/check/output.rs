@@ -3,7 +3,7 @@
 //! In: the raw table and the frame range. Out: [`Output`].
 
 use super::Check;
-use crate::image::Compression;
+use crate::image::{Compression, ImageError, SequencePath};
 use crate::raster::ChannelGroup;
 use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
 use crate::shot::{FrameRange, Output};
@@ -33,19 +33,18 @@ impl Check<'_> {
 
     fn output_path(&mut self, path: &str, frames: &FrameRange) {
         let key = "output.path";
-        let name = path.rsplit('/').next().unwrap_or(path);
-        if !name.to_ascii_lowercase().ends_with(".exr") {
-            self.fault(key, format!("{name:?} is not the name of an EXR file"), "let it end in .exr");
+        if !path.to_ascii_lowercase().ends_with(".exr") {
+            self.fault(key, format!("{path:?} is not the name of an EXR file"), "let it end in .exr");
         }
-        let places = frame_places(name);
-        if frame_places(path) != places {
-            self.fault(key, "a folder has a place for the frame", "put #### into the name of the file only");
-        } else if places > 1 {
-            self.fault(key, format!("{name:?} has {places} places for the frame"), "keep one #### or %04d");
-        } else if places == 0 && frames.first < frames.last {
-            let what = format!("all frames {} to {} would be written to {name:?}", frames.first, frames.last);
-            self.fault(key, what, "put #### or %04d where the frame goes, as in \"shot.####.exr\"");
-        }
+        let count = frames.count();
+        let fault = SequencePath::parse(Path::new(path)).and_then(|sequence| sequence.check_frame_count(count)).err();
+        let what = match fault {
+            Some(ImageError::Pattern { what, .. }) => what,
+            Some(other) => other.to_string(),
+            None => return,
+        };
+        let (what, hint) = what.split_once("; ").unwrap_or((&what, "write for example out/shot.####.exr"));
+        self.fault(key, format!("{path:?} {what}"), hint);
     }
 
     fn channels(&mut self, raw: &[RawChannel]) -> Vec<ChannelGroup> {
@@ -56,16 +55,6 @@ impl Check<'_> {
         }
         raw.iter().map(|&channel| channel.into()).collect()
     }
-}
-
-/// Runs of `#`, and `%d`, `%4d`, `%04d`.
-fn frame_places(text: &str) -> usize {
-    let after_percent = text.split('%').skip(1);
-    let counted = after_percent.filter(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with('d'));
-    let runs = text.split('#').collect::<Vec<_>>();
-    // Between two runs of # stands text; inside a run the pieces are empty.
-    let hashes = runs.windows(2).enumerate().filter(|(index, pair)| *index == 0 || !pair[0].is_empty()).count();
-    counted.count() + hashes
 }
 
 impl From<RawChannel> for ChannelGroup {
@@ -90,28 +79,6 @@ impl From<RawCompression> for Compression {
             RawCompression::Piz => Self::Piz,
             RawCompression::Dwaa => Self::Dwaa,
             RawCompression::Dwab => Self::Dwab,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::frame_places;
-
-    #[test]
-    fn frame_places_are_runs() {
-        for (text, places) in [
-            ("a.exr", 0),
-            ("a.####.exr", 1),
-            ("#", 1),
-            ("##.##", 2),
-            ("a#", 1),
-            ("%04d", 1),
-            ("%d.#", 2),
-            ("100%.exr", 0),
-            ("%%", 0),
-        ] {
-            assert_eq!(frame_places(text), places, "{text}");
         }
     }
 }

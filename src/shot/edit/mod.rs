@@ -1,0 +1,170 @@
+//! Puts pins into the text of a shot and leaves everything else in it as it is, byte for byte.
+//!
+//! In: text and an [`Anchor`]. Out: the new text. The text need not be a valid shot, only TOML.
+
+mod block;
+mod text;
+
+pub use block::pin_block;
+
+use super::{Anchor, ShotError};
+use block::NewPin;
+use text::EditableText;
+use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
+
+/// Appends a pin, held at its place by one key without offset, to the layer named `layer` (`None`: the first; where
+/// there is none, one is made). A pin of that name that is there already only gets the new anchor.
+///
+/// ```
+/// use pinwarp::shot::{Anchor, edit};
+/// use pinwarp::space::ScreenPoint;
+/// let text = "scene = 'a.glb'\n[[layer]]\nname = 'body' # all of it\n";
+/// let anchor = Anchor::Screen { at: ScreenPoint::new(0.5, 0.25), frame: Some(3) };
+/// let edited = edit::add_pin(text, Some("body"), "nose", &anchor)?;
+/// assert!(edited.starts_with(text));
+/// assert!(edited.contains("anchor = { screen = [0.5, 0.25], frame = 3 }"));
+/// # Ok::<(), pinwarp::shot::ShotError>(())
+/// ```
+///
+/// # Errors
+/// [`ShotError::Edit`] where the text is not TOML, has no such layer, or `layer` or `pin` is no list of tables.
+pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> Result<String, ShotError> {
+    let edit = |what: &str, hint: &str| fault(name, what, hint);
+    if name.is_empty() {
+        return Err(edit("the name is empty", "give a name"));
+    }
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| edit(&what, hint))?;
+    let pin = NewPin { name, anchor, first_frame: first_frame(text.document.as_table()) };
+    let layers = text.document.entry("layer").or_insert_with(no_tables);
+    if is_empty_list(layers) && layer.is_none() {
+        append_layer(layers);
+    }
+    let is_inline = layers.is_value();
+    let layer = find(layers, layer, "layer").map_err(|(what, hint)| edit(&what, &hint))?;
+    if !layer.contains_key("pin") {
+        layer.insert("pin", if is_inline { Item::Value(Array::new().into()) } else { no_tables() });
+    }
+    put_pin(layer, &pin)?;
+    Ok(text.finish())
+}
+
+fn fault(pin: &str, what: &str, hint: &str) -> ShotError {
+    ShotError::Edit { pin: pin.to_owned(), what: what.to_owned(), hint: hint.to_owned() }
+}
+
+fn no_tables() -> Item {
+    Item::ArrayOfTables(ArrayOfTables::new())
+}
+
+/// The frame of the new pin's only key; any would do, as its value holds before and after.
+fn first_frame(shot: &Table) -> i64 {
+    let frames = shot.get("frames").and_then(Item::as_table_like);
+    frames.and_then(|frames| frames.get("first")).and_then(Item::as_integer).unwrap_or(1)
+}
+
+fn is_empty_list(list: &Item) -> bool {
+    list.as_array_of_tables().is_some_and(ArrayOfTables::is_empty) || list.as_array().is_some_and(Array::is_empty)
+}
+
+fn append_layer(layers: &mut Item) {
+    let mut layer = Table::new();
+    layer.insert("name", toml_edit::value("layer1"));
+    match layers {
+        Item::ArrayOfTables(layers) => layers.push(layer),
+        Item::Value(Value::Array(layers)) => layers.push(layer.into_inline_table()),
+        _ => {}
+    }
+}
+
+/// The tables of a list, however it is written; `None` where it is no list of tables.
+fn tables(list: &mut Item) -> Option<Vec<&mut dyn TableLike>> {
+    match list {
+        Item::ArrayOfTables(tables) => Some(tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()),
+        Item::Value(Value::Array(items)) => {
+            items.iter_mut().map(|item| item.as_inline_table_mut().map(|table| table as &mut dyn TableLike)).collect()
+        }
+        _ => None,
+    }
+}
+
+/// The name of a table of a list: its `name`, else that which a shot gives it.
+fn name_of(table: &dyn TableLike, kind: &str, index: usize) -> String {
+    let given = table.get("name").and_then(Item::as_str);
+    given.map_or_else(|| format!("{kind}{}", index + 1), str::to_owned)
+}
+
+type Remedy = (String, String);
+
+/// The table of that name, or the first.
+fn find<'a>(list: &'a mut Item, name: Option<&str>, kind: &str) -> Result<&'a mut dyn TableLike, Remedy> {
+    let not_tables = (format!("`{kind}` is not a list of tables"), format!("write [[{kind}]] as in docs/SHOT.md"));
+    let tables = tables(list).ok_or(not_tables)?;
+    let names: Vec<String> = tables.iter().enumerate().map(|(index, table)| name_of(*table, kind, index)).collect();
+    let index = name.map_or(Some(0), |name| names.iter().position(|other| other == name));
+    let missing = || {
+        let wanted = name.unwrap_or_default();
+        (format!("there is no {kind} {wanted:?}"), format!("{kind}s here: {}", names.join(", ")))
+    };
+    index.and_then(|index| tables.into_iter().nth(index)).ok_or_else(missing)
+}
+
+/// `layer` has a list of pins.
+fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
+    let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
+    let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
+    if let Ok(existing) = find(pins, Some(pin.name), "pin") {
+        replace_anchor(existing, pin.anchor);
+        return Ok(());
+    }
+    let is_appended = append_pin(pins, pin);
+    is_appended.ok_or_else(not_tables)
+}
+
+/// Only the anchor changes; a comment behind it stays.
+fn replace_anchor(pin: &mut dyn TableLike, anchor: &Anchor) {
+    let new = block::anchor_table(anchor);
+    match pin.get_mut("anchor") {
+        Some(Item::Table(old)) => replace_entries(old, new),
+        Some(Item::Value(Value::InlineTable(old))) if old.is_dotted() => replace_entries(old, new),
+        Some(Item::Value(old)) => {
+            let decor = old.decor().clone();
+            *old = Value::InlineTable(new);
+            *old.decor_mut() = decor;
+        }
+        _ => {
+            pin.insert("anchor", Item::Value(Value::InlineTable(new)));
+        }
+    }
+}
+
+/// For `[layer.pin.anchor]` and `anchor.node = ..`: the form stays, and so do comments at entries that both have.
+fn replace_entries(old: &mut dyn TableLike, new: InlineTable) {
+    let gone: Vec<String> = old.iter().map(|(key, _)| key.to_owned()).filter(|key| !new.contains_key(key)).collect();
+    for key in gone {
+        old.remove(&key);
+    }
+    for (key, mut value) in new {
+        let decor = old.get(&key).and_then(Item::as_value).map(|value| value.decor().clone()).unwrap_or_default();
+        *value.decor_mut() = decor;
+        match old.get_mut(&key) {
+            Some(item) => *item = Item::Value(value),
+            None => _ = old.insert(&key, Item::Value(value)),
+        }
+    }
+}
+
+/// `None` where the list is none of tables.
+fn append_pin(list: &mut Item, pin: &NewPin) -> Option<()> {
+    match list {
+        Item::ArrayOfTables(pins) => {
+            let indent = pins.iter().last().map_or("  ".to_owned(), text::indent_of);
+            pins.push(pin.table(&indent));
+        }
+        Item::Value(Value::Array(pins)) if pins.iter().all(Value::is_inline_table) => {
+            let prefix = pins.iter().last().and_then(|pin| pin.decor().prefix()?.as_str()).unwrap_or(" ").to_owned();
+            pins.push_formatted(Value::InlineTable(pin.inline()).decorated(prefix, ""));
+        }
+        _ => return None,
+    }
+    Some(())
+}

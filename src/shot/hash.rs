@@ -1,0 +1,47 @@
+//! What a shot says as one number, for the metadata of its frames.
+//!
+//! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
+
+use super::Shot;
+use std::path::{Path, PathBuf};
+
+/// FNV-1a, 128 bits: Fowler, Noll, Vo and Eastlake, RFC 9923, <https://www.rfc-editor.org/rfc/rfc9923>.
+const FNV_OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+const FNV_PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+
+impl Shot {
+    /// 32 hexadecimal digits over everything that changes the frames. The name of the shot file, where it lies and
+    /// where the frames go do not count; nor does what the scene file holds.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let mut content = self.clone();
+        content.scene = portable(&self.scene, folder);
+        content.path = PathBuf::new();
+        content.output.path = PathBuf::new();
+        // The derived text writes every field, and floats with all their digits.
+        format!("{:032x}", fnv1a(format!("{content:?}").as_bytes()))
+    }
+}
+
+/// Relative to the shot, with `/`; elsewhere on the machine only the name counts.
+fn portable(path: &Path, folder: &Path) -> PathBuf {
+    match path.strip_prefix(folder) {
+        Ok(relative) if !relative.is_absolute() => relative.to_string_lossy().replace('\\', "/").into(),
+        _ => path.file_name().map(PathBuf::from).unwrap_or_default(),
+    }
+}
+
+fn fnv1a(bytes: &[u8]) -> u128 {
+    bytes.iter().fold(FNV_OFFSET, |hash, &byte| (hash ^ u128::from(byte)).wrapping_mul(FNV_PRIME))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn fnv1a_meets_its_published_values() {
+        assert_eq!(super::fnv1a(b""), 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        assert_eq!(super::fnv1a(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
+        assert_eq!(super::fnv1a(b"foobar"), 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18);
+    }
+}

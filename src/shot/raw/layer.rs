@@ -1,0 +1,199 @@
+//! `[[layer]]` as written: its lattice, solver, pins and handles.
+//!
+//! In: checked TOML. Out: raw values; see [`super`].
+
+use crate::lattice::Basis;
+use crate::shot::model::{Ease, OffsetUnit};
+use crate::solve::{EdgeWeights, Energy, Regularizer};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Scene nodes that one lattice deforms.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawLayer {
+    /// Name, unique in the shot; default: layer1, layer2...
+    #[schemars(length(min = 1), example = &"body")]
+    pub(in crate::shot) name: Option<String>,
+    /// Patterns of node names with * and ?; each claims its subtree. Default: all nodes.
+    #[schemars(length(min = 1), inner(length(min = 1)), example = ["Teapot*"])]
+    pub(in crate::shot) nodes: Option<Vec<String>>,
+    /// The grid of handles.
+    #[serde(default)]
+    pub(in crate::shot) lattice: RawLattice,
+    /// The solver.
+    #[serde(default)]
+    pub(in crate::shot) solve: RawSolve,
+    /// As the shot's `step`, which it replaces.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(in crate::shot) step: Option<u32>,
+    /// As the shot's `strength`, by which it is multiplied.
+    #[serde(default = "super::default_one")]
+    #[schemars(range(min = -100.0, max = 100.0))]
+    pub(in crate::shot) strength: f64,
+    /// Points and where they go.
+    #[serde(default)]
+    pub(in crate::shot) pin: Vec<RawPin>,
+    /// Handles moved by hand.
+    #[serde(default)]
+    pub(in crate::shot) handle: Vec<RawHandle>,
+}
+
+/// The grid of handles.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawLattice {
+    /// Handles across and up.
+    #[schemars(inner(range(min = 2, max = 64)), example = [10, 10])]
+    pub(in crate::shot) dims: [usize; 2],
+    /// How handles are blended.
+    pub(in crate::shot) basis: Basis,
+    /// Where the box of the grid comes from.
+    #[serde(rename = "box")]
+    pub(in crate::shot) bounds: RawBox,
+}
+
+/// Where the box of the grid comes from.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::shot) enum RawBox {
+    /// It follows the layer.
+    #[default]
+    Follow,
+    /// The whole frame.
+    Frame,
+    /// Always this: x and y of the lower left, x and y of the upper right corner, frame heights.
+    Fixed(#[schemars(example = [0.0, 0.0, 1.778, 1.0])] [f64; 4]),
+}
+
+/// The solver: a preset, or its parts.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawSolve {
+    /// All settings at once, instead of the other keys.
+    #[schemars(example = &"paper")]
+    pub(in crate::shot) preset: Option<RawPreset>,
+    /// How distortion is measured; default: area.
+    pub(in crate::shot) energy: Option<Energy>,
+    /// What holds handles that nothing else holds; default: bend.
+    pub(in crate::shot) regularizer: Option<Regularizer>,
+    /// Weights of the edges, with energy = "edge".
+    pub(in crate::shot) weights: Option<EdgeWeights>,
+}
+
+/// Settings by name.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::shot) enum RawPreset {
+    /// The default: area and bend.
+    Default,
+    /// Exactly the paper's: edge and rest.
+    Paper,
+}
+
+/// A point and where it goes.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawPin {
+    /// Name, unique in its layer; default: pin1, pin2...
+    #[schemars(length(min = 1), example = &"spout")]
+    pub(in crate::shot) name: Option<String>,
+    /// What it is attached to.
+    #[schemars(example = serde_json::json!({ "screen": [0.9, 0.5], "frame": 1 }))]
+    pub(in crate::shot) anchor: RawAnchor,
+    /// Unit of the offsets.
+    #[serde(default)]
+    pub(in crate::shot) unit: OffsetUnit,
+    /// Where it goes, frames increasing; none: it holds its place.
+    #[serde(default)]
+    #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
+    pub(in crate::shot) keys: Vec<RawPinKey>,
+}
+
+/// A point of a surface (node, triangle, barycentric) or of the screen (screen).
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawAnchor {
+    /// Surface: name of the node.
+    #[schemars(length(min = 1), example = &"Teapot")]
+    pub(in crate::shot) node: Option<String>,
+    /// Surface: number of the primitive in the node's mesh, from 0; default: 0.
+    #[schemars(range(min = 0, max = 4_294_967_295u32))]
+    pub(in crate::shot) primitive: Option<usize>,
+    /// Surface: number of the triangle, from 0.
+    #[schemars(range(min = 0, max = 4_294_967_295u32), example = 312)]
+    pub(in crate::shot) triangle: Option<usize>,
+    /// Surface: weights of the triangle's corners; they sum to 1.
+    #[schemars(example = [0.2, 0.5, 0.3])]
+    pub(in crate::shot) barycentric: Option<[f64; 3]>,
+    /// Surface: the point's place in its node at rest, metres; tells when the scene has changed.
+    #[schemars(example = [0.0, 1.0, 0.0])]
+    pub(in crate::shot) rest: Option<[f64; 3]>,
+    /// Screen: x and y, frame heights, y up.
+    #[schemars(example = [0.91, 0.52])]
+    pub(in crate::shot) screen: Option<[f64; 2]>,
+    /// Screen: cast onto the surface seen there in this frame, which the pin then follows.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: Option<i32>,
+}
+
+/// A key of a pin.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawPinKey {
+    /// When.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: f64,
+    /// Added to the point's place, in `unit`; default: [0, 0].
+    #[schemars(example = [0.06, 0.03])]
+    pub(in crate::shot) offset: Option<[f64; 2]>,
+    /// Instead of `offset`: a place on the screen, frame heights, y up.
+    #[schemars(example = [0.9, 0.5])]
+    pub(in crate::shot) target: Option<[f64; 2]>,
+    /// Rotation held, degrees counter-clockwise; default: free, or 0 where another key has it.
+    #[schemars(range(min = -36_000.0, max = 36_000.0), example = 20)]
+    pub(in crate::shot) rotate: Option<f64>,
+    /// Scale held; default: free, or 1 where another key has it.
+    #[schemars(range(min = 0.001, max = 1000.0), example = 1.2)]
+    pub(in crate::shot) scale: Option<f64>,
+    /// Shape of the segment that leaves this key; default: linear.
+    #[serde(default)]
+    #[schemars(example = &"smooth")]
+    pub(in crate::shot) ease: Ease,
+}
+
+/// A handle moved by hand.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawHandle {
+    /// Column and row, from 0 at the lower left.
+    #[schemars(inner(range(min = 0, max = 63)), example = [9, 4])]
+    pub(in crate::shot) index: [usize; 2],
+    /// Where it goes, frames increasing; none: it holds its place.
+    #[serde(default)]
+    #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
+    pub(in crate::shot) keys: Vec<RawHandleKey>,
+}
+
+/// A key of a handle.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawHandleKey {
+    /// When.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: f64,
+    /// Added to the handle's place at rest, sizes of the lattice's box.
+    #[schemars(example = [0.0, 0.1])]
+    pub(in crate::shot) offset: [f64; 2],
+    /// Shape of the segment that leaves this key; default: linear.
+    #[serde(default)]
+    #[schemars(example = &"smooth")]
+    pub(in crate::shot) ease: Ease,
+}
+
+impl Default for RawLattice {
+    fn default() -> Self {
+        Self { dims: [10, 10], basis: Basis::Bspline, bounds: RawBox::Follow }
+    }
+}

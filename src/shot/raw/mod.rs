@@ -1,0 +1,192 @@
+//! The shot file as written: every key, its type, range and default, nothing related to anything else yet.
+//!
+//! In: TOML that [`super::structure`] compared with the schema of these types. Out: input of [`super::check`].
+//! The descriptions below are what the published schema says about each key.
+
+mod layer;
+
+pub(super) use layer::*;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A shot of pinwarp: a scene, frames, layers with pins, and what is written.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, title = "pinwarp shot")]
+pub(super) struct RawShot {
+    /// Version of the format.
+    #[serde(default = "default_version")]
+    #[schemars(range(min = 1, max = 1))]
+    #[expect(dead_code, reason = "compared before the rest of the file is looked at; here for the schema")]
+    pub(super) version: u32,
+    /// The glTF scene (.gltf or .glb), relative to the shot file.
+    #[schemars(length(min = 1), example = &"scene.glb")]
+    pub(super) scene: String,
+    /// Name of the camera or of its node; default: the scene's first, and where there is none the scene is framed.
+    #[schemars(length(min = 1), example = &"ShotCam")]
+    pub(super) camera: Option<String>,
+    /// Frames, rate and clip.
+    #[schemars(example = serde_json::json!({ "first": 1, "last": 48, "rate": 24 }))]
+    pub(super) frames: RawFrames,
+    /// Motion blur; without this table there is none.
+    pub(super) shutter: Option<RawShutter>,
+    /// Width and height of the frame, pixels.
+    #[serde(default = "default_size")]
+    #[schemars(inner(range(min = 1, max = 65536)), example = [1920, 1080])]
+    pub(super) size: [u32; 2],
+    /// Width of a pixel divided by its height.
+    #[serde(default = "default_one")]
+    #[schemars(range(min = 0.1, max = 10.0))]
+    pub(super) pixel_aspect: f64,
+    /// Samples a pixel, spread over the pixel and the shutter.
+    #[serde(default = "default_samples")]
+    #[schemars(range(min = 1, max = 4096))]
+    pub(super) samples: u32,
+    /// Strength of the neutral surroundings; default: 1 where the scene has no lights, else 0.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub(super) environment: Option<f32>,
+    /// Gain on all lights, stops.
+    #[serde(default)]
+    #[schemars(range(min = -32.0, max = 32.0))]
+    pub(super) exposure: f32,
+    /// Pins hold their offsets for this many frames, counted from the first; 1: they move all the time.
+    #[serde(default = "default_step")]
+    #[schemars(range(min = 1, max = 1000))]
+    pub(super) step: u32,
+    /// Scales offsets, rotations and log-scales of all layers; 0: no warp.
+    #[serde(default = "default_one")]
+    #[schemars(range(min = -100.0, max = 100.0))]
+    pub(super) strength: f64,
+    /// What is warped: one lattice each.
+    #[serde(default)]
+    pub(super) layer: Vec<RawLayer>,
+    /// What is written.
+    #[serde(default)]
+    pub(super) output: RawOutput,
+}
+
+/// Frames, rate and clip.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(super) struct RawFrames {
+    /// First frame.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(super) first: i32,
+    /// Last frame, included.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 48)]
+    pub(super) last: i32,
+    /// Frames a second.
+    #[serde(default = "default_rate")]
+    #[schemars(range(min = 0.01, max = 1000.0), example = 24)]
+    pub(super) rate: f64,
+    /// Name or number of the animation clip; default: the scene's first.
+    #[schemars(example = &"Walk")]
+    pub(super) clip: Option<RawClip>,
+    /// The frame at which the clip starts; default: the first.
+    #[schemars(range(min = -1_000_000, max = 1_000_000))]
+    pub(super) clip_start: Option<i32>,
+    /// The clip repeats instead of holding at its ends.
+    #[serde(default, rename = "loop")]
+    pub(super) is_looped: bool,
+}
+
+/// A clip by name or number.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum RawClip {
+    /// Number in the file, from 0.
+    Index(#[schemars(range(min = 0, max = 4_294_967_295u32))] u32),
+    /// Name.
+    Name(#[schemars(length(min = 1))] String),
+}
+
+/// The shutter is open from frame + phase/360 to frame + (phase + angle)/360.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(super) struct RawShutter {
+    /// Degrees; 360: open all the time, 0: no motion blur.
+    #[serde(default = "default_angle")]
+    #[schemars(range(min = 0.0, max = 360.0), example = 180)]
+    pub(super) angle: f64,
+    /// Degrees; default: -angle/2, which centres the blur on the frame.
+    #[schemars(range(min = -360.0, max = 360.0), example = -90)]
+    pub(super) phase: Option<f64>,
+}
+
+/// What is written.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(super) struct RawOutput {
+    /// EXR files with #### or %04d for the frame, relative to the shot file; default: out/<name of the shot>.####.exr.
+    #[schemars(length(min = 1), example = &"out/shot.####.exr")]
+    pub(super) path: Option<String>,
+    /// Groups of channels; default: all.
+    #[schemars(length(min = 1), example = ["beauty", "depth"])]
+    pub(super) channels: Option<Vec<RawChannel>>,
+    /// EXR compression; default: zip.
+    pub(super) compression: Option<RawCompression>,
+}
+
+/// Groups of channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RawChannel {
+    /// R, G, B, A.
+    Beauty,
+    /// depth.Z.
+    Depth,
+    /// forward.u, forward.v, backward.u, backward.v.
+    Motion,
+    /// N.X, N.Y, N.Z.
+    Normal,
+    /// id.layer, id.object.
+    Id,
+}
+
+/// EXR compressions.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RawCompression {
+    /// None.
+    None,
+    /// Run lengths.
+    Rle,
+    /// Deflate, one line a block.
+    Zips,
+    /// Deflate, 16 lines a block.
+    Zip,
+    /// Wavelets.
+    Piz,
+    /// Lossy on colour.
+    Dwaa,
+    /// Lossy on colour, large blocks.
+    Dwab,
+}
+
+fn default_version() -> u32 {
+    1
+}
+
+fn default_size() -> [u32; 2] {
+    [1920, 1080]
+}
+
+fn default_one() -> f64 {
+    1.0
+}
+
+fn default_samples() -> u32 {
+    16
+}
+
+fn default_step() -> u32 {
+    1
+}
+
+fn default_rate() -> f64 {
+    24.0
+}
+
+fn default_angle() -> f64 {
+    180.0
+}

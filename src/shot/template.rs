@@ -1,0 +1,164 @@
+//! The commented shot that `pinwarp new` writes.
+//!
+//! In: what a scene holds. Out: text that renders as it stands and explains what else can be said.
+
+use crate::space::FrameSize;
+use toml_edit::Value;
+
+/// What the template says about a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TemplateFacts {
+    /// Names of the cameras, the first one first; nameless ones left out.
+    pub cameras: Vec<String>,
+    /// The scene has a camera, named or not.
+    pub has_camera: bool,
+    /// Names and lengths of the clips, seconds, the first one first.
+    pub clips: Vec<ClipFact>,
+    /// Names of the nodes that carry meshes.
+    pub mesh_nodes: Vec<String>,
+    /// First and last frame.
+    pub frames: [i32; 2],
+    /// Frames a second.
+    pub rate: f64,
+    /// The frame.
+    pub size: FrameSize,
+}
+
+/// A clip as the template lists it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClipFact {
+    /// Its name, or its number as text where it has none.
+    pub name: String,
+    /// Its length, seconds.
+    pub secs: f64,
+}
+
+/// At most this many names are listed in a comment.
+const LISTED_NAMES: usize = 12;
+
+/// A commented, working shot of `scene_file`, a path relative to the shot file.
+#[must_use]
+pub fn write(scene_file: &str, facts: &TemplateFacts) -> String {
+    [head(scene_file, facts), layer(facts), OUTPUT.to_owned()].join("\n")
+}
+
+fn head(scene_file: &str, facts: &TemplateFacts) -> String {
+    let [first, last] = facts.frames;
+    let FrameSize { width, height, pixel_aspect } = facts.size;
+    let scene = quoted(scene_file);
+    let camera = camera(facts);
+    let clips = clips(facts);
+    let rate = facts.rate;
+    format!(
+        "## A shot of pinwarp: a scene, its frames, and layers whose pins bend what the camera sees.
+## Two # begin an explanation, one # a line to use: take the # away.
+## Lengths on the screen are in frame heights, y up: [0, 0] is the lower left corner, [{aspect:.3}, 1] the upper right.
+version = 1
+scene   = {scene}
+{camera}
+{clips}
+frames  = {{ first = {first}, last = {last}, rate = {rate} }}
+size    = [{width}, {height}]
+{pixel_aspect}samples = 16                              # more: smoother edges and blur, slower
+shutter = {{ angle = 180, phase = -90 }}    # motion blur centred on the frame; angle = 0: none
+# environment = 1.0                       # neutral light from around; default: only where the scene has no lights
+# exposure = 0.0                          # all lights, in stops
+# step = 2                                # pins move on twos
+# strength = 1.0                          # all pins at once; 0: no warp
+",
+        aspect = facts.size.aspect(),
+        pixel_aspect = if pixel_aspect == 1.0 { String::new() } else { format!("pixel_aspect = {pixel_aspect:?}\n") },
+    )
+}
+
+fn camera(facts: &TemplateFacts) -> String {
+    match facts.cameras.as_slice() {
+        [] if facts.has_camera => "## The scene's first camera is used.".to_owned(),
+        [] => "## The scene has no camera: it is framed automatically.".to_owned(),
+        [only] => format!("camera  = {}", quoted(only)),
+        [first, ..] => format!("## Cameras: {}\ncamera  = {}", listed(&facts.cameras), quoted(first)),
+    }
+}
+
+fn clips(facts: &TemplateFacts) -> String {
+    if facts.clips.is_empty() {
+        return "## The scene has no animation; pins can move all the same.".to_owned();
+    }
+    let clip = |clip: &ClipFact| format!("{} ({:.2} s)", quoted(&clip.name), clip.secs);
+    let mut clips: Vec<String> = facts.clips.iter().take(LISTED_NAMES).map(clip).collect();
+    if facts.clips.len() > LISTED_NAMES {
+        clips.push("...".to_owned());
+    }
+    format!(
+        "## Clips: {}; the first is used.\n## In frames: clip = \"..\", clip_start = 1, loop = true.",
+        clips.join(", ")
+    )
+}
+
+fn layer(facts: &TemplateFacts) -> String {
+    let nodes = if facts.mesh_nodes.is_empty() { "none".to_owned() } else { listed(&facts.mesh_nodes) };
+    let node = quoted(facts.mesh_nodes.first().map_or("Node", String::as_str));
+    let [first, last] = facts.frames;
+    let middle = f64::midpoint(f64::from(first), f64::from(last)).floor();
+    let center = (facts.size.aspect() * 500.0).round() / 1000.0;
+    // A shot of one frame has room for one key.
+    let is_moving = middle > f64::from(first);
+    let later = if is_moving { pin_key(middle) } else { String::new() };
+    let handle_later = if is_moving { format!(", {{ frame = {middle}, offset = [0.0, 0.1] }}") } else { String::new() };
+    format!(
+        "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
+[[layer]]
+name    = \"all\"
+# nodes = [{node}]
+##        names with * and ?, each with what hangs below it; default: everything
+# solve = {{ preset = \"paper\" }}          # default: energy = \"area\", regularizer = \"bend\"
+# step = 1                              # instead of the shot's
+# strength = 1.0                        # times the shot's
+lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
+
+  ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
+  ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}
+  ## A pin without keys holds its place. Instead of offsets all keys may give a target: a place on the screen.
+  # [[layer.pin]]
+  # name   = \"pin1\"
+  # anchor = {{ screen = [{center:?}, 0.5], frame = {first} }}      # follows the surface seen there in frame {first}
+  # unit   = \"frame\"                         # or \"box\": offsets in sizes of the lattice's box
+  # keys   = [ {{ frame = {first}, offset = [0.0, 0.0], ease = {{ bezier = [0.4, 0.0, 0.2, 1.0] }} }},{later} ]
+
+  ## A handle of the lattice moved by hand, in sizes of its box:
+  # [[layer.handle]]
+  # index = [9, 4]
+  # keys  = [ {{ frame = {first}, offset = [0.0, 0.0] }}{handle_later} ]
+",
+    )
+}
+
+/// The second key of the example, on a line of its own.
+fn pin_key(frame: f64) -> String {
+    format!(
+        "
+  #            ## degrees counter-clockwise, and a scale; ease: hold, linear, smooth, bezier
+  #            {{ frame = {frame}, offset = [0.05, 0.1], rotate = 10.0, scale = 1.1, ease = \"smooth\" }}"
+    )
+}
+
+const OUTPUT: &str = "[output]
+# path = \"out/shot.####.exr\"              # default: out/<name of this file>.####.exr
+channels = [\"beauty\", \"depth\", \"motion\", \"normal\", \"id\"]
+# compression = \"zip\"                     # none, rle, zips, zip, piz, dwaa, dwab
+";
+
+/// A TOML string; on one line whatever it holds, so that it can stand in a comment.
+fn quoted(text: &str) -> String {
+    let toml = Value::from(text).to_string();
+    // JSON's escapes are TOML's.
+    if toml.contains('\n') { serde_json::Value::from(text).to_string() } else { toml }
+}
+
+fn listed(names: &[String]) -> String {
+    let mut listed: Vec<String> = names.iter().take(LISTED_NAMES).map(|name| quoted(name)).collect();
+    if names.len() > LISTED_NAMES {
+        listed.push(format!("and {} more", names.len() - LISTED_NAMES));
+    }
+    listed.join(", ")
+}
