@@ -1,22 +1,40 @@
 //! An EXR file becomes a frame.
 //!
-//! In: a path. Out: [`Frame`] with all channels of the first part, in the file's (alphabetical) order; metadata.
+//! In: a path. Out: [`Frame`] with all channels in the file's order (alphabetical in each part); metadata.
 
 use super::{Channel, Frame, FrameMetadata, ImageError, Storage};
 use crate::space::PixelRect;
-use exr::image::{AnyChannel, AnyChannels, FlatSamples, Image, Layer};
+use exr::image::{AnyChannel, AnyChannels, FlatImage, FlatSamples, Layer};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use half::slice::HalfFloatSliceExt;
 use std::path::Path;
 
-/// Reads all channels of the first part of a flat EXR file.
+/// Reads a flat EXR file: all channels of its first part, and those of further parts with the same data window and new
+/// names.
 ///
 /// # Errors
 /// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
 pub fn read_exr(path: &Path) -> Result<Frame, ImageError> {
-    let image = exr::image::read::read_first_flat_layer_from_file(path).map_err(|failed| read_error(path, failed))?;
+    check_size(path)?;
+    let image = exr::image::read::read_all_flat_layers_from_file(path).map_err(|failed| read_error(path, failed))?;
     frame_from_image(path, image)
+}
+
+/// One wrong byte in the head may promise a picture of petabytes: asks for the memory before the reader takes it.
+fn check_size(path: &Path) -> Result<(), ImageError> {
+    let head = MetaData::read_from_file(path, false).map_err(|failed| read_error(path, failed))?;
+    let part_bytes = head.headers.iter().map(|header| {
+        let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
+        pixels * header.channels.bytes_per_pixel as u128
+    });
+    let bytes = part_bytes.sum::<u128>();
+    let is_there_memory = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if is_there_memory {
+        return Ok(());
+    }
+    let what = format!("its head promises {} GB of pixels, more than this machine can hold", bytes / 1_000_000_000);
+    Err(ImageError::damaged(path, what))
 }
 
 /// What a file written by [`super::write_exr`] says about itself; `None` where the file came from elsewhere. The camera
@@ -39,16 +57,27 @@ fn read_error(path: &Path, failed: exr::error::Error) -> ImageError {
     }
 }
 
-fn frame_from_image(path: &Path, image: Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Frame, ImageError> {
-    let layer = image.layer_data;
+fn frame_from_image(path: &Path, image: FlatImage) -> Result<Frame, ImageError> {
     let display = image.attributes.display_window;
-    let channels = layer.channel_data.list.into_iter().map(|channel| frame_channel(path, channel));
-    Ok(Frame {
+    let mut parts = image.layer_data.into_iter();
+    let first = parts.next().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
+    let window = first.absolute_bounds();
+    let mut frame = Frame {
         display: rect(path, display.position, display.size)?,
-        data_window: rect(path, layer.attributes.layer_position, layer.size)?,
+        data_window: rect(path, window.position, window.size)?,
         pixel_aspect: f64::from(image.attributes.pixel_aspect),
-        channels: channels.collect::<Result<_, _>>()?,
-    })
+        channels: frame_channels(path, first)?,
+    };
+    for part in parts.filter(|part| part.absolute_bounds() == window) {
+        let more = frame_channels(path, part)?;
+        let new: Vec<_> = more.into_iter().filter(|channel| frame.channel(&channel.name).is_none()).collect();
+        frame.channels.extend(new);
+    }
+    Ok(frame)
+}
+
+fn frame_channels(path: &Path, part: Layer<AnyChannels<FlatSamples>>) -> Result<Vec<Channel>, ImageError> {
+    part.channel_data.list.into_iter().map(|channel| frame_channel(path, channel)).collect()
 }
 
 fn rect(path: &Path, position: Vec2<i32>, size: Vec2<usize>) -> Result<PixelRect, ImageError> {

@@ -8,9 +8,9 @@ use crate::space::{FrameSize, PixelRect};
 use exr::block::lines::LineRefMut;
 use exr::image::write::WritableImage;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer, Layers};
 use exr::math::{RoundingMode, Vec2};
-use exr::meta::attribute::{IntegerBounds, LevelMode, LineOrder, SampleType};
+use exr::meta::attribute::{IntegerBounds, LevelMode, LineOrder, SampleType, Text};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -25,16 +25,19 @@ use std::path::Path;
 /// becomes 0 (see [`Frame::nan_count`]); half samples beyond ±65504, infinities too, become ±65504, so that a
 /// highlight stays a highlight and finite, and no filter downstream turns it into NaN. Infinite floats are kept.
 ///
+/// Data is never compressed lossily. DWA takes `N.Y` and Cryptomatte's `.R .G .B` for colour; a frame with such channels
+/// becomes a file of two parts, `colour` in DWA and `data` in zip.
+///
 /// # Errors
 /// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the frame is
-/// malformed, or where a lossy compression would damage data (Cryptomatte's `.R .G .B` channels).
+/// malformed.
 pub fn write_exr(
     path: &Path,
     frame: &Frame,
     metadata: &FrameMetadata,
     compression: Compression,
 ) -> Result<(), ImageError> {
-    check(frame, compression).map_err(|what| ImageError::frame(path, what))?;
+    check(frame).map_err(|what| ImageError::frame(path, what))?;
     let frame = with_a_pixel(frame);
     let image = exr_image(&frame, metadata, compression);
     atomic::replace_file(path, |file| {
@@ -45,8 +48,8 @@ pub fn write_exr(
     })
 }
 
-/// What EXR demands and what keeps data whole; the message says what to do.
-fn check(frame: &Frame, compression: Compression) -> Result<(), String> {
+/// What EXR demands; the message says what is wrong.
+fn check(frame: &Frame) -> Result<(), String> {
     if frame.channels.is_empty() {
         return Err("the frame has no channels; ask for at least one".into());
     }
@@ -61,7 +64,7 @@ fn check(frame: &Frame, compression: Compression) -> Result<(), String> {
     }
     let mut names = HashSet::new();
     for channel in &frame.channels {
-        check_channel(channel, frame.data_window, compression)?;
+        check_channel(channel, frame.data_window)?;
         if !names.insert(&channel.name) {
             return Err(format!("two channels are called '{}'", channel.name));
         }
@@ -77,18 +80,13 @@ fn check_window(window: PixelRect) -> Result<(), i64> {
     edges.into_iter().find(|edge| edge.abs() >= LIMIT).map_or(Ok(()), Err)
 }
 
-fn check_channel(channel: &Channel, window: PixelRect, compression: Compression) -> Result<(), String> {
-    let Channel { name, storage, samples } = channel;
+fn check_channel(channel: &Channel, window: PixelRect) -> Result<(), String> {
+    let Channel { name, samples, .. } = channel;
     if samples.len() != window.area() {
         return Err(format!("channel '{name}' has {} samples for {} pixels", samples.len(), window.area()));
     }
     if name.is_empty() || name.len() > 255 || name.bytes().any(|byte| byte == 0) {
         return Err(format!("'{name}' is no channel name; use 1 to 255 characters"));
-    }
-    // The DCT of DWA takes these suffixes for colour, whatever they hold (OpenEXR, internal_dwa_classifier.h).
-    let suffix = name.rsplit('.').next().unwrap_or(name);
-    if compression.is_lossy() && *storage == Storage::Float && ["R", "G", "B", "Y", "RY", "BY"].contains(&suffix) {
-        return Err(format!("DWA would damage the data in channel '{name}'; choose zip, or piz for smaller files"));
     }
     Ok(())
 }
@@ -110,25 +108,55 @@ fn exr_image<'a>(
     frame: &'a Frame,
     metadata: &FrameMetadata,
     compression: Compression,
-) -> Image<Layer<AnyChannels<Lines<'a>>>> {
-    let window = frame.data_window;
-    let size = FrameSize { width: frame.display.width, height: frame.display.height, pixel_aspect: frame.pixel_aspect };
-    let mut attributes = LayerAttributes { layer_position: Vec2(window.x, window.y), ..Default::default() };
-    metadata.add_to_layer(&mut attributes, size);
-    let encoding = Encoding {
-        compression: exr_compression(compression),
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
-    // AnyChannels::sort puts the names into the alphabetical order that EXR demands.
-    let channels = frame.channels.iter().map(|channel| AnyChannel::new(channel.name.as_str(), Lines::of(channel)));
-    let layer = Layer::new(size_of(window), attributes, encoding, AnyChannels::sort(channels.collect()));
-
+) -> Image<Layers<AnyChannels<Lines<'a>>>> {
     let position = Vec2(frame.display.x, frame.display.y);
     let mut shared = ImageAttributes::new(IntegerBounds::new(position, size_of(frame.display)));
     shared.pixel_aspect = frame.pixel_aspect as f32;
     metadata::add_color_space(&mut shared);
-    Image::new(shared, layer)
+    let layers = parts(frame, compression).into_iter().map(|part| part.layer(frame, metadata));
+    Image { attributes: shared, layer_data: layers.collect() }
+}
+
+/// Channels that are compressed in one way.
+struct Part<'a> {
+    /// Files of one part need no name.
+    name: Option<&'static str>,
+    channels: Vec<&'a Channel>,
+    compression: Compression,
+}
+
+fn parts(frame: &Frame, compression: Compression) -> Vec<Part<'_>> {
+    let (colour, data): (Vec<_>, Vec<_>) = frame.channels.iter().partition(|channel| channel.storage == Storage::Half);
+    if !compression.is_lossy() || !data.iter().any(|channel| is_colour_to_dwa(channel)) {
+        return vec![Part { name: None, channels: frame.channels.iter().collect(), compression }];
+    }
+    let data = Part { name: Some("data"), channels: data, compression: Compression::Zip };
+    let colour = Part { name: Some("colour"), channels: colour, compression };
+    [colour, data].into_iter().filter(|part| !part.channels.is_empty()).collect()
+}
+
+/// DWA sorts float channels by the ends of their names, whatever they hold (OpenEXR, internal_dwa_classifier.h).
+fn is_colour_to_dwa(channel: &Channel) -> bool {
+    let suffix = channel.name.rsplit('.').next().unwrap_or_default();
+    channel.storage == Storage::Float && ["R", "G", "B", "Y", "RY", "BY"].contains(&suffix)
+}
+
+impl<'a> Part<'a> {
+    fn layer(self, frame: &Frame, metadata: &FrameMetadata) -> Layer<AnyChannels<Lines<'a>>> {
+        let (display, window) = (frame.display, frame.data_window);
+        let size = FrameSize { width: display.width, height: display.height, pixel_aspect: frame.pixel_aspect };
+        let mut attributes = LayerAttributes { layer_position: Vec2(window.x, window.y), ..Default::default() };
+        attributes.layer_name = self.name.map(Text::from);
+        metadata.add_to_layer(&mut attributes, size);
+        let encoding = Encoding {
+            compression: exr_compression(self.compression),
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        };
+        // AnyChannels::sort puts the names into the alphabetical order that EXR demands.
+        let channels = self.channels.iter().map(|channel| AnyChannel::new(channel.name.as_str(), Lines::of(channel)));
+        Layer::new(size_of(window), attributes, encoding, AnyChannels::sort(channels.collect()))
+    }
 }
 
 fn size_of(window: PixelRect) -> Vec2<usize> {

@@ -107,9 +107,9 @@ pub enum Compression {
     Zip,
     /// Wavelets.
     Piz,
-    /// DCT, lossy on colour.
+    /// DCT, lossy on colour (half channels) and only there.
     Dwaa,
-    /// DCT, lossy on colour, large blocks.
+    /// The same in large blocks.
     Dwab,
 }
 

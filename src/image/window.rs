@@ -2,7 +2,7 @@
 //!
 //! In: frames and windows. Out: frames.
 
-use super::{Channel, Frame, Storage};
+use super::{Channel, EMPTY_DEPTH, Frame, Storage};
 use crate::space::PixelRect;
 
 impl Frame {
@@ -50,20 +50,14 @@ impl Frame {
         let mut bounds = Bounds::NONE;
         for channel in self.channels.iter().filter(|_| self.data_window.width > 0) {
             let rows = channel.samples.chunks_exact(self.data_window.width as usize);
-            rows.enumerate().for_each(|(y, row)| bounds.include_row(y, row, |sample| channel.is_covered(sample)));
+            // NaN is something: it has to be seen, not cut away.
+            match channel.storage {
+                Storage::Uint => bounds.include(rows, |sample| sample.to_bits() != 0),
+                _ if channel.is_depth() => bounds.include(rows, |sample| sample.is_nan() || sample < EMPTY_DEPTH),
+                _ => bounds.include(rows, |sample| sample != 0.0),
+            }
         }
         bounds.window(self.data_window)
-    }
-}
-
-impl Channel {
-    /// Whether something is there. NaN is something: it has to be seen, not cut away.
-    fn is_covered(&self, sample: f32) -> bool {
-        match self.storage {
-            Storage::Uint => sample.to_bits() != 0,
-            _ if self.is_depth() => sample.is_nan() || sample < super::EMPTY_DEPTH,
-            _ => sample != 0.0,
-        }
     }
 }
 
@@ -78,13 +72,17 @@ struct Bounds {
 impl Bounds {
     const NONE: Self = Self { left: usize::MAX, right: 0, top: usize::MAX, bottom: 0 };
 
+    fn include<'a>(&mut self, rows: impl Iterator<Item = &'a [f32]>, is_covered: impl Fn(f32) -> bool) {
+        rows.enumerate().for_each(|(y, row)| self.include_row(y, row, &is_covered));
+    }
+
     /// Looks inwards from both ends of the row, and only as far as it may still widen the bounds.
     fn include_row(&mut self, y: usize, row: &[f32], is_covered: impl Fn(f32) -> bool) {
-        let left = row.iter().take(self.left).position(|&sample| is_covered(sample));
-        let right = row.iter().skip(self.right).rposition(|&sample| is_covered(sample)).map(|at| at + self.right);
+        let left = first_covered(&row[..row.len().min(self.left)], &is_covered);
+        let right = last_covered(&row[self.right..], &is_covered).map(|at| at + self.right);
         let is_row_known = self.top <= y && y < self.bottom;
         let is_row_covered =
-            left.is_some() || right.is_some() || !is_row_known && row.iter().any(|&sample| is_covered(sample));
+            left.is_some() || right.is_some() || !is_row_known && first_covered(row, is_covered).is_some();
         if !is_row_covered {
             return;
         }
@@ -105,6 +103,23 @@ impl Bounds {
             height: (self.bottom - self.top) as u32,
         }
     }
+}
+
+/// Samples looked at together, without a branch for each, so that the compiler can use vector instructions.
+const BATCH: usize = 32;
+
+fn first_covered(row: &[f32], is_covered: impl Fn(f32) -> bool) -> Option<usize> {
+    let batch = row.chunks(BATCH).position(|batch| any_covered(batch, &is_covered))? * BATCH;
+    row[batch..].iter().position(|&sample| is_covered(sample)).map(|at| batch + at)
+}
+
+fn last_covered(row: &[f32], is_covered: impl Fn(f32) -> bool) -> Option<usize> {
+    let end = row.len() - row.rchunks(BATCH).position(|batch| any_covered(batch, &is_covered))? * BATCH;
+    row[..end].iter().rposition(|&sample| is_covered(sample))
+}
+
+fn any_covered(batch: &[f32], is_covered: impl Fn(f32) -> bool) -> bool {
+    batch.iter().fold(false, |any, &sample| any | is_covered(sample))
 }
 
 fn copied_rows(samples: &[f32], from: PixelRect, window: PixelRect) -> Vec<f32> {
@@ -132,6 +147,7 @@ fn intersection(a: PixelRect, b: PixelRect) -> Option<PixelRect> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const CHANNELS: [(&str, Storage); 5] = [
         ("R", Storage::Half),
@@ -211,5 +227,24 @@ mod tests {
         assert_eq!(stitched, frame);
         stitched.paste(&Frame::blank(DISPLAY, PixelRect { x: 1000, ..WINDOW }, &CHANNELS));
         assert_eq!(stitched, frame);
+    }
+
+    proptest! {
+        #[test]
+        fn the_covered_window_is_the_box_around_all_points(
+            points in prop::collection::vec((0..150_usize, 0..40_usize, 0..5_usize), 1..12),
+        ) {
+            let window = PixelRect { width: 150, ..WINDOW };
+            let mut frame = Frame::blank(DISPLAY, window, &CHANNELS);
+            points.iter().for_each(|&(x, y, channel)| frame.channels[channel].samples[y * 150 + x] = 2.0);
+            let bounds = |values: Vec<usize>| (values.iter().copied().min(), values.iter().copied().max());
+            let (left, right) = bounds(points.iter().map(|point| point.0).collect());
+            let (top, bottom) = bounds(points.iter().map(|point| point.1).collect());
+            let covered = frame.covered_window();
+            let first = ((covered.x + 10) as usize, (covered.y + 20) as usize);
+            let last = (first.0 + covered.width as usize - 1, first.1 + covered.height as usize - 1);
+            prop_assert_eq!((Some(first.0), Some(last.0)), (left, right));
+            prop_assert_eq!((Some(first.1), Some(last.1)), (top, bottom));
+        }
     }
 }

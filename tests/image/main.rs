@@ -1,0 +1,5 @@
+//! Frames to files and back.
+
+mod files;
+mod support;
+mod values;
