@@ -95,7 +95,7 @@ impl Loader<'_> {
             return Ok(None);
         }
         let keys = Keys { file: self.file, place: &place, sampler, targets };
-        let track = keys.read(node, property)?;
+        let track = keys.read(node, property, self.warnings)?;
         if property != Property::MorphTargetWeights {
             decompose(&mut self.nodes[node]);
         }
@@ -121,20 +121,20 @@ struct Keys<'a> {
 }
 
 impl Keys<'_> {
-    fn read(&self, node: usize, property: Property) -> Result<Option<Track>, SceneError> {
+    fn read(&self, node: usize, property: Property, warnings: &mut Vec<String>) -> Result<Option<Track>, SceneError> {
         let interpolation = match self.sampler.interpolation {
             Checked::Valid(JsonInterpolation::Step) => Interpolation::Step,
             Checked::Valid(JsonInterpolation::Linear) => Interpolation::Linear,
             Checked::Valid(JsonInterpolation::CubicSpline) => Interpolation::CubicSpline,
             Checked::Invalid => return Err(self.fault("an unknown interpolation")),
         };
-        let times = self.times()?;
+        let mut times = self.floats(self.sampler.input, Type::Scalar, Integers::AsFlagged)?;
         if times.is_empty() {
             return Ok(None);
         }
-        let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         let is_cubic = interpolation == Interpolation::CubicSpline;
-        let values = self.values(property, is_cubic)?;
+        let per_key = if is_cubic { 3 } else { 1 };
+        let mut values = self.values(property, is_cubic)?;
         let (have, need) = match &values {
             TrackValues::Translation(values) | TrackValues::Scale(values) => (values.len(), times.len() * per_key),
             TrackValues::Rotation(values) => (values.len(), times.len() * per_key),
@@ -143,16 +143,17 @@ impl Keys<'_> {
         if have != need {
             return Err(self.fault(&format!("{have} values where {need} belong")));
         }
-        Ok(Some(Track { node, interpolation, times, values }))
-    }
-
-    fn times(&self) -> Result<Vec<f32>, SceneError> {
-        let times = self.floats(self.sampler.input, Type::Scalar, Integers::AsFlagged)?;
-        let is_bad = |key: &usize| *key > 0 && times[*key] <= times[*key - 1];
-        match (0..times.len()).find(is_bad) {
-            Some(key) => Err(self.fault(&format!("key {key} that is not later than the one before"))),
-            None => Ok(times),
+        let kept = rising(&times);
+        if kept.len() < times.len() {
+            warnings.push(format!(
+                "{}: {} keys are not later than the one before",
+                self.place,
+                times.len() - kept.len()
+            ));
+            times = kept.iter().map(|&key| times[key]).collect();
+            keep_keys(&mut values, &kept, per_key, self.targets);
         }
+        Ok(Some(Track { node, interpolation, times, values }))
     }
 
     fn values(&self, property: Property, is_cubic: bool) -> Result<TrackValues, SceneError> {
@@ -186,5 +187,28 @@ impl Keys<'_> {
 
     fn fault(&self, what: &str) -> SceneError {
         self.file.invalid(format!("{} has {what}", self.place))
+    }
+}
+
+/// The keys that are later than all before them.
+fn rising(times: &[f32]) -> Vec<usize> {
+    let mut latest = f32::NEG_INFINITY;
+    let is_later = |&key: &usize| {
+        let is_later = times[key] > latest;
+        latest = latest.max(times[key]);
+        is_later
+    };
+    (0..times.len()).filter(is_later).collect()
+}
+
+/// Keeps the values of the keys in `kept`; a key has `per_key` values, or that many lists of `targets` weights.
+fn keep_keys(values: &mut TrackValues, kept: &[usize], per_key: usize, targets: usize) {
+    fn keep<T: Copy>(values: &mut Vec<T>, kept: &[usize], width: usize) {
+        *values = kept.iter().flat_map(|&key| &values[key * width..(key + 1) * width]).copied().collect();
+    }
+    match values {
+        TrackValues::Translation(values) | TrackValues::Scale(values) => keep(values, kept, per_key),
+        TrackValues::Rotation(values) => keep(values, kept, per_key),
+        TrackValues::Weights(values) => keep(values, kept, per_key * targets),
     }
 }

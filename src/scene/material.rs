@@ -136,7 +136,7 @@ fn resolve(material: &json::Material, slots: &Slots, textures: &Textures) -> Mat
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     Material {
         name: material.name.clone().unwrap_or_default(),
-        base_color: Vec4::from(pbr.base_color_factor.0),
+        base_color: Vec4::from(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::MAX),
         base_color_texture: find(&slots.base_color),
         metallic: pbr.metallic_factor.0.clamp(0.0, 1.0),
         roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
@@ -145,7 +145,7 @@ fn resolve(material: &json::Material, slots: &Slots, textures: &Textures) -> Mat
         normal_scale: material.normal_texture.as_ref().map_or(1.0, |texture| texture.scale),
         occlusion_texture: find(&slots.occlusion),
         occlusion_strength: material.occlusion_texture.as_ref().map_or(1.0, |texture| texture.strength.0),
-        emissive: Vec3::from(material.emissive_factor.0) * strength,
+        emissive: (Vec3::from(material.emissive_factor.0) * strength).clamp(Vec3::ZERO, Vec3::MAX),
         emissive_texture: find(&slots.emissive),
         alpha: alpha(material),
         double_sided: material.double_sided,
