@@ -4,7 +4,10 @@
 
 mod args;
 mod check;
+mod files;
 mod frames;
+mod new;
+mod pick;
 mod progress;
 mod render;
 
@@ -44,9 +47,9 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
-        Command::New(_) | Command::Pick(_) | Command::Solve(_) | Command::Devices => {
-            anyhow::bail!("this command is not built in yet")
-        }
+        Command::New(args) => new::run(&args),
+        Command::Pick(args) => pick::run(&args),
+        Command::Solve(_) | Command::Devices => anyhow::bail!("this command is not built in yet"),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Args::command(), "pinwarp", &mut io::stdout());
             Ok(Outcome::Complete)

@@ -29,7 +29,7 @@ pub(super) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub(super) fn new(setup: &'a Setup, options: &'a RenderOptions, output: SequencePath, device: String) -> Self {
-        let shot_hash = String::new();
+        let shot_hash = setup.shot.hash();
         Self { setup, options, output, device, shot_hash, summary: Summary::default() }
     }
 

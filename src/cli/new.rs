@@ -1,0 +1,63 @@
+//! `pinwarp new`.
+
+use super::args::NewArgs;
+use super::{Outcome, files};
+use crate::scene::{self, Scene};
+use crate::shot::template::{self, ClipFact, TemplateFacts};
+use crate::space::FrameSize;
+use anyhow::{Context, bail};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Frames a second of a new shot.
+const RATE: f64 = 24.0;
+
+/// Length of a new shot whose scene does not move.
+const DEFAULT_FRAMES: i32 = 24;
+
+pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
+    let scene = scene::load(&args.scene)?;
+    if args.output.exists() && !args.overwrite {
+        bail!("{} exists already; use --overwrite to replace it or -o to write another", args.output.display());
+    }
+    let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;
+    let text = template::write(&path.to_string_lossy(), &facts(&scene));
+    files::replace(&args.output, &text)?;
+    for warning in &scene.warnings {
+        writeln!(std::io::stderr(), "warning: {warning}")?;
+    }
+    writeln!(std::io::stdout(), "wrote {0}; next: pinwarp render {0} --frames 1 --preview", args.output.display())?;
+    Ok(Outcome::Complete)
+}
+
+/// What the template says about the scene.
+fn facts(scene: &Scene) -> TemplateFacts {
+    let names = |of: fn(&scene::Node) -> bool| {
+        scene.nodes.iter().filter(|node| of(node)).map(|node| node.name.clone()).collect::<Vec<_>>()
+    };
+    let cameras = names(|node| node.camera.is_some());
+    let frames = scene.clips.first().map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round() as i32 + 1);
+    TemplateFacts {
+        has_camera: !cameras.is_empty(),
+        cameras,
+        clips: scene
+            .clips
+            .iter()
+            .map(|clip| ClipFact { name: clip.name.clone(), secs: clip.end_secs.into() })
+            .collect(),
+        mesh_nodes: names(|node| node.mesh.is_some()),
+        frames: [1, frames.max(1)],
+        rate: RATE,
+        size: FrameSize::new(1920, 1080),
+    }
+}
+
+/// The scene's path as seen from the shot file's folder: relative where it lies below it, else absolute.
+fn path_between(folder: &Path, scene: &Path) -> anyhow::Result<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = folder
+        .canonicalize()
+        .with_context(|| format!("the folder {} of the shot file is not there; make it first", folder.display()))?;
+    let scene = scene.canonicalize()?;
+    Ok(scene.strip_prefix(&folder).map(Path::to_owned).unwrap_or(scene))
+}

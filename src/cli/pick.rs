@@ -1,0 +1,73 @@
+//! `pinwarp pick`.
+
+use super::args::PickArgs;
+use super::{Outcome, files};
+use crate::pipeline::Setup;
+use crate::screen::{self, Hit, primitive};
+use crate::shot::{Anchor, Shot, edit};
+use crate::space::{ImagePoint, ScreenPoint};
+use anyhow::{Context, bail};
+use glam::DVec3;
+use std::io::Write;
+
+pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
+    let mut shot = Shot::read(&args.shot)?;
+    // The pins that are there do not matter here, and may be what has to be placed anew.
+    shot.layers.iter_mut().for_each(|layer| layer.pins.clear());
+    let frame = args.frame.unwrap_or(shot.frames.first);
+    let at = point(args, &shot)?;
+    let setup = Setup::new(shot)?;
+    let (pose, camera) = setup.view(f64::from(frame));
+    let mesh = screen::project(&pose, &camera);
+    let Some(hit) = screen::pick(&setup.scene, &pose, &mesh, camera.near(), at) else {
+        bail!(
+            "there is no surface at {:.4},{:.4} in frame {frame}; render it with --preview and point at the model",
+            at.0.x,
+            at.0.y
+        );
+    };
+    let part = &pose.parts[hit.part];
+    let anchor = Anchor::Surface {
+        node: setup.scene.nodes[part.node].name.clone(),
+        primitive: part.primitive,
+        triangle: hit.triangle,
+        barycentric: hit.barycentric,
+        rest: Some(rest(&setup, &pose, &hit)),
+    };
+    let owner = setup.owners[hit.part].map(|layer| setup.shot.layers[layer].name.as_str());
+    let layer = args.layer.as_deref().or(owner);
+    let name = args.write.as_deref().unwrap_or("pin");
+    match (&args.write, layer) {
+        (None, _) => write!(std::io::stdout(), "{}", edit::pin_block(name, &anchor))?,
+        (Some(_), None) => bail!(
+            "no layer claims node '{}'; add it to a layer's `nodes` or name a layer with --layer",
+            setup.scene.nodes[part.node].name
+        ),
+        (Some(_), layer) => {
+            let path = &args.shot;
+            let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let edited = edit::add_pin(&text, layer, name, &anchor)?;
+            files::replace(path, &edited)?;
+            let layer = layer.unwrap_or_default();
+            writeln!(std::io::stdout(), "wrote pin '{name}' of layer '{layer}' into {}", path.display())?;
+        }
+    }
+    Ok(Outcome::Complete)
+}
+
+/// The screen point asked for.
+fn point(args: &PickArgs, shot: &Shot) -> anyhow::Result<ScreenPoint> {
+    match (args.at, args.at_px) {
+        (Some([x, y]), _) => Ok(ScreenPoint::new(x, y)),
+        (None, Some([x, y])) => Ok(shot.size.screen_from_image(ImagePoint::new(x, y))),
+        (None, None) => bail!("a point is needed: --at X,Y or --at-px X,Y"),
+    }
+}
+
+/// The picked point in its node's space at rest, as pins store it.
+fn rest(setup: &Setup, pose: &crate::pose::Pose, hit: &Hit) -> [f64; 3] {
+    let source = primitive(&setup.scene, &pose.parts[hit.part]);
+    let corners = source.triangles[hit.triangle].map(|corner| source.positions[corner as usize].as_dvec3());
+    let point: DVec3 = (0..3).map(|i| corners[i] * hit.barycentric[i]).sum();
+    point.to_array()
+}
