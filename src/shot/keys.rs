@@ -11,6 +11,20 @@ impl Shot {
     ///
     /// With a step of 2 and more the keys are read at the frame where the step began, between frames too; a step of 1
     /// holds nothing, so that pins blur within a frame. Empty where there is no such layer.
+    ///
+    /// ```
+    /// use pinwarp::shot::{Goal, Shot};
+    /// use pinwarp::space::ScreenVector;
+    /// let text = "scene = 'pot.glb'
+    /// frames = { first = 1, last = 24 }
+    /// [[layer]]
+    /// [[layer.pin]]
+    /// anchor = { screen = [0.5, 0.5] }
+    /// keys = [ { frame = 1, offset = [0, 0] }, { frame = 5, offset = [0.5, 0] } ]";
+    /// let shot = Shot::parse(text, "pot.toml".as_ref())?;
+    /// assert_eq!(shot.pin_targets(0, 2.0).pins[0].goal, Goal::Offset(ScreenVector::new(0.125, 0.0)));
+    /// # Ok::<(), pinwarp::shot::ShotError>(())
+    /// ```
     #[must_use]
     pub fn pin_targets(&self, layer: usize, frame: f64) -> PinTargets {
         let Some(layer) = self.layers.get(layer) else { return PinTargets::default() };

@@ -39,6 +39,18 @@ impl Shot {
 
     /// Checks the text of a shot file; `path` names it in messages, and its folder is where relative paths start.
     ///
+    /// ```
+    /// use pinwarp::shot::Shot;
+    /// use std::path::Path;
+    /// let text = "scene = 'pot.glb'\nframes = { first = 1, last = 24 }";
+    /// let shot = Shot::parse(text, Path::new("shots/pot.toml"))?;
+    /// assert_eq!(shot.scene, Path::new("shots/pot.glb"));
+    ///
+    /// let error = Shot::parse(&text.replace("scene", "scnee"), Path::new("pot.toml")).unwrap_err();
+    /// assert!(error.to_string().starts_with("pot.toml:1: scnee: is not a key of a shot; did you mean `scene`?"));
+    /// # Ok::<(), pinwarp::shot::ShotError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Shot::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, ShotError> {

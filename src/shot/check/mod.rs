@@ -79,7 +79,8 @@ impl Check<'_> {
         let path = self.document.path.to_owned();
         let folder = path.parent().unwrap_or(Path::new(""));
         let frames = self.frames(&raw.frames);
-        let size = self.size(raw.size, raw.pixel_aspect);
+        let [width, height] = raw.size;
+        let size = FrameSize { width, height, pixel_aspect: raw.pixel_aspect };
         let defaults = LayerDefaults { step: raw.step, strength: raw.strength, first_frame: frames.first, size };
         let layers = self.layers(raw.layer, &defaults);
         Shot {
@@ -106,10 +107,6 @@ impl Check<'_> {
             self.fault("frames.last", what, format!("give a last frame of {first} or later"));
         }
         FrameRange { first, last, rate, clip_start: raw.clip_start.unwrap_or(first) }
-    }
-
-    fn size(&mut self, [width, height]: [u32; 2], pixel_aspect: f64) -> FrameSize {
-        FrameSize { width, height: height.max(1), pixel_aspect }
     }
 
     /// Notes names that occur a second time.

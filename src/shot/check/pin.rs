@@ -157,7 +157,8 @@ impl Check<'_> {
     fn handle_index(&mut self, [i, j]: [usize; 2], [nx, ny]: [usize; 2], key: &str) {
         if i >= nx || j >= ny {
             let what = format!("there is no handle [{i}, {j}] in a lattice of {nx} x {ny}");
-            let hint = format!("columns run from 0 to {}, rows from 0 to {}", nx - nx.min(1), ny - ny.min(1));
+            let hint =
+                format!("columns run from 0 to {}, rows from 0 to {}", nx.saturating_sub(1), ny.saturating_sub(1));
             self.fault(&format!("{key}.index"), what, hint);
         }
     }
@@ -194,7 +195,7 @@ impl Check<'_> {
     pub(super) fn screen_unit(&mut self, values: &[f64], key: &str, shot: &LayerDefaults) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let height = shot.size.height;
-        let in_heights = (value / f64::from(height) * 1e4).round() / 1e4;
+        let in_heights = (value / f64::from(height.max(1)) * 1e4).round() / 1e4;
         let hint = format!("divide pixels by the height of the frame: {value} px of {height} is {in_heights}");
         self.fault(key, format!("{value} frame heights look like pixels"), hint);
     }
