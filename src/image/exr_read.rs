@@ -4,10 +4,15 @@
 
 use super::{Channel, Frame, FrameMetadata, ImageError, Storage};
 use crate::space::PixelRect;
+use exr::block::chunk::CompressedBlock;
 use exr::image::{AnyChannel, AnyChannels, FlatImage, FlatSamples, Layer};
 use exr::math::Vec2;
 use exr::meta::MetaData;
+use exr::meta::attribute::Compression;
+use exr::meta::header::Header;
 use half::slice::HalfFloatSliceExt;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 /// Reads a flat EXR file: all channels of its first part, and those of further parts with the same data window and new
@@ -17,6 +22,7 @@ use std::path::Path;
 /// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
 pub fn read_exr(path: &Path) -> Result<Frame, ImageError> {
     check_size(path)?;
+    check_dwa(path)?;
     let image = exr::image::read::read_all_flat_layers_from_file(path).map_err(|failed| read_error(path, failed))?;
     frame_from_image(path, image)
 }
@@ -45,6 +51,41 @@ fn check_size(path: &Path) -> Result<(), ImageError> {
 pub fn read_metadata(path: &Path) -> Result<Option<FrameMetadata>, ImageError> {
     let head = MetaData::read_from_file(path, false).map_err(|failed| read_error(path, failed))?;
     Ok(head.headers.first().and_then(|header| FrameMetadata::from_layer(&header.own_attributes)))
+}
+
+/// A DWA chunk begins with nine sizes that the reader believes as they stand. Goes through the chunks without decoding.
+fn check_dwa(path: &Path) -> Result<(), ImageError> {
+    let damaged = |failed| read_error(path, failed);
+    let file = File::open(path).map_err(|source| ImageError::reading(path, source))?;
+    let reader = exr::block::read(BufReader::new(file), false).map_err(damaged)?;
+    let headers = reader.headers().to_vec();
+    if !headers.iter().any(is_dwa) {
+        return Ok(());
+    }
+    for chunk in reader.all_chunks(false).map_err(damaged)? {
+        let chunk = chunk.map_err(damaged)?;
+        let bytes = match &chunk.compressed_block {
+            CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+            CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+            _ => continue,
+        };
+        if headers.get(chunk.layer_index).is_some_and(|header| is_dwa(header) && !are_dwa_sizes_sane(header, bytes)) {
+            return Err(ImageError::damaged(path, "a DWA chunk promises more than its block can hold"));
+        }
+    }
+    Ok(())
+}
+
+fn is_dwa(header: &Header) -> bool {
+    matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_))
+}
+
+/// The sizes follow the version, eight bytes each (OpenEXR, DataSizesSingle). Blocks of 8x8 make a thin picture 64 times
+/// larger at worst.
+fn are_dwa_sizes_sane(header: &Header, chunk: &[u8]) -> bool {
+    let limit = 64 * header.max_block_byte_size() as u64 + (1 << 16);
+    let sizes = chunk.chunks_exact(8).skip(1).take(9).filter_map(|bytes| bytes.first_chunk::<8>());
+    sizes.copied().all(|bytes| u64::from_le_bytes(bytes) <= limit)
 }
 
 fn read_error(path: &Path, failed: exr::error::Error) -> ImageError {

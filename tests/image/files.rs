@@ -45,13 +45,15 @@ fn missing_chunks_are_seen() {
 fn damaged_files_give_errors_never_panics() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("damaged.exr");
-    write(&path, &sample_frame());
-    let whole = fs::read(&path).expect("just written");
-    for position in (0..whole.len()).step_by(7) {
-        let mut damaged = whole.clone();
-        damaged[position] ^= 0x80 | position as u8;
-        fs::write(&path, damaged).expect("written");
-        let _ = (is_complete(&path), read_exr(&path), read_metadata(&path));
+    for compression in [Compression::Zip, Compression::Piz, Compression::Dwaa] {
+        write_exr(&path, &sample_frame(), &metadata(), compression).expect("written");
+        let whole = fs::read(&path).expect("just written");
+        for position in (0..1500).step_by(5).chain((1500..whole.len()).step_by(101)) {
+            let mut damaged = whole.clone();
+            damaged[position] ^= 0x80 | position as u8;
+            fs::write(&path, damaged).expect("written");
+            let _ = (is_complete(&path), read_exr(&path), read_metadata(&path));
+        }
     }
     fs::write(&path, b"no picture").expect("written");
     let error = read_exr(&path).expect_err("not EXR").to_string();
@@ -75,6 +77,28 @@ fn a_head_that_promises_too_much_is_not_believed() {
         let error = read_exr(&path).expect_err("no such picture").to_string();
         assert!(error.contains("is damaged") && error.contains("GB of pixels"), "{error}");
         assert!(!is_complete(&path) || edges == [8], "the width does not show without decoding");
+    }
+}
+
+#[test]
+fn a_dwa_chunk_that_promises_too_much_is_not_believed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("dwa.exr");
+    let window = rect(0, 0, 8, 8);
+    let frame = Frame::blank(window, window, &["R", "G", "B"].map(|name| (name, Storage::Half)));
+    write_exr(&path, &frame, &metadata(), Compression::Dwaa).expect("written");
+    assert_eq!(read_exr(&path).expect("sound").channel("R").map(|red| red.samples.len()), Some(64));
+    // The one chunk: y, size, version, then the sizes that are tested.
+    let mut file = fs::read(&path).expect("just written");
+    let head = b"\x02\0\0\0\0\0\0\0";
+    let sizes = file.windows(8).rposition(|bytes| bytes == head).expect("version 2") + 8;
+    for size in 0..9 {
+        let place = sizes + 8 * size + 5;
+        file[place] ^= 0x40;
+        fs::write(&path, &file).expect("written");
+        let error = read_exr(&path).expect_err("too large").to_string();
+        assert!(error.contains("DWA chunk"), "{error}");
+        file[place] ^= 0x40;
     }
 }
 
