@@ -1,0 +1,83 @@
+//! Whole renders: how well the stages overlap, and whether memory stays flat.
+//!
+//! Run with `cargo bench --bench frame`. Prints, for each scene, the time every stage was busy, the wall time, and its
+//! ratio to the slowest stage; then the memory of a long render after its first frames and at its end.
+
+use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, Summary, render};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::shot::Shot;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+/// Frames of the long render.
+const LONG: i32 = 200;
+
+/// Frames after which its memory is first looked at.
+const SETTLED: usize = 20;
+
+fn main() {
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    println!("{:<28} {:>9} {:>9} {:>9} {:>9} {:>12}", "scene, device", "geometry", "raster", "write", "wall", "wall/slowest");
+    for scene in ["teapot", "gingerman", "walker"] {
+        for (name, device) in [("cpu", DeviceChoice::Cpu), ("auto", DeviceChoice::Auto)] {
+            let Some(setup) = setup(scene, folder.path(), 1) else { continue };
+            let frames = (setup.shot.frames.first..=setup.shot.frames.last).take(12).collect();
+            let summary = run(&setup, frames, device, &|_| {});
+            print_row(&format!("{scene}, {name}"), &summary);
+        }
+    }
+    if let Some(setup) = setup("teapot", folder.path(), 4) {
+        let memory = Mutex::new(Vec::new());
+        let look = |event: Event| {
+            if matches!(event, Event::FrameDone(_)) {
+                memory.lock().expect("no panic holds it").push(resident_mib());
+            }
+        };
+        run(&setup, (1..=LONG).collect(), DeviceChoice::Cpu, &look);
+        let memory = memory.into_inner().expect("no panic holds it");
+        let late = memory[SETTLED..].iter().fold(0.0, |a: f64, &b| a.max(b));
+        println!("\nresident memory of {LONG} frames: {:.0} MiB after {SETTLED}, {late:.0} MiB at most later", memory[SETTLED]);
+    }
+}
+
+/// A scene of the repository, its size divided by `shrink`, written into `folder`.
+fn setup(scene: &str, folder: &Path, shrink: u32) -> Option<Setup> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene).join("shot.toml");
+    let mut shot = match Shot::read(&path) {
+        Ok(shot) => shot,
+        Err(error) => {
+            println!("SKIPPED: {error}");
+            return None;
+        }
+    };
+    shot.size.width /= shrink;
+    shot.size.height /= shrink;
+    shot.output.path = folder.join("frame.####.exr");
+    Some(Setup::new(shot).expect("the scenes of the repository fit their shots"))
+}
+
+fn run(setup: &Setup, frames: Vec<i32>, device: DeviceChoice, look: &(dyn Fn(Event) + Sync)) -> Summary {
+    let options = RenderOptions { frames, device, existing: Existing::Overwrite, ..RenderOptions::default() };
+    render(setup, &options, &AtomicBool::new(false), look).expect("the scenes of the repository render")
+}
+
+fn print_row(name: &str, summary: &Summary) {
+    let slowest_ms = summary.geometry_ms.max(summary.raster_ms).max(summary.write_ms);
+    let wall_ms = summary.wall_secs * 1e3;
+    println!(
+        "{name:<28} {:>6.0} ms {:>6.0} ms {:>6.0} ms {wall_ms:>6.0} ms {:>12.2}",
+        summary.geometry_ms,
+        summary.raster_ms,
+        summary.write_ms,
+        wall_ms / slowest_ms
+    );
+}
+
+/// Resident memory of this process; 0 where the system does not tell.
+fn resident_mib() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kib = line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<f64>().ok());
+    kib.unwrap_or(0.0) / 1024.0
+}
