@@ -18,7 +18,10 @@ const SETTLED: usize = 20;
 
 fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder can be made");
-    println!("{:<28} {:>9} {:>9} {:>9} {:>9} {:>12}", "scene, device", "geometry", "raster", "write", "wall", "wall/slowest");
+    println!(
+        "{:<28} {:>9} {:>9} {:>9} {:>9} {:>12}",
+        "scene, device", "geometry", "raster", "write", "wall", "wall/slowest"
+    );
     for scene in ["teapot", "gingerman", "walker"] {
         for (name, device) in [("cpu", DeviceChoice::Cpu), ("auto", DeviceChoice::Auto)] {
             let Some(setup) = setup(scene, folder.path(), 1) else { continue };
@@ -37,7 +40,10 @@ fn main() {
         run(&setup, (1..=LONG).collect(), DeviceChoice::Cpu, &look);
         let memory = memory.into_inner().expect("no panic holds it");
         let late = memory[SETTLED..].iter().fold(0.0, |a: f64, &b| a.max(b));
-        println!("\nresident memory of {LONG} frames: {:.0} MiB after {SETTLED}, {late:.0} MiB at most later", memory[SETTLED]);
+        println!(
+            "\nresident memory of {LONG} frames: {:.0} MiB after {SETTLED}, {late:.0} MiB at most later",
+            memory[SETTLED]
+        );
     }
 }
 

@@ -15,12 +15,17 @@ pub(crate) fn hint<'a>(wrong: &str, right: impl Iterator<Item = &'a str> + Clone
     if let Some(name) = nearest(wrong, right.clone()) {
         return format!("did you mean '{name}'?");
     }
-    let names: Vec<&str> = right.clone().take(LISTED).collect();
-    let more = right.count().saturating_sub(names.len());
-    match (names.is_empty(), more) {
+    list(right)
+}
+
+/// What there is, in words; long lists are cut.
+pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
+    let shown: Vec<&str> = names.clone().take(LISTED).collect();
+    let more = names.count().saturating_sub(shown.len());
+    match (shown.is_empty(), more) {
         (true, _) => "there are none".into(),
-        (false, 0) => format!("there are: {}", names.join(", ")),
-        (false, more) => format!("there are: {} and {more} more", names.join(", ")),
+        (false, 0) => format!("there are: {}", shown.join(", ")),
+        (false, more) => format!("there are: {} and {more} more", shown.join(", ")),
     }
 }
 

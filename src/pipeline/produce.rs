@@ -23,7 +23,7 @@ pub(super) struct Job {
     pub(super) frame: i32,
     /// All passes, once a tile, in the order of the plan; or the reason why there are none.
     pub(super) passes: Receiver<Result<BuiltPass, PipelineError>>,
-    /// What the frame's file and the user are told; arrives before the first pass.
+    /// What the frame's file and the user are told; arrives after the last pass.
     pub(super) facts: Receiver<Facts>,
 }
 
@@ -48,9 +48,6 @@ pub(super) struct Producer<'a> {
     pub(super) has_overlay: bool,
     pub(super) cancel: &'a AtomicBool,
 }
-
-/// The raster has hung up: it knows why.
-struct HungUp;
 
 impl Producer<'_> {
     /// Makes the jobs of all frames; ends early when cancelled or when nobody draws any more.
@@ -77,25 +74,27 @@ impl Producer<'_> {
         let begun = Instant::now();
         let shot = &self.setup.shot;
         let middle = self.setup.moment(f64::from(frame) + mid_shutter(shot.shutter))?;
-        let mut facts = Some(self.facts(frame, &middle));
+        let mut facts = self.facts(frame, &middle);
+        let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
         let mut last: Option<((f64, bool), Arc<Geometry>)> = None;
         for planned in (0..self.tile_count).flat_map(|_| &plan) {
             let key = (planned.time_frames, planned.role != PassRole::Beauty);
+            let begun = Instant::now();
             let geometry = match last.take() {
                 Some((kept, geometry)) if kept == key => geometry,
                 _ => Arc::new(self.geometry(f64::from(frame) + key.0, key.1)?),
             };
+            busy += begun.elapsed();
             last = Some((key, Arc::clone(&geometry)));
-            if let Some(mut facts) = facts.take() {
-                facts.report.geometry_ms = begun.elapsed().as_secs_f64() * 1e3;
-                let _ = fact.send(facts);
-            }
             let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
-            if pass.send(Ok(built)).map_err(|_| HungUp).is_err() {
-                break;
+            if pass.send(Ok(built)).is_err() {
+                // The raster has given the frame up and tells why.
+                return Ok(());
             }
         }
+        facts.report.geometry_ms = busy.as_secs_f64() * 1e3;
+        let _ = fact.send(facts);
         Ok(())
     }
 

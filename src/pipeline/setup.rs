@@ -8,6 +8,7 @@ use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, ClipName, Shot};
 use crate::space::ScreenBox;
+use crate::spelling;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -215,8 +216,8 @@ fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<Cl
     let found = scene.find_clip(name, index);
     let clip = found.map_err(|source| PipelineError::Find { path: shot.path.clone(), source })?;
     if shot.clip.is_none() && scene.clips.len() > 1 {
-        let names: Vec<&str> = scene.clips.iter().map(|clip| clip.name.as_str()).collect();
-        notes.push(format!("no clip is named: '{}' is used; there are: {}", names[0], names.join(", ")));
+        let names = scene.clips.iter().map(|clip| clip.name.as_str());
+        notes.push(format!("no clip is named: '{}' is used; {}", scene.clips[0].name, spelling::list(names)));
     }
     Ok(ClipChoice { clip, is_looped: shot.is_looped })
 }
