@@ -6,7 +6,7 @@ use super::{Check, LayerDefaults};
 use crate::lattice::Basis;
 use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve};
 use crate::shot::{BoxRule, Layer};
-use crate::solve::{EdgeWeights, Energy, Regularizer, Settings};
+use crate::solve::{Energy, Settings};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// A cubic span needs four handles.
