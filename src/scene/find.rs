@@ -71,6 +71,11 @@ impl Scene {
 
     /// The node of a camera: by node name, then by camera name; `None`: the first in node order.
     ///
+    /// ```
+    /// use pinwarp::scene::{FindError, Scene};
+    /// assert_eq!(Scene::default().find_camera(None), Err(FindError::NoCamera));
+    /// ```
+    ///
     /// # Errors
     /// [`FindError::NoCamera`] where the scene has none, [`FindError::UnknownCamera`] where none has that name.
     pub fn find_camera(&self, name: Option<&str>) -> Result<usize, FindError> {
@@ -96,6 +101,14 @@ impl Scene {
 
     /// The clip of that name, else of that number, else the first; `None` only where the scene has no clips and none
     /// was asked for.
+    ///
+    /// ```
+    /// use pinwarp::scene::{Clip, Scene};
+    /// let scene = Scene { clips: vec![Clip { name: "Walk".into(), ..Clip::default() }], ..Scene::default() };
+    /// assert_eq!(scene.find_clip(Some("Walk"), None)?, Some(0));
+    /// assert!(scene.find_clip(Some("walk"), None).unwrap_err().to_string().contains("did you mean \"Walk\"?"));
+    /// # Ok::<(), pinwarp::scene::FindError>(())
+    /// ```
     ///
     /// # Errors
     /// [`FindError::UnknownClip`] or [`FindError::ClipOutOfRange`].

@@ -12,6 +12,7 @@ mod find;
 mod geometry;
 mod json;
 mod load;
+mod look;
 mod material;
 mod mesh;
 mod nodes;
@@ -21,6 +22,7 @@ mod texture;
 pub use error::SceneError;
 pub use find::FindError;
 pub use load::load;
+pub use look::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -201,137 +203,6 @@ pub enum LightKind {
         /// Half angle where it ends, radians.
         outer: f32,
     },
-}
-
-/// A metallic-roughness or unlit material.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Name in the file (may be empty).
-    pub name: String,
-    /// Linear RGBA factor.
-    pub base_color: Vec4,
-    /// sRGB texture.
-    pub base_color_texture: Option<TextureRef>,
-    /// 0..1.
-    pub metallic: f32,
-    /// 0..1.
-    pub roughness: f32,
-    /// Linear texture: g = roughness, b = metallic.
-    pub metallic_roughness_texture: Option<TextureRef>,
-    /// Tangent-space normals.
-    pub normal_texture: Option<TextureRef>,
-    /// Scale of the normal map's x and y.
-    pub normal_scale: f32,
-    /// Linear texture: r = occlusion.
-    pub occlusion_texture: Option<TextureRef>,
-    /// Strength of the occlusion, 0..1.
-    pub occlusion_strength: f32,
-    /// Linear RGB, emissive strength included.
-    pub emissive: Vec3,
-    /// sRGB texture.
-    pub emissive_texture: Option<TextureRef>,
-    /// How alpha is meant.
-    pub alpha: AlphaMode,
-    /// Faces show from both sides.
-    pub double_sided: bool,
-    /// KHR_materials_unlit: base colour only, no shading.
-    pub unlit: bool,
-}
-
-impl Default for Material {
-    /// glTF's default material: white, fully metallic and rough, opaque.
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            base_color: Vec4::ONE,
-            base_color_texture: None,
-            metallic: 1.0,
-            roughness: 1.0,
-            metallic_roughness_texture: None,
-            normal_texture: None,
-            normal_scale: 1.0,
-            occlusion_texture: None,
-            occlusion_strength: 1.0,
-            emissive: Vec3::ZERO,
-            emissive_texture: None,
-            alpha: AlphaMode::Opaque,
-            double_sided: false,
-            unlit: false,
-        }
-    }
-}
-
-/// glTF's alpha modes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AlphaMode {
-    /// Alpha is ignored.
-    Opaque,
-    /// Alpha below the cutoff is not there, above it is fully there.
-    Mask {
-        /// Threshold.
-        cutoff: f32,
-    },
-    /// Over, sorted from back to front.
-    Blend,
-}
-
-/// A texture as a material uses it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureRef {
-    /// Index into [`Scene::textures`].
-    pub texture: usize,
-    /// 0 or 1: which of [`Primitive::uvs`].
-    pub uv_set: usize,
-    /// KHR_texture_transform as rows of a 2x3 matrix: u' = `rows[0]`·(u, v, 1), v' = `rows[1]`·(u, v, 1).
-    pub texture_from_uv: [Vec3; 2],
-}
-
-/// An image with its sampler.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Texture {
-    /// Index into [`Scene::images`].
-    pub image: usize,
-    /// How it repeats across and down.
-    pub wrap: [Wrap; 2],
-    /// Magnification: true = linear, false = nearest.
-    pub magnify: Filter,
-    /// Minification within a level.
-    pub minify: Filter,
-    /// Between levels; `None`: only level 0 is used.
-    pub mipmap: Option<Filter>,
-}
-
-/// Sampler repeat modes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
-    /// Tile.
-    Repeat,
-    /// Tile, every second one mirrored.
-    Mirror,
-    /// Hold the border.
-    Clamp,
-}
-
-/// Sampler filters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
-    /// One texel.
-    Nearest,
-    /// Blend of the neighbours.
-    Linear,
-}
-
-/// A decoded image: RGBA8, rows from the top, as stored (colour images are sRGB-encoded).
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Image {
-    /// Texels across.
-    pub width: u32,
-    /// Texels down.
-    pub height: u32,
-    /// RGBA, 4 * width * height bytes.
-    pub rgba: Vec<u8>,
-    /// Colour (base colour, emissive: sRGB-encoded, decode before filtering) or data (linear).
-    pub is_srgb: bool,
 }
 
 /// An animation clip.

@@ -225,7 +225,9 @@ fn light(light: &JsonLight, index: usize, file: &File) -> Result<Light, SceneErr
             let spot = light.spot.clone().unwrap_or_default();
             // The crate's own default of the outer angle is 0 where the whole spot is left out.
             let outer = if light.spot.is_none() { std::f32::consts::FRAC_PI_4 } else { spot.outer_cone_angle };
-            LightKind::Spot { inner: spot.inner_cone_angle, outer }
+            // Renderers divide by the width of the fall-off's cosines; cones out of range are narrowed to the legal.
+            let outer = outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
+            LightKind::Spot { inner: spot.inner_cone_angle.clamp(0.0, outer), outer }
         }
         Checked::Invalid => return Err(file.invalid(format!("lights[{index}] has an unknown type"))),
     };

@@ -204,13 +204,14 @@ fn lights_are_placed_by_their_nodes() {
         { "type": "point", "range": 5 },
         { "type": "spot", "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.2 } },
         { "type": "spot", "spot": {} },
+        { "type": "spot", "spot": { "innerConeAngle": 9, "outerConeAngle": 0.5 } },
     ] } });
     let node = |light: usize| {
         json!({ "translation": [light, 0, 0], "rotation": [-0.5f32.sqrt(), 0.0, 0.0, 0.5f32.sqrt()],
             "extensions": { "KHR_lights_punctual": { "light": light } } })
     };
-    doc.json["nodes"] = (0..4).map(node).collect();
-    doc.json["scenes"] = json!([{ "nodes": [0, 1, 2, 3] }]);
+    doc.json["nodes"] = (0..5).map(node).collect();
+    doc.json["scenes"] = json!([{ "nodes": [0, 1, 2, 3, 4] }]);
     let lights = pose(&doc.scene(), ClipChoice::default(), 0.0).lights;
     assert_eq!(lights[0].color, Vec3::new(2.0, 1.0, 0.0));
     assert!((lights[0].direction.0 - Vec3::NEG_Y).length() < 1e-6, "{:?}", lights[0].direction);
@@ -218,6 +219,7 @@ fn lights_are_placed_by_their_nodes() {
     assert_eq!(lights[2].position.0, Vec3::X * 2.0);
     assert_eq!(lights[2].kind, LightKind::Spot { inner: 0.1, outer: 0.2 });
     assert_eq!(lights[3].kind, LightKind::Spot { inner: 0.0, outer: std::f32::consts::FRAC_PI_4 });
+    assert_eq!(lights[4].kind, LightKind::Spot { inner: 0.5, outer: 0.5 }, "cones are kept in order");
     doc.json["nodes"][0] = node(9);
     assert!(doc.fault().contains("lights[9]"));
 }
