@@ -2,6 +2,7 @@
 //!
 //! In: a [`Setup`] and a (fractional) frame. Out: a [`Moment`].
 
+use super::passes::mid_shutter;
 use super::{PipelineError, Setup};
 use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
@@ -78,7 +79,7 @@ impl Setup {
             return Ok(LayerState::default());
         };
         let grid = Grid::over(rest_box, layer.dims, layer.basis);
-        let targets = self.shot.pin_targets(index, moment.frame);
+        let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
         let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
         let rest_handles = grid.at_rest().handles;
         let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 2])| {
@@ -96,6 +97,12 @@ impl Setup {
             source,
         })?;
         Ok(LayerState { solution: Some(solution), pins })
+    }
+
+    /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
+    /// of a frame, so its keys are read at the frame that is exposed, not at the moment within the exposure.
+    fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
+        if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
     }
 
     /// The pins that act, as the overlay and the solver want them.
