@@ -15,6 +15,9 @@ const LIGHT_SPOT: u32 = 2u;
 /// Reflectance of a dielectric (index of refraction 1.5) at normal incidence.
 const DIELECTRIC_F0: f32 = 0.04;
 
+/// Cosine-weighted mean of `matte_share`: (1 - f0)·(1 - 1/21), since the mean of (1 - c)^5 is 1/21.
+const MEAN_MATTE_SHARE: f32 = 0.9142857;
+
 /// A smaller roughness would make highlights of punctual lights narrower than a half float can hold.
 const MIN_ROUGHNESS: f32 = 0.045;
 
@@ -133,7 +136,16 @@ fn view_cosine(surface: Surface) -> f32 {
     return clamp(dot(surface.normal, surface.to_viewer), 1e-3, 1.0);
 }
 
-/// BRDF times cosine, 1/sr (Appendix B.3.5).
+/// Share of the light that a dielectric's surface lets through at a cosine.
+fn matte_share(cosine: f32) -> f32 {
+    let m = 1.0 - cosine;
+    let m2 = m * m;
+    return (1.0 - DIELECTRIC_F0) * (1.0 - m2 * m2 * m);
+}
+
+/// BRDF times cosine, 1/sr: gloss as in Appendix B.3.5. Its matte layer (1 - F(v·h)) gains up to 28 % at grazing views;
+/// here it is coupled to the gloss so that a white surface never returns more than it gets: Kelemen and
+/// Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", 2001.
 fn reflect_light(surface: Surface, to_light: vec3<f32>) -> vec3<f32> {
     let n_l = clamp(dot(surface.normal, to_light), 0.0, 1.0);
     let n_v = view_cosine(surface);
@@ -143,7 +155,7 @@ fn reflect_light(surface: Surface, to_light: vec3<f32>) -> vec3<f32> {
     let roughness = max(surface.roughness, MIN_ROUGHNESS);
     let alpha = roughness * roughness;
     let fresnel = fresnel_schlick(normal_reflectance(surface), v_h);
-    let matte = (vec3<f32>(1.0) - fresnel) * diffuse_albedo(surface) * (1.0 / PI);
+    let matte = diffuse_albedo(surface) * (matte_share(n_l) * matte_share(n_v) * (1.0 / (PI * MEAN_MATTE_SHARE)));
     let gloss = fresnel * (distribution_ggx(n_h, alpha) * visibility_smith(n_l, n_v, alpha));
     return (matte + gloss) * n_l;
 }

@@ -65,6 +65,30 @@ impl TileEdges {
     }
 }
 
+/// What eight neighbouring pixels of a triangle share.
+struct Lanes {
+    /// Change of the edge functions from the first pixel to each.
+    ramps: [[i32; LANES]; 3],
+    z_dx: f32,
+    number: u32,
+}
+
+impl Lanes {
+    /// Draws eight pixels: `values` are the edge functions at the first, `z_start` the z of its row and `column` its
+    /// place in the row, both counted from the triangle's first pixel.
+    #[inline]
+    fn fill(&self, (z, seen): (&mut [f32], &mut [u32]), values: [i32; 3], (z_start, column): (f32, i32)) {
+        let (z, seen) = (&mut z[..LANES], &mut seen[..LANES]);
+        for lane in 0..LANES {
+            let [p, q, r] = [0, 1, 2].map(|k| values[k] + self.ramps[k][lane]);
+            let depth = z_start + self.z_dx * (column + lane as i32) as f32;
+            let wins = ((p | q | r) >= 0) & (depth > z[lane]);
+            z[lane] = if wins { depth } else { z[lane] };
+            seen[lane] = if wins { self.number } else { seen[lane] };
+        }
+    }
+}
+
 impl Visibility {
     pub(super) fn clear(&mut self) {
         self.z.fill(0.0);
@@ -76,24 +100,20 @@ impl Visibility {
         let Some(edges) = TileEdges::of(triangle, origin) else { return };
         let (low, high) = bounds(triangle, origin);
         let first = low.x & !(LANES as i32 - 1);
-        let ramps = [0, 1, 2].map(|k| std::array::from_fn::<i32, LANES, _>(|lane| edges.a[k] * lane as i32));
+        let lanes = Lanes {
+            ramps: [0, 1, 2].map(|k| std::array::from_fn(|lane| edges.a[k] * lane as i32)),
+            z_dx: triangle.z.dx,
+            number,
+        };
         for y in low.y..=high.y {
+            let offset = origin + IVec2::new(first, y) - triangle.min;
+            let z_start = triangle.z.base + triangle.z.dy * offset.y as f32;
             let mut values = edges.at(first, y);
-            for x in (first..=high.x).step_by(LANES) {
-                let place = (y * TILE + x) as usize;
-                let offset = origin + IVec2::new(x, y) - triangle.min;
-                let z_start = triangle.z.base + triangle.z.dy * offset.y as f32;
-                let depths: [f32; LANES] =
-                    std::array::from_fn(|lane| z_start + triangle.z.dx * (offset.x + lane as i32) as f32);
-                let z = &mut self.z[place..place + LANES];
-                let seen = &mut self.seen[place..place + LANES];
-                for lane in 0..LANES {
-                    let inside =
-                        (values[0] + ramps[0][lane]) | (values[1] + ramps[1][lane]) | (values[2] + ramps[2][lane]);
-                    let wins = (inside >= 0) & (depths[lane] > z[lane]);
-                    z[lane] = if wins { depths[lane] } else { z[lane] };
-                    seen[lane] = if wins { number } else { seen[lane] };
-                }
+            let row = (y * TILE) as usize;
+            for group in first as usize / LANES..=high.x as usize / LANES {
+                let places = row + group * LANES..row + (group + 1) * LANES;
+                let column = offset.x + (group * LANES) as i32 - first;
+                lanes.fill((&mut self.z[places.clone()], &mut self.seen[places]), values, (z_start, column));
                 values = [0, 1, 2].map(|k| values[k] + edges.a[k] * LANES as i32);
             }
         }

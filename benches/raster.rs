@@ -1,0 +1,74 @@
+//! How long a frame takes: a bumpy ball of 100,000 triangles, all channels, split by stage.
+//!
+//! Run with `cargo bench --bench raster`. Prints medians in milliseconds.
+
+#[path = "../tests/support/ball.rs"]
+mod ball;
+
+use glam::{Vec2, Vec4};
+use pinwarp::raster::cpu::{CpuRaster, StageTimes};
+use pinwarp::raster::{ChannelGroup, Geometry, Pass, PassRole, Raster, Target};
+use pinwarp::scene::{Material, Scene};
+use pinwarp::space::FrameSize;
+use std::time::{Duration, Instant};
+
+/// Frames a case is drawn; the median counts.
+const RUNS: usize = 9;
+
+/// Rings and segments of the ball: 100,000 triangles.
+const FINENESS: (u32, u32) = (200, 250);
+
+struct Case {
+    name: &'static str,
+    frame: FrameSize,
+    samples: u32,
+}
+
+fn main() {
+    let cases = [
+        Case { name: "1920x1080, 1 sample", frame: FrameSize::new(1920, 1080), samples: 1 },
+        Case { name: "3840x2160, 1 sample", frame: FrameSize::new(3840, 2160), samples: 1 },
+        Case { name: "1920x1080, 16 samples", frame: FrameSize::new(1920, 1080), samples: 16 },
+    ];
+    let material =
+        Material { base_color: Vec4::new(0.7, 0.5, 0.4, 1.0), metallic: 0.2, roughness: 0.5, ..Material::default() };
+    let scene = Scene { materials: vec![material], ..Scene::default() };
+    let mut raster = CpuRaster::new(&scene);
+    println!("{}, {} triangles, all channels; median of {RUNS}, ms", raster.name(), 2 * FINENESS.0 * FINENESS.1);
+    println!("{:<24}{:>9}{:>9}{:>9}{:>9}{:>12}", "", "whole", "bin", "draw", "resolve", "cpu, mean");
+    for case in &cases {
+        let geometry = ball::ball(case.frame, FINENESS, 0.02);
+        let cpu_before = cpu_secs();
+        let mut times: Vec<(Duration, StageTimes)> =
+            (0..RUNS).map(|_| draw_frame(&mut raster, &geometry, case)).collect();
+        let cpu = cpu_before.zip(cpu_secs()).map_or("-".into(), |(a, b)| format!("{:.1}", (b - a) * 1e3 / RUNS as f64));
+        times.sort_by_key(|time| time.0);
+        let (whole, stages) = times[RUNS / 2];
+        let ms = |time: Duration| format!("{:.1}", time.as_secs_f64() * 1e3);
+        let [bin, draw, resolve] = [stages.bin, stages.tiles, stages.resolve].map(ms);
+        println!("{:<24}{:>9}{bin:>9}{draw:>9}{resolve:>9}{cpu:>12}", case.name, ms(whole));
+    }
+}
+
+/// Time that all threads of the process spent on a core, which other processes disturb less; Linux only.
+fn cpu_secs() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The fields after the program's name; user and system time are the 12th and 13th, in hundredths of a second.
+    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+    Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
+}
+
+fn draw_frame(raster: &mut CpuRaster, geometry: &Geometry, case: &Case) -> (Duration, StageTimes) {
+    let begin = Instant::now();
+    let channels =
+        vec![ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Normal, ChannelGroup::Id];
+    let target = Target { frame: case.frame, window: case.frame.window(), channels, beauty_passes: case.samples };
+    raster.start(&target).expect("the window is small");
+    for sample in 0..case.samples {
+        let jitter_px = Vec2::new((sample % 4) as f32, (sample / 4) as f32) / 4.0 - 0.375;
+        let pass = Pass { geometry, jitter_px, role: PassRole::BeautyAndData };
+        raster.draw(&pass).expect("a frame was started");
+    }
+    std::hint::black_box(raster.finish().expect("a frame was started"));
+    (begin.elapsed(), raster.stage_times())
+}
