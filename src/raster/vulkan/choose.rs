@@ -1,0 +1,209 @@
+//! Which devices there are, and which one draws.
+//!
+//! In: an instance and the user's choice. Out: a physical device with what the raster has to know of it.
+
+use super::fault::{no_device, vulkan_error};
+use super::instance::{API_VERSION, Instance, version_text};
+use super::target::{COLOR_FORMAT, DATA_FORMATS, DEPTH_FORMAT};
+use crate::raster::{DeviceChoice, RasterError};
+use ash::vk;
+use std::fmt;
+
+/// Kinds of device, the best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DeviceKind {
+    /// A graphics card.
+    Discrete,
+    /// Part of the processor.
+    Integrated,
+    /// A share of a card in a virtual machine.
+    Virtual,
+    /// Software on the CPU.
+    Software,
+    /// Anything else.
+    Other,
+}
+
+impl fmt::Display for DeviceKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Discrete => "discrete",
+            Self::Integrated => "integrated",
+            Self::Virtual => "virtual",
+            Self::Software => "software",
+            Self::Other => "other",
+        })
+    }
+}
+
+/// What `pinwarp devices` shows of a device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Its number for `--device`.
+    pub index: usize,
+    /// Its name; a part of it serves for `--device`.
+    pub name: String,
+    /// Its kind.
+    pub kind: DeviceKind,
+    /// Driver name and version: `llvmpipe Mesa 22.3.6 (LLVM 15.0.6)`.
+    pub driver: String,
+    /// Version of Vulkan: `1.3.230`.
+    pub api_version: String,
+    /// Device memory, bytes.
+    pub memory_bytes: u64,
+    /// Why it cannot draw; `None`: it can.
+    pub unusable: Option<String>,
+}
+
+/// A device that exists, and whether it serves.
+pub(super) struct Candidate {
+    pub(super) physical: vk::PhysicalDevice,
+    pub(super) info: DeviceInfo,
+    pub(super) limits: vk::PhysicalDeviceLimits,
+    pub(super) max_allocation_bytes: u64,
+    pub(super) queue_family: u32,
+    pub(super) has_anisotropy: bool,
+}
+
+/// All Vulkan devices, usable or not.
+///
+/// # Errors
+/// [`RasterError::NoDevice`] where loader or drivers are missing.
+pub fn devices() -> Result<Vec<DeviceInfo>, RasterError> {
+    let instance = Instance::new(None)?;
+    Ok(candidates(&instance)?.into_iter().map(|candidate| candidate.info).collect())
+}
+
+/// The device that serves the choice best.
+pub(super) fn choose(instance: &Instance, choice: &DeviceChoice) -> Result<Candidate, RasterError> {
+    let mut all = candidates(instance)?;
+    let wanted = match choice {
+        DeviceChoice::Auto => best(&all)?,
+        DeviceChoice::Named(name) => named(&all, name)?,
+        DeviceChoice::Cpu => return Err(RasterError::Misuse("the CPU twin is not a Vulkan device")),
+    };
+    Ok(all.swap_remove(wanted))
+}
+
+fn best(all: &[Candidate]) -> Result<usize, RasterError> {
+    let usable = all.iter().enumerate().filter(|(_, candidate)| candidate.info.unusable.is_none());
+    let best = usable.min_by_key(|(_, candidate)| candidate.info.kind).map(|(index, _)| index);
+    best.ok_or_else(|| {
+        let reasons: Vec<String> = all.iter().map(|candidate| reason(&candidate.info)).collect();
+        no_device(if reasons.is_empty() { "no driver found a device".into() } else { reasons.join(", ") })
+    })
+}
+
+fn reason(info: &DeviceInfo) -> String {
+    format!("{}: {}", info.name, info.unusable.as_deref().unwrap_or("usable"))
+}
+
+/// By index, else by a part of the name in any case.
+fn named(all: &[Candidate], wanted: &str) -> Result<usize, RasterError> {
+    let lower = wanted.to_lowercase();
+    let by_name = || all.iter().position(|candidate| candidate.info.name.to_lowercase().contains(&lower));
+    let found = wanted.parse().ok().filter(|&index: &usize| index < all.len()).or_else(by_name);
+    let Some(index) = found else {
+        let names: Vec<String> =
+            all.iter().map(|candidate| format!("{} {}", candidate.info.index, candidate.info.name)).collect();
+        let available = if names.is_empty() { "none".into() } else { names.join(", ") };
+        return Err(RasterError::UnknownDevice { wanted: wanted.into(), available });
+    };
+    match &all[index].info.unusable {
+        None => Ok(index),
+        Some(_) => Err(no_device(reason(&all[index].info))),
+    }
+}
+
+fn candidates(instance: &Instance) -> Result<Vec<Candidate>, RasterError> {
+    // SAFETY: the instance is alive.
+    let found = unsafe { instance.raw().enumerate_physical_devices() };
+    let physical = found.map_err(|result| match result {
+        vk::Result::ERROR_INITIALIZATION_FAILED => no_device("drivers are installed, but none finds its hardware"),
+        result => vulkan_error("vkEnumeratePhysicalDevices")(result),
+    })?;
+    Ok(physical.into_iter().enumerate().map(|(index, physical)| candidate(instance, index, physical)).collect())
+}
+
+fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> Candidate {
+    // SAFETY: `physical` comes from this instance, here and below.
+    let basic = unsafe { instance.raw().get_physical_device_properties(physical) };
+    // A driver older than 1.1 fills none of the chained structures.
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
+    let mut more = vk::PhysicalDeviceProperties2::default();
+    if basic.api_version >= API_VERSION {
+        more = more.push_next(&mut driver).push_next(&mut maintenance);
+    }
+    if basic.api_version >= vk::API_VERSION_1_1 {
+        // SAFETY: as above; the chain is valid for the device's version.
+        unsafe { instance.raw().get_physical_device_properties2(physical, &mut more) };
+    }
+    // SAFETY: as above.
+    let features = unsafe { instance.raw().get_physical_device_features(physical) };
+    let queue_family = graphics_family(instance, physical);
+    let info = DeviceInfo {
+        index,
+        name: text(basic.device_name_as_c_str()),
+        kind: kind(basic.device_type),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+        api_version: version_text(basic.api_version),
+        memory_bytes: device_memory(instance, physical),
+        unusable: unusable(instance, physical, basic.api_version, queue_family),
+    };
+    Candidate {
+        physical,
+        info,
+        limits: basic.limits,
+        max_allocation_bytes: maintenance.max_memory_allocation_size,
+        queue_family: queue_family.unwrap_or(0),
+        has_anisotropy: features.sampler_anisotropy == vk::TRUE,
+    }
+}
+
+fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
+    match kind {
+        vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
+        vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
+        vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
+        vk::PhysicalDeviceType::CPU => DeviceKind::Software,
+        _ => DeviceKind::Other,
+    }
+}
+
+fn graphics_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
+    // SAFETY: `physical` comes from this instance.
+    let families = unsafe { instance.raw().get_physical_device_queue_family_properties(physical) };
+    (0u32..).zip(families).find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS)).map(|(at, _)| at)
+}
+
+fn device_memory(instance: &Instance, physical: vk::PhysicalDevice) -> u64 {
+    // SAFETY: `physical` comes from this instance.
+    let memory = unsafe { instance.raw().get_physical_device_memory_properties(physical) };
+    let heaps = memory.memory_heaps_as_slice().iter();
+    heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL)).map(|heap| heap.size).max().unwrap_or(0)
+}
+
+fn unusable(instance: &Instance, physical: vk::PhysicalDevice, api: u32, family: Option<u32>) -> Option<String> {
+    if api < API_VERSION {
+        return Some(format!("it offers Vulkan {} only, 1.3 is needed", version_text(api)));
+    }
+    if family.is_none() {
+        return Some("it has no graphics queue".into());
+    }
+    use vk::FormatFeatureFlags as Feature;
+    let color = Feature::COLOR_ATTACHMENT | Feature::TRANSFER_SRC;
+    let blended = color | Feature::COLOR_ATTACHMENT_BLEND | Feature::SAMPLED_IMAGE;
+    let needs = DATA_FORMATS.iter().map(|&format| (format, color));
+    let needs = needs.chain([(COLOR_FORMAT, blended), (DEPTH_FORMAT, Feature::DEPTH_STENCIL_ATTACHMENT)]);
+    needs.into_iter().find_map(|(format, needed)| {
+        // SAFETY: `physical` comes from this instance.
+        let found = unsafe { instance.raw().get_physical_device_format_properties(physical, format) };
+        let lacks = needed & !found.optimal_tiling_features;
+        (!lacks.is_empty()).then(|| format!("it lacks {lacks:?} for images of {format:?}"))
+    })
+}

@@ -1,0 +1,213 @@
+//! A command buffer with its fence: recorded, submitted, waited for.
+//!
+//! In: safe calls that name live objects. Out: work on the queue. Whoever records keeps the named objects until
+//! [`Commands::wait`] has returned; dropping waits too.
+
+use super::device::Device;
+use super::fault::vulkan_error;
+use super::memory::{Buffer, Image, ImageState};
+use super::owned::Owned;
+use crate::raster::RasterError;
+use ash::vk;
+use std::sync::Arc;
+
+/// One command buffer, used again and again.
+pub(super) struct Commands {
+    buffer: vk::CommandBuffer,
+    pool: Owned<vk::CommandPool>,
+    fence: Owned<vk::Fence>,
+    is_pending: bool,
+}
+
+/// What an image is used for next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Usage {
+    ColorAttachment,
+    DepthAttachment,
+    Sampled,
+    CopySource,
+    CopyTarget,
+}
+
+/// Whether an image's pixels are needed afterwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Contents {
+    Keep,
+    Discard,
+}
+
+impl Usage {
+    fn state(self) -> ImageState {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let (layout, stage, access) = match self {
+            Self::ColorAttachment => (
+                Layout::COLOR_ATTACHMENT_OPTIMAL,
+                Stage::COLOR_ATTACHMENT_OUTPUT,
+                Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE,
+            ),
+            Self::DepthAttachment => (
+                Layout::DEPTH_ATTACHMENT_OPTIMAL,
+                Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS,
+                Access::DEPTH_STENCIL_ATTACHMENT_READ | Access::DEPTH_STENCIL_ATTACHMENT_WRITE,
+            ),
+            Self::Sampled => (Layout::SHADER_READ_ONLY_OPTIMAL, Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ),
+            Self::CopySource => (Layout::TRANSFER_SRC_OPTIMAL, Stage::COPY, Access::TRANSFER_READ),
+            Self::CopyTarget => (Layout::TRANSFER_DST_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE),
+        };
+        ImageState { layout, stage, access }
+    }
+}
+
+impl Commands {
+    pub(super) fn new(device: &Arc<Device>, name: &str) -> Result<Self, RasterError> {
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(device.facts().queue_family);
+        let pool = Owned::new(device, ("vkCreateCommandPool", name), |raw| {
+            // SAFETY: the family is the device's (VUID-vkCreateCommandPool-queueFamilyIndex-01937).
+            unsafe { raw.create_command_pool(&info, None) }
+        })?;
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool.get()).command_buffer_count(1);
+        let buffers = device.created("vkAllocateCommandBuffers", || {
+            // SAFETY: the pool is alive, nobody else uses it; buffers go with it.
+            unsafe { device.raw().allocate_command_buffers(&info) }
+        })?;
+        let fence = Owned::new(device, ("vkCreateFence", name), |raw| {
+            // SAFETY: no preconditions.
+            unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }
+        })?;
+        let buffer = buffers.first().copied().ok_or(RasterError::Misuse("no command buffer was made"))?;
+        device.set_name(buffer, name);
+        Ok(Self { buffer, pool, fence, is_pending: false })
+    }
+
+    fn device(&self) -> &Device {
+        self.pool.device()
+    }
+
+    pub(super) fn raw(&self) -> &ash::Device {
+        self.pool.device().raw()
+    }
+
+    pub(super) fn buffer(&self) -> vk::CommandBuffer {
+        self.buffer
+    }
+
+    /// Waits for the last use, then starts to record anew.
+    pub(super) fn begin(&mut self) -> Result<(), RasterError> {
+        self.wait()?;
+        // SAFETY: its only buffer is not pending (VUID-vkResetCommandPool-commandPool-00040).
+        let reset = unsafe { self.raw().reset_command_pool(self.pool.get(), vk::CommandPoolResetFlags::empty()) };
+        reset.map_err(vulkan_error("vkResetCommandPool"))?;
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the reset above made it initial (VUID-vkBeginCommandBuffer-commandBuffer-00049).
+        let begun = unsafe { self.raw().begin_command_buffer(self.buffer, &info) };
+        begun.map_err(vulkan_error("vkBeginCommandBuffer"))
+    }
+
+    /// Ends the recording and hands it to the queue.
+    pub(super) fn submit(&mut self) -> Result<(), RasterError> {
+        // SAFETY: recording, outside of a render pass instance (VUID-vkEndCommandBuffer-commandBuffer-00059, -00060).
+        let ended = unsafe { self.raw().end_command_buffer(self.buffer) };
+        ended.map_err(vulkan_error("vkEndCommandBuffer"))?;
+        self.device().submit(self.buffer, self.fence.get())?;
+        self.is_pending = true;
+        Ok(())
+    }
+
+    /// Waits until what was submitted is done; at once where nothing was.
+    pub(super) fn wait(&mut self) -> Result<(), RasterError> {
+        if !self.is_pending {
+            return Ok(());
+        }
+        let fences = [self.fence.get()];
+        // A lost device is never waited for again.
+        self.is_pending = false;
+        // SAFETY: the fence is of this device and was submitted.
+        let waited = unsafe { self.raw().wait_for_fences(&fences, true, u64::MAX) };
+        waited.map_err(vulkan_error("vkWaitForFences"))?;
+        // SAFETY: signalled, so no queue uses it (VUID-vkResetFences-pFences-01123).
+        let reset = unsafe { self.raw().reset_fences(&fences) };
+        reset.map_err(vulkan_error("vkResetFences"))
+    }
+
+    /// Makes an image ready for its next use, after whatever used it last.
+    pub(super) fn prepare(&self, image: &mut Image, usage: Usage, contents: Contents) {
+        let (last, next) = (image.state, usage.state());
+        let old_layout = match contents {
+            Contents::Keep => last.layout,
+            Contents::Discard => vk::ImageLayout::UNDEFINED,
+        };
+        let range = vk::ImageSubresourceRange::default()
+            .aspect_mask(image.aspect)
+            .level_count(vk::REMAINING_MIP_LEVELS)
+            .layer_count(1);
+        let barriers = [vk::ImageMemoryBarrier2::default()
+            .src_stage_mask(last.stage)
+            .src_access_mask(last.access)
+            .dst_stage_mask(next.stage)
+            .dst_access_mask(next.access)
+            .old_layout(old_layout)
+            .new_layout(next.layout)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .image(image.get())
+            .subresource_range(range)];
+        let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: recording outside of rendering; the old layout is the tracked one or UNDEFINED
+        // (VUID-VkImageMemoryBarrier2-oldLayout-01197), each usage is one that the image was made for.
+        unsafe { self.raw().cmd_pipeline_barrier2(self.buffer, &info) };
+        image.state = next;
+    }
+
+    /// Copies the upper left `extent` of a colour image, prepared as [`Usage::CopySource`], for the host to read after
+    /// [`Self::wait`]. Rows follow each other without gaps.
+    pub(super) fn copy_to_host(&self, image: &Image, buffer: &Buffer, extent: vk::Extent2D) {
+        let region = copy_region(extent, 0);
+        // SAFETY: recording; `extent` lies in the image and the buffer is large enough (VUID-vkCmdCopyImageToBuffer-
+        // imageSubresource-07971, -pRegions-00183), as `readback` sees to; the layout is the tracked one.
+        unsafe {
+            self.raw().cmd_copy_image_to_buffer(self.buffer, image.get(), image.state.layout, buffer.get(), &[region]);
+        }
+        let barriers = [vk::BufferMemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::COPY)
+            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .buffer(buffer.get())
+            .size(vk::WHOLE_SIZE)];
+        let info = vk::DependencyInfo::default().buffer_memory_barriers(&barriers);
+        // SAFETY: recording outside of rendering.
+        unsafe { self.raw().cmd_pipeline_barrier2(self.buffer, &info) };
+    }
+
+    /// Fills the levels of an image, prepared as [`Usage::CopyTarget`]: (level, extent, offset in the buffer) each.
+    pub(super) fn copy_from_host(&self, buffer: &Buffer, image: &Image, levels: &[(u32, vk::Extent2D, u64)]) {
+        let regions: Vec<_> = levels
+            .iter()
+            .map(|&(level, extent, offset)| {
+                let mut region = copy_region(extent, offset);
+                region.image_subresource.mip_level = level;
+                region
+            })
+            .collect();
+        let layout = image.state.layout;
+        // SAFETY: recording; `textures` lays levels out one after the other, each whole
+        // (VUID-vkCmdCopyBufferToImage-imageSubresource-07971, -pRegions-00171), offsets multiples of 4 (-07975).
+        unsafe { self.raw().cmd_copy_buffer_to_image(self.buffer, buffer.get(), image.get(), layout, &regions) };
+    }
+}
+
+impl Drop for Commands {
+    fn drop(&mut self) {
+        // What it used may go as soon as this returns. A lost device runs nothing any more.
+        if let Err(error) = self.wait() {
+            tracing::error!("waiting for the device: {error}");
+        }
+    }
+}
+
+fn copy_region(extent: vk::Extent2D, offset: u64) -> vk::BufferImageCopy {
+    let color = vk::ImageSubresourceLayers::default().aspect_mask(vk::ImageAspectFlags::COLOR).layer_count(1);
+    vk::BufferImageCopy::default().buffer_offset(offset).image_subresource(color).image_extent(extent.into())
+}

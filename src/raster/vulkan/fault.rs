@@ -1,0 +1,26 @@
+//! Results of Vulkan and of the allocator as errors of the stage.
+
+use crate::raster::RasterError;
+use ash::vk;
+use gpu_allocator::AllocationError;
+
+/// Names the call that failed; lack of memory gets its own error.
+pub(super) fn vulkan_error(call: &'static str) -> impl FnOnce(vk::Result) -> RasterError {
+    move |source| match source {
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+            RasterError::OutOfMemory { what: call.into() }
+        }
+        source => RasterError::Vulkan { call, source },
+    }
+}
+
+/// Memory for `what` was not to be had.
+pub(super) fn memory_error(what: &str, bytes: u64) -> impl FnOnce(AllocationError) -> RasterError {
+    let what = format!("{what} ({} MiB on the device)", bytes.div_ceil(1 << 20));
+    move |_| RasterError::OutOfMemory { what }
+}
+
+/// No device, because of `what`.
+pub(super) fn no_device(what: impl Into<String>) -> RasterError {
+    RasterError::NoDevice { what: what.into() }
+}

@@ -1,0 +1,148 @@
+//! A scene's materials on the device.
+//!
+//! In: materials, textures. Out: a set of textures and numbers each, and how each is drawn.
+
+use super::descriptors::{BufferPart, Descriptors};
+use super::device::Device;
+use super::memory::{Buffer, BufferUse, MemoryLocation};
+use super::pipeline::{Alpha, PipelineLayout, TEXTURES_PER_MATERIAL, Textures as TextureVariant};
+use super::textures::Textures;
+use crate::raster::RasterError;
+use crate::scene::{AlphaMode, Material, Scene, TextureRef};
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+const MATERIALS: BufferUse =
+    BufferUse { name: "materials", usage: vk::BufferUsageFlags::UNIFORM_BUFFER, location: MemoryLocation::CpuToGpu };
+
+/// Binding of the numbers, after textures and samplers.
+const NUMBERS_BINDING: u32 = 2 * TEXTURES_PER_MATERIAL as u32;
+
+/// `TexturePlace` of geometry.wgsl.
+#[derive(Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+struct GpuPlace {
+    row_u: [f32; 4],
+    row_v: [f32; 4],
+}
+
+/// `Material` of geometry.wgsl.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct GpuMaterial {
+    base_color: [f32; 4],
+    emissive: [f32; 3],
+    metallic: f32,
+    roughness: f32,
+    normal_scale: f32,
+    occlusion_strength: f32,
+    cutoff: f32,
+    unlit: u32,
+    padding: [u32; 7],
+    places: [GpuPlace; 5],
+}
+
+const _: () = assert!(size_of::<GpuMaterial>() == 240);
+
+/// How triangles of a material are drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub(super) alpha: Alpha,
+    pub(super) textures: TextureVariant,
+    pub(super) is_double_sided: bool,
+    /// Its textures.
+    pub(super) set: vk::DescriptorSet,
+}
+
+/// All materials of a scene. The sets name textures and buffer, which are kept here.
+pub(super) struct Materials {
+    looks: Vec<Look>,
+    _buffer: Buffer,
+    _textures: Textures,
+}
+
+impl Materials {
+    pub(super) fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        descriptors: &Descriptors,
+        layout: &PipelineLayout,
+    ) -> Result<Self, RasterError> {
+        let textures = Textures::new(device, scene)?;
+        let stride = (size_of::<GpuMaterial>() as u64).next_multiple_of(device.facts().offset_alignment.max(1));
+        // A buffer cannot be empty.
+        let mut buffer = Buffer::new(device, MATERIALS, stride * scene.materials.len().max(1) as u64)?;
+        let places = buffer.bytes_mut().chunks_mut(stride as usize);
+        for (place, material) in places.zip(&scene.materials) {
+            place[..size_of::<GpuMaterial>()].copy_from_slice(bytemuck::bytes_of(&numbers(material)));
+        }
+        let part = |at: u64| (&buffer, at * stride, size_of::<GpuMaterial>() as u64);
+        let look = |(at, material)| look(material, &textures, part(at), (descriptors, layout));
+        let looks = (0..).zip(&scene.materials).map(look).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { looks, _buffer: buffer, _textures: textures })
+    }
+
+    /// How the material of that index is drawn.
+    pub(super) fn look(&self, material: u32) -> Result<&Look, RasterError> {
+        self.looks.get(material as usize).ok_or(RasterError::Misuse("a draw names a material that the scene lacks"))
+    }
+}
+
+/// In the order of the bindings of geometry.wgsl.
+fn references(material: &Material) -> [Option<&TextureRef>; 5] {
+    [
+        material.base_color_texture.as_ref(),
+        material.metallic_roughness_texture.as_ref(),
+        material.normal_texture.as_ref(),
+        material.occlusion_texture.as_ref(),
+        material.emissive_texture.as_ref(),
+    ]
+}
+
+fn numbers(material: &Material) -> GpuMaterial {
+    GpuMaterial {
+        base_color: material.base_color.to_array(),
+        emissive: material.emissive.to_array(),
+        metallic: material.metallic,
+        roughness: material.roughness,
+        normal_scale: material.normal_scale,
+        occlusion_strength: material.occlusion_strength,
+        cutoff: match material.alpha {
+            AlphaMode::Mask { cutoff } => cutoff,
+            AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+        },
+        unlit: u32::from(material.unlit),
+        padding: [0; 7],
+        places: references(material).map(|reference| reference.map_or_else(GpuPlace::default, place)),
+    }
+}
+
+fn place(reference: &TextureRef) -> GpuPlace {
+    let [u, v] = reference.texture_from_uv;
+    GpuPlace { row_u: u.extend(reference.uv_set.min(1) as f32).to_array(), row_v: v.extend(1.0).to_array() }
+}
+
+fn look(
+    material: &Material,
+    textures: &Textures,
+    numbers: BufferPart,
+    (descriptors, layout): (&Descriptors, &PipelineLayout),
+) -> Result<Look, RasterError> {
+    let found = references(material).map(|reference| textures.get(reference.map(|reference| reference.texture)));
+    let set = descriptors.set(layout.set(1), &material.name)?;
+    descriptors.write_images(set, &found.map(|(view, _)| view), &found.map(|(_, sampler)| sampler));
+    descriptors.write_buffer((set, NUMBERS_BINDING), vk::DescriptorType::UNIFORM_BUFFER, numbers);
+    let [base_color, others @ ..] = references(material);
+    let textures = match (base_color, others.iter().any(Option::is_some)) {
+        (_, true) => TextureVariant::All,
+        (Some(_), false) => TextureVariant::BaseColor,
+        (None, false) => TextureVariant::None,
+    };
+    let alpha = match material.alpha {
+        AlphaMode::Opaque => Alpha::Opaque,
+        AlphaMode::Mask { .. } => Alpha::Mask,
+        AlphaMode::Blend => Alpha::Blend,
+    };
+    Ok(Look { alpha, textures, is_double_sided: material.double_sided, set })
+}

@@ -1,0 +1,220 @@
+//! Buffers and images with their memory.
+//!
+//! In: sizes, formats, uses. Out: objects that own handle and memory; host-visible ones are mapped and coherent
+//! (gpu-allocator takes no other memory for them), so nothing has to be flushed.
+
+use super::device::Device;
+use super::fault::vulkan_error;
+use super::owned::Owned;
+use crate::raster::RasterError;
+use ash::vk;
+pub(super) use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use std::sync::Arc;
+
+/// Objects from this size on get memory of their own, which goes back to the system with them.
+const DEDICATED_BYTES: u64 = 16 << 20;
+
+/// Alignment that lets mapped memory be read as vectors of four floats.
+const LEAST_ALIGNMENT: u64 = 16;
+
+/// Memory that frees itself.
+struct Memory {
+    allocation: Allocation,
+    device: Arc<Device>,
+}
+
+impl Memory {
+    fn new(device: &Arc<Device>, wanted: &AllocationCreateDesc) -> Result<Self, RasterError> {
+        Ok(Self { allocation: device.allocate(wanted)?, device: Arc::clone(device) })
+    }
+
+    fn handle(&self) -> vk::DeviceMemory {
+        // SAFETY: the handle is only bound to the object that owns this memory and is dropped before it.
+        unsafe { self.allocation.memory() }
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        self.device.free(std::mem::take(&mut self.allocation));
+    }
+}
+
+/// What a buffer is for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BufferUse {
+    pub(super) name: &'static str,
+    pub(super) usage: vk::BufferUsageFlags,
+    pub(super) location: MemoryLocation,
+}
+
+/// A buffer; host-visible ones are mapped. Field order: the handle goes before its memory.
+pub(super) struct Buffer {
+    handle: Owned<vk::Buffer>,
+    memory: Memory,
+    size: u64,
+}
+
+impl Buffer {
+    /// A buffer of `size` > 0 bytes.
+    pub(super) fn new(device: &Arc<Device>, wanted: BufferUse, size: u64) -> Result<Self, RasterError> {
+        let info = vk::BufferCreateInfo::default().size(size).usage(wanted.usage);
+        let handle = Owned::new(device, ("vkCreateBuffer", wanted.name), |raw| {
+            // SAFETY: size > 0 (VUID-VkBufferCreateInfo-size-00912), usage not empty (-None-09499).
+            unsafe { raw.create_buffer(&info, None) }
+        })?;
+        // SAFETY: the buffer is of this device.
+        let mut requirements = unsafe { device.raw().get_buffer_memory_requirements(handle.get()) };
+        requirements.alignment = requirements.alignment.max(LEAST_ALIGNMENT);
+        let scheme = match requirements.size >= DEDICATED_BYTES {
+            true => AllocationScheme::DedicatedBuffer(handle.get()),
+            false => AllocationScheme::GpuAllocatorManaged,
+        };
+        let memory = Memory::new(
+            device,
+            &AllocationCreateDesc {
+                name: wanted.name,
+                requirements,
+                location: wanted.location,
+                linear: true,
+                allocation_scheme: scheme,
+            },
+        )?;
+        // SAFETY: the memory was allocated for these requirements and is bound once
+        // (VUID-vkBindBufferMemory-buffer-07459, -memory-01035, -memoryOffset-01036, -size-01037).
+        let bound =
+            unsafe { device.raw().bind_buffer_memory(handle.get(), memory.handle(), memory.allocation.offset()) };
+        bound.map_err(vulkan_error("vkBindBufferMemory"))?;
+        Ok(Self { handle, memory, size })
+    }
+
+    pub(super) fn get(&self) -> vk::Buffer {
+        self.handle.get()
+    }
+
+    pub(super) fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// What the device wrote; empty where the buffer is not host-visible.
+    pub(super) fn bytes(&self) -> &[u8] {
+        self.memory.allocation.mapped_slice().unwrap_or_default()
+    }
+
+    /// What the device will read; empty where the buffer is not host-visible.
+    pub(super) fn bytes_mut(&mut self) -> &mut [u8] {
+        self.memory.allocation.mapped_slice_mut().unwrap_or_default()
+    }
+}
+
+/// What an image is for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImageUse {
+    pub(super) name: &'static str,
+    pub(super) format: vk::Format,
+    pub(super) usage: vk::ImageUsageFlags,
+    pub(super) mip_levels: u32,
+}
+
+/// How an image was used last: what the next barrier waits for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImageState {
+    pub(super) layout: vk::ImageLayout,
+    pub(super) stage: vk::PipelineStageFlags2,
+    pub(super) access: vk::AccessFlags2,
+}
+
+impl ImageState {
+    const NEW: Self = Self {
+        layout: vk::ImageLayout::UNDEFINED,
+        stage: vk::PipelineStageFlags2::NONE,
+        access: vk::AccessFlags2::NONE,
+    };
+}
+
+/// A device-local image with a view of all of it. Field order: view, handle, memory.
+pub(super) struct Image {
+    view: Owned<vk::ImageView>,
+    handle: Owned<vk::Image>,
+    _memory: Memory,
+    pub(super) aspect: vk::ImageAspectFlags,
+    pub(super) state: ImageState,
+}
+
+impl Image {
+    /// An image of at least 1x1 pixels, no larger than the device allows.
+    pub(super) fn new(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) -> Result<Self, RasterError> {
+        let handle = create_image(device, wanted, extent)?;
+        // SAFETY: the image is of this device.
+        let requirements = unsafe { device.raw().get_image_memory_requirements(handle.get()) };
+        let scheme = match requirements.size >= DEDICATED_BYTES {
+            true => AllocationScheme::DedicatedImage(handle.get()),
+            false => AllocationScheme::GpuAllocatorManaged,
+        };
+        let memory = Memory::new(
+            device,
+            &AllocationCreateDesc {
+                name: wanted.name,
+                requirements,
+                location: MemoryLocation::GpuOnly,
+                linear: false,
+                allocation_scheme: scheme,
+            },
+        )?;
+        // SAFETY: as for buffers (VUID-vkBindImageMemory-image-07460, -memory-01047, -memoryOffset-01048, -size-01049).
+        let bound =
+            unsafe { device.raw().bind_image_memory(handle.get(), memory.handle(), memory.allocation.offset()) };
+        bound.map_err(vulkan_error("vkBindImageMemory"))?;
+        let aspect = match wanted.usage.contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT) {
+            true => vk::ImageAspectFlags::DEPTH,
+            false => vk::ImageAspectFlags::COLOR,
+        };
+        let view = create_view(device, &handle, wanted, aspect)?;
+        Ok(Self { view, handle, _memory: memory, aspect, state: ImageState::NEW })
+    }
+
+    pub(super) fn get(&self) -> vk::Image {
+        self.handle.get()
+    }
+
+    pub(super) fn view(&self) -> vk::ImageView {
+        self.view.get()
+    }
+}
+
+fn create_image(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) -> Result<Owned<vk::Image>, RasterError> {
+    let info = vk::ImageCreateInfo::default()
+        .image_type(vk::ImageType::TYPE_2D)
+        .format(wanted.format)
+        .extent(extent.into())
+        .mip_levels(wanted.mip_levels)
+        .array_layers(1)
+        .samples(vk::SampleCountFlags::TYPE_1)
+        .tiling(vk::ImageTiling::OPTIMAL)
+        .usage(wanted.usage)
+        .initial_layout(vk::ImageLayout::UNDEFINED);
+    Owned::new(device, ("vkCreateImage", wanted.name), |raw| {
+        // SAFETY: format and usage were checked in `choose`, or are mandatory (RGBA8 textures); sides are within the
+        // limits (VUID-VkImageCreateInfo-extent-02252, -02253, -mipLevels-00958).
+        unsafe { raw.create_image(&info, None) }
+    })
+}
+
+fn create_view(
+    device: &Arc<Device>,
+    image: &Owned<vk::Image>,
+    wanted: ImageUse,
+    aspect: vk::ImageAspectFlags,
+) -> Result<Owned<vk::ImageView>, RasterError> {
+    let range = vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(wanted.mip_levels).layer_count(1);
+    let info = vk::ImageViewCreateInfo::default()
+        .image(image.get())
+        .view_type(vk::ImageViewType::TYPE_2D)
+        .format(wanted.format)
+        .subresource_range(range);
+    Owned::new(device, ("vkCreateImageView", wanted.name), |raw| {
+        // SAFETY: the image has memory (VUID-VkImageViewCreateInfo-image-01020), the same format and all levels.
+        unsafe { raw.create_image_view(&info, None) }
+    })
+}

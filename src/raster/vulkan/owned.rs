@@ -1,0 +1,76 @@
+//! Handles that destroy themselves.
+//!
+//! In: a device and a created handle. Out: an [`Owned`] handle that keeps its device alive and goes before it.
+
+use super::device::Device;
+use crate::raster::RasterError;
+use ash::vk;
+use std::sync::Arc;
+
+/// A handle that its device can destroy.
+pub(super) trait Destroy: vk::Handle + Copy {
+    /// # Safety
+    /// The handle was made by `device`, nothing uses it any more, and it is destroyed once.
+    unsafe fn destroy(self, device: &ash::Device);
+}
+
+macro_rules! destroy {
+    ($($handle:ty => $call:ident),* $(,)?) => {$(
+        impl Destroy for $handle {
+            unsafe fn destroy(self, device: &ash::Device) {
+                // SAFETY: the caller's promise.
+                unsafe { device.$call(self, None) };
+            }
+        }
+    )*};
+}
+
+destroy! {
+    vk::Buffer => destroy_buffer,
+    vk::Image => destroy_image,
+    vk::ImageView => destroy_image_view,
+    vk::Sampler => destroy_sampler,
+    vk::Fence => destroy_fence,
+    vk::CommandPool => destroy_command_pool,
+    vk::DescriptorPool => destroy_descriptor_pool,
+    vk::DescriptorSetLayout => destroy_descriptor_set_layout,
+    vk::PipelineLayout => destroy_pipeline_layout,
+    vk::Pipeline => destroy_pipeline,
+    vk::ShaderModule => destroy_shader_module,
+}
+
+/// A handle with its device. Whoever records it keeps it until the commands are done: [`super::VulkanRaster`] drops
+/// its `Commands`, which wait, before everything they name.
+pub(super) struct Owned<H: Destroy> {
+    handle: H,
+    device: Arc<Device>,
+}
+
+impl<H: Destroy> Owned<H> {
+    /// Makes and names an object. `make` must return a new handle of this device.
+    pub(super) fn new(
+        device: &Arc<Device>,
+        (call, name): (&'static str, &str),
+        make: impl FnOnce(&ash::Device) -> Result<H, vk::Result>,
+    ) -> Result<Self, RasterError> {
+        let handle = device.created(call, || make(device.raw()))?;
+        device.set_name(handle, name);
+        Ok(Self { handle, device: Arc::clone(device) })
+    }
+
+    /// The handle itself.
+    pub(super) fn get(&self) -> H {
+        self.handle
+    }
+
+    pub(super) fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+}
+
+impl<H: Destroy> Drop for Owned<H> {
+    fn drop(&mut self) {
+        // SAFETY: made by this device in `new`, destroyed here only; not in use, see the type.
+        unsafe { self.handle.destroy(self.device.raw()) };
+    }
+}

@@ -1,0 +1,195 @@
+//! Drawn images on their way to the host.
+//!
+//! In: attachments, wanted channel groups. Out: channels, one plane each. Every image has its own buffer, commands and
+//! fence, so that the host unpacks one while the device copies the next.
+
+use super::commands::{Commands, Contents, Usage};
+use super::device::Device;
+use super::memory::{Buffer, BufferUse, Image, MemoryLocation};
+use super::target::Attachments;
+use crate::image::{Channel, Storage};
+use crate::raster::{ChannelGroup, RasterError};
+use ash::vk;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+const READ_BACK: BufferUse =
+    BufferUse { name: "read back", usage: vk::BufferUsageFlags::TRANSFER_DST, location: MemoryLocation::GpuToCpu };
+
+/// Pixels unpacked at a time: source and planes stay in the cache.
+const BLOCK: usize = 8192;
+
+/// The channels of the images, as they lie in their pixels: colour, normal and depth, motion, ids.
+const LAYOUTS: [&[(&str, ChannelGroup)]; 4] = [
+    &[
+        ("R", ChannelGroup::Beauty),
+        ("G", ChannelGroup::Beauty),
+        ("B", ChannelGroup::Beauty),
+        ("A", ChannelGroup::Beauty),
+    ],
+    &[
+        ("N.X", ChannelGroup::Normal),
+        ("N.Y", ChannelGroup::Normal),
+        ("N.Z", ChannelGroup::Normal),
+        ("depth.Z", ChannelGroup::Depth),
+    ],
+    &[
+        ("forward.u", ChannelGroup::Motion),
+        ("forward.v", ChannelGroup::Motion),
+        ("backward.u", ChannelGroup::Motion),
+        ("backward.v", ChannelGroup::Motion),
+    ],
+    &[("id.layer", ChannelGroup::Id), ("id.object", ChannelGroup::Id)],
+];
+
+/// Takes one image to the host. Field order: the commands wait before the buffer goes.
+struct Lane {
+    commands: Commands,
+    buffer: Option<Buffer>,
+}
+
+/// Takes frames to the host, image by image.
+pub(super) struct Readback {
+    lanes: [Lane; 4],
+    device: Arc<Device>,
+}
+
+impl Readback {
+    pub(super) fn new(device: &Arc<Device>) -> Result<Self, RasterError> {
+        let lane = || Ok::<_, RasterError>(Lane { commands: Commands::new(device, "read back")?, buffer: None });
+        Ok(Self { lanes: [lane()?, lane()?, lane()?, lane()?], device: Arc::clone(device) })
+    }
+
+    /// The wanted channels of the upper left `extent` of the attachments, in the order of [`ChannelGroup`].
+    pub(super) fn read(
+        &mut self,
+        attachments: &mut Attachments,
+        extent: vk::Extent2D,
+        wanted: &[ChannelGroup],
+    ) -> Result<Vec<Channel>, RasterError> {
+        self.copy(attachments, extent, wanted)?;
+        let area = extent.width as usize * extent.height as usize;
+        let mut channels = Vec::new();
+        for (lane, layout) in self.lanes.iter_mut().zip(LAYOUTS).filter(|(_, layout)| is_wanted(layout, wanted)) {
+            lane.commands.wait()?;
+            let buffer = lane.buffer.as_ref().ok_or(RasterError::Misuse("an image was not copied"))?;
+            unpack(&buffer.bytes()[..area * layout.len() * 4], layout, wanted, &mut channels);
+        }
+        channels.sort_by_key(|(group, _)| *group as u8);
+        Ok(channels.into_iter().map(|(_, channel)| channel).collect())
+    }
+
+    /// Submits the copies of all wanted images.
+    fn copy(
+        &mut self,
+        attachments: &mut Attachments,
+        extent: vk::Extent2D,
+        wanted: &[ChannelGroup],
+    ) -> Result<(), RasterError> {
+        let images = images(attachments);
+        for ((lane, image), layout) in self.lanes.iter_mut().zip(images).zip(LAYOUTS) {
+            if !is_wanted(layout, wanted) {
+                continue;
+            }
+            let image = image.ok_or(RasterError::Misuse("an image was not drawn"))?;
+            let bytes = u64::from(extent.width) * u64::from(extent.height) * layout.len() as u64 * 4;
+            lane.copy(&self.device, image, extent, bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Waits for all copies.
+    pub(super) fn wait(&mut self) -> Result<(), RasterError> {
+        self.lanes.iter_mut().try_for_each(|lane| lane.commands.wait())
+    }
+}
+
+impl Lane {
+    fn copy(
+        &mut self,
+        device: &Arc<Device>,
+        image: &mut Image,
+        extent: vk::Extent2D,
+        bytes: u64,
+    ) -> Result<(), RasterError> {
+        self.commands.begin()?;
+        let kept = self.buffer.take().filter(|buffer| buffer.size() >= bytes);
+        let buffer = match kept {
+            Some(buffer) => buffer,
+            None => Buffer::new(device, READ_BACK, bytes)?,
+        };
+        let buffer = self.buffer.insert(buffer);
+        self.commands.prepare(image, Usage::CopySource, Contents::Keep);
+        self.commands.copy_to_host(image, buffer, extent);
+        self.commands.submit()
+    }
+}
+
+/// In the order of [`LAYOUTS`].
+fn images(attachments: &mut Attachments) -> [Option<&mut Image>; 4] {
+    let Attachments { color, data, .. } = attachments;
+    match data {
+        Some(data) => {
+            let [normal_depth, motion, ids] = data.images.each_mut();
+            [color.as_mut(), Some(normal_depth), Some(motion), Some(ids)]
+        }
+        None => [color.as_mut(), None, None, None],
+    }
+}
+
+fn is_wanted(layout: &[(&str, ChannelGroup)], wanted: &[ChannelGroup]) -> bool {
+    layout.iter().any(|(_, group)| wanted.contains(group))
+}
+
+/// Adds the wanted channels of an image to `channels`.
+fn unpack(
+    bytes: &[u8],
+    layout: &[(&str, ChannelGroup)],
+    wanted: &[ChannelGroup],
+    channels: &mut Vec<(ChannelGroup, Channel)>,
+) {
+    let is_wanted = |at: usize| layout.get(at).is_some_and(|(_, group)| wanted.contains(group));
+    let planes = match layout.len() {
+        2 => Vec::from(planes::<2>(bytemuck::cast_slice(bytes), is_wanted)),
+        _ => Vec::from(planes::<4>(bytemuck::cast_slice(bytes), is_wanted)),
+    };
+    for (&(name, group), samples) in layout.iter().zip(planes).filter(|((_, group), _)| wanted.contains(group)) {
+        let storage = if group == ChannelGroup::Beauty { Storage::Half } else { Storage::Float };
+        channels.push((group, Channel { name: name.into(), storage, samples }));
+    }
+}
+
+/// Splits #pixels vectors into planes of #pixels; those not wanted stay empty.
+fn planes<const N: usize>(pixels: &[[f32; N]], is_wanted: impl Fn(usize) -> bool) -> [Vec<f32>; N] {
+    let mut planes: [Vec<f32>; N] =
+        std::array::from_fn(|at| if is_wanted(at) { vec![0.0; pixels.len()] } else { Vec::new() });
+    let mut rest = planes.each_mut().map(Vec::as_mut_slice);
+    let mut blocks = Vec::with_capacity(pixels.len().div_ceil(BLOCK));
+    for block in pixels.chunks(BLOCK) {
+        let mut parts = rest.map(|plane| plane.split_at_mut(block.len().min(plane.len())));
+        blocks.push((block, parts.each_mut().map(|(part, _)| std::mem::take(part))));
+        rest = parts.map(|(_, rest)| rest);
+    }
+    blocks.into_par_iter().for_each(|(block, parts)| {
+        for (at, part) in parts.into_iter().enumerate() {
+            part.iter_mut().zip(block).for_each(|(sample, pixel)| *sample = pixel[at]);
+        }
+    });
+    planes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_hold_the_wanted_components_of_every_pixel() {
+        let pixels: Vec<[f32; 4]> =
+            (0..3 * BLOCK + 7).map(|at| [at as f32, 1.0, -(at as f32), 2.0 * at as f32]).collect();
+        let [x, y, z, w] = planes(&pixels, |at| at != 1);
+        assert!(y.is_empty());
+        assert_eq!((x.len(), z.len(), w.len()), (pixels.len(), pixels.len(), pixels.len()));
+        let is_right = |(at, pixel): (usize, &[f32; 4])| [x[at], z[at], w[at]] == [pixel[0], pixel[2], pixel[3]];
+        assert!(pixels.iter().enumerate().all(is_right));
+    }
+}
