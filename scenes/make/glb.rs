@@ -71,6 +71,13 @@ pub(crate) fn numbers(values: &[f64]) -> Value {
     values.iter().map(|value| json!((value * 1e6).round() / 1e6 + 0.0)).collect()
 }
 
+/// Shares as bytes that sum to 255: the first, and largest, takes what rounding leaves.
+fn byte_shares(row: &[(u8, f64); 4]) -> [u8; 4] {
+    let mut bytes = row.map(|(_, share)| (share * 255.0).round() as u8);
+    bytes[0] = 255 - bytes[1..].iter().sum::<u8>();
+    bytes
+}
+
 impl Glb {
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
@@ -108,11 +115,11 @@ impl Glb {
         }))
     }
 
-    fn joints(&mut self, influences: &[[(u8, f64); 4]]) -> usize {
-        let data: Vec<[u8; 4]> = influences.iter().map(|row| row.map(|(joint, _)| joint)).collect();
-        let view = self.view(bytemuck::cast_slice(&data), Some(VERTEX_BUFFER));
+    fn bytes4(&mut self, rows: &[[u8; 4]], normalized: bool) -> usize {
+        let view = self.view(bytemuck::cast_slice(rows), Some(VERTEX_BUFFER));
         self.accessor(json!({
-            "bufferView": view, "componentType": UNSIGNED_BYTE, "count": data.len(), "type": "VEC4",
+            "bufferView": view, "componentType": UNSIGNED_BYTE, "count": rows.len(), "type": "VEC4",
+            "normalized": normalized,
         }))
     }
 
@@ -131,9 +138,10 @@ impl Glb {
             attributes["COLOR_0"] = json!(self.floats(&flat3(&surface.colors), 3, vertices));
         }
         if !surface.influences.is_empty() {
-            let shares: Vec<f64> = surface.influences.iter().flatten().map(|(_, share)| *share).collect();
-            attributes["JOINTS_0"] = json!(self.joints(&surface.influences));
-            attributes["WEIGHTS_0"] = json!(self.floats(&shares, 4, vertices));
+            let joints: Vec<[u8; 4]> = surface.influences.iter().map(|row| row.map(|(joint, _)| joint)).collect();
+            let shares: Vec<[u8; 4]> = surface.influences.iter().map(byte_shares).collect();
+            attributes["JOINTS_0"] = json!(self.bytes4(&joints, false));
+            attributes["WEIGHTS_0"] = json!(self.bytes4(&shares, true));
         }
         let corners: Vec<u16> = surface.triangles.iter().flatten().map(|corner| *corner as u16).collect();
         let view = self.view(bytemuck::cast_slice(&corners), Some(INDEX_BUFFER));
@@ -179,11 +187,6 @@ impl Glb {
             None => self.nodes[parent]["children"] = json!([index]),
         }
         index
-    }
-
-    /// Adds a property to a node made before.
-    pub(crate) fn amend(&mut self, node: usize, key: &str, value: Value) {
-        self.nodes[node][key] = value;
     }
 
     /// Adds a camera as glTF spells it; returns its index.

@@ -2,13 +2,19 @@
 //!
 //! Out: the bytes of each .glb file, the same on every run. `cargo run --example make_scenes` writes them.
 
+mod fields;
 pub(crate) mod gingerman;
 mod glb;
+mod gnome;
+mod meadow;
+mod nets;
 mod outline;
 mod paint;
 mod patch;
+mod rig;
 pub(crate) mod teapot;
 mod teapot_data;
+mod walker;
 
 use image::ImageError;
 
@@ -17,5 +23,9 @@ use image::ImageError;
 /// # Errors
 /// Where a texture cannot be encoded.
 pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
-    Ok(vec![("teapot/teapot.glb", teapot::scene()?), ("gingerman/gingerman.glb", gingerman::scene()?)])
+    Ok(vec![
+        ("teapot/teapot.glb", teapot::scene()?),
+        ("gingerman/gingerman.glb", gingerman::scene()?),
+        ("walker/walker.glb", walker::scene()?),
+    ])
 }
