@@ -23,6 +23,6 @@ pub use error::PipelineError;
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
 pub use passes::{PassPlan, plan_passes};
-pub use render::render;
+pub use render::{render, render_on};
 pub use report::report;
 pub use setup::Setup;

@@ -15,7 +15,7 @@ pub use args::Args;
 
 use args::Command;
 use clap::{CommandFactory, Parser};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 /// What a command ends with, when it does not fail.
@@ -37,7 +37,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Partial) => ExitCode::from(1),
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(io::stderr(), "pinwarp: error: {error:#}");
+            let _ = writeln!(io::stderr(), "pinwarp: error: {}", in_words(&error));
             ExitCode::from(2)
         }
     }
@@ -51,7 +51,10 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Pick(args) => pick::run(&args),
         Command::Solve(_) | Command::Devices => anyhow::bail!("this command is not built in yet"),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Args::command(), "pinwarp", &mut io::stdout());
+            // Into memory first: the generator does not survive a reader that hangs up.
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Args::command(), "pinwarp", &mut script);
+            io::stdout().write_all(&script)?;
             Ok(Outcome::Complete)
         }
         Command::Man => {
@@ -59,6 +62,15 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
             Ok(Outcome::Complete)
         }
     }
+}
+
+/// The message, and its causes as far as it does not tell them itself.
+fn in_words(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .skip(1)
+        .map(ToString::to_string)
+        .fold(error.to_string(), |told, cause| if told.contains(&cause) { told } else { format!("{told}: {cause}") })
 }
 
 /// Whoever read our output has seen enough.
@@ -75,5 +87,7 @@ fn log_to_stderr(verbose: u8) {
         1 => tracing::Level::INFO,
         _ => tracing::Level::TRACE,
     };
-    tracing_subscriber::fmt().with_max_level(level).with_writer(io::stderr).without_time().init();
+    let is_colored = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let log = tracing_subscriber::fmt().with_max_level(level).with_ansi(is_colored);
+    log.with_writer(io::stderr).without_time().init();
 }

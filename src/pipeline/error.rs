@@ -67,8 +67,8 @@ pub enum PipelineError {
         /// Which.
         frame: i32,
     },
-    /// The output folder cannot be made.
-    #[error("cannot create the folder {path}: {source}; give another output path")]
+    /// The output folder cannot be made or written to.
+    #[error("cannot write into the folder {path}: {source}; check its permissions or give another output path (-o)")]
     Folder {
         /// The folder.
         path: PathBuf,

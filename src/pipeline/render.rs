@@ -10,7 +10,8 @@ use super::produce::Producer;
 use super::write::Writer;
 use super::{Event, Existing, PipelineError, RenderOptions, Setup, Summary};
 use crate::image::{SequencePath, is_complete};
-use crate::raster;
+use crate::raster::{self, Raster};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
@@ -18,7 +19,7 @@ use std::time::Instant;
 /// Frames that may wait at either border between threads.
 const QUEUED_FRAMES: usize = 1;
 
-/// Renders the frames asked for.
+/// Renders the frames asked for, on the device asked for.
 ///
 /// `tell` is called from several threads. `cancel` ends the render after the frames in flight.
 ///
@@ -30,43 +31,93 @@ pub fn render(
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
-    let begun = Instant::now();
-    let output = SequencePath::parse(&setup.shot.output.path)?;
-    let wanted = if options.frames.is_empty() {
-        (setup.shot.frames.first..=setup.shot.frames.last).collect()
-    } else {
-        options.frames.clone()
-    };
-    output.check_frame_count(wanted.len())?;
-    let frames = frames_to_do(&wanted, &output, options.existing)?;
+    let work = Work::plan(setup, options)?;
     let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
-    for text in setup.notes.iter().cloned().chain(fallback) {
+    if let Some(text) = fallback {
         tell(Event::Note { text });
     }
-    let kept = wanted.len() - frames.len();
-    tell(Event::Started { device: device.name(), frames: frames.len(), kept });
-    let mut writer = Writer::new(setup, options, output, device.name());
-    let tiles = tiles(setup.shot.size.window(), device.max_side());
-    let mut raster_ms = 0.0;
-    std::thread::scope(|scope| {
-        let (job, jobs) = sync_channel(QUEUED_FRAMES);
-        let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
-        let producer = Producer { setup, tile_count: tiles.len(), has_overlay: options.has_overlay, cancel };
-        scope.spawn(move || producer.run(&frames, &job));
-        let writing = scope.spawn(|| writer.run(drawns, tell));
-        raster_ms = draw_all(device.as_mut(), setup, &tiles, (jobs, drawn));
-        // A panic in the writer is passed on, not swallowed.
-        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
-    let summary = Summary {
-        kept,
-        raster_ms,
-        is_cancelled: cancel.load(Ordering::Relaxed),
-        wall_secs: begun.elapsed().as_secs_f64(),
-        ..writer.summary()
-    };
-    tell(Event::Finished(summary.clone()));
-    Ok(summary)
+    Ok(work.run(device.as_mut(), cancel, tell))
+}
+
+/// As [`render`], on a device that the caller opened for the setup's scene; `options.device` is not looked at.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_on(
+    device: &mut dyn Raster,
+    setup: &Setup,
+    options: &RenderOptions,
+    cancel: &AtomicBool,
+    tell: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, PipelineError> {
+    Ok(Work::plan(setup, options)?.run(device, cancel, tell))
+}
+
+/// What is to be done.
+struct Work<'a> {
+    begun: Instant,
+    setup: &'a Setup,
+    options: &'a RenderOptions,
+    output: SequencePath,
+    frames: Vec<i32>,
+    kept: usize,
+}
+
+impl<'a> Work<'a> {
+    /// Refuses at once what would fail at every frame.
+    fn plan(setup: &'a Setup, options: &'a RenderOptions) -> Result<Self, PipelineError> {
+        let begun = Instant::now();
+        let output = SequencePath::parse(&setup.shot.output.path)?;
+        let wanted = if options.frames.is_empty() {
+            (setup.shot.frames.first..=setup.shot.frames.last).collect()
+        } else {
+            options.frames.clone()
+        };
+        output.check_frame_count(wanted.len())?;
+        let frames = frames_to_do(&wanted, &output, options.existing)?;
+        if let Some(&first) = frames.first() {
+            prepare_folder(&output.path_of(first))?;
+        }
+        let kept = wanted.len() - frames.len();
+        Ok(Self { begun, setup, options, output, frames, kept })
+    }
+
+    fn run(self, device: &mut dyn Raster, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
+        let Self { begun, setup, options, output, frames, kept } = self;
+        for text in setup.notes.iter().cloned() {
+            tell(Event::Note { text });
+        }
+        tell(Event::Started { device: device.name(), frames: frames.len(), kept });
+        let mut writer = Writer::new(setup, options, output, device.name());
+        let tiles = tiles(setup.shot.size.window(), device.max_side());
+        let mut raster_ms = 0.0;
+        std::thread::scope(|scope| {
+            let (job, jobs) = sync_channel(QUEUED_FRAMES);
+            let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
+            let producer = Producer { setup, tile_count: tiles.len(), has_overlay: options.has_overlay, cancel };
+            scope.spawn(move || producer.run(&frames, &job));
+            let writing = scope.spawn(|| writer.run(drawns, tell));
+            raster_ms = draw_all(device, setup, &tiles, (jobs, drawn));
+            // A panic in the writer is passed on, not swallowed.
+            writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        });
+        let summary = Summary {
+            kept,
+            raster_ms,
+            is_cancelled: cancel.load(Ordering::Relaxed),
+            wall_secs: begun.elapsed().as_secs_f64(),
+            ..writer.summary()
+        };
+        tell(Event::Finished(summary.clone()));
+        summary
+    }
+}
+
+/// Makes the folder of a frame and tries whether files can be made in it.
+fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
+    let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let outcome = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
+    outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
 }
 
 /// The frames that have to be rendered.

@@ -2,7 +2,9 @@
 //!
 //! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry a solved layer and warnings in words.
 
-use super::{FrameReport, LayerReport, Moment, Setup};
+use super::{FrameReport, LayerReport, LayerState, Moment, Setup};
+use crate::shot::Layer;
+use crate::solve::SolveReport;
 
 /// A pin further than this from its target is told to the user, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
@@ -12,20 +14,39 @@ const PIN_TOLERANCE_PX: f64 = 0.05;
 pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
     let height_px = f64::from(setup.shot.size.height);
-    for (layer, state) in setup.shot.layers.iter().zip(&moment.layers) {
+    for (index, (layer, state)) in setup.shot.layers.iter().zip(&moment.layers).enumerate() {
+        if setup.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).is_none() {
+            let text = "nothing of it is in sight (behind the camera or far outside the frame)";
+            report.warnings.push(format!("layer '{}': {text}", layer.name));
+        }
         let Some(solution) = &state.solution else { continue };
         let solve = solution.report.clone();
-        for (pin, error) in state.pins.iter().zip(&solve.pin_errors) {
-            let error_px = error * height_px;
-            if error_px > PIN_TOLERANCE_PX {
-                let name = &layer.pins[pin.pin].name;
-                let text = format!("layer '{}': pin '{name}' is {error_px:.2} px off its target", layer.name);
-                report.warnings.push(text);
-            }
-        }
+        report.warnings.extend(pin_warnings(layer, state, &solve, height_px));
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
         let pin_error_px = solve.pin_errors.iter().fold(0.0, |a: f64, &b| a.max(b)) * height_px;
         report.layers.push(LayerReport { layer: layer.name.clone(), pin_error_px, solve });
     }
     report
+}
+
+/// Pins that contradict each other, and others that miss their targets.
+fn pin_warnings(layer: &Layer, state: &LayerState, solve: &SolveReport, height_px: f64) -> Vec<String> {
+    let name_of = |index: usize| &layer.pins[state.pins[index].pin].name;
+    let contradiction = |&[first, second]: &[usize; 2]| {
+        let apart_px = (state.pins[first].target - state.pins[second].target).0.length() * height_px;
+        format!(
+            "layer '{}': pins '{}' and '{}' hold the same point, but their targets are {apart_px:.2} px apart: it goes \
+             between them (least squares); remove one of them",
+            layer.name,
+            name_of(first),
+            name_of(second)
+        )
+    };
+    let is_told = |index: usize| solve.conflicts.iter().flatten().any(|&other| other == index);
+    let missed = solve.pin_errors.iter().map(|error| error * height_px).enumerate();
+    let missed = missed.filter(|&(index, error_px)| error_px > PIN_TOLERANCE_PX && !is_told(index));
+    let missed = missed.map(|(index, error_px)| {
+        format!("layer '{}': pin '{}' is {error_px:.2} px off its target", layer.name, name_of(index))
+    });
+    solve.conflicts.iter().map(contradiction).chain(missed).collect()
 }

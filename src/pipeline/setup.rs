@@ -6,7 +6,7 @@ use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
 use crate::pose::{ClipChoice, Pose, PosedLight, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
-use crate::shot::{Anchor, ClipName, Shot};
+use crate::shot::{Anchor, ClipName, Layer, Shot};
 use crate::space::ScreenBox;
 use crate::spelling;
 use std::collections::{HashMap, VecDeque};
@@ -86,7 +86,21 @@ impl Setup {
             setup.notes.push("the scene has no lights: a neutral three-light rig is used".into());
         }
         setup.tie_pins(&first)?;
+        setup.note_unwarped();
         Ok(setup)
+    }
+
+    /// Says which layers nothing moves.
+    fn note_unwarped(&mut self) {
+        let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty();
+        let (moved, still): (Vec<_>, Vec<_>) = self.shot.layers.iter().partition(is_moved);
+        if moved.is_empty() {
+            self.notes.push("no layer has pins or moved handles: nothing is warped".into());
+            return;
+        }
+        let names = still.iter().map(|layer| &layer.name);
+        self.notes
+            .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
     }
 
     /// The pose and the camera of a (fractional) frame.

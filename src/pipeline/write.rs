@@ -5,7 +5,6 @@
 use super::produce::Facts;
 use super::{Event, PipelineError, RenderOptions, Setup, Summary};
 use crate::image::{Frame, FrameMetadata, SequencePath, preview, write_exr, write_png};
-use std::path::Path;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -69,8 +68,8 @@ impl<'a> Writer<'a> {
             device: self.device.clone(),
             camera: Some(camera),
         };
-        if let Some(folder) = report.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            create_folder(folder)?;
+        if frame.data_window.area() == 0 {
+            report.warnings.push("the picture is empty: the camera sees nothing".into());
         }
         write_exr(&report.path, frame, &metadata, self.setup.shot.output.compression)?;
         if self.options.has_preview || picture.is_some() {
@@ -85,9 +84,4 @@ impl<'a> Writer<'a> {
         self.summary.write_ms += report.write_ms;
         Ok(Event::FrameDone(report))
     }
-}
-
-/// Makes sure that the output folder is there.
-fn create_folder(folder: &Path) -> Result<(), PipelineError> {
-    std::fs::create_dir_all(folder).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
 }

@@ -105,7 +105,10 @@ pub struct SolveReport {
     pub iterations: usize,
     /// The last step was below the tolerance.
     pub is_converged: bool,
-    /// What the user should know, in words (pins that contradict each other, no pins, empty shape...).
+    /// Pairs of pins, by index, that hold the same point but have different targets: it goes between them (least
+    /// squares).
+    pub conflicts: Vec<[usize; 2]>,
+    /// What the user should know, in words (handles that contradict each other, no pins, empty shape...).
     pub warnings: Vec<String>,
 }
 

@@ -114,27 +114,28 @@ pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> RowSet<D>
     rows
 }
 
-/// Pins and handles that cannot all be satisfied, in words.
-pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Vec<String> {
-    let near = 1e-9 * grid.diagonal();
-    let is_near = |a: &[f64; D], b: &[f64; D]| {
-        let gap = minus(a, b);
-        dot(&gap, &gap).sqrt() <= near
-    };
+/// Pairs of pins on one point with different targets.
+pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>]) -> Vec<[usize; 2]> {
+    let pairs = (0..pins.len()).flat_map(|later| (0..later).map(move |first| [first, later]));
+    pairs
+        .filter(|pair| {
+            let [a, b] = pair.map(|index| &pins[index]);
+            is_near(grid, &a.at, &b.at) && !is_near(grid, &a.target, &b.target)
+        })
+        .collect()
+}
+
+fn is_near<const D: usize>(grid: &Grid<D>, a: &[f64; D], b: &[f64; D]) -> bool {
+    let gap = minus(a, b);
+    dot(&gap, &gap).sqrt() <= 1e-9 * grid.diagonal()
+}
+
+/// Handles that cannot all be satisfied, in words.
+pub(crate) fn handle_conflicts<const D: usize>(grid: &Grid<D>, handles: &[HandlePin<D>]) -> Vec<String> {
     let mut warnings = Vec::new();
-    for (later, b) in pins.iter().enumerate() {
-        for (first, a) in pins[..later].iter().enumerate() {
-            if is_near(&a.at, &b.at) && !is_near(&a.target, &b.target) {
-                warnings.push(format!(
-                    "pins {first} and {later} hold the same point but have different targets; \
-                     the point goes between them (least squares); remove one of them"
-                ));
-            }
-        }
-    }
     for (later, b) in handles.iter().enumerate() {
         for (first, a) in handles[..later].iter().enumerate() {
-            if a.index == b.index && !is_near(&a.target, &b.target) {
+            if a.index == b.index && !is_near(grid, &a.target, &b.target) {
                 warnings.push(format!(
                     "handle {} is moved twice, to different targets (entries {first} and {later}); \
                      it goes between them (least squares); remove one of them",

@@ -139,7 +139,7 @@ impl<const D: usize> Solver<D> {
 
     fn run(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>], terms: &Terms<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
-        warnings.extend(pins::conflicts(&self.grid, pins, handles));
+        warnings.extend(pins::handle_conflicts(&self.grid, handles));
         if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
             warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
             let run = Run { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
@@ -195,6 +195,7 @@ impl<const D: usize> Solver<D> {
             area: quality.area(),
             iterations: run.iterations,
             is_converged: run.is_converged,
+            conflicts: pins::conflicts(&self.grid, pins),
             warnings,
         };
         Solution { lattice, report }

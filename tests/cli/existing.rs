@@ -1,0 +1,49 @@
+//! Frames that are there already: refused, kept or replaced.
+
+use crate::support::Bench;
+
+#[test]
+fn refused_unless_asked() {
+    let bench = Bench::new();
+    bench.render("").says(0, &["2 frames on CPU", "frame 1 ->", "frame 2 ->"]);
+    let before = bench.read("out/f.0001.exr");
+    bench.write("out/f.0002.exr", &before);
+    bench.render("").says(2, &["2 of the frames exist", "f.0001.exr", "--resume", "--overwrite"]);
+    assert_eq!(bench.read("out/f.0002.exr"), before, "nothing was touched");
+    let check = bench.run("check shot.toml").says(0, &[]);
+    assert!(check.stdout.contains("2 of the frames exist already"), "{check:?}");
+}
+
+#[test]
+fn overwritten_with_the_same_bytes() {
+    let bench = Bench::new();
+    bench.render("").says(0, &[]);
+    let good = bench.read("out/f.0002.exr");
+    bench.write("out/f.0002.exr", b"rubbish");
+    bench.render("--overwrite").says(0, &[]);
+    assert_eq!(bench.read("out/f.0002.exr"), good);
+    assert_eq!(bench.frames(), ["f.0001.exr", "f.0002.exr"]);
+}
+
+#[test]
+fn resume_keeps_whole_frames_and_mends_cut_ones() {
+    let bench = Bench::new();
+    bench.render("").says(0, &[]);
+    let [first, second] = [1, 2].map(|frame| bench.read(&format!("out/f.000{frame}.exr")));
+    for length in [0, 100, second.len() / 2, second.len() - 1] {
+        // A whole file of another frame stands for work that must not be done again.
+        bench.write("out/f.0001.exr", &second);
+        bench.write("out/f.0002.exr", &second[..length]);
+        let ended = bench.render("--resume").says(0, &["1 frames on CPU", "1 kept", "frame 2 ->"]);
+        assert!(!ended.stderr.contains("frame 1 ->"), "{}", ended.stderr);
+        assert_eq!(bench.read("out/f.0001.exr"), second, "kept as it is");
+        assert_eq!(bench.read("out/f.0002.exr"), second, "rendered again from {length} bytes");
+    }
+    bench.write("out/f.0001.exr", &first);
+    bench.render("--resume").says(0, &["0 frames", "2 kept"]);
+}
+
+#[test]
+fn resume_and_overwrite_exclude_each_other() {
+    Bench::new().render("--resume --overwrite").says(2, &["--resume", "--overwrite", "cannot be used"]);
+}

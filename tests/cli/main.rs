@@ -1,0 +1,14 @@
+//! The program, run as a user runs it: what it says, what it leaves behind, and how it exits.
+
+#[path = "../support/tiny.rs"]
+mod tiny;
+
+mod disks;
+mod existing;
+mod options;
+mod pins;
+mod scenes;
+mod shots;
+mod stopping;
+mod support;
+mod words;
