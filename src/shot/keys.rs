@@ -9,9 +9,8 @@ use crate::space::{ScreenPoint, ScreenVector};
 impl Shot {
     /// What the keys of layer `layer` say at a (fractional) frame, its step and strength applied.
     ///
-    /// With a step of 2 and more the keys are read at the frame where the step began; half a frame before and after
-    /// belong to a frame, so that the pose does not jump while a shutter is open. A step of 1 holds nothing, so that
-    /// pins blur within a frame. Empty where there is no such layer.
+    /// With a step of 2 and more the keys are read at the frame where the step began, between frames too; a step of 1
+    /// holds nothing, so that pins blur within a frame. Empty where there is no such layer.
     ///
     /// ```
     /// use pinwarp::shot::{Goal, Shot};
@@ -43,8 +42,7 @@ fn held_frame(frames: &FrameRange, step: u32, frame: f64) -> f64 {
         return frame;
     }
     let (first, step) = (f64::from(frames.first), f64::from(step));
-    let shown = (frame + 0.5).floor();
-    first + ((shown - first) / step).floor() * step
+    first + ((frame - first) / step).floor() * step
 }
 
 fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
