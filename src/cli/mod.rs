@@ -4,6 +4,7 @@
 
 mod args;
 mod check;
+mod devices;
 mod files;
 mod frames;
 mod new;
@@ -49,7 +50,8 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
-        Command::Solve(_) | Command::Devices => anyhow::bail!("this command is not built in yet"),
+        Command::Solve(_) => anyhow::bail!("this command is not built in yet"),
+        Command::Devices => devices::run(),
         Command::Completions { shell } => {
             // Into memory first: the generator does not survive a reader that hangs up.
             let mut script = Vec::new();

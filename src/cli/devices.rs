@@ -1,0 +1,28 @@
+//! `pinwarp devices`.
+
+use super::Outcome;
+use crate::raster::vulkan::{self, DeviceInfo};
+use std::io::{self, Write};
+
+pub(super) fn run() -> anyhow::Result<Outcome> {
+    let mut out = io::stdout().lock();
+    match vulkan::devices() {
+        Ok(devices) => {
+            for device in &devices {
+                writeln!(out, "{}", line(device))?;
+            }
+        }
+        Err(error) => writeln!(io::stderr(), "note: {error}")?,
+    }
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    writeln!(out, "cpu  the built-in raster on {threads} threads")?;
+    Ok(Outcome::Complete)
+}
+
+/// Number, name, kind, driver, version, memory; and why it cannot draw.
+fn line(device: &DeviceInfo) -> String {
+    let gib = device.memory_bytes as f64 / f64::from(1 << 30);
+    let DeviceInfo { index, name, kind, driver, api_version, .. } = device;
+    let fault = device.unusable.as_ref().map_or_else(String::new, |fault| format!("; CANNOT DRAW: {fault}"));
+    format!("{index}    {name} ({kind}, {driver}, Vulkan {api_version}, {gib:.1} GiB){fault}")
+}
