@@ -30,6 +30,14 @@ impl<const D: usize> Lattice<D> {
         image
     }
 
+    /// Image of a point; outside the box it moves as the nearest box point does.
+    #[must_use]
+    pub fn displace(&self, point: [f64; D]) -> [f64; D] {
+        let inside = self.grid.nearest_in_box(point);
+        let image = self.carry(inside);
+        std::array::from_fn(|axis| point[axis] + (image[axis] - inside[axis]))
+    }
+
     /// Image and gradient of a point, without any rule for the outside.
     #[must_use]
     pub fn carry_with_gradient(&self, point: [f64; D]) -> Carried<D> {

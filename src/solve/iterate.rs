@@ -47,7 +47,9 @@ pub struct Energies {
 
 impl<const D: usize> Iteration<'_, D> {
     /// Iterates to the tolerance or the limit.
-    pub(crate) fn run(&self) -> Run<D> {
+    ///
+    /// `observe` sees the terms after every linear solve, under the rotations it was solved with.
+    pub(crate) fn run(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Run<D> {
         let constant = self.constant_right_side();
         let mut rotations = vec![identity::<D>(); self.distortion.rotation_count()];
         let mut anderson = Anderson::new(self.settings.acceleration);
@@ -68,6 +70,9 @@ impl<const D: usize> Iteration<'_, D> {
             }
             last_energy = energy;
             self.factor.solve(&mut next);
+            if let Some(observe) = &mut observe {
+                observe(self.energies(&next, &rotations));
+            }
             let step = largest_step(&state, &next);
             if step <= self.settings.tolerance * self.diagonal {
                 return Run { handles: next, iterations: iteration, is_converged: true };
@@ -83,22 +88,8 @@ impl<const D: usize> Iteration<'_, D> {
         Run { handles, iterations: self.settings.iteration_limit, is_converged: false }
     }
 
-    /// Runs exactly so many plain iterations; calls `visit(iteration, handles, energies)` after each.
-    pub(crate) fn run_plain(&self, count: usize, mut visit: impl FnMut(usize, &[[f64; D]], Energies)) {
-        let constant = self.constant_right_side();
-        let mut rotations = vec![identity::<D>(); self.distortion.rotation_count()];
-        let mut state = self.start.clone();
-        for iteration in 1..=count {
-            let mut next = constant.clone();
-            self.distortion.local_step(&state, self.scales.shape, &mut rotations, &mut next);
-            self.factor.solve(&mut next);
-            visit(iteration, &next, self.energies(&next, &rotations));
-            state = next;
-        }
-    }
-
     /// The terms at `handles` under given rotations.
-    pub(crate) fn energies(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> Energies {
+    fn energies(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> Energies {
         let ml = self.distortion.energy(handles, rotations);
         let mp = self.terms.pins.energy(handles);
         let gp = self.terms.handles.energy(handles);

@@ -10,6 +10,7 @@ mod iterate;
 mod matrix;
 mod packs;
 mod pins;
+pub mod problem;
 mod regularizer;
 mod rows;
 mod samples;

@@ -81,11 +81,21 @@ impl<const C: usize> Packs<C> {
         self.blocks.push(Block { handles, packs: first..self.order.len(), start });
     }
 
+    /// How far apart handles of a block are, by index.
+    pub(crate) fn reach(&self) -> usize {
+        self.blocks.iter().filter_map(|block| span(block.handles.iter().copied())).max().unwrap_or(0)
+    }
+
     /// Coefficients of one pack: #handles of its block.
     pub(crate) fn pack(&self, block: &Block, pack: usize) -> &[[Lanes; C]] {
         let start = block.start + (pack - block.packs.start) * block.handles.len();
         &self.coefficients[start..start + block.handles.len()]
     }
+}
+
+/// Greatest minus least.
+pub(crate) fn span(numbers: impl Iterator<Item = usize> + Clone) -> Option<usize> {
+    Some(numbers.clone().max()? - numbers.min()?)
 }
 
 /// Rows with equal keys are acted on by the same handles.

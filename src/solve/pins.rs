@@ -60,17 +60,20 @@ impl<const D: usize> Rigid<D> {
 /// Rows of the pins, λmp = 1 (paper, equation 8); pins that want a gradient add one row an axis after their own.
 pub(crate) fn pin_rows<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], settings: &Settings) -> RowSet<D> {
     let mut rows = RowSet::new();
-    for pin in pins {
-        let at = held_point(grid, pin, settings);
-        rows.push(pin.weight, grid.weights(at), held_target(grid, pin, settings));
-        for (axis, image) in pin.gradient.iter().flatten().enumerate() {
-            let mut row = Vec::new();
-            // Times the box diagonal, which makes the miss of a gradient a length like the miss of a pin.
-            grid.visit(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
-            rows.push(pin.weight, row, image.map(|x| x * grid.diagonal()));
-        }
-    }
+    pins.iter().for_each(|pin| push_pin(&mut rows, grid, pin, settings));
     rows
+}
+
+/// Adds the rows of one pin.
+pub(crate) fn push_pin<const D: usize>(rows: &mut RowSet<D>, grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) {
+    let at = held_point(grid, pin, settings);
+    rows.push(pin.weight, grid.weights(at), held_target(grid, pin, settings));
+    for (axis, image) in pin.gradient.iter().flatten().enumerate() {
+        let mut row = Vec::new();
+        // Times the box diagonal, which makes the miss of a gradient a length like the miss of a pin.
+        grid.visit(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
+        rows.push(pin.weight, row, image.map(|x| x * grid.diagonal()));
+    }
 }
 
 /// Where the row of a pin is evaluated.

@@ -3,6 +3,7 @@
 //! In: sparse rows with weight and target. Out: their part of the normal matrix, right side and energy.
 
 use super::matrix::Normal;
+use super::packs::span;
 
 /// Rows of one term, sparse, one after the other.
 #[derive(Clone, Debug, Default)]
@@ -40,6 +41,11 @@ impl<const D: usize> RowSet<D> {
     fn row(&self, index: usize) -> &[(usize, f64)] {
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.entries[start..self.ends[index]]
+    }
+
+    /// How far apart handles of a row are, by index.
+    pub(crate) fn reach(&self) -> usize {
+        (0..self.len()).filter_map(|index| span(self.row(index).iter().map(|entry| entry.0))).max().unwrap_or(0)
     }
 
     /// Adds Σ w rowᵀ row.

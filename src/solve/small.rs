@@ -10,11 +10,6 @@ pub(crate) fn identity<const N: usize>() -> Square<N> {
     std::array::from_fn(|row| std::array::from_fn(|column| if row == column { 1.0 } else { 0.0 }))
 }
 
-/// a·b.
-pub(crate) fn product<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
-    std::array::from_fn(|row| std::array::from_fn(|column| (0..N).map(|k| a[row][k] * b[k][column]).sum()))
-}
-
 /// m·x.
 pub(crate) fn apply<const N: usize>(m: &Square<N>, x: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|row| dot(&m[row], x))

@@ -3,7 +3,7 @@
 //! In: grid, shape, pins, handles, settings; later only targets. Out: solutions.
 
 use super::energy::{self, Distortion};
-use super::iterate::{Iteration, Run};
+use super::iterate::{Energies, Iteration, Run};
 use super::matrix::{Factor, Normal};
 use super::pins::{self, Rigid};
 use super::rows::RowSet;
@@ -59,6 +59,20 @@ pub(crate) struct Terms<const D: usize> {
     pub(crate) regularizer: RowSet<D>,
 }
 
+/// Where everything has to go.
+struct Targets<'a, const D: usize> {
+    pins: &'a [PointPin<D>],
+    handles: &'a [HandlePin<D>],
+    terms: &'a Terms<D>,
+}
+
+/// What a solver is assembled from.
+pub(crate) struct Parts<const D: usize> {
+    pub(crate) distortion: Box<dyn Distortion<D>>,
+    pub(crate) pin_rows: RowSet<D>,
+    pub(crate) warnings: Vec<String>,
+}
+
 /// Part of the mean diagonal with which handles hold on to the rigid fit: it decides what nothing else decides, and
 /// moves what something else decides by less than the tolerance.
 const HOLD: f64 = 1e-9;
@@ -71,26 +85,28 @@ impl<const D: usize> Solver<D> {
     pub fn new(problem: &Problem<D>) -> Result<Self, SolveError> {
         super::check::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
-        let distortion = energy::build(grid, problem.shape, settings);
-        Self::with_distortion(problem, distortion, shape_warnings(grid, problem.shape))
+        let parts = Parts {
+            distortion: energy::build(grid, problem.shape, settings),
+            pin_rows: pins::pin_rows(grid, problem.pins, settings),
+            warnings: shape_warnings(grid, problem.shape),
+        };
+        Self::assemble(problem, parts)
     }
 
-    /// Factors a problem whose energy is built already.
-    pub(crate) fn with_distortion(
-        problem: &Problem<D>,
-        distortion: Box<dyn Distortion<D>>,
-        warnings: Vec<String>,
-    ) -> Result<Self, SolveError> {
+    /// Factors a checked problem whose parts are built already.
+    pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>) -> Result<Self, SolveError> {
+        let Parts { distortion, pin_rows, warnings } = parts;
         let (grid, settings) = (problem.grid, problem.settings);
         let mut moved = vec![false; grid.handle_count()];
         problem.handles.iter().for_each(|handle| moved[handle.index] = true);
         let terms = Terms {
-            pins: pins::pin_rows(grid, problem.pins, settings),
+            pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
             regularizer: regularizer::rows(settings.regularizer, grid, &moved, settings.scaling),
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
-        let mut normal = Normal::zero(grid.handle_count(), band(grid));
+        let reach = [&terms.pins, &terms.regularizer].map(RowSet::reach).into_iter().max().unwrap_or(0);
+        let mut normal = Normal::zero(grid.handle_count(), reach.max(distortion.reach()));
         distortion.add_normal(scales.shape, &mut normal);
         terms.pins.add_normal(scales.pins, &mut normal);
         terms.handles.add_normal(scales.handles, &mut normal);
@@ -119,7 +135,12 @@ impl<const D: usize> Solver<D> {
     /// Solves for the targets the problem was given with.
     #[must_use]
     pub fn solve(&self) -> Solution<D> {
-        self.run(&self.pins, &self.handles, &self.terms)
+        self.run(&Targets { pins: &self.pins, handles: &self.handles, terms: &self.terms }, None)
+    }
+
+    /// Like [`Self::solve`]; `observe` sees the energies after every iteration.
+    pub(crate) fn solve_observed(&self, mut observe: impl FnMut(Energies)) -> Solution<D> {
+        self.run(&Targets { pins: &self.pins, handles: &self.handles, terms: &self.terms }, Some(&mut observe))
     }
 
     /// Solves for new targets (and wanted gradients) of the same pins and handles.
@@ -134,10 +155,11 @@ impl<const D: usize> Solver<D> {
         for (row, handle) in handles.iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
-        Ok(self.run(pins, handles, &terms))
+        Ok(self.run(&Targets { pins, handles, terms: &terms }, None))
     }
 
-    fn run(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>], terms: &Terms<D>) -> Solution<D> {
+    fn run(&self, targets: &Targets<D>, observe: Option<&mut dyn FnMut(Energies)>) -> Solution<D> {
+        let Targets { pins, handles, .. } = *targets;
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, handles));
         if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
@@ -145,7 +167,7 @@ impl<const D: usize> Solver<D> {
             let run = Run { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
             return self.report(pins, run, warnings);
         }
-        let run = self.iteration(pins, handles, terms).run();
+        let run = self.iteration(targets).run(observe);
         if !run.is_converged && self.settings.tolerance > 0.0 {
             warnings.push(format!("not converged after {} iterations; the result may still move", run.iterations));
         }
@@ -153,17 +175,12 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The iteration for given targets.
-    pub(crate) fn iteration<'a>(
-        &'a self,
-        pins: &[PointPin<D>],
-        handles: &[HandlePin<D>],
-        terms: &'a Terms<D>,
-    ) -> Iteration<'a, D> {
+    fn iteration<'a>(&'a self, targets: &Targets<'a, D>) -> Iteration<'a, D> {
         let rest = self.grid.rest_handles();
         let start = match self.settings.start {
             super::Start::Rest => rest,
             super::Start::RigidFit => {
-                let rigid = Rigid::fit(&self.grid, pins, handles);
+                let rigid = Rigid::fit(&self.grid, targets.pins, targets.handles);
                 rest.iter().map(|handle| rigid.image(handle)).collect()
             }
         };
@@ -171,16 +188,11 @@ impl<const D: usize> Solver<D> {
             distortion: self.distortion.as_ref(),
             factor: &self.factor,
             scales: self.scales,
-            terms,
+            terms: targets.terms,
             settings: &self.settings,
             diagonal: self.grid.diagonal(),
             start,
         }
-    }
-
-    /// The terms without rotations, with the targets the problem was given with.
-    pub(crate) fn terms(&self) -> &Terms<D> {
-        &self.terms
     }
 
     fn report(&self, pins: &[PointPin<D>], run: Run<D>, warnings: Vec<String>) -> Solution<D> {
@@ -225,11 +237,6 @@ impl Scales {
             hold: 0.0,
         }
     }
-}
-
-/// How far apart handles can be that meet in a term.
-fn band<const D: usize>(grid: &Grid<D>) -> usize {
-    if grid.basis.is_local() { (0..D).map(|axis| 3 * grid.stride(axis)).sum() } else { usize::MAX }
 }
 
 fn shape_warnings<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<String> {

@@ -99,6 +99,10 @@ impl<const D: usize> Distortion<D> for Area<D> {
         2.0 * self.total
     }
 
+    fn reach(&self) -> usize {
+        self.gradients.reach()
+    }
+
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
         if normal.is_dense() && self.gradients.blocks.len() == 1 {
             self.add_dense_normal(2.0 * scale, normal);

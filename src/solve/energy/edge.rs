@@ -140,6 +140,17 @@ impl<const D: usize> Distortion<D> for Edge<D> {
             .sum::<f64>()
     }
 
+    /// Mesh edges join vertices of different cells, however long they are.
+    fn reach(&self) -> usize {
+        let mut ranges = vec![[usize::MAX, 0]; self.edges.vertex_count()];
+        self.each_weight(|vertex, handle, _| {
+            ranges[vertex] = [ranges[vertex][0].min(handle), ranges[vertex][1].max(handle)];
+        });
+        let pairs = (0..ranges.len()).flat_map(|i| self.edges.of(i).iter().map(move |&(j, _)| [i, j]));
+        let edges = pairs.map(|[i, j]| ranges[i][1].max(ranges[j][1]) - ranges[i][0].min(ranges[j][0]));
+        edges.max().unwrap_or(0)
+    }
+
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
         if self.weights.blocks.len() == 1 && normal.is_dense() {
             self.add_dense_normal(2.0 * scale, self.weights.blocks[0].handles.len(), normal);

@@ -24,6 +24,9 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     /// What turns the sum into a mean of ‖J−R‖²: twice the area it covers.
     fn mass(&self) -> f64;
 
+    /// How far apart handles are, by index, that meet in the matrix.
+    fn reach(&self) -> usize;
+
     /// Adds the constant matrix.
     fn add_normal(&self, scale: f64, normal: &mut Normal);
 

@@ -1,0 +1,198 @@
+//! The keys of a problem file as they stand in it, and their translation into settings.
+//!
+//! In: JSON text. Out: raw keys; words become enums, lists become points, with errors that name the key.
+
+use super::ProblemError;
+use crate::lattice::Basis;
+use crate::solve::{
+    EdgeWeights, Energy, EqualVertices, Lambdas, OutsidePins, Regularizer, Sampling, Scaling, Settings, Start,
+};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Keys that say nothing to the solver.
+const SILENT: [&str; 3] = ["name", "note", "expected"];
+/// Keys that do.
+const KEYS: [&str; 14] = [
+    "dims",
+    "bbox",
+    "basis",
+    "weights",
+    "form",
+    "lambdas",
+    "regulariser",
+    "regularizer",
+    "vertices",
+    "triangles",
+    "samples",
+    "pins",
+    "handles",
+    "iterations",
+];
+
+/// A problem file.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct ProblemFile {
+    dims: Option<Vec<usize>>,
+    pub(super) bbox: Option<[Vec<f64>; 2]>,
+    basis: Option<String>,
+    weights: Option<String>,
+    form: Option<String>,
+    pub(super) lambdas: Option<RawLambdas>,
+    #[serde(alias = "regularizer")]
+    regulariser: Option<String>,
+    pub(super) vertices: Vec<Vec<f64>>,
+    #[serde(default)]
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Places and areas, x, y(, z), a.
+    pub(super) samples: Option<Vec<Vec<f64>>>,
+    #[serde(default)]
+    pub(super) pins: Vec<RawPin>,
+    #[serde(default)]
+    pub(super) handles: Vec<RawHandle>,
+    pub(super) iterations: Option<usize>,
+    #[serde(flatten)]
+    others: BTreeMap<String, serde_json::Value>,
+}
+
+/// Weights of the terms; what is left out takes the paper's value.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLambdas {
+    ml: Option<f64>,
+    mp: Option<f64>,
+    gp: Option<f64>,
+    gr: Option<f64>,
+}
+
+/// A pin: exactly one of `vertex`, `point`, or `triangle` with `bary`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPin {
+    pub(super) vertex: Option<usize>,
+    pub(super) point: Option<Vec<f64>>,
+    pub(super) triangle: Option<usize>,
+    pub(super) bary: Option<[f64; 3]>,
+    pub(super) target: Vec<f64>,
+}
+
+/// A moved handle.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawHandle {
+    pub(super) index: usize,
+    pub(super) target: Vec<f64>,
+}
+
+impl ProblemFile {
+    /// Reads the keys.
+    pub(super) fn parse(text: &str) -> Result<Self, ProblemError> {
+        let file: Self = serde_json::from_str(text)?;
+        for key in file.others.keys().filter(|key| !SILENT.contains(&key.as_str())) {
+            let near = KEYS.iter().find(|known| strsim::jaro_winkler(known, key) > 0.85);
+            if let Some(near) = near {
+                return Err(ProblemError::key(key, "is no key of a problem file", format!("did you mean `{near}`?")));
+            }
+        }
+        Ok(file)
+    }
+
+    /// Number of coordinates: as many as `dims` has entries, else as the first vertex has.
+    pub(super) fn axes(&self) -> Result<usize, ProblemError> {
+        let axes = self.dims.as_ref().map_or(self.vertices.first().map_or(2, Vec::len), Vec::len);
+        if axes == 2 || axes == 3 {
+            return Ok(axes);
+        }
+        Err(ProblemError::key("dims", format!("has {axes} entries"), "give two or three"))
+    }
+
+    /// Handles an axis; ten where nothing is said in the plane, five in space.
+    pub(super) fn dims<const D: usize>(&self) -> [usize; D] {
+        let least = if D == 2 { 10 } else { 5 };
+        std::array::from_fn(|axis| self.dims.as_ref().map_or(least, |dims| dims[axis]))
+    }
+
+    /// The basis.
+    pub(super) fn basis(&self) -> Result<Basis, ProblemError> {
+        match self.basis.as_deref() {
+            None | Some("bspline") => Ok(Basis::Bspline),
+            Some("bernstein") => Ok(Basis::Bernstein),
+            Some("bilinear") => Ok(Basis::Bilinear),
+            Some("barytri") => Ok(Basis::Barytri),
+            Some(other) => Err(unknown("basis", other, "bernstein, bspline, bilinear or barytri")),
+        }
+    }
+
+    fn energy(&self) -> Result<Energy, ProblemError> {
+        match self.form.as_deref() {
+            None | Some("quad" | "area") => Ok(Energy::Area),
+            Some("edge") => Ok(Energy::Edge),
+            Some(later @ ("vrd" | "vertex" | "elem" | "element" | "rims" | "stroke")) => {
+                Err(ProblemError::NotSupported { key: "form", value: later.into(), instead: "edge or quad" })
+            }
+            Some(other) => Err(unknown("form", other, "edge or quad")),
+        }
+    }
+
+    fn regularizer(&self) -> Result<Regularizer, ProblemError> {
+        match self.regulariser.as_deref() {
+            None | Some("bend") => Ok(Regularizer::Bend),
+            Some("gr" | "rest") => Ok(Regularizer::Rest),
+            Some(later @ ("noh" | "affproj" | "affine")) => {
+                Err(ProblemError::NotSupported { key: "regulariser", value: later.into(), instead: "gr or bend" })
+            }
+            Some(other) => Err(unknown("regulariser", other, "gr or bend")),
+        }
+    }
+
+    /// Edge weights; other forms carry weights of their own, which say nothing here.
+    fn edge_weights(&self, energy: Energy) -> Result<EdgeWeights, ProblemError> {
+        match self.weights.as_deref() {
+            None | Some("uniform") => Ok(EdgeWeights::Uniform),
+            Some("cot") => Ok(EdgeWeights::Cot),
+            Some("tri" | "area") if energy != Energy::Edge => Ok(EdgeWeights::Uniform),
+            Some(other) => Err(unknown("weights", other, "uniform or cot")),
+        }
+    }
+
+    /// Settings: `lambdas` mean plain sums, `iterations` an exact number of plain steps.
+    pub(super) fn settings(&self) -> Result<Settings, ProblemError> {
+        let energy = self.energy()?;
+        let weights = self.edge_weights(energy)?;
+        let mut settings = Settings { energy, weights, equal_vertices: EqualVertices::Apart, ..Settings::default() };
+        if self.lambdas.is_some() {
+            settings.scaling = Scaling::Plain;
+            settings.sampling = Sampling::Centroids;
+            settings.start = Start::Rest;
+            settings.outside_pins = OutsidePins::Extended;
+            settings.lambdas = Settings::paper().lambdas;
+        }
+        settings = settings.with_regularizer(self.regularizer()?);
+        if let Some(raw) = self.lambdas {
+            let given = settings.lambdas;
+            settings.lambdas = Lambdas {
+                shape: raw.ml.unwrap_or(given.shape),
+                pins: raw.mp.unwrap_or(given.pins),
+                handles: raw.gp.unwrap_or(given.handles),
+                regularizer: raw.gr.unwrap_or(given.regularizer),
+            };
+        }
+        if let Some(iterations) = self.iterations {
+            settings.iteration_limit = iterations;
+            settings.acceleration = 0;
+            settings.tolerance = -1.0;
+        }
+        Ok(settings)
+    }
+}
+
+/// A list as a point, or an error that names the key.
+pub(super) fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], ProblemError> {
+    <[f64; D]>::try_from(values).map_err(|_| {
+        ProblemError::key(key(), format!("has {} coordinates", values.len()), format!("give {D}, as `dims` has"))
+    })
+}
+
+fn unknown(key: &str, value: &str, known: &str) -> ProblemError {
+    ProblemError::key(key, format!("\"{value}\" is not known"), format!("use {known}"))
+}
