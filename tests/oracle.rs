@@ -125,7 +125,7 @@ fn basis_values() {
     for (key, basis) in [("bernstein", Basis::Bernstein), ("bspline", Basis::Bspline), ("bilinear", Basis::Bilinear)] {
         for unit in units[key].as_array().expect("a list") {
             let count = unit["n"].as_u64().expect("a number") as usize;
-            let terms = AxisTerms::at(basis, count, unit["t"].as_f64().expect("a number"));
+            let terms: AxisTerms = AxisTerms::at(basis, count, unit["t"].as_f64().expect("a number"));
             let lists = [("B", terms.values()), ("dB", terms.slopes())];
             for (name, found) in lists.into_iter().filter(|(name, _)| unit.get(name).is_some()) {
                 let wanted: Vec<f64> = serde_json::from_value(unit[name].clone()).expect("numbers");

@@ -26,18 +26,23 @@ const fn binomials() -> [[f64; MAX_HANDLES]; MAX_HANDLES] {
     table
 }
 
+/// Most functions of a local basis that are not zero at a coordinate.
+pub(super) const MOST_LOCAL: usize = 4;
+
 /// The functions of one axis that are not zero at a coordinate: handles `first..first + len`.
+///
+/// There is room for N of them; local bases need four, which keeps evaluation cheap.
 #[derive(Clone, Copy, Debug)]
-pub struct AxisTerms {
+pub struct AxisTerms<const N: usize = MAX_HANDLES> {
     /// First handle on this axis.
     pub first: usize,
     /// How many handles act.
     len: usize,
-    values: [f64; MAX_HANDLES],
-    slopes: [f64; MAX_HANDLES],
+    values: [f64; N],
+    slopes: [f64; N],
 }
 
-impl AxisTerms {
+impl<const N: usize> AxisTerms<N> {
     /// Evaluates the functions of an axis with `count` handles at `t`.
     ///
     /// Barycentric cells are no product of axes; here they count as bilinear ones.
@@ -54,6 +59,11 @@ impl AxisTerms {
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values[..self.len]
+    }
+
+    /// Multiplies the slopes, to change what they are per.
+    pub(super) fn scale_slopes(&mut self, factor: f64) {
+        self.slopes[..self.len].iter_mut().for_each(|slope| *slope *= factor);
     }
 
     /// Slopes per unit of t, one a handle from `first` on.
@@ -73,14 +83,14 @@ pub(super) fn cell(spans: usize, t: f64) -> (usize, f64) {
 /// Bernstein polynomials of degree count − 1 (paper, equation 2, with the degree put right).
 ///
 /// Powers times binomials: every term is a product, so nothing cancels at any degree.
-fn bernstein(count: usize, t: f64) -> AxisTerms {
+fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     let degree = count - 1;
-    let (mut up, mut down) = ([1.0; MAX_HANDLES], [1.0; MAX_HANDLES]);
+    let (mut up, mut down) = ([1.0; N], [1.0; N]);
     for i in 1..count {
         up[i] = up[i - 1] * t;
         down[i] = down[i - 1] * (1.0 - t);
     }
-    let mut terms = AxisTerms { first: 0, len: count, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    let mut terms = AxisTerms { first: 0, len: count, values: [0.0; N], slopes: [0.0; N] };
     for i in 0..count {
         terms.values[i] = BINOMIALS[degree][i] * up[i] * down[degree - i];
     }
@@ -94,11 +104,11 @@ fn bernstein(count: usize, t: f64) -> AxisTerms {
 }
 
 /// Uniform cubic B-spline with count − 3 spans.
-fn bspline(count: usize, t: f64) -> AxisTerms {
+fn bspline<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     let spans = count - 3;
     let (first, u) = cell(spans, t);
     let v = 1.0 - u;
-    let mut terms = AxisTerms { first, len: 4, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    let mut terms = AxisTerms { first, len: 4, values: [0.0; N], slopes: [0.0; N] };
     terms.values[..4].copy_from_slice(&[
         v * v * v / 6.0,
         (u * u * (3.0 * u - 6.0) + 4.0) / 6.0,
@@ -116,10 +126,10 @@ fn bspline(count: usize, t: f64) -> AxisTerms {
 }
 
 /// Hat functions.
-fn linear(count: usize, t: f64) -> AxisTerms {
+fn linear<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     let spans = count - 1;
     let (first, u) = cell(spans, t);
-    let mut terms = AxisTerms { first, len: 2, values: [0.0; MAX_HANDLES], slopes: [0.0; MAX_HANDLES] };
+    let mut terms = AxisTerms { first, len: 2, values: [0.0; N], slopes: [0.0; N] };
     terms.values[..2].copy_from_slice(&[1.0 - u, u]);
     terms.slopes[..2].copy_from_slice(&[-(spans as f64), spans as f64]);
     terms

@@ -2,8 +2,8 @@
 //!
 //! In: moved handles and a point. Out: v = Σ_h W_h P_h (paper, equation 1) and J = Σ_h P_h ∇W_hᵀ, J[row][column].
 
-use super::axis::AxisTerms;
-use super::{Basis, Grid, Lattice};
+use super::axis::{AxisTerms, MAX_HANDLES, MOST_LOCAL};
+use super::{Basis, Lattice};
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
@@ -60,10 +60,11 @@ impl Lattice<2> {
     #[must_use]
     pub fn warp(&self, point: ScreenPoint) -> ScreenPoint {
         let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
-        let image = if self.grid.basis == Basis::Barytri {
-            DVec2::from(self.carry(inside.to_array()))
-        } else {
-            sum_rows(self, &self.grid.axes(inside.to_array()))
+        let at = inside.to_array();
+        let image = match self.grid.basis {
+            Basis::Barytri => DVec2::from(self.carry(at)),
+            Basis::Bspline | Basis::Bilinear => sum_rows(self, &self.grid.axes::<MOST_LOCAL>(at)),
+            Basis::Bernstein => sum_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
         ScreenPoint(point.0 + (image - inside))
     }
@@ -72,11 +73,14 @@ impl Lattice<2> {
     #[must_use]
     pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
         let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
-        let at_border = if self.grid.basis == Basis::Barytri {
-            let [[xx, xy], [yx, yy]] = self.carry_with_gradient(inside.to_array()).gradient;
-            DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]])
-        } else {
-            gradient_of_rows(&self.grid, &self.handles, &self.grid.axes(inside.to_array()))
+        let at = inside.to_array();
+        let at_border = match self.grid.basis {
+            Basis::Barytri => {
+                let [[xx, xy], [yx, yy]] = self.carry_with_gradient(at).gradient;
+                DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]])
+            }
+            Basis::Bspline | Basis::Bilinear => gradient_of_rows(self, &self.grid.axes::<MOST_LOCAL>(at)),
+            Basis::Bernstein => gradient_of_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
         let x_axis = if inside.x == point.0.x { at_border.x_axis } else { DVec2::X };
         let y_axis = if inside.y == point.0.y { at_border.y_axis } else { DVec2::Y };
@@ -85,7 +89,7 @@ impl Lattice<2> {
 }
 
 /// Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product a handle.
-fn sum_rows(lattice: &Lattice<2>, [x, y]: &[AxisTerms; 2]) -> DVec2 {
+fn sum_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DVec2 {
     let width = lattice.grid.dims[0];
     let mut image = DVec2::ZERO;
     for (row, weight) in y.values().iter().enumerate() {
@@ -98,7 +102,8 @@ fn sum_rows(lattice: &Lattice<2>, [x, y]: &[AxisTerms; 2]) -> DVec2 {
 }
 
 /// The gradient from the axes' functions.
-fn gradient_of_rows(grid: &Grid<2>, handles: &[[f64; 2]], [x, y]: &[AxisTerms; 2]) -> DMat2 {
+fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DMat2 {
+    let Lattice { grid, handles } = lattice;
     let width = grid.dims[0];
     let mut columns = [DVec2::ZERO; 2];
     for (row, (value, slope)) in y.values().iter().zip(y.slopes()).enumerate() {

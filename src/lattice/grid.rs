@@ -2,7 +2,7 @@
 //!
 //! In: dims, basis, box. Out: rows of W and ∇W (sparse where the basis is local).
 
-use super::axis::{self, AxisTerms, MAX_HANDLES};
+use super::axis::{self, AxisTerms, MAX_HANDLES, MOST_LOCAL};
 use super::{Basis, Grid, Lattice, LatticeError};
 
 /// What one handle contributes at a point.
@@ -128,17 +128,23 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Basis functions of every axis at a point.
-    pub(crate) fn axes(&self, point: [f64; D]) -> [AxisTerms; D] {
+    pub(crate) fn axes<const N: usize>(&self, point: [f64; D]) -> [AxisTerms<N>; D] {
         let unit = self.unit_from_point(point);
         std::array::from_fn(|axis| AxisTerms::at(self.basis, self.dims[axis], unit[axis]))
     }
 
     /// Calls `visit` for every handle that acts at a point. Outside the box the end polynomials go on.
-    pub fn visit(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
-        if self.basis == Basis::Barytri {
-            return self.visit_simplex(point, visit);
+    pub fn visit(&self, point: [f64; D], visit: impl FnMut(Term<D>)) {
+        match self.basis {
+            Basis::Barytri => self.visit_simplex(point, visit),
+            Basis::Bspline | Basis::Bilinear => self.visit_tensor::<MOST_LOCAL>(point, visit),
+            Basis::Bernstein => self.visit_tensor::<MAX_HANDLES>(point, visit),
         }
-        let axes = self.axes(point);
+    }
+
+    fn visit_tensor<const N: usize>(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
+        let mut axes = self.axes::<N>(point);
+        (0..D).for_each(|axis| axes[axis].scale_slopes(1.0 / self.size(axis)));
         let mut at = [0; D];
         loop {
             visit(self.tensor_term(&axes, at));
@@ -148,10 +154,33 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// The product of one function an axis.
-    fn tensor_term(&self, axes: &[AxisTerms; D], at: [usize; D]) -> Term<D> {
+    /// Points with equal supports are acted on by the same handles, in the same order.
+    pub(crate) fn support(&self, point: [f64; D]) -> [usize; 2] {
+        if !self.basis.is_local() {
+            return [0; 2];
+        }
+        let unit = self.unit_from_point(point);
+        let spans = |axis: usize| self.basis.spans(self.dims[axis]);
+        let cells: [(usize, f64); D] = std::array::from_fn(|axis| axis::cell(spans(axis), unit[axis]));
+        let cell = (0..D).map(|axis| cells[axis].0 * self.stride(axis)).sum();
+        if self.basis != Basis::Barytri {
+            return [cell, 0];
+        }
+        let order = Self::descending(&cells);
+        [cell, order.iter().fold(0, |code, axis| code * D + axis)]
+    }
+
+    /// Axes by their local coordinate, largest first.
+    fn descending(cells: &[(usize, f64); D]) -> [usize; D] {
+        let mut order: [usize; D] = std::array::from_fn(|axis| axis);
+        order.sort_by(|&a, &b| cells[b].1.total_cmp(&cells[a].1));
+        order
+    }
+
+    /// The product of one function an axis; slopes are per unit of space.
+    fn tensor_term<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> Term<D> {
         let (mut handle, mut weight) = (0, 1.0);
-        let mut gradient: [f64; D] = std::array::from_fn(|axis| 1.0 / self.size(axis));
+        let mut gradient = [1.0; D];
         for axis in 0..D {
             let value = axes[axis].values()[at[axis]];
             handle += (axes[axis].first + at[axis]) * self.stride(axis);
@@ -167,8 +196,7 @@ impl<const D: usize> Grid<D> {
     fn visit_simplex(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
         let unit = self.unit_from_point(point);
         let cells: [(usize, f64); D] = std::array::from_fn(|axis| axis::cell(self.dims[axis] - 1, unit[axis]));
-        let mut order: [usize; D] = std::array::from_fn(|axis| axis);
-        order.sort_by(|&a, &b| cells[b].1.total_cmp(&cells[a].1));
+        let order = Self::descending(&cells);
         let mut handle: usize = (0..D).map(|axis| cells[axis].0 * self.stride(axis)).sum();
         // The path 00 → 10 → 11 takes the largest coordinate first; weights are the drops along it.
         for corner in 0..=D {

@@ -6,7 +6,6 @@ use super::Settings;
 use super::anderson::Anderson;
 use super::energy::Distortion;
 use super::matrix::Factor;
-use super::small::{Square, identity};
 use super::solver::{Scales, Terms};
 
 /// All that an iteration needs.
@@ -51,14 +50,13 @@ impl<const D: usize> Iteration<'_, D> {
     /// `observe` sees the terms after every linear solve, under the rotations it was solved with.
     pub(crate) fn run(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Run<D> {
         let constant = self.constant_right_side();
-        let mut rotations = vec![identity::<D>(); self.distortion.rotation_count()];
         let mut anderson = Anderson::new(self.settings.acceleration);
         let mut state = self.start.clone();
         let mut plain: Option<Vec<[f64; D]>> = None;
         let mut last_energy = f64::INFINITY;
         for iteration in 1..=self.settings.iteration_limit {
             let mut next = constant.clone();
-            let mut energy = self.local_energy(&state, &mut rotations, &mut next);
+            let mut energy = self.local_energy(&state, &mut next);
             // The safeguard: an accelerated state that is worse than the last one gives way to the plain one.
             if !(energy <= last_energy * (1.0 + 1e-12))
                 && let Some(plain) = plain.take()
@@ -66,12 +64,12 @@ impl<const D: usize> Iteration<'_, D> {
                 state = plain;
                 anderson.reset();
                 next.copy_from_slice(&constant);
-                energy = self.local_energy(&state, &mut rotations, &mut next);
+                energy = self.local_energy(&state, &mut next);
             }
             last_energy = energy;
             self.factor.solve(&mut next);
             if let Some(observe) = &mut observe {
-                observe(self.energies(&next, &rotations));
+                observe(self.energies(&next, &state));
             }
             let step = largest_step(&state, &next);
             if step <= self.settings.tolerance * self.diagonal {
@@ -88,9 +86,9 @@ impl<const D: usize> Iteration<'_, D> {
         Run { handles, iterations: self.settings.iteration_limit, is_converged: false }
     }
 
-    /// The terms at `handles` under given rotations.
-    fn energies(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> Energies {
-        let ml = self.distortion.energy(handles, rotations);
+    /// The terms at `handles` under the rotations that are best at `turned_at`.
+    fn energies(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> Energies {
+        let ml = self.distortion.energy(handles, turned_at);
         let mp = self.terms.pins.energy(handles);
         let gp = self.terms.handles.energy(handles);
         let gr = self.terms.regularizer.energy(handles);
@@ -100,8 +98,8 @@ impl<const D: usize> Iteration<'_, D> {
     }
 
     /// Local step: adds its right side and gives the total energy at `state`.
-    fn local_energy(&self, state: &[[f64; D]], rotations: &mut [Square<D>], right_side: &mut [[f64; D]]) -> f64 {
-        let ml = self.distortion.local_step(state, self.scales.shape, rotations, right_side);
+    fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
+        let ml = self.distortion.local_step(state, self.scales.shape, right_side);
         if self.settings.acceleration == 0 {
             return 0.0;
         }

@@ -2,9 +2,11 @@
 //!
 //! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
 
+use super::packs::dispatch;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
+use pulp::{Simd, WithSimd};
 
 /// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band.
 #[derive(Clone, Debug)]
@@ -45,27 +47,26 @@ impl Normal {
         }
     }
 
-    /// Adds scale · aᵀb, known to be symmetric; a and b are #rows × #handles, column-major. Dense matrices only.
+    /// Adds scale · aᵀb, known to be symmetric; a and b are #rows × #handles, row by row. Dense matrices only.
     pub(crate) fn add_product(&mut self, scale: f64, a: &[f64], b: &[f64]) {
         let rows = a.len() / self.size;
-        let (a, b) =
-            (MatRef::from_column_major_slice(a, rows, self.size), MatRef::from_column_major_slice(b, rows, self.size));
+        let [a, b] = [a, b].map(|rows_of| MatRef::from_column_major_slice(rows_of, self.size, rows));
         let mut product = Mat::<f64>::zeros(self.size, self.size);
         matmul(
             &mut product,
             BlockStructure::TriangularLower,
             Accum::Replace,
-            a.transpose(),
+            a,
             BlockStructure::Rectangular,
-            b,
+            b.transpose(),
             BlockStructure::Rectangular,
             scale,
             Par::Seq,
         );
-        for low in 0..self.size {
-            for high in low..self.size {
-                self.add(high, low, product[(high, low)]);
-            }
+        let stride = self.band + 1;
+        for (j, column) in self.columns.chunks_exact_mut(stride).enumerate() {
+            let below = &product.col_as_slice(j)[j..];
+            column.iter_mut().zip(below).for_each(|(slot, x)| *slot += x);
         }
     }
 
@@ -74,12 +75,15 @@ impl Normal {
         (0..self.size).map(|j| self.columns[j * (self.band + 1)]).sum::<f64>() / self.size.max(1) as f64
     }
 
-    /// The whole symmetric matrix.
+    /// The lower half in faer's storage; zero above the diagonal.
     fn full(&self) -> Mat<f64> {
-        Mat::from_fn(self.size, self.size, |row, column| {
-            let (high, low) = (row.max(column), row.min(column));
-            if high - low > self.band { 0.0 } else { self.columns[low * (self.band + 1) + high - low] }
-        })
+        let stride = self.band + 1;
+        let mut full = Mat::zeros(self.size, self.size);
+        for (j, column) in self.columns.chunks_exact(stride).enumerate() {
+            let below = &mut full.col_as_slice_mut(j)[j..];
+            below.iter_mut().zip(column).for_each(|(slot, x)| *slot = *x);
+        }
+        full
     }
 }
 
@@ -108,13 +112,16 @@ impl Factor {
     pub(crate) fn new(normal: Normal) -> Option<Self> {
         let full = (!normal.is_banded_enough()).then(|| normal.full());
         let columns = match &full {
-            None => banded_cholesky(&normal),
+            None => dispatch(Banded(&normal)),
             Some(full) => dense_cholesky(full),
         };
         if let Some(columns) = columns {
             return Some(Self::Cholesky(Cholesky::new(normal.size, normal.band, columns)));
         }
-        let full = full.unwrap_or_else(|| normal.full());
+        let mut full = full.unwrap_or_else(|| normal.full());
+        for j in 0..normal.size {
+            (j + 1..normal.size).for_each(|i| full[(j, i)] = full[(i, j)]);
+        }
         let lu = PartialPivLu::new(full.as_ref());
         let diagonal = (0..normal.size).map(|k| lu.U()[(k, k)].abs());
         let (least, most) = diagonal.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
@@ -124,7 +131,7 @@ impl Factor {
     /// Solves in place for D right sides.
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         match self {
-            Self::Cholesky(cholesky) => cholesky.solve(x),
+            Self::Cholesky(cholesky) => dispatch(Substitution { cholesky, x }),
             Self::Lu(lu) => {
                 let solved = lu.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
                 for (row, values) in x.iter_mut().enumerate() {
@@ -143,6 +150,7 @@ impl Normal {
 }
 
 /// Right-looking Cholesky inside the band; columns as in [`Cholesky`].
+#[inline(always)]
 fn banded_cholesky(normal: &Normal) -> Option<Vec<f64>> {
     let (size, stride) = (normal.size, normal.band + 1);
     let mut columns = normal.columns.clone();
@@ -175,12 +183,38 @@ fn dense_cholesky(full: &Mat<f64>) -> Option<Vec<f64>> {
     let lower = llt.L();
     let mut columns = vec![0.0; size * size];
     for j in 0..size {
-        columns[j * size] = 1.0 / lower[(j, j)];
-        for i in j + 1..size {
-            columns[j * size + i - j] = lower[(i, j)];
-        }
+        let column = &mut columns[j * size..(j + 1) * size - j];
+        (0..size - j).for_each(|k| column[k] = lower[(j + k, j)]);
+        column[0] = 1.0 / column[0];
     }
     columns.iter().all(|x| x.is_finite()).then_some(columns)
+}
+
+/// Kernel of [`Factor::solve`].
+struct Substitution<'a, const D: usize> {
+    cholesky: &'a Cholesky,
+    x: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for Substitution<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.cholesky.solve(self.x);
+    }
+}
+
+/// Kernel of the banded factorisation.
+struct Banded<'a>(&'a Normal);
+
+impl WithSimd for Banded<'_> {
+    type Output = Option<Vec<f64>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        banded_cholesky(self.0)
+    }
 }
 
 impl Cholesky {
@@ -198,6 +232,7 @@ impl Cholesky {
     }
 
     /// L y = b, then Lᵀ x = y; both by subtracting multiples of contiguous columns.
+    #[inline(always)]
     fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         let stride = self.band + 1;
         for j in 0..self.size {

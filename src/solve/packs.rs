@@ -1,25 +1,24 @@
-//! Tall matrices over handles (rows of W, or of ∇W), stored eight rows together so that loops run in vector registers.
+//! Tall matrices over handles (rows of W, or of ∇W), stored four rows together so that loops run in vector registers.
 //!
 //! In: rest points and a grid. Out: products with the handles, and products of the transpose with values at the rows.
 //! Rows that the same handles act on form a block; C coefficients a row and handle (1: weight, D: gradient).
+//! Multiplications and additions are never fused, so every processor gives the same bits.
 
 use crate::lattice::Grid;
+use pulp::{Simd, WithSimd};
 
 /// Rows that are computed together.
-pub(crate) const LANES: usize = 8;
+pub(crate) const LANES: usize = 4;
 
-/// One number for each of eight rows.
+/// One number for each of four rows.
 pub(crate) type Lanes = [f64; LANES];
-
-/// What is known about eight rows: `[coordinate][coefficient]`.
-pub(crate) type PackValues<const C: usize, const D: usize> = [[Lanes; C]; D];
 
 /// Rows on the same handles.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     /// Handles, as many as columns.
     pub(crate) handles: Vec<usize>,
-    /// First pack; the block ends where the next begins.
+    /// Its packs.
     pub(crate) packs: std::ops::Range<usize>,
     /// Where its coefficients start: [pack][handle].
     start: usize,
@@ -41,11 +40,9 @@ impl<const C: usize> Packs<C> {
         points: &[[f64; D]],
         coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
     ) -> Self {
-        let mut keyed: Vec<([usize; 3], usize)> =
-            points.iter().enumerate().map(|(row, &point)| (block_key(grid, point), row)).collect();
-        if grid.basis.is_local() {
-            keyed.sort_unstable();
-        }
+        let mut keyed: Vec<([usize; 2], usize)> =
+            points.iter().enumerate().map(|(row, &point)| (grid.support(point), row)).collect();
+        keyed.sort_unstable();
         let mut packs = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
         for rows in keyed.chunk_by(|a, b| a.0 == b.0) {
             packs.add_block(grid, points, rows, &coefficients);
@@ -57,7 +54,7 @@ impl<const C: usize> Packs<C> {
         &mut self,
         grid: &Grid<D>,
         points: &[[f64; D]],
-        rows: &[([usize; 3], usize)],
+        rows: &[([usize; 2], usize)],
         coefficients: &impl Fn(f64, &[f64; D]) -> [f64; C],
     ) {
         let mut handles = Vec::new();
@@ -98,19 +95,13 @@ pub(crate) fn span(numbers: impl Iterator<Item = usize> + Clone) -> Option<usize
     Some(numbers.clone().max()? - numbers.min()?)
 }
 
-/// Rows with equal keys are acted on by the same handles.
-fn block_key<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> [usize; 3] {
-    let mut key = [0; 3];
-    if grid.basis.is_local() {
-        let mut seen = 0;
-        grid.visit(point, |term| {
-            if seen < 3 {
-                key[seen] = term.handle;
-            }
-            seen += 1;
-        });
+/// Runs a kernel with the widest registers of four numbers that the processor has.
+pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(simd, kernel);
     }
-    key
+    Simd::vectorize(pulp::Scalar256b, kernel)
 }
 
 /// Handles of a block, side by side.
@@ -119,16 +110,39 @@ pub(crate) fn local_handles<const D: usize>(block: &Block, handles: &[[f64; D]],
     local.extend(block.handles.iter().map(|&handle| handles[handle]));
 }
 
-/// Σ_k coefficient_k P_k for eight rows.
+/// Four numbers as a register. Both instruction sets of [`dispatch`] have exactly four lanes.
 #[inline(always)]
-pub(crate) fn gather<const C: usize, const D: usize>(pack: &[[Lanes; C]], local: &[[f64; D]]) -> PackValues<C, D> {
-    let mut sums = [[[0.0; LANES]; C]; D];
+pub(crate) fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
+    S::as_simd_f64s(lanes).0[0]
+}
+
+/// A register as four numbers.
+#[inline(always)]
+pub(crate) fn store<S: Simd>(register: S::f64s) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    S::as_mut_simd_f64s(&mut lanes).0[0] = register;
+    lanes
+}
+
+/// a·b + c, rounded twice.
+#[inline(always)]
+pub(crate) fn multiply_add<S: Simd>(simd: S, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+    simd.add_f64s(simd.mul_f64s(a, b), c)
+}
+
+/// Σ_k coefficient_k P_k for four rows: `[coordinate][coefficient]`.
+#[inline(always)]
+pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(
+    simd: S,
+    pack: &[[Lanes; C]],
+    local: &[[f64; D]],
+) -> [[S::f64s; C]; D] {
+    let mut sums = [[simd.splat_f64s(0.0); C]; D];
     for (coefficients, handle) in pack.iter().zip(local) {
         for d in 0..D {
+            let coordinate = simd.splat_f64s(handle[d]);
             for c in 0..C {
-                for lane in 0..LANES {
-                    sums[d][c][lane] += coefficients[c][lane] * handle[d];
-                }
+                sums[d][c] = multiply_add(simd, load::<S>(&coefficients[c]), coordinate, sums[d][c]);
             }
         }
     }
@@ -137,18 +151,20 @@ pub(crate) fn gather<const C: usize, const D: usize>(pack: &[[Lanes; C]], local:
 
 /// Adds coefficient_k · values to every handle's sum, lane by lane.
 #[inline(always)]
-pub(crate) fn scatter<const C: usize, const D: usize>(
+pub(crate) fn scatter<S: Simd, const C: usize, const D: usize>(
+    simd: S,
     pack: &[[Lanes; C]],
-    values: &PackValues<C, D>,
+    values: &[[S::f64s; C]; D],
     sums: &mut [[Lanes; D]],
 ) {
     for (coefficients, sum) in pack.iter().zip(sums) {
         for d in 0..D {
+            let slot = &mut S::as_mut_simd_f64s(&mut sum[d]).0[0];
+            let mut total = *slot;
             for c in 0..C {
-                for lane in 0..LANES {
-                    sum[d][lane] += coefficients[c][lane] * values[d][c][lane];
-                }
+                total = multiply_add(simd, load::<S>(&coefficients[c]), values[d][c], total);
             }
+            *slot = total;
         }
     }
 }

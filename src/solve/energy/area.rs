@@ -5,9 +5,12 @@
 use super::{Distortion, Quality};
 use crate::lattice::Grid;
 use crate::solve::matrix::Normal;
-use crate::solve::packs::{LANES, Lanes, PackValues, Packs, add_sums, gather, local_handles, scatter};
+use crate::solve::packs::{
+    LANES, Lanes, Packs, add_sums, dispatch, gather, load, local_handles, multiply_add, scatter, store,
+};
 use crate::solve::samples::Sample;
 use crate::solve::small::{Square, best_rotation};
+use pulp::{Simd, WithSimd};
 
 /// The energy at fixed samples.
 #[derive(Debug)]
@@ -28,15 +31,9 @@ impl<const D: usize> Area<D> {
         Self { gradients, areas, total: samples.iter().map(|sample| sample.area).sum() }
     }
 
-    /// Calls `visit(pack, gradients of eight samples)` for all packs.
-    fn each_pack(&self, handles: &[[f64; D]], mut visit: impl FnMut(usize, &PackValues<D, D>)) {
-        let mut local = Vec::new();
-        for block in &self.gradients.blocks {
-            local_handles(block, handles, &mut local);
-            for pack in block.packs.clone() {
-                visit(pack, &gather(self.gradients.pack(block, pack), &local));
-            }
-        }
+    /// Gradients at all samples: [pack][row][column][lane].
+    fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
+        dispatch(Gradients { energy: self, handles })
     }
 
     /// Gram blocks entry by entry; for local bases.
@@ -44,9 +41,7 @@ impl<const D: usize> Area<D> {
         for block in &self.gradients.blocks {
             let count = block.handles.len();
             let mut sums = vec![[0.0; LANES]; count * count];
-            for pack in block.packs.clone() {
-                add_gram(self.gradients.pack(block, pack), &self.areas[pack], &mut sums);
-            }
+            dispatch(Gram { energy: self, block, sums: &mut sums });
             for a in 0..count {
                 for b in 0..=a {
                     let sum: f64 = sums[a * count + b].iter().sum();
@@ -59,42 +54,24 @@ impl<const D: usize> Area<D> {
     /// One large product; for bases in which all handles meet.
     fn add_dense_normal(&self, scale: f64, normal: &mut Normal) {
         for block in &self.gradients.blocks {
-            let rows = block.packs.len() * LANES * D;
-            let mut scaled = vec![0.0; rows * block.handles.len()];
+            let count = block.handles.len();
+            let mut rows = vec![0.0; block.packs.len() * LANES * D * count];
             for (number, pack) in block.packs.clone().enumerate() {
                 let roots = self.areas[pack].map(f64::sqrt);
+                let slots = &mut rows[number * LANES * D * count..][..LANES * D * count];
                 for (k, coefficients) in self.gradients.pack(block, pack).iter().enumerate() {
-                    let slots = &mut scaled[k * rows + number * LANES * D..][..LANES * D];
-                    for (slot, lanes) in slots.chunks_exact_mut(LANES).zip(coefficients) {
-                        (0..LANES).for_each(|lane| slot[lane] = lanes[lane] * roots[lane]);
+                    for (axis, lanes) in coefficients.iter().enumerate() {
+                        (0..LANES)
+                            .for_each(|lane| slots[(axis * LANES + lane) * count + k] = lanes[lane] * roots[lane]);
                     }
                 }
             }
-            normal.add_product(scale, &scaled, &scaled);
-        }
-    }
-}
-
-/// Adds area · ∇W_a · ∇W_b for all pairs a ≥ b of a block's handles.
-fn add_gram<const D: usize>(pack: &[[Lanes; D]], areas: &Lanes, sums: &mut [Lanes]) {
-    let count = pack.len();
-    for a in 0..count {
-        let mut scaled = pack[a];
-        scaled.iter_mut().flat_map(|lanes| lanes.iter_mut().zip(areas)).for_each(|(x, area)| *x *= area);
-        for (b, other) in pack[..=a].iter().enumerate() {
-            let sum = &mut sums[a * count + b];
-            for axis in 0..D {
-                (0..LANES).for_each(|lane| sum[lane] += scaled[axis][lane] * other[axis][lane]);
-            }
+            normal.add_product(scale, &rows, &rows);
         }
     }
 }
 
 impl<const D: usize> Distortion<D> for Area<D> {
-    fn rotation_count(&self) -> usize {
-        self.areas.len() * LANES
-    }
-
     fn mass(&self) -> f64 {
         2.0 * self.total
     }
@@ -111,73 +88,169 @@ impl<const D: usize> Distortion<D> for Area<D> {
         }
     }
 
-    fn local_step(
-        &self,
-        handles: &[[f64; D]],
-        scale: f64,
-        rotations: &mut [Square<D>],
-        right_side: &mut [[f64; D]],
-    ) -> f64 {
-        let (mut local, mut sums) = (Vec::new(), Vec::new());
-        let mut energy = 0.0;
-        for block in &self.gradients.blocks {
-            local_handles(block, handles, &mut local);
-            sums.clear();
-            sums.resize(block.handles.len(), [[0.0; LANES]; D]);
-            for pack in block.packs.clone() {
-                let coefficients = self.gradients.pack(block, pack);
-                let mut values = gather(coefficients, &local);
-                let slots = &mut rotations[pack * LANES..(pack + 1) * LANES];
-                energy += fit_pack(&mut values, &self.areas[pack], slots);
-                scatter(coefficients, &values, &mut sums);
-            }
-            add_sums(block, &sums, 2.0 * scale, right_side);
-        }
-        2.0 * energy
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
+        dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side })
     }
 
-    fn energy(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> f64 {
-        let mut energy = 0.0;
-        self.each_pack(handles, |pack, gradients| {
-            for lane in 0..LANES {
-                let (gradient, rotation) = (lane_of(gradients, lane), &rotations[pack * LANES + lane]);
-                energy += self.areas[pack][lane] * squared_distance(&gradient, rotation);
-            }
+    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
+        let (gradients, turned) = (self.gradients_at(handles), self.gradients_at(turned_at));
+        let packs = self.areas.iter().zip(gradients.iter().zip(&turned));
+        let lanes = packs.flat_map(|(areas, (gradients, turned))| {
+            (0..LANES).map(|lane| {
+                let rotation = best_rotation(&transpose(&lane_of(turned, lane)));
+                areas[lane] * squared_distance(&lane_of(gradients, lane), &rotation)
+            })
         });
-        2.0 * energy
+        2.0 * lanes.sum::<f64>()
     }
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {
         let mut quality = Quality::new();
-        self.each_pack(handles, |pack, gradients| {
-            for lane in 0..LANES {
-                if self.areas[pack][lane] > 0.0 {
-                    quality.add(self.areas[pack][lane], &lane_of(gradients, lane));
-                }
+        for (gradients, areas) in self.gradients_at(handles).iter().zip(&self.areas) {
+            for lane in (0..LANES).filter(|&lane| areas[lane] > 0.0) {
+                quality.add(areas[lane], &lane_of(gradients, lane));
             }
-        });
+        }
         quality
     }
 }
 
-/// Replaces eight gradients by their area-weighted rotations; gives Σ a ‖J − R‖².
-#[inline(always)]
-fn fit_pack<const D: usize>(values: &mut PackValues<D, D>, areas: &Lanes, rotations: &mut [Square<D>]) -> f64 {
-    let mut energy = 0.0;
-    for lane in 0..LANES {
-        let gradient = lane_of(values, lane);
-        // S = Σ (axis)(image of the axis)ᵀ = Jᵀ.
-        let rotation = best_rotation(&transpose(&gradient));
-        energy += areas[lane] * squared_distance(&gradient, &rotation);
-        rotations[lane] = rotation;
-        for d in 0..D {
-            (0..D).for_each(|c| values[d][c][lane] = areas[lane] * rotation[d][c]);
-        }
-    }
-    energy
+/// Kernel of [`Area::gradients_at`].
+struct Gradients<'a, const D: usize> {
+    energy: &'a Area<D>,
+    handles: &'a [[f64; D]],
 }
 
-fn lane_of<const D: usize>(values: &PackValues<D, D>, lane: usize) -> Square<D> {
+impl<const D: usize> WithSimd for Gradients<'_, D> {
+    type Output = Vec<[[Lanes; D]; D]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut gradients = Vec::with_capacity(self.energy.areas.len());
+        let mut local = Vec::new();
+        for block in &self.energy.gradients.blocks {
+            local_handles(block, self.handles, &mut local);
+            for pack in block.packs.clone() {
+                let sums = gather(simd, self.energy.gradients.pack(block, pack), &local);
+                gradients.push(sums.map(|row| row.map(|x| store::<S>(x))));
+            }
+        }
+        gradients
+    }
+}
+
+/// Kernel of [`Area::add_sparse_normal`]: Σ area · ∇W_a · ∇W_b for all pairs a ≥ b of a block's handles.
+struct Gram<'a, const D: usize> {
+    energy: &'a Area<D>,
+    block: &'a crate::solve::packs::Block,
+    sums: &'a mut [Lanes],
+}
+
+impl<const D: usize> WithSimd for Gram<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let count = self.block.handles.len();
+        for pack in self.block.packs.clone() {
+            let (coefficients, areas) =
+                (self.energy.gradients.pack(self.block, pack), load::<S>(&self.energy.areas[pack]));
+            for (a, one) in coefficients.iter().enumerate() {
+                let one: [S::f64s; D] = std::array::from_fn(|axis| simd.mul_f64s(areas, load::<S>(&one[axis])));
+                for (sum, other) in self.sums[a * count..].iter_mut().zip(&coefficients[..=a]) {
+                    let slot = &mut S::as_mut_simd_f64s(sum).0[0];
+                    for axis in 0..D {
+                        *slot = multiply_add(simd, one[axis], load::<S>(&other[axis]), *slot);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Kernel of the local step: rotations, their right side and the energy in one pass.
+struct LocalStep<'a, const D: usize> {
+    energy: &'a Area<D>,
+    handles: &'a [[f64; D]],
+    scale: f64,
+    right_side: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for LocalStep<'_, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Area { gradients, areas, .. } = self.energy;
+        let (mut local, mut sums) = (Vec::new(), Vec::new());
+        let mut energy = simd.splat_f64s(0.0);
+        for block in &gradients.blocks {
+            local_handles(block, self.handles, &mut local);
+            sums.clear();
+            sums.resize(block.handles.len(), [[0.0; LANES]; D]);
+            for pack in block.packs.clone() {
+                let coefficients = gradients.pack(block, pack);
+                let mut values = gather(simd, coefficients, &local);
+                let part = if D == 2 {
+                    fit_plane(simd, &mut values, load::<S>(&areas[pack]))
+                } else {
+                    fit_each::<S, D>(&mut values, &areas[pack])
+                };
+                energy = simd.add_f64s(energy, part);
+                scatter(simd, coefficients, &values, &mut sums);
+            }
+            add_sums(block, &sums, self.scale, self.right_side);
+        }
+        2.0 * store::<S>(energy).iter().sum::<f64>()
+    }
+}
+
+/// Replaces four plane gradients by their area-weighted rotations, (J00 + J11, J10 − J01) made a unit vector;
+/// gives a ‖J − R‖².
+#[inline(always)]
+fn fit_plane<S: Simd, const D: usize>(simd: S, values: &mut [[S::f64s; D]; D], areas: S::f64s) -> S::f64s {
+    let along = simd.add_f64s(values[0][0], values[1][1]);
+    let across = simd.sub_f64s(values[1][0], values[0][1]);
+    let square = multiply_add(simd, along, along, simd.mul_f64s(across, across));
+    // No direction at all: the identity, as in `best_rotation`.
+    let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+    let is_turned = simd.greater_than_f64s(square, zero);
+    let inverse = simd.div_f64s(one, simd.sqrt_f64s(square));
+    let cos = simd.select_f64s(is_turned, simd.mul_f64s(along, inverse), one);
+    let sin = simd.select_f64s(is_turned, simd.mul_f64s(across, inverse), zero);
+    let misses = [
+        simd.sub_f64s(values[0][0], cos),
+        simd.add_f64s(values[0][1], sin),
+        simd.sub_f64s(values[1][0], sin),
+        simd.sub_f64s(values[1][1], cos),
+    ];
+    let energy = misses.iter().fold(zero, |sum, &miss| multiply_add(simd, miss, miss, sum));
+    let (cos, sin) = (simd.mul_f64s(areas, cos), simd.mul_f64s(areas, sin));
+    values[0][0] = cos;
+    values[0][1] = simd.neg_f64s(sin);
+    values[1][0] = sin;
+    values[1][1] = cos;
+    simd.mul_f64s(areas, energy)
+}
+
+/// The same for any dimension, one lane after the other.
+#[inline(always)]
+fn fit_each<S: Simd, const D: usize>(values: &mut [[S::f64s; D]; D], areas: &Lanes) -> S::f64s {
+    let mut lanes = values.map(|row| row.map(|x| store::<S>(x)));
+    let energy: Lanes = std::array::from_fn(|lane| {
+        let gradient = lane_of(&lanes, lane);
+        // S = Σ (axis)(image of the axis)ᵀ = Jᵀ.
+        let rotation = best_rotation(&transpose(&gradient));
+        for d in 0..D {
+            (0..D).for_each(|c| lanes[d][c][lane] = areas[lane] * rotation[d][c]);
+        }
+        areas[lane] * squared_distance(&gradient, &rotation)
+    });
+    *values = lanes.map(|row| row.map(|x| load::<S>(&x)));
+    load::<S>(&energy)
+}
+
+fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> Square<D> {
     std::array::from_fn(|d| std::array::from_fn(|c| values[d][c][lane]))
 }
 

@@ -6,10 +6,11 @@ use super::neighbours::{HalfEdges, half_edges};
 use super::{Distortion, Quality};
 use crate::lattice::Grid;
 use crate::solve::matrix::Normal;
-use crate::solve::packs::{LANES, Packs, add_sums, gather, local_handles, scatter};
+use crate::solve::packs::{LANES, Packs, add_sums, dispatch, gather, load, local_handles, scatter, store};
 use crate::solve::small::{Square, apply, best_rotation, dot, minus};
 use crate::solve::weld::weld;
 use crate::solve::{EqualVertices, Settings, Shape};
+use pulp::{Simd, WithSimd};
 
 /// The energy of a mesh.
 #[derive(Debug)]
@@ -17,7 +18,23 @@ pub(crate) struct Edge<const D: usize> {
     /// Rows of W.
     weights: Packs<1>,
     shape: Shape<D>,
-    edges: HalfEdges,
+    half_edges: HalfEdges,
+    edges: Vec<RestEdge<D>>,
+}
+
+/// An undirected edge; both half-edges count.
+#[derive(Clone, Copy, Debug)]
+struct RestEdge<const D: usize> {
+    ends: [u32; 2],
+    weight: f64,
+    /// v_i − v_j.
+    rest: [f64; D],
+}
+
+impl<const D: usize> RestEdge<D> {
+    fn ends(&self) -> [usize; 2] {
+        self.ends.map(|end| end as usize)
+    }
 }
 
 impl<const D: usize> Edge<D> {
@@ -27,49 +44,27 @@ impl<const D: usize> Edge<D> {
             EqualVertices::Apart => shape.clone(),
         };
         let weights = Packs::new(grid, &shape.points, |weight, _| [weight]);
-        let edges = half_edges(&shape, settings.weights);
-        Self { weights, shape, edges }
+        let half_edges = half_edges(&shape, settings.weights);
+        let mut edges = Vec::new();
+        for i in 0..shape.points.len() {
+            edges.extend(half_edges.of(i).iter().filter(|(j, _)| i < *j).map(|&(j, weight)| RestEdge {
+                ends: [i, j].map(|end| end as u32),
+                weight,
+                rest: minus(&shape.points[i], &shape.points[j]),
+            }));
+        }
+        Self { weights, shape, half_edges, edges }
     }
 
     /// V' = W P' (paper, equation 4).
     fn moved(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
-        let mut moved = vec![[0.0; D]; self.shape.points.len()];
-        let mut local = Vec::new();
-        for block in &self.weights.blocks {
-            local_handles(block, handles, &mut local);
-            for pack in block.packs.clone() {
-                let values = gather(self.weights.pack(block, pack), &local);
-                for (lane, &vertex) in self.weights.order[pack].iter().enumerate() {
-                    if let Some(slot) = moved.get_mut(vertex) {
-                        *slot = std::array::from_fn(|d| values[d][0][lane]);
-                    }
-                }
-            }
-        }
-        moved
+        dispatch(Moved { energy: self, handles })
     }
 
-    /// Adds scale · Wᵀ b.
-    fn add_transposed(&self, values: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) {
-        let mut sums = Vec::new();
-        for block in &self.weights.blocks {
-            sums.clear();
-            sums.resize(block.handles.len(), [[0.0; LANES]; D]);
-            for pack in block.packs.clone() {
-                let order = &self.weights.order[pack];
-                let value = |d: usize, lane: usize| values.get(order[lane]).map_or(0.0, |value| value[d]);
-                let lanes = std::array::from_fn(|d| [std::array::from_fn(|lane| value(d, lane))]);
-                scatter(self.weights.pack(block, pack), &lanes, &mut sums);
-            }
-            add_sums(block, &sums, scale, right_side);
-        }
-    }
-
-    /// W as a dense matrix, #vertices × #handles, by columns.
+    /// W, row by row, #vertices × #handles.
     fn dense_weights(&self, size: usize) -> Vec<f64> {
-        let rows = self.shape.points.len();
-        let mut dense = vec![0.0; rows * size];
-        self.each_weight(|vertex, handle, weight| dense[handle * rows + vertex] = weight);
+        let mut dense = vec![0.0; self.shape.points.len() * size];
+        self.each_weight(|vertex, handle, weight| dense[vertex * size + handle] = weight);
         dense
     }
 
@@ -77,10 +72,11 @@ impl<const D: usize> Edge<D> {
     fn each_weight(&self, mut visit: impl FnMut(usize, usize, f64)) {
         for block in &self.weights.blocks {
             for pack in block.packs.clone() {
+                let rows = self.weights.order[pack];
                 for (coefficients, &handle) in self.weights.pack(block, pack).iter().zip(&block.handles) {
-                    let rows = self.weights.order[pack].iter().zip(&coefficients[0]);
-                    rows.filter(|(vertex, _)| **vertex != usize::MAX)
-                        .for_each(|(&vertex, &weight)| visit(vertex, handle, weight));
+                    (0..LANES)
+                        .filter(|&lane| rows[lane] != usize::MAX)
+                        .for_each(|lane| visit(rows[lane], handle, coefficients[0][lane]));
                 }
             }
         }
@@ -88,12 +84,13 @@ impl<const D: usize> Edge<D> {
 
     /// Wᵀ(LW) as one product; for bases in which all handles meet.
     fn add_dense_normal(&self, scale: f64, size: usize, normal: &mut Normal) {
-        let rows = self.shape.points.len();
         let dense = self.dense_weights(size);
         let mut laplacian = vec![0.0; dense.len()];
-        for (column, out) in dense.chunks_exact(rows).zip(laplacian.chunks_exact_mut(rows)) {
-            for (vertex, slot) in out.iter_mut().enumerate() {
-                *slot = self.edges.of(vertex).iter().map(|&(j, w)| w * (column[vertex] - column[j])).sum();
+        for (i, out) in laplacian.chunks_exact_mut(size).enumerate() {
+            let own = &dense[i * size..][..size];
+            for &(j, weight) in self.half_edges.of(i) {
+                let other = &dense[j * size..][..size];
+                out.iter_mut().zip(own.iter().zip(other)).for_each(|(x, (a, b))| *x += weight * (a - b));
             }
         }
         normal.add_product(scale, &dense, &laplacian);
@@ -104,50 +101,75 @@ impl<const D: usize> Edge<D> {
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.shape.points.len()];
         self.each_weight(|vertex, handle, weight| rows[vertex].push((handle, weight)));
         let mut difference: Vec<(usize, f64)> = Vec::new();
-        for (i, row) in rows.iter().enumerate() {
-            for &(j, weight) in self.edges.of(i).iter().filter(|(j, _)| i < *j) {
-                difference.clear();
-                difference.extend(row);
-                for &(handle, w) in &rows[j] {
-                    match difference[..row.len()].iter_mut().find(|entry| entry.0 == handle) {
-                        Some(entry) => entry.1 -= w,
-                        None => difference.push((handle, -w)),
-                    }
+        for edge in &self.edges {
+            let [i, j] = edge.ends();
+            difference.clear();
+            difference.extend(&rows[i]);
+            for &(handle, w) in &rows[j] {
+                match difference[..rows[i].len()].iter_mut().find(|entry| entry.0 == handle) {
+                    Some(entry) => entry.1 -= w,
+                    None => difference.push((handle, -w)),
                 }
-                normal.add_row(scale * weight, difference.iter().copied());
             }
+            normal.add_row(scale * edge.weight, difference.iter().copied());
         }
     }
 
-    fn rest_edge(&self, i: usize, j: usize) -> [f64; D] {
-        minus(&self.shape.points[i], &self.shape.points[j])
+    /// S_i = Σ_j w_ij (v_i − v_j)(v'_i − v'_j)ᵀ, and Σ_i Σ_j w_ij (‖v'_i − v'_j‖² + ‖v_i − v_j‖²).
+    fn covariances(&self, moved: &[[f64; D]]) -> (Vec<Square<D>>, f64) {
+        let mut covariances = vec![[[0.0; D]; D]; moved.len()];
+        let mut squares = 0.0;
+        for edge in &self.edges {
+            let [i, j] = edge.ends();
+            let now = minus(&moved[i], &moved[j]);
+            squares += edge.weight * (dot(&now, &now) + dot(&edge.rest, &edge.rest));
+            for a in 0..D {
+                for b in 0..D {
+                    // Both ends see the same product: each looks along the edge from its own side.
+                    let product = edge.weight * edge.rest[a] * now[b];
+                    covariances[i][a][b] += product;
+                    covariances[j][a][b] += product;
+                }
+            }
+        }
+        (covariances, 2.0 * squares)
+    }
+
+    /// b_i = Σ_j w_ij ½(R_i + R_j)(v_i − v_j).
+    fn right_side(&self, rotations: &[Square<D>]) -> Vec<[f64; D]> {
+        let mut values = vec![[0.0; D]; rotations.len()];
+        for edge in &self.edges {
+            let [i, j] = edge.ends();
+            for d in 0..D {
+                let turned = dot(&rotations[i][d], &edge.rest) + dot(&rotations[j][d], &edge.rest);
+                let half = 0.5 * edge.weight * turned;
+                values[i][d] += half;
+                values[j][d] -= half;
+            }
+        }
+        values
     }
 }
 
 impl<const D: usize> Distortion<D> for Edge<D> {
-    fn rotation_count(&self) -> usize {
-        self.edges.vertex_count()
-    }
-
     /// Σ w |e|² over half-edges is 4 × the area of a cotangent mesh.
     fn mass(&self) -> f64 {
-        let half_edges = (0..self.edges.vertex_count()).flat_map(|i| self.edges.of(i).iter().map(move |e| (i, e)));
-        0.5 * half_edges
-            .map(|(i, &(j, weight))| {
-                let edge = self.rest_edge(i, j);
-                weight * dot(&edge, &edge)
-            })
-            .sum::<f64>()
+        self.edges.iter().map(|edge| edge.weight * dot(&edge.rest, &edge.rest)).sum()
     }
 
     /// Mesh edges join vertices of different cells, however long they are.
     fn reach(&self) -> usize {
-        let mut ranges = vec![[usize::MAX, 0]; self.edges.vertex_count()];
+        if self.weights.blocks.len() == 1 {
+            return self.weights.reach();
+        }
+        let mut ranges = vec![[usize::MAX, 0]; self.shape.points.len()];
         self.each_weight(|vertex, handle, _| {
             ranges[vertex] = [ranges[vertex][0].min(handle), ranges[vertex][1].max(handle)];
         });
-        let pairs = (0..ranges.len()).flat_map(|i| self.edges.of(i).iter().map(move |&(j, _)| [i, j]));
-        let edges = pairs.map(|[i, j]| ranges[i][1].max(ranges[j][1]) - ranges[i][0].min(ranges[j][0]));
+        let edges = self.edges.iter().map(|edge| {
+            let [a, b] = edge.ends().map(|end| ranges[end]);
+            a[1].max(b[1]) - a[0].min(b[0])
+        });
         edges.max().unwrap_or(0)
     }
 
@@ -159,32 +181,33 @@ impl<const D: usize> Distortion<D> for Edge<D> {
         }
     }
 
-    fn local_step(
-        &self,
-        handles: &[[f64; D]],
-        scale: f64,
-        rotations: &mut [Square<D>],
-        right_side: &mut [[f64; D]],
-    ) -> f64 {
-        let moved = self.moved(handles);
-        for (i, rotation) in rotations.iter_mut().enumerate() {
-            // S_i = Σ_j w_ij (v_i − v_j)(v'_i − v'_j)ᵀ.
-            let mut s = [[0.0; D]; D];
-            for &(j, weight) in self.edges.of(i) {
-                let (rest, now) = (self.rest_edge(i, j), minus(&moved[i], &moved[j]));
-                for a in 0..D {
-                    (0..D).for_each(|b| s[a][b] += weight * rest[a] * now[b]);
-                }
-            }
-            *rotation = best_rotation(&s);
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
+        let (mut matrices, squares) = self.covariances(&self.moved(handles));
+        let mut gain = 0.0;
+        for matrix in &mut matrices {
+            let rotation = best_rotation(matrix);
+            gain += (0..D).map(|a| (0..D).map(|b| rotation[a][b] * matrix[b][a]).sum::<f64>()).sum::<f64>();
+            *matrix = rotation;
         }
-        let values: Vec<[f64; D]> = (0..moved.len()).map(|i| self.right_side_of(i, rotations)).collect();
-        self.add_transposed(&values, 2.0 * scale, right_side);
-        self.energy_of(&moved, rotations)
+        let values = self.right_side(&matrices);
+        dispatch(Transposed { energy: self, values: &values, scale: 2.0 * scale, right_side });
+        // Σ w ‖e' − R e‖² = Σ w (‖e'‖² + ‖e‖²) − 2 Σ tr(R S).
+        squares - 2.0 * gain
     }
 
-    fn energy(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> f64 {
-        self.energy_of(&self.moved(handles), rotations)
+    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
+        let rotations: Vec<Square<D>> = self.covariances(&self.moved(turned_at)).0.iter().map(best_rotation).collect();
+        let moved = self.moved(handles);
+        let parts = self.edges.iter().map(|edge| {
+            let [i, j] = edge.ends();
+            let now = minus(&moved[i], &moved[j]);
+            let miss = |end: usize| {
+                let miss = minus(&now, &apply(&rotations[end], &edge.rest));
+                dot(&miss, &miss)
+            };
+            edge.weight * (miss(i) + miss(j))
+        });
+        parts.sum()
     }
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {
@@ -198,27 +221,59 @@ impl<const D: usize> Distortion<D> for Edge<D> {
     }
 }
 
-impl<const D: usize> Edge<D> {
-    /// b_i = Σ_j w_ij ½(R_i + R_j)(v_i − v_j).
-    fn right_side_of(&self, i: usize, rotations: &[Square<D>]) -> [f64; D] {
-        let mut sum = [0.0; D];
-        for &(j, weight) in self.edges.of(i) {
-            let edge = self.rest_edge(i, j);
-            let (own, other) = (apply(&rotations[i], &edge), apply(&rotations[j], &edge));
-            (0..D).for_each(|d| sum[d] += 0.5 * weight * (own[d] + other[d]));
-        }
-        sum
-    }
+/// Kernel of [`Edge::moved`].
+struct Moved<'a, const D: usize> {
+    energy: &'a Edge<D>,
+    handles: &'a [[f64; D]],
+}
 
-    fn energy_of(&self, moved: &[[f64; D]], rotations: &[Square<D>]) -> f64 {
-        let mut energy = 0.0;
-        for (i, rotation) in rotations.iter().enumerate() {
-            for &(j, weight) in self.edges.of(i) {
-                let turned = apply(rotation, &self.rest_edge(i, j));
-                let miss = minus(&minus(&moved[i], &moved[j]), &turned);
-                energy += weight * dot(&miss, &miss);
+impl<const D: usize> WithSimd for Moved<'_, D> {
+    type Output = Vec<[f64; D]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<[f64; D]> {
+        let weights = &self.energy.weights;
+        let mut moved = vec![[0.0; D]; self.energy.shape.points.len()];
+        let mut local = Vec::new();
+        for block in &weights.blocks {
+            local_handles(block, self.handles, &mut local);
+            for pack in block.packs.clone() {
+                let values = gather(simd, weights.pack(block, pack), &local).map(|[x]| store::<S>(x));
+                for (lane, &vertex) in weights.order[pack].iter().enumerate() {
+                    if let Some(slot) = moved.get_mut(vertex) {
+                        *slot = std::array::from_fn(|d| values[d][lane]);
+                    }
+                }
             }
         }
-        energy
+        moved
+    }
+}
+
+/// Kernel that adds scale · Wᵀ values.
+struct Transposed<'a, const D: usize> {
+    energy: &'a Edge<D>,
+    values: &'a [[f64; D]],
+    scale: f64,
+    right_side: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for Transposed<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let weights = &self.energy.weights;
+        let mut sums = Vec::new();
+        for block in &weights.blocks {
+            sums.clear();
+            sums.resize(block.handles.len(), [[0.0; LANES]; D]);
+            for pack in block.packs.clone() {
+                let rows = weights.order[pack].map(|row| self.values.get(row).copied().unwrap_or([0.0; D]));
+                let lanes = std::array::from_fn(|d| [load::<S>(&rows.map(|row| row[d]))]);
+                scatter(simd, weights.pack(block, pack), &lanes, &mut sums);
+            }
+            add_sums(block, &sums, self.scale, self.right_side);
+        }
     }
 }

@@ -8,8 +8,6 @@ mod neighbours;
 
 pub(crate) use area::Area;
 pub(crate) use edge::Edge;
-#[cfg(test)]
-pub(crate) use neighbours::half_edges;
 
 use super::matrix::Normal;
 use super::small::{Square, area_of, determinant, dot, minus};
@@ -18,9 +16,6 @@ use crate::lattice::Grid;
 
 /// A sum of squares that is quadratic in the handles once its rotations are fixed.
 pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// How many rotations the local step finds.
-    fn rotation_count(&self) -> usize;
-
     /// What turns the sum into a mean of ‖J−R‖²: twice the area it covers.
     fn mass(&self) -> f64;
 
@@ -30,17 +25,11 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Adds the constant matrix.
     fn add_normal(&self, scale: f64, normal: &mut Normal);
 
-    /// Local step: the best rotations at `handles`. Adds their right side, times `scale`; gives the energy.
-    fn local_step(
-        &self,
-        handles: &[[f64; D]],
-        scale: f64,
-        rotations: &mut [Square<D>],
-        right_side: &mut [[f64; D]],
-    ) -> f64;
+    /// Local step: the best rotations at `handles`. Adds their right side, times `scale`; gives the energy there.
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64;
 
-    /// The energy at `handles` under given rotations.
-    fn energy(&self, handles: &[[f64; D]], rotations: &[Square<D>]) -> f64;
+    /// The energy at `handles` under the rotations that are best at `turned_at`.
+    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64;
 
     /// How the shape fares at `handles`.
     fn quality(&self, handles: &[[f64; D]]) -> Quality;
@@ -66,7 +55,7 @@ impl Quality {
         let det = determinant(gradient);
         let norm: f64 = gradient.iter().flatten().map(|x| x * x).sum();
         // In the plane s1² + s2² = ‖J‖² and s1·s2 = |det J|; in space these are means over the three directions.
-        self.add_measured(area, det, norm / D as f64, det.abs().powf(2.0 / D as f64));
+        self.add_measured(area, det, norm / D as f64, if D == 2 { det.abs() } else { det.abs().powf(2.0 / D as f64) });
     }
 
     /// Adds a triangle by its rest and moved corners; triangles without area count for nothing.

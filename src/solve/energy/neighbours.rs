@@ -19,11 +19,6 @@ impl HalfEdges {
     pub(crate) fn of(&self, vertex: usize) -> &[(usize, f64)] {
         &self.entries[self.starts[vertex]..self.starts[vertex + 1]]
     }
-
-    /// Number of vertices.
-    pub(crate) fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
-    }
 }
 
 /// Finds the half-edges. Cotangents: w_ij = ½(cot α + cot β), unclamped, over unsigned areas; triangles without area
