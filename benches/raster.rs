@@ -7,7 +7,8 @@ mod ball;
 
 use glam::{Vec2, Vec4};
 use pinwarp::raster::cpu::{CpuRaster, StageTimes};
-use pinwarp::raster::{ChannelGroup, Geometry, Pass, PassRole, Raster, Target};
+use pinwarp::raster::vulkan::VulkanRaster;
+use pinwarp::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, Target};
 use pinwarp::scene::{Material, Scene};
 use pinwarp::space::FrameSize;
 use std::time::{Duration, Instant};
@@ -33,6 +34,7 @@ fn main() {
     let material =
         Material { base_color: Vec4::new(0.7, 0.5, 0.4, 1.0), metallic: 0.2, roughness: 0.5, ..Material::default() };
     let scene = Scene { materials: vec![material], ..Scene::default() };
+    bench_vulkan(&scene, &cases);
     let mut raster = CpuRaster::new(&scene);
     println!("{}, {} triangles, all channels; median of {RUNS}, ms", raster.name(), 2 * FINENESS.0 * FINENESS.1);
     println!("{:<24}{:>9}{:>9}{:>9}{:>9}{:>12}", "", "whole", "bin", "draw", "resolve", "cpu, mean");
@@ -40,13 +42,46 @@ fn main() {
         let geometry = ball::ball(case.frame, FINENESS, 0.02);
         let cpu_before = cpu_secs();
         let mut times: Vec<(Duration, StageTimes)> =
-            (0..RUNS).map(|_| draw_frame(&mut raster, &geometry, case)).collect();
+            (0..RUNS).map(|_| (draw_frame(&mut raster, &geometry, case), raster.stage_times())).collect();
         let cpu = cpu_before.zip(cpu_secs()).map_or("-".into(), |(a, b)| format!("{:.1}", (b - a) * 1e3 / RUNS as f64));
         times.sort_by_key(|time| time.0);
         let (whole, stages) = times[RUNS / 2];
         let ms = |time: Duration| format!("{:.1}", time.as_secs_f64() * 1e3);
         let [bin, draw, resolve] = [stages.bin, stages.tiles, stages.resolve].map(ms);
         println!("{:<24}{:>9}{bin:>9}{draw:>9}{resolve:>9}{cpu:>12}", case.name, ms(whole));
+    }
+}
+
+/// The Vulkan raster beside a bare draw and copy of the same mesh with the same shaders and images, taken in turns.
+/// The ratio is that of the whole frame to as many bare ones as there are samples.
+fn bench_vulkan(scene: &Scene, cases: &[Case]) {
+    let mut raster = match VulkanRaster::open(&DeviceChoice::Auto, scene) {
+        Ok(raster) => raster,
+        Err(error) => return println!("SKIPPED: {error}"),
+    };
+    println!("{}, {} triangles, all channels; median of {RUNS}, ms", raster.name(), 2 * FINENESS.0 * FINENESS.1);
+    println!("{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}", "", "whole", "upload", "draw", "read", "bare", "ratio");
+    for case in cases {
+        let geometry = ball::ball(case.frame, FINENESS, 0.02);
+        let bare_target = target(case, 1);
+        let mut whole = Vec::new();
+        let mut bare = Vec::new();
+        for run in 0..=RUNS {
+            let time = draw_frame(&mut raster, &geometry, case);
+            let bare_time = raster.time_bare_frame(&bare_target, &geometry).expect("the window is small");
+            // The first frame makes pipelines and images.
+            if run > 0 {
+                whole.push((time, raster.stage_times()));
+                bare.push(bare_time);
+            }
+        }
+        whole.sort_by_key(|time| time.0);
+        bare.sort();
+        let ((whole, stages), bare) = (whole[RUNS / 2], bare[RUNS / 2]);
+        let ms = |time: Duration| format!("{:.1}", time.as_secs_f64() * 1e3);
+        let [upload, draw, read] = [stages.upload, stages.draw, stages.read].map(ms);
+        let ratio = whole.as_secs_f64() / (bare.as_secs_f64() * f64::from(case.samples));
+        println!("{:<24}{:>9}{upload:>9}{draw:>9}{read:>9}{:>9}{ratio:>9.2}", case.name, ms(whole), ms(bare));
     }
 }
 
@@ -58,17 +93,20 @@ fn cpu_secs() -> Option<f64> {
     Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
 }
 
-fn draw_frame(raster: &mut CpuRaster, geometry: &Geometry, case: &Case) -> (Duration, StageTimes) {
-    let begin = Instant::now();
+fn target(case: &Case, beauty_passes: u32) -> Target {
     let channels =
         vec![ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Normal, ChannelGroup::Id];
-    let target = Target { frame: case.frame, window: case.frame.window(), channels, beauty_passes: case.samples };
-    raster.start(&target).expect("the window is small");
+    Target { frame: case.frame, window: case.frame.window(), channels, beauty_passes }
+}
+
+fn draw_frame(raster: &mut dyn Raster, geometry: &Geometry, case: &Case) -> Duration {
+    let begin = Instant::now();
+    raster.start(&target(case, case.samples)).expect("the window is small");
     for sample in 0..case.samples {
         let jitter_px = Vec2::new((sample % 4) as f32, (sample / 4) as f32) / 4.0 - 0.375;
         let pass = Pass { geometry, jitter_px, role: PassRole::BeautyAndData };
         raster.draw(&pass).expect("a frame was started");
     }
     std::hint::black_box(raster.finish().expect("a frame was started"));
-    (begin.elapsed(), raster.stage_times())
+    begin.elapsed()
 }

@@ -4,6 +4,8 @@
 
 #[path = "vulkan/channels.rs"]
 mod channels;
+#[path = "support/compare.rs"]
+mod compare;
 #[path = "vulkan/devices.rs"]
 mod devices;
 #[path = "vulkan/limits.rs"]

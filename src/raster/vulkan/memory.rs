@@ -89,12 +89,24 @@ impl Buffer {
         Ok(Self { handle, memory, size })
     }
 
-    pub(super) fn get(&self) -> vk::Buffer {
-        self.handle.get()
+    /// The buffer in `slot`, if it has `bytes`; else a new one of `new_bytes`, and the old one goes: no submitted
+    /// commands may use it.
+    pub(super) fn reserve<'a>(
+        slot: &'a mut Option<Self>,
+        device: &Arc<Device>,
+        wanted: BufferUse,
+        (bytes, new_bytes): (u64, u64),
+    ) -> Result<&'a mut Self, RasterError> {
+        let kept = slot.take().filter(|buffer| buffer.size >= bytes);
+        let buffer = match kept {
+            Some(buffer) => buffer,
+            None => Self::new(device, wanted, new_bytes)?,
+        };
+        Ok(slot.insert(buffer))
     }
 
-    pub(super) fn size(&self) -> u64 {
-        self.size
+    pub(super) fn get(&self) -> vk::Buffer {
+        self.handle.get()
     }
 
     /// What the device wrote; empty where the buffer is not host-visible.

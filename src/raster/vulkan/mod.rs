@@ -25,9 +25,11 @@ mod target;
 mod tests;
 mod textures;
 mod upload;
+mod yardstick;
 
 pub use choose::{DeviceInfo, DeviceKind, devices};
 pub use messenger::Messages;
+pub use yardstick::StageTimes;
 
 use crate::image::Frame;
 use crate::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, RasterError, Target};
@@ -42,6 +44,7 @@ use pass::{Destination, Groups, Plan, View, Work};
 use pipeline::Pipelines;
 use readback::Readback;
 use std::sync::Arc;
+use std::time::Instant;
 use target::{Attachments, Part};
 use upload::Slot;
 
@@ -58,6 +61,7 @@ pub struct VulkanRaster {
     descriptors: Descriptors,
     device: Arc<Device>,
     begun: Option<Begun>,
+    times: StageTimes,
 }
 
 /// The frame being drawn.
@@ -110,6 +114,7 @@ impl VulkanRaster {
             descriptors,
             device,
             begun: None,
+            times: StageTimes::default(),
         })
     }
 
@@ -244,6 +249,7 @@ impl Raster for VulkanRaster {
         self.wait()?;
         let extent = vk::Extent2D { width, height };
         self.attachments.resize(extent);
+        self.times = StageTimes::default();
         self.begun = Some(Begun { target: target.clone(), extent, beauty_passes: 0, has_data: false, passes: 0 });
         Ok(())
     }
@@ -251,8 +257,10 @@ impl Raster for VulkanRaster {
     fn draw(&mut self, pass: &Pass) -> Result<(), RasterError> {
         let mut begun = self.begun.take().ok_or(RasterError::Misuse("draw was called before start"))?;
         if let Some(work) = begun.work(pass.role) {
+            let begin = Instant::now();
             // A frame whose pass failed is not gone on with.
             self.add(&mut begun, pass.geometry, pass.jitter_px, work)?;
+            self.times.upload += begin.elapsed();
         }
         self.begun = Some(begun);
         Ok(())
@@ -261,7 +269,14 @@ impl Raster for VulkanRaster {
     fn finish(&mut self) -> Result<Frame, RasterError> {
         let mut begun = self.begun.take().ok_or(RasterError::Misuse("finish was called before start"))?;
         self.complete(&mut begun)?;
-        let channels = self.readback.read(&mut self.attachments, begun.extent, &begun.target.channels)?;
+        let begin = Instant::now();
+        self.readback.copy(&mut self.attachments, begun.extent, &begun.target.channels)?;
+        // The copies wait for the draws anyway.
+        self.slots.iter_mut().try_for_each(|slot| slot.commands.wait())?;
+        let drawn = Instant::now();
+        let channels = self.readback.read(begun.extent, &begun.target.channels)?;
+        self.times.draw += drawn - begin;
+        self.times.read += drawn.elapsed();
         Ok(Frame {
             display: begun.target.frame.window(),
             data_window: begun.target.window,

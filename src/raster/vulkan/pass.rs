@@ -230,6 +230,6 @@ fn open<'a>(
         commands.prepare(image, Usage::DepthAttachment, contents(clear.is_some()));
         Attachment { image: &*image, clear }
     });
-    let colors: Vec<_> = colors.iter().map(|(image, clear)| Attachment { image: &**image, clear: *clear }).collect();
+    let colors: Vec<_> = colors.iter().map(|(image, clear)| Attachment { image, clear: *clear }).collect();
     Rendering::begin(commands, painter.extent, &colors, depth)
 }

@@ -60,14 +60,8 @@ impl Readback {
         Ok(Self { lanes: [lane()?, lane()?, lane()?, lane()?], device: Arc::clone(device) })
     }
 
-    /// The wanted channels of the upper left `extent` of the attachments, in the order of [`ChannelGroup`].
-    pub(super) fn read(
-        &mut self,
-        attachments: &mut Attachments,
-        extent: vk::Extent2D,
-        wanted: &[ChannelGroup],
-    ) -> Result<Vec<Channel>, RasterError> {
-        self.copy(attachments, extent, wanted)?;
+    /// The wanted channels of what [`Self::copy`] copied, in the order of [`ChannelGroup`].
+    pub(super) fn read(&mut self, extent: vk::Extent2D, wanted: &[ChannelGroup]) -> Result<Vec<Channel>, RasterError> {
         let area = extent.width as usize * extent.height as usize;
         let mut channels = Vec::new();
         for (lane, layout) in self.lanes.iter_mut().zip(LAYOUTS).filter(|(_, layout)| is_wanted(layout, wanted)) {
@@ -79,8 +73,8 @@ impl Readback {
         Ok(channels.into_iter().map(|(_, channel)| channel).collect())
     }
 
-    /// Submits the copies of all wanted images.
-    fn copy(
+    /// Submits the copies of the upper left `extent` of all wanted images.
+    pub(super) fn copy(
         &mut self,
         attachments: &mut Attachments,
         extent: vk::Extent2D,
@@ -92,8 +86,38 @@ impl Readback {
                 continue;
             }
             let image = image.ok_or(RasterError::Misuse("an image was not drawn"))?;
-            let bytes = u64::from(extent.width) * u64::from(extent.height) * layout.len() as u64 * 4;
-            lane.copy(&self.device, image, extent, bytes)?;
+            lane.commands.begin()?;
+            let bytes = bytes_of(layout, extent);
+            let buffer = Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
+            lane.commands.prepare(image, Usage::CopySource, Contents::Keep);
+            lane.commands.copy_to_host(image, buffer, extent);
+            lane.commands.submit()?;
+        }
+        Ok(())
+    }
+
+    /// Makes buffers for all images of that extent.
+    pub(super) fn reserve(&mut self, extent: vk::Extent2D) -> Result<(), RasterError> {
+        for (lane, layout) in self.lanes.iter_mut().zip(LAYOUTS) {
+            let bytes = bytes_of(layout, extent);
+            Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
+        }
+        Ok(())
+    }
+
+    /// Records the copies of all images into other commands; the buffers are there.
+    pub(super) fn record_all(
+        &self,
+        commands: &Commands,
+        attachments: &mut Attachments,
+        extent: vk::Extent2D,
+    ) -> Result<(), RasterError> {
+        for (lane, image) in self.lanes.iter().zip(images(attachments)) {
+            let (Some(image), Some(buffer)) = (image, &lane.buffer) else {
+                return Err(RasterError::Misuse("an image was not drawn"));
+            };
+            commands.prepare(image, Usage::CopySource, Contents::Keep);
+            commands.copy_to_host(image, buffer, extent);
         }
         Ok(())
     }
@@ -104,25 +128,8 @@ impl Readback {
     }
 }
 
-impl Lane {
-    fn copy(
-        &mut self,
-        device: &Arc<Device>,
-        image: &mut Image,
-        extent: vk::Extent2D,
-        bytes: u64,
-    ) -> Result<(), RasterError> {
-        self.commands.begin()?;
-        let kept = self.buffer.take().filter(|buffer| buffer.size() >= bytes);
-        let buffer = match kept {
-            Some(buffer) => buffer,
-            None => Buffer::new(device, READ_BACK, bytes)?,
-        };
-        let buffer = self.buffer.insert(buffer);
-        self.commands.prepare(image, Usage::CopySource, Contents::Keep);
-        self.commands.copy_to_host(image, buffer, extent);
-        self.commands.submit()
-    }
+fn bytes_of(layout: &[(&str, ChannelGroup)], extent: vk::Extent2D) -> u64 {
+    u64::from(extent.width) * u64::from(extent.height) * layout.len() as u64 * 4
 }
 
 /// In the order of [`LAYOUTS`].

@@ -80,30 +80,21 @@ impl Slot {
         let indices = parts[0].len() as u64;
         let pass = (indices + parts[1].len() as u64).next_multiple_of(align);
         let pass_bytes = (parts[2].len() + parts[3].len()) as u64;
-        let set = self.pass_set;
-        let buffer = self.reserve(pass + pass_bytes)?;
+        let bytes = pass + pass_bytes;
+        // Geometry differs a little from frame to frame: room to grow by a half.
+        let buffer = Buffer::reserve(&mut self.buffer, &self.device, UPLOAD, (bytes, bytes + bytes / 2))?;
         let bytes = buffer.bytes_mut();
         let starts = [0, indices, pass, pass + parts[2].len() as u64];
         for (start, part) in starts.into_iter().zip(parts) {
             bytes[start as usize..start as usize + part.len()].copy_from_slice(part);
         }
-        descriptors.write_buffer((set, 0), vk::DescriptorType::STORAGE_BUFFER, (buffer, pass, pass_bytes));
+        descriptors.write_buffer((self.pass_set, 0), vk::DescriptorType::STORAGE_BUFFER, (buffer, pass, pass_bytes));
         Ok(MeshPlace { vertices: 0, indices })
     }
 
     /// The filled buffer.
     pub(super) fn buffer(&self) -> Result<&Buffer, RasterError> {
         self.buffer.as_ref().ok_or(RasterError::Misuse("a pass was drawn before it was filled"))
-    }
-
-    /// A buffer of at least that size: the one there is, or a new one with room to grow by a half.
-    fn reserve(&mut self, bytes: u64) -> Result<&mut Buffer, RasterError> {
-        let kept = self.buffer.take().filter(|buffer| buffer.size() >= bytes);
-        let buffer = match kept {
-            Some(buffer) => buffer,
-            None => Buffer::new(&self.device, UPLOAD, bytes + bytes / 2)?,
-        };
-        Ok(self.buffer.insert(buffer))
     }
 }
 
