@@ -192,12 +192,14 @@ fn light_surface(surface: Surface, light: Light) -> vec3<f32> {
 
 /// Mean radiance of the surroundings over the cosine lobe around a direction whose cosine with up is y.
 ///
-/// Exact: a plane sees (1 + y)/2 of the upper half weighted by the cosine; the overhead part is the clamped cosine
-/// convolved with the clamped cosine, 2/(3π)·(sin θ + (π - θ)·cos θ), as in a Lambertian sphere's phase law.
+/// A plane sees (1 + y)/2 of the upper half weighted by the cosine; the overhead part is the clamped cosine convolved
+/// with the clamped cosine, 2/(3π)·(sin θ + (π - θ)·cos θ), as in a Lambertian sphere's phase law: y/3 and an even
+/// part, for which stands a cubic in y² (minimax over 0..1, error below 2e-4).
 fn surroundings_matte(y: f32) -> f32 {
-    let theta = acos(clamp(y, -1.0, 1.0));
-    let overhead = (sin(theta) + (PI - theta) * y) * (2.0 / (3.0 * PI));
-    return mix(GROUND, SKY, 0.5 + 0.5 * y) + OVERHEAD * overhead;
+    let c = clamp(y, -1.0, 1.0);
+    let t = c * c;
+    let even = 0.2120379 + t * (0.1101145 + t * (-0.0055151 + t * 0.0165273));
+    return mix(GROUND, SKY, 0.5 + 0.5 * c) + OVERHEAD * (c * (1.0 / 3.0) + even);
 }
 
 /// Mean radiance of the surroundings over the highlight lobe around such a direction: the horizon softens and the

@@ -107,15 +107,15 @@ impl<'a> Face<'a> {
         shade.materials.base_color(self.material, &uv, color).w
     }
 
-    /// Associated linear RGBA.
-    pub(super) fn color(&self, shade: &Shade, pixel: IVec2) -> Vec4 {
+    /// Associated linear RGBA, and the shading normal where it was needed for that.
+    pub(super) fn color(&self, shade: &Shade, pixel: IVec2) -> (Vec4, Option<Vec3>) {
         let shares = self.shares(pixel);
         let uv = self.footprints(pixel, &shares);
         let vertex_color = shares.vec4(self.each(|vertex| vertex.color));
         let base = shade.materials.base_color(self.material, &uv, vertex_color);
         let alpha = if self.material.is_blended() { base.w.clamp(0.0, 1.0) } else { 1.0 };
         if self.material.factors.unlit {
-            return (base.xyz() * alpha).extend(alpha);
+            return ((base.xyz() * alpha).extend(alpha), None);
         }
         let (metallic, roughness) = shade.materials.metallic_roughness(self.material, &uv);
         let position = shares.vec3(self.each(|vertex| vertex.position));
@@ -133,7 +133,7 @@ impl<'a> Face<'a> {
         };
         let ambient = shading::ambient_surface(&surface, shade.geometry.environment);
         let lit = shade.lights.iter().fold(ambient, |sum, light| sum + shading::light_surface(&surface, light));
-        (lit * alpha).extend(alpha)
+        ((lit * alpha).extend(alpha), Some(normal))
     }
 
     /// Shading normal that faces the viewer.
@@ -147,7 +147,9 @@ impl<'a> Face<'a> {
     fn normal_at(&self, shade: &Shade, shares: &Shares, uv: &[Footprint; 2]) -> Vec3 {
         let normal = shares.vec3(self.each(|vertex| vertex.normal));
         if !self.material.has_normal_map() {
-            return shading::shading_normal(normal, Vec4::ZERO, Vec3::Z, self.triangle.is_front);
+            // What `shading_normal` gives for a zero tangent, at a fraction of its cost.
+            let unit = shading::unit_or(normal, Vec3::Z);
+            return if self.triangle.is_front { unit } else { -unit };
         }
         let tangent = shares.vec4(self.each(|vertex| vertex.tangent));
         let mapped = shade.materials.mapped_normal(self.material, uv);

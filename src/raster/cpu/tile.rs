@@ -8,7 +8,7 @@ use super::fragment::{Face, Shade};
 use super::layout::Layout;
 use super::triangle::Triangle;
 use crate::raster::PassRole;
-use glam::{IVec2, Vec2, Vec4};
+use glam::{IVec2, Vec2, Vec3, Vec4};
 
 /// What a tile has gathered so far.
 #[derive(Debug, Default)]
@@ -31,6 +31,8 @@ pub(super) struct Scratch<'a> {
     /// Surfaces that count for data: those and nearly opaque blended ones.
     data: Visibility,
     color: Vec<Vec4>,
+    /// Shading normals of opaque surfaces, where shading them gave any.
+    normals: Vec<Option<Vec3>>,
 }
 
 /// What happens to a tile in a pass.
@@ -92,6 +94,7 @@ impl Tile {
         }
         self.prepare(pass);
         scratch.cover(pass);
+        scratch.normals.clear();
         if pass.wants_beauty() {
             scratch.shade(pass);
         }
@@ -137,12 +140,15 @@ impl Tile {
                 continue;
             }
             let face = faces.get(number, &scratch.list);
-            self.write_data(pass, face, (place, pixel));
+            let is_opaque = number == scratch.visibility.seen[place];
+            let normal = scratch.normals.get(place).copied().flatten().filter(|_| is_opaque);
+            self.write_data(pass, face, (place, pixel), normal);
             self.planes[pass.layout.z * TILE_PIXELS + place] = z;
         }
     }
 
-    fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2)) {
+    /// `normal`: what shading the surface found, if it did.
+    fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2), normal: Option<Vec3>) {
         let layout = pass.layout;
         let mut put = |plane: usize, value: f32| self.planes[plane * TILE_PIXELS + place] = value;
         if layout.depth.is_some() || layout.motion.is_some() {
@@ -156,7 +162,7 @@ impl Tile {
             }
         }
         if let Some(plane) = layout.normal {
-            let normal = face.normal(pass.shade, pixel);
+            let normal = normal.unwrap_or_else(|| face.normal(pass.shade, pixel));
             (0..3).for_each(|i| put(plane + i, normal[i]));
         }
         if let Some(plane) = layout.id {
@@ -216,11 +222,12 @@ impl<'a> Scratch<'a> {
     fn shade(&mut self, pass: &TilePass<'a>) {
         self.color.clear();
         self.color.resize(TILE_PIXELS, Vec4::ZERO);
+        self.normals.resize(TILE_PIXELS, None);
         let mut faces = FaceCache::new(pass.shade);
         for (place, pixel) in pass.pixels() {
             let number = self.visibility.seen[place];
             if number != NOTHING {
-                self.color[place] = faces.get(number, &self.list).color(pass.shade, pixel);
+                (self.color[place], self.normals[place]) = faces.get(number, &self.list).color(pass.shade, pixel);
             }
         }
     }
@@ -243,7 +250,7 @@ impl<'a> Scratch<'a> {
                 }
                 let alpha = match pass.wants_beauty() {
                     true => {
-                        let over = face.color(pass.shade, pixel);
+                        let (over, _) = face.color(pass.shade, pixel);
                         color[place] = over + color[place] * (1.0 - over.w);
                         over.w
                     }
