@@ -64,3 +64,83 @@ fn every_shot_is_read_and_has_pins() {
         assert!(shot.layers.iter().all(|layer| !layer.pins.is_empty()), "{}", path.display());
     }
 }
+
+/// Distance in metres from a surface anchor's stored rest position to where its triangle is in the scene.
+fn anchor_drift(scene: &pinwarp::scene::Scene, anchor: &pinwarp::shot::Anchor) -> Option<f32> {
+    let pinwarp::shot::Anchor::Surface { node, primitive, triangle, barycentric, rest } = anchor else { return None };
+    let mesh = scene.nodes[scene.node_named(node)?].mesh?;
+    let surface = &scene.meshes[mesh].primitives[*primitive];
+    let corners = surface.triangles[*triangle].map(|corner| surface.positions[corner as usize]);
+    let point: glam::Vec3 = corners.into_iter().zip(barycentric).map(|(corner, share)| corner * *share as f32).sum();
+    rest.map(|rest| point.distance(glam::DVec3::from_array(rest).as_vec3()))
+}
+
+#[test]
+fn pins_lie_where_they_were_made() {
+    for path in shots() {
+        let shot = pinwarp::shot::Shot::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let scene = pinwarp::scene::load(&shot.scene).unwrap_or_else(|error| panic!("{error}"));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        for (layer, pin) in shot.layers.iter().flat_map(|layer| layer.pins.iter().map(move |pin| (layer, pin))) {
+            let drift = anchor_drift(&scene, &pin.anchor);
+            let place = format!("{}: {} / {}", path.display(), layer.name, pin.name);
+            assert!(drift.is_some_and(|drift| drift < 2e-4), "{place}: {drift:?}; was the scene made anew?");
+        }
+    }
+}
+
+#[test]
+fn walk_repeats_without_a_seam_and_stands_on_the_ground() {
+    let scene = pinwarp::scene::load(&scenes().join("walker/walker.glb")).unwrap_or_else(|error| panic!("{error}"));
+    let clip = scene.find_clip(Some("Walk"), None).unwrap_or_else(|error| panic!("{error}"));
+    let choice = pinwarp::pose::ClipChoice { clip, is_looped: false };
+    let boots = scene.node_named("Legs").expect("the gnome has legs");
+    let positions = |seconds: f64| -> Vec<glam::Vec3> {
+        let pose = pinwarp::pose::pose(&scene, choice, seconds);
+        let parts = pose.parts.iter().filter(|part| part.node == boots);
+        parts.flat_map(|part| part.positions.iter().map(|at| at.0)).collect()
+    };
+    let (start, end) = (positions(0.0), positions(1.0));
+    let apart = start.iter().zip(&end).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(apart < 1e-5, "the cycle ends {apart} m from where it began");
+    for frame in 0..24 {
+        let lowest = positions(f64::from(frame) / 24.0).iter().map(|at| at.y).fold(f32::INFINITY, f32::min);
+        assert!((-0.02..0.02).contains(&lowest), "frame {frame}: the lower boot is {lowest} m over the ground");
+    }
+    let moved = positions(0.25).iter().zip(&start).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(moved > 0.1, "the legs move by {moved} m only");
+}
+
+#[test]
+fn every_shot_passes_check() {
+    for path in shots() {
+        assert_cmd::Command::cargo_bin("pinwarp").expect("it is built").arg("check").arg(path).assert().success();
+    }
+}
+
+/// A foreign file, which is not part of the repository.
+#[test]
+fn knight_is_rendered() {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
+    let shared = std::env::var("PINWARP_SHARED").unwrap_or_else(|_| beside.into());
+    let knight = Path::new(&shared).join("assets/kaykit/Knight.glb");
+    if !knight.is_file() {
+        eprintln!("SKIPPED: {} is missing", knight.display());
+        return;
+    }
+    let folder = tempfile::tempdir().expect("there is room");
+    let shot = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/shots/knight.toml");
+    std::fs::copy(knight, folder.path().join("Knight.glb")).expect("there is room");
+    std::fs::copy(shot, folder.path().join("knight.toml")).expect("there is room");
+    let arguments =
+        ["render", "knight.toml", "--frames", "8,11", "--scale", "1/4", "--samples", "2", "--device", "cpu"];
+    let mut program = assert_cmd::Command::cargo_bin("pinwarp").expect("it is built");
+    program.current_dir(&folder).args(arguments).args(["-o", "knight.####.exr"]).assert().success();
+    for name in ["knight.0008.exr", "knight.0011.exr"] {
+        let frame = pinwarp::image::read_exr(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
+        let alpha = frame.channel("A").expect("beauty has alpha");
+        let covered = alpha.samples.iter().filter(|alpha| **alpha > 0.5).count();
+        assert!(covered > 1000, "{name}: only {covered} pixels are covered");
+        assert_eq!(frame.nan_count(), 0, "{name}");
+    }
+}

@@ -166,8 +166,8 @@ fn joint_tracks(joints: &[usize], frames: u32) -> Vec<Track> {
 fn stroll(seconds: f64) -> (DVec3, DVec3, DVec3) {
     let gnome = HEADING * STRIDE * (seconds - 1.0);
     let t = smoothstep(0.0, 2.0, seconds);
-    let eye = DVec3::new(gnome.x * 0.9 + 0.75 - 0.55 * t, 0.78 - 0.08 * t, 3.45 - 0.35 * t);
-    (gnome, eye, DVec3::new(gnome.x * 0.9 + 0.02, 0.66, gnome.z))
+    let eye = DVec3::new(gnome.x * 0.9 + 0.75 - 0.55 * t, 0.78 - 0.06 * t, 3.45 - 0.15 * t);
+    (gnome, eye, DVec3::new(gnome.x * 0.9 + 0.02, 0.68, gnome.z))
 }
 
 fn stroll_tracks(root: usize, camera: usize) -> Vec<Track> {

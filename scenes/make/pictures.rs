@@ -1,0 +1,79 @@
+//! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`.
+
+use anyhow::{Context as _, bail};
+use image::{RgbImage, imageops};
+use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, render};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::shot::Shot;
+use pinwarp::space::FrameSize;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// One picture.
+struct Picture {
+    /// Folder below `scenes/`.
+    scene: &'static str,
+    /// Frame that shows the warp best.
+    frame: i32,
+    /// Rows of the picture.
+    height: u32,
+    /// Columns of each half, cut from the middle of the frame.
+    width: u32,
+    /// The cut is moved to the right by this many columns.
+    shift: i64,
+}
+
+const PICTURES: [Picture; 3] = [
+    Picture { scene: "teapot", frame: 12, height: 336, width: 596, shift: 0 },
+    Picture { scene: "gingerman", frame: 8, height: 480, width: 480, shift: 0 },
+    Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -20 },
+];
+
+/// White columns between the halves.
+const GAP: u32 = 8;
+
+fn main() -> anyhow::Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for picture in &PICTURES {
+        let place = folder.join(picture.scene);
+        let halves = [half(picture, &place, 0.0)?, half(picture, &place, 1.0)?];
+        let mut both = RgbImage::from_pixel(2 * picture.width + GAP, picture.height, image::Rgb([255; 3]));
+        for (half, x) in halves.iter().zip([0, picture.width + GAP]) {
+            imageops::replace(&mut both, half, i64::from(x), 0);
+        }
+        both.save(place.join("picture.png")).with_context(|| format!("writing the picture of {}", picture.scene))?;
+    }
+    Ok(())
+}
+
+/// The frame with the warp at `strength`, cut to the picture's half.
+fn half(picture: &Picture, place: &Path, strength: f64) -> anyhow::Result<RgbImage> {
+    let scratch = tempfile::tempdir()?;
+    let mut shot = Shot::read(&place.join("shot.toml"))?;
+    for layer in &mut shot.layers {
+        layer.strength *= strength;
+    }
+    let columns = (shot.size.aspect() * f64::from(picture.height)).round();
+    shot.size = FrameSize::new(columns as u32, picture.height);
+    shot.samples = 64;
+    shot.output.path = scratch.path().join("frame.####.exr");
+    let options = RenderOptions {
+        frames: vec![picture.frame],
+        device: DeviceChoice::Cpu,
+        existing: Existing::Overwrite,
+        has_preview: true,
+        has_overlay: false,
+    };
+    let tell = |event: Event| {
+        if let Event::FrameDone(report) = event {
+            println!("{}: {:?}", picture.scene, report.warnings);
+        }
+    };
+    let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
+    if summary.rendered != 1 {
+        bail!("frame {} of {} was not rendered", picture.frame, picture.scene);
+    }
+    let whole = image::open(scratch.path().join(format!("frame.{:04}.png", picture.frame)))?.into_rgb8();
+    let left = (i64::from(whole.width()) - i64::from(picture.width)) / 2 + picture.shift;
+    Ok(imageops::crop_imm(&whole, left.max(0) as u32, 0, picture.width, picture.height).to_image())
+}
