@@ -33,8 +33,8 @@ pub fn render(
 ) -> Result<Summary, PipelineError> {
     let work = Work::plan(setup, options)?;
     let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
-    if let Some(text) = fallback {
-        tell(Event::Note { text });
+    if let Some(reason) = fallback {
+        tell(Event::Note { text: format!("the CPU draws: {reason}") });
     }
     Ok(work.run(device.as_mut(), cancel, tell))
 }

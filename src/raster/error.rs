@@ -13,7 +13,7 @@ pub enum RasterError {
         what: String,
     },
     /// `--device` names nothing that is there.
-    #[error("no device matches '{wanted}'; there are: {available}")]
+    #[error("no device matches '{wanted}'; there are: cpu, {available}")]
     UnknownDevice {
         /// What was asked for.
         wanted: String,

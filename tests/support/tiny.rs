@@ -25,7 +25,7 @@ pub(crate) struct Part {
 }
 
 /// How the camera at [0, 0, 5] sees, looking along -z.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Lens {
     /// One metre is one frame height.
     Parallel,

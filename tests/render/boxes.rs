@@ -1,0 +1,99 @@
+//! Where lattices stand, and where pins are.
+
+use crate::support::Studio;
+use crate::tiny::{Lens, Part, Tiny, grid};
+use pinwarp::pipeline::Pinned;
+use pinwarp::screen::project;
+
+/// A square from (.6, .3) to (1, .7) on the screen that moves by `x` frame heights a frame.
+fn square(x: f32) -> Part {
+    Part { velocity: [24.0 * x, 0.0, 0.0], ..grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2) }
+}
+
+fn studio(part: Part, bounds: &str) -> Studio {
+    let layer = format!(
+        "[[layer]]\nlattice = {{ dims = [4, 4], box = {bounds} }}\n[[layer.pin]]\n\
+         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\n\
+         keys = [{{ frame = 1, offset = [0.1, 0.0] }}]\n"
+    );
+    Studio::tiny(&Tiny::of(vec![part]), &layer)
+}
+
+/// Lower left and upper right corner of the lattice's rest box.
+fn box_at(studio: &Studio, frame: f64) -> [f64; 4] {
+    let moment = studio.setup().moment(frame).unwrap_or_else(|error| panic!("{error}"));
+    let grid = moment.layers[0].solution.as_ref().map(|solution| &solution.lattice.grid).expect("the layer is warped");
+    [grid.lo[0], grid.lo[1], grid.hi[0], grid.hi[1]]
+}
+
+#[track_caller]
+fn assert_box(found: [f64; 4], expected: [f64; 4]) {
+    let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5);
+    assert!(is_near, "{found:?} is not {expected:?}");
+}
+
+#[test]
+fn boxes_stand_where_they_are_told() {
+    assert_box(box_at(&studio(square(0.02), "{ fixed = [0.1, 0.2, 1.5, 0.9] }"), 5.0), [0.1, 0.2, 1.5, 0.9]);
+    assert_box(box_at(&studio(square(0.02), "\"frame\""), 5.0), [0.0, 0.0, 1.6, 1.0]);
+}
+
+#[test]
+fn a_box_follows_with_a_tenth_of_air() {
+    assert_box(box_at(&studio(square(0.0), "\"follow\""), 5.0), [0.56, 0.26, 1.04, 0.74]);
+    // Even motion is followed exactly, between frames too.
+    for frame in [5.0, 5.25, 8.0] {
+        let x = 0.02 * (frame - 1.0);
+        assert_box(box_at(&studio(square(0.02), "\"follow\""), frame), [0.56 + x, 0.26, 1.04 + x, 0.74]);
+    }
+}
+
+#[test]
+fn a_followed_box_always_holds_what_it_follows() {
+    // A jump: the smoothed box would lag behind.
+    let studio = studio(Part { velocity: [24.0 * 0.15, 0.0, 0.0], ..square(0.0) }, "\"follow\"");
+    for frame in [1.0, 2.0, 3.0] {
+        let [x0, _, x1, _] = box_at(&studio, frame);
+        let x = 0.15 * (frame - 1.0);
+        assert!(x0 <= 0.6 + x + 1e-6 && x1 >= 1.0 + x - 1e-6, "{x0} {x1} in frame {frame}");
+    }
+}
+
+#[test]
+fn pins_follow_an_animated_surface() {
+    let studio = studio(square(0.02), "\"follow\"");
+    let setup = studio.setup();
+    for frame in [1.0, 3.5, 7.0] {
+        let moment = setup.moment(frame).unwrap_or_else(|error| panic!("{error}"));
+        let pin = moment.layers[0].pins[0];
+        let expected = glam::DVec2::new(0.6 + 0.02 * (frame - 1.0), 0.3);
+        assert!((pin.rest.0 - expected).length() < 1e-6, "{:?} in frame {frame}", pin.rest);
+        assert!((pin.target.0 - expected - glam::DVec2::new(0.1, 0.0)).length() < 1e-6);
+        let lattice = &moment.layers[0].solution.as_ref().expect("the layer is warped").lattice;
+        assert!((lattice.warp(pin.rest).0 - pin.target.0).length() < 1e-5);
+    }
+}
+
+#[test]
+fn pins_fade_before_the_near_plane() {
+    // Towards the camera, half a metre a frame: depth 5 in frame 1; the near plane is at half a metre.
+    let part = Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) };
+    let mut studio = studio(part, "\"frame\"");
+    studio.shot.frames.last = 12;
+    let tiny =
+        Tiny { lens: Lens::Perspective(1.0), ..Tiny::of(vec![Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) }]) };
+    tiny.write(&studio.shot.scene);
+    let setup = studio.setup();
+    let pinned = Pinned::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
+    let weight = |frame: f64| {
+        let (pose, camera) = setup.view(frame);
+        pinned.rest(&project(&pose, &camera), camera.near()).weight
+    };
+    assert_eq!([weight(1.0), weight(8.9)], [1.0, 1.0], "twice the near distance and more");
+    let fading: Vec<f64> = (0..=10).map(|step| weight(9.0 + f64::from(step) / 10.0)).collect();
+    assert!(fading.windows(2).all(|pair| pair[1] < pair[0] || pair[0] == 0.0), "{fading:?}");
+    assert!((fading[5] - 0.5).abs() < 1e-6, "{fading:?}");
+    assert_eq!(weight(10.1), 0.0);
+    let acting = |frame: f64| setup.moment(frame).map_or(99, |moment| moment.layers[0].pins.len());
+    assert_eq!([acting(8.0), acting(9.5), acting(10.5)], [1, 1, 0]);
+}

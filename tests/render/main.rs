@@ -1,0 +1,13 @@
+//! Whole renders through the library: the same bytes whatever the order, pins that move what they should and no more,
+//! motion vectors that point where things go.
+
+#[path = "../support/tiny.rs"]
+mod tiny;
+
+mod boxes;
+mod cameras;
+mod layers;
+mod motion;
+mod pins;
+mod repeat;
+mod support;

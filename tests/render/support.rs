@@ -1,0 +1,139 @@
+//! Shots rendered into temporary folders, and their pixels.
+
+use crate::tiny::Tiny;
+use pinwarp::image::{Frame, read_exr};
+use pinwarp::pipeline::{RenderOptions, Setup, render, render_on};
+use pinwarp::raster::{DeviceChoice, Raster};
+use pinwarp::shot::{Goal, Pin, Shot};
+use pinwarp::space::{FrameSize, ScreenVector};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+
+/// A shot, and the folder its scene lies in.
+pub(crate) struct Studio {
+    pub(crate) shot: Shot,
+    folder: TempDir,
+}
+
+/// A layer of everything with a pin on the first corner of `Quad`, which stays where `keys` put it.
+pub(crate) fn pinned_layer(keys: &str) -> String {
+    format!(
+        "[[layer]]\nname = \"all\"\nlattice = {{ dims = [4, 4] }}\n[[layer.pin]]\nname = \"corner\"\n\
+         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\nkeys = [{keys}]\n"
+    )
+}
+
+impl Studio {
+    /// A tiny scene at 64 x 40 pixels: a tenth of the frame's height is four pixels.
+    pub(crate) fn tiny(tiny: &Tiny, layers: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        tiny.write(&folder.path().join("tiny.gltf"));
+        let text = format!(
+            "version = 1\nscene = \"tiny.gltf\"\nframes = {{ first = 1, last = 9, rate = 24 }}\nsize = [64, 40]\n\
+             samples = 1\n{layers}"
+        );
+        let shot = Shot::parse(&text, &folder.path().join("shot.toml")).unwrap_or_else(|error| panic!("{error}"));
+        Self { shot, folder }
+    }
+
+    /// The teapot that comes with the program, one sample a pixel.
+    pub(crate) fn teapot(width: u32, height: u32) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot/shot.toml");
+        let mut shot = Shot::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        shot.size = FrameSize::new(width, height);
+        shot.samples = 1;
+        Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    pub(crate) fn setup(&self) -> Setup {
+        Setup::new(self.shot.clone()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Renders on the CPU, set up anew; the files, in the order asked for.
+    pub(crate) fn files(&self, frames: &[i32]) -> Vec<PathBuf> {
+        let (setup, options) = self.job(frames);
+        let summary = render(&setup, &options, &AtomicBool::new(false), &|_| {});
+        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
+        paths(&setup, frames)
+    }
+
+    /// The same on a device that is opened by the test.
+    pub(crate) fn files_by<R: Raster>(&self, frames: &[i32], open: impl FnOnce(&Setup) -> R) -> (Vec<PathBuf>, R) {
+        let (setup, options) = self.job(frames);
+        let mut device = open(&setup);
+        let summary = render_on(&mut device, &setup, &options, &AtomicBool::new(false), &|_| {});
+        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
+        (paths(&setup, frames), device)
+    }
+
+    pub(crate) fn frames(&self, frames: &[i32]) -> Vec<Frame> {
+        self.files(frames).iter().map(|path| read_exr(path).unwrap_or_else(|error| panic!("{error}"))).collect()
+    }
+
+    pub(crate) fn frame(&self, frame: i32) -> Frame {
+        self.frames(&[frame]).remove(0)
+    }
+
+    fn job(&self, frames: &[i32]) -> (Setup, RenderOptions) {
+        let mut setup = self.setup();
+        let folder = tempfile::tempdir_in(self.folder.path()).expect("a temporary folder").keep();
+        setup.shot.output.path = folder.join("f.####.exr");
+        (setup, RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() })
+    }
+}
+
+fn paths(setup: &Setup, frames: &[i32]) -> Vec<PathBuf> {
+    frames.iter().map(|frame| setup.shot.output.path.with_file_name(format!("f.{frame:04}.exr"))).collect()
+}
+
+/// Sends a pin to one offset at all times, in frame heights.
+pub(crate) fn hold(pin: &mut Pin, offset: [f64; 2]) {
+    pin.keys.truncate(1);
+    pin.keys[0].goal = Goal::Offset(ScreenVector::new(offset[0], offset[1]));
+}
+
+/// A sample by its place in the display window; what an empty pixel holds outside the data window.
+pub(crate) fn at(frame: &Frame, channel: &str, x: i32, y: i32) -> f32 {
+    let channel = frame.channel(channel).unwrap_or_else(|| panic!("no channel {channel}"));
+    let window = frame.data_window;
+    let (column, row) = (x - window.x, y - window.y);
+    let is_inside = (0..window.width as i32).contains(&column) && (0..window.height as i32).contains(&row);
+    if is_inside {
+        channel.samples[row as usize * window.width as usize + column as usize]
+    } else {
+        channel.empty_value()
+    }
+}
+
+/// Pixels of the display window.
+pub(crate) fn pixels(frame: &Frame) -> impl Iterator<Item = (i32, i32)> + use<> {
+    let (width, height) = (frame.display.width as i32, frame.display.height as i32);
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// The pixel and its neighbours show one object and no hole.
+pub(crate) fn is_interior(frame: &Frame, x: i32, y: i32) -> bool {
+    let id = at(frame, "id.object", x, y);
+    id > 0.0 && (-1..=1).all(|dy| (-1..=1).all(|dx| at(frame, "id.object", x + dx, y + dy) == id))
+}
+
+/// Number of interior pixels of `a` whose samples are not found in `b`, moved by whole pixels (x right, y down); and of
+/// how many.
+pub(crate) fn count_differences(a: &Frame, b: &Frame, channels: &[&str], moved: [i32; 2]) -> (usize, usize) {
+    let [dx, dy] = moved;
+    let inside = |&(x, y): &(i32, i32)| {
+        let (x, y) = (x + dx, y + dy);
+        x >= 0 && y >= 0 && x < b.display.width as i32 && y < b.display.height as i32 && is_interior(a, x - dx, y - dy)
+    };
+    let differs = |&(x, y): &(i32, i32)| {
+        channels.iter().any(|name| {
+            let (one, other) = (at(a, name, x, y), at(b, name, x + dx, y + dy));
+            (one - other).abs() > 4e-3 * one.abs().max(1.0)
+        })
+    };
+    let all: Vec<_> = pixels(a).filter(inside).collect();
+    (all.iter().filter(|pixel| differs(pixel)).count(), all.len())
+}
