@@ -13,7 +13,7 @@ pub(crate) fn nearest<'a>(wrong: &str, right: impl Iterator<Item = &'a str>) -> 
 /// How to fix a wrong name: the nearest right one, or what there is.
 pub(crate) fn hint<'a>(wrong: &str, right: impl Iterator<Item = &'a str> + Clone) -> String {
     if let Some(name) = nearest(wrong, right.clone()) {
-        return format!("did you mean '{name}'?");
+        return format!("did you mean \"{name}\"?");
     }
     list(right)
 }
@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn a_near_name_is_suggested_and_a_far_one_lists_all() {
         let names = ["Teapot", "Ground"];
-        assert_eq!(hint("Taepot", names.into_iter()), "did you mean 'Teapot'?");
+        assert_eq!(hint("Taepot", names.into_iter()), "did you mean \"Teapot\"?");
         assert_eq!(hint("xyz", names.into_iter()), "there are: Teapot, Ground");
         assert_eq!(hint("xyz", std::iter::empty()), "there are none");
     }

@@ -3,9 +3,7 @@
 //! In: a scene and a name, number or pattern. Out: indices, or an error that offers the nearest right spelling.
 
 use super::Scene;
-
-/// Least similarity (Jaro-Winkler) at which a name is offered as what was meant.
-const NEAR: f64 = 0.7;
+use crate::spelling;
 
 /// Something a shot names that the scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,24 +13,20 @@ pub enum FindError {
     #[error("the scene has no camera")]
     NoCamera,
     /// No camera of that name.
-    #[error("the scene has no camera \"{name}\"; {}", advice(nearest.as_deref(), known))]
+    #[error("the scene has no camera \"{name}\"; {hint}")]
     UnknownCamera {
         /// The name asked for.
         name: String,
-        /// The most similar name.
-        nearest: Option<String>,
-        /// All names, in node order.
-        known: Vec<String>,
+        /// The nearest right name, or all of them.
+        hint: String,
     },
     /// No clip of that name.
-    #[error("the scene has no clip \"{name}\"; {}", advice(nearest.as_deref(), known))]
+    #[error("the scene has no clip \"{name}\"; {hint}")]
     UnknownClip {
         /// The name asked for.
         name: String,
-        /// The most similar name.
-        nearest: Option<String>,
-        /// All names, in the file's order.
-        known: Vec<String>,
+        /// The nearest right name, or all of them.
+        hint: String,
     },
     /// A clip number past the end.
     #[error("the scene has {count} clips, there is no clip {index} (the first is 0)")]
@@ -44,29 +38,11 @@ pub enum FindError {
     },
 }
 
-fn advice(nearest: Option<&str>, known: &[String]) -> String {
-    const SHOWN: usize = 12;
-    match (nearest, known) {
-        (Some(name), _) => format!("did you mean \"{name}\"?"),
-        (None, []) => "it has none".to_owned(),
-        (None, known) => {
-            let more = if known.len() > SHOWN { ", …" } else { "" };
-            format!("it has {}{more}", known[..known.len().min(SHOWN)].join(", "))
-        }
-    }
-}
-
 impl Scene {
     /// The first node of that name.
     #[must_use]
     pub fn node_named(&self, name: &str) -> Option<usize> {
         self.nodes.iter().position(|node| node.name == name)
-    }
-
-    /// The node name most similar to `name`, for messages.
-    #[must_use]
-    pub fn nearest_node_name(&self, name: &str) -> Option<&str> {
-        nearest(name, self.nodes.iter().map(|node| node.name.as_str()))
     }
 
     /// The node of a camera: by node name, then by camera name; `None`: the first in node order.
@@ -94,8 +70,7 @@ impl Scene {
         let names = || cameras.iter().flat_map(|(_, node, camera)| [*node, *camera]).filter(|name| !name.is_empty());
         found.map(|(index, ..)| *index).ok_or_else(|| FindError::UnknownCamera {
             name: name.to_owned(),
-            nearest: nearest(name, names()).map(str::to_owned),
-            known: cameras.iter().map(|(_, node, _)| (*node).to_owned()).collect(),
+            hint: spelling::hint(name, names()),
         })
     }
 
@@ -119,8 +94,7 @@ impl Scene {
                 Some(index) => Ok(Some(index)),
                 None => Err(FindError::UnknownClip {
                     name: name.to_owned(),
-                    nearest: nearest(name, self.clips.iter().map(|clip| clip.name.as_str())).map(str::to_owned),
-                    known: self.clips.iter().map(|clip| clip.name.clone()).collect(),
+                    hint: spelling::hint(name, self.clips.iter().map(|clip| clip.name.as_str())),
                 }),
             },
             (None, Some(index)) if index >= count => Err(FindError::ClipOutOfRange { index, count }),
@@ -155,14 +129,6 @@ impl Scene {
         };
         (0..self.nodes.len()).filter(is_match).collect()
     }
-}
-
-/// The candidate most similar to `name`, if any is similar at all.
-fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let folded = name.to_lowercase();
-    let scored = candidates.map(|candidate| (strsim::jaro_winkler(&folded, &candidate.to_lowercase()), candidate));
-    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= NEAR).then_some(best.1)
 }
 
 /// Glob match in linear space: on a mismatch the last star takes one more character.

@@ -2,6 +2,7 @@
 //!
 //! In: schema rules and what the user wrote. Out: parts of messages.
 
+use crate::spelling::nearest;
 use super::structure::{choices, names, type_of};
 use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
@@ -165,16 +166,6 @@ pub(super) fn stands_for(table: &DeTable, missing: &str, known: &Map<String, Rul
 
 fn foreign(table: &'static [(&str, &str)], word: &str) -> Option<&'static str> {
     table.iter().find(|(foreign, _)| *foreign == word).map(|(_, remedy)| *remedy)
-}
-
-/// The most similar candidate, where it is similar at all (Jaro-Winkler forgives swapped and missing letters).
-fn nearest<'a>(written: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let written = written.to_lowercase();
-    candidates
-        .map(|candidate| (strsim::jaro_winkler(&written, candidate), candidate))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
 }
 
 fn quoted(names: &[&str]) -> Vec<String> {

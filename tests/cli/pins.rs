@@ -10,7 +10,7 @@ fn with_pin(pin: &str) -> Bench {
 #[test]
 fn pin_on_a_missing_node() {
     let ended = with_pin(&PIN.replace("\"Quad\"", "\"Quat\"")).render("");
-    ended.says(2, &["shot.toml", "layer 'all'", "pin 'corner'", "no node 'Quat'", "did you mean 'Quad'"]);
+    ended.says(2, &["shot.toml", "layer 'all'", "pin 'corner'", "no node 'Quat'", "did you mean \"Quad\""]);
 }
 
 #[test]
