@@ -11,6 +11,7 @@ mod new;
 mod pick;
 mod progress;
 mod render;
+mod solve;
 
 pub use args::Args;
 
@@ -50,7 +51,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
-        Command::Solve(_) => anyhow::bail!("this command is not built in yet"),
+        Command::Solve(args) => solve::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {
             // Into memory first: the generator does not survive a reader that hangs up.

@@ -68,10 +68,9 @@ impl Scene {
         let by_node = cameras.iter().find(|(_, node, _)| *node == name);
         let found = by_node.or_else(|| cameras.iter().find(|(.., camera)| *camera == name));
         let names = || cameras.iter().flat_map(|(_, node, camera)| [*node, *camera]).filter(|name| !name.is_empty());
-        found.map(|(index, ..)| *index).ok_or_else(|| FindError::UnknownCamera {
-            name: name.to_owned(),
-            hint: spelling::hint(name, names()),
-        })
+        found
+            .map(|(index, ..)| *index)
+            .ok_or_else(|| FindError::UnknownCamera { name: name.to_owned(), hint: spelling::hint(name, names()) })
     }
 
     /// The clip of that name, else of that number, else the first; `None` only where the scene has no clips and none

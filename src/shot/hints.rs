@@ -2,8 +2,8 @@
 //!
 //! In: schema rules and what the user wrote. Out: parts of messages.
 
-use crate::spelling::nearest;
 use super::structure::{choices, names, type_of};
+use crate::spelling::nearest;
 use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
 

@@ -1,0 +1,16 @@
+//! `pinwarp solve`.
+
+use super::args::SolveArgs;
+use super::{Outcome, files};
+use crate::solve::problem;
+use std::io::Write;
+
+pub(super) fn run(args: &SolveArgs) -> anyhow::Result<Outcome> {
+    let result = problem::run_file(&args.problem)?;
+    let text = serde_json::to_string(&result)?;
+    match &args.output {
+        Some(path) => files::replace(path, &(text + "\n"))?,
+        None => writeln!(std::io::stdout(), "{text}")?,
+    }
+    Ok(Outcome::Complete)
+}
