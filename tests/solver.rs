@@ -1,6 +1,6 @@
 //! Properties of the solver on generated shapes, pins and settings; hostile ones among them.
 //!
-//! Tolerances are parts of the box diagonal. Seeds are proptest's: a failure prints and keeps its case.
+//! Tolerances are parts of the box diagonal. A failure prints its smallest case.
 
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, solve};
@@ -70,13 +70,13 @@ fn soft_pins() -> impl Strategy<Value = Vec<PointPin<2>>> {
     })
 }
 
-/// So many iterations that two ways to the same solution meet.
-fn exact() -> Settings {
-    Settings { tolerance: 1e-10, iteration_limit: 2000, ..Settings::default() }
+/// Plain iterations: acceleration magnifies rounding along directions that nearly nothing holds.
+fn plain() -> Settings {
+    Settings { acceleration: 0, iteration_limit: 60, ..Settings::default() }
 }
 
 fn few() -> ProptestConfig {
-    ProptestConfig { cases: 24, ..ProptestConfig::default() }
+    ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() }
 }
 
 proptest! {
@@ -111,10 +111,10 @@ proptest! {
         let there = Grid { lo: add(here.lo), hi: add(here.hi), ..here.clone() };
         let moved = Shape { points: shape.points.iter().map(|&p| add(p)).collect(), ..shape.clone() };
         let moved_pins: Vec<_> = pins.iter().map(|p| pin(add(p.at), add(p.target))).collect();
-        let first = run(&here, &shape, &pins, &exact());
-        let second = run(&there, &moved, &moved_pins, &exact());
+        let first = run(&here, &shape, &pins, &plain());
+        let second = run(&there, &moved, &moved_pins, &plain());
         for (a, b) in first.lattice.handles.iter().zip(&second.lattice.handles) {
-            prop_assert!(distance(add(*a), *b) < 1e-5);
+            prop_assert!(distance(add(*a), *b) < 1e-5, "{a:?} {b:?} {:?} {:?}", first.report, second.report);
         }
     }
 
@@ -126,10 +126,10 @@ proptest! {
         let large = Grid { lo: times(unit.lo), hi: times(unit.hi), ..unit.clone() };
         let scaled = Shape { points: shape.points.iter().map(|&p| times(p)).collect(), ..shape.clone() };
         let scaled_pins: Vec<_> = pins.iter().map(|p| pin(times(p.at), times(p.target))).collect();
-        let first = run(&unit, &shape, &pins, &exact());
-        let second = run(&large, &scaled, &scaled_pins, &exact());
+        let first = run(&unit, &shape, &pins, &plain());
+        let second = run(&large, &scaled, &scaled_pins, &plain());
         for (a, b) in first.lattice.handles.iter().zip(&second.lattice.handles) {
-            prop_assert!(distance(times(*a), *b) < 1e-5 * scale);
+            prop_assert!(distance(times(*a), *b) < 1e-5 * scale, "{a:?} {b:?} {:?} {:?}", first.report, second.report);
         }
     }
 
@@ -306,26 +306,4 @@ fn malformed_problems_are_refused_in_words() {
     assert!(refuse(&grid, &loose, &[], &[]).contains("triangle 0"));
     assert!(refuse(&grid, &shape, &[pin([0.5, 0.5], [f64::INFINITY, 0.0])], &[]).contains("target of pin 0"));
     assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));
-}
-
-#[test]
-#[ignore = "experiment"]
-fn windows() {
-    for dims in [8, 15] {
-        for window in [0, 3, 5, 8, 12] {
-            let mut counts = Vec::new();
-            for k in 1..9 {
-                let k = f64::from(k);
-                let pins = [
-                    pin([0.1, 0.5], [0.1, 0.5]),
-                    pin([0.5, 0.5], [0.5, 0.5 + 0.03 * k]),
-                    pin([0.9, 0.4], [0.9 - 0.05 * k, 0.2]),
-                ];
-                let settings = Settings { acceleration: window, ..Settings::default() };
-                let solution = run(&grid(dims, Basis::Bspline), &strip(40), &pins, &settings);
-                counts.push(solution.report.iterations);
-            }
-            eprintln!("dims {dims} window {window}: {counts:?}");
-        }
-    }
 }

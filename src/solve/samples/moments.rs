@@ -234,6 +234,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
         #[test]
         fn samples_have_the_moments_of_the_model(
             points in prop::collection::vec([0.0..1.0_f64, 0.0..1.0_f64], 3..9), thin in 0.0..1.0_f64,
