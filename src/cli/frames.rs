@@ -7,8 +7,8 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct FrameList(pub(super) Vec<i32>);
 
-/// The greatest number of frames of a list.
-const MAX_FRAMES: i64 = 1_000_000;
+/// The greatest number of a frame, as in shot files.
+const MAX_FRAME: i32 = 1_000_000;
 
 impl FromStr for FrameList {
     type Err = String;
@@ -22,8 +22,8 @@ impl FromStr for FrameList {
             if last < first || step < 1 {
                 return Err(format!("'{}' holds no frame; ranges go up and steps are at least 1", item.trim()));
             }
-            if i64::from(last) - i64::from(first) >= MAX_FRAMES {
-                return Err(format!("'{}' has more than a million frames", item.trim()));
+            if first < -MAX_FRAME || last > MAX_FRAME {
+                return Err(format!("'{}' leaves the range of frames, {} to {MAX_FRAME}", item.trim(), -MAX_FRAME));
             }
             frames.extend((first..=last).step_by(step as usize).filter(|&frame| seen.insert(frame)));
         }
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(list("1-7x2, 60,3"), Ok(vec![1, 3, 5, 7, 60]));
         assert_eq!(list("-2-1"), Ok(vec![-2, -1, 0, 1]));
         assert_eq!(list("-3--2"), Ok(vec![-3, -2]));
-        for wrong in ["", "a", "5-1", "1-5x0", "1-", "1,,2", "1-5x-1", "0-99999999"] {
+        for wrong in ["", "a", "5-1", "1-5x0", "1-", "1,,2", "1-5x-1", "0-99999999", "2147483647", "-2147483648"] {
             assert!(list(wrong).is_err(), "{wrong}");
         }
     }

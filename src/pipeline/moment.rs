@@ -30,7 +30,7 @@ pub struct Moment {
 /// A layer at one time.
 #[derive(Clone, Debug, Default)]
 pub struct LayerState {
-    /// The solved lattice; `None` where the layer is out of sight or has neither pins nor handles.
+    /// The solved lattice; `None` where the layer is out of sight or has neither handles nor pins that act.
     pub solution: Option<Solution<2>>,
     /// One a pin that acts.
     pub pins: Vec<PinState>,
@@ -82,6 +82,9 @@ impl Setup {
         let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
         let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
         let rest_handles = grid.at_rest().handles;
+        if pins.is_empty() && layer.handles.is_empty() {
+            return Ok(LayerState::default());
+        }
         let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 2])| {
             let index = track.index[0] + layer.dims[0] * track.index[1];
             let moved = DVec2::from_array(rest_handles[index]) + DVec2::from_array(*offset) * rest_box.size();
@@ -91,11 +94,15 @@ impl Setup {
         let shape = self.shape(moment, index);
         let problem =
             Problem { grid: &grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
-        let solution = solve(&problem).map_err(|source| PipelineError::Solve {
+        let mut solution = solve(&problem).map_err(|source| PipelineError::Solve {
             layer: layer.name.clone(),
             frame: moment.frame,
             source,
         })?;
+        if handles.is_empty() {
+            let weights = points.iter().map(|pin| pin.weight);
+            fade(&mut solution.lattice, weights.fold(0.0, f64::max));
+        }
         Ok(LayerState { solution: Some(solution), pins })
     }
 
@@ -193,5 +200,13 @@ impl Setup {
         let reach = reach_of_frame(self.shot.size);
         let extent = Extent { parts: &self.parts_of_layer[layer], near: camera.near(), reach };
         bounds(&self.scene, pose, mesh, extent)
+    }
+}
+
+/// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump before.
+fn fade(lattice: &mut ScreenLattice, strength: f64) {
+    let rest = lattice.grid.rest_handles();
+    for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
+        *handle = DVec2::from(rest).lerp(DVec2::from(*handle), strength).to_array();
     }
 }

@@ -20,7 +20,7 @@ const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 
 /// What is drawn over one frame.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub(super) struct Picture {
     frame: FrameSize,
     layers: Vec<LayerPicture>,
 }
@@ -34,7 +34,7 @@ struct LayerPicture {
 impl Picture {
     /// What a moment's solves did.
     #[must_use]
-    pub fn of(setup: &Setup, moment: &Moment) -> Self {
+    pub(super) fn of(setup: &Setup, moment: &Moment) -> Self {
         let layers = setup.shot.layers.iter().zip(&moment.layers).filter_map(|(layer, state)| {
             let lattice = state.solution.as_ref()?.lattice.clone();
             let named = |pin: &PinState| (*pin, layer.pins[pin.pin].name.clone());
@@ -44,7 +44,7 @@ impl Picture {
     }
 
     /// Draws it.
-    pub fn draw(&self, preview: &mut Preview) {
+    pub(super) fn draw(&self, preview: &mut Preview) {
         // Lines keep their looks at any size of the picture.
         let unit_px = (f64::from(self.frame.height) / 720.0).max(1.0);
         let mut canvas = Canvas::new(preview);

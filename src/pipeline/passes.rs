@@ -32,7 +32,7 @@ pub struct PassPlan {
 
 /// Middle of the shutter's opening, frames after the frame's own.
 #[must_use]
-pub fn mid_shutter(shutter: Shutter) -> f64 {
+pub(super) fn mid_shutter(shutter: Shutter) -> f64 {
     if shutter.angle > 0.0 { (shutter.phase + shutter.angle * 0.5) / 360.0 } else { 0.0 }
 }
 

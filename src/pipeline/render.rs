@@ -9,7 +9,7 @@ use super::draw::{draw_all, tiles};
 use super::produce::Producer;
 use super::write::Writer;
 use super::{Event, Existing, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{SequencePath, is_complete};
+use crate::image::{ImageError, SequencePath, is_complete};
 use crate::raster::{self, Raster};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,7 +74,8 @@ impl<'a> Work<'a> {
             options.frames.clone()
         };
         output.check_frame_count(wanted.len())?;
-        let frames = frames_to_do(&wanted, &output, options.existing)?;
+        check_extension(&setup.shot.output.path)?;
+        let frames = frames_to_do(&wanted, &output, options)?;
         if let Some(&first) = frames.first() {
             prepare_folder(&output.path_of(first))?;
         }
@@ -113,6 +114,15 @@ impl<'a> Work<'a> {
     }
 }
 
+/// Frames are EXR files, and previews are named after them.
+fn check_extension(pattern: &Path) -> Result<(), ImageError> {
+    if pattern.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        return Ok(());
+    }
+    let what = "is not the name of an EXR file; let it end in .exr (--preview writes PNG files beside it)";
+    Err(ImageError::Pattern { pattern: pattern.to_owned(), what: what.into() })
+}
+
 /// Makes the folder of a frame and tries whether files can be made in it.
 fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
     let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -121,11 +131,14 @@ fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
 }
 
 /// The frames that have to be rendered.
-fn frames_to_do(wanted: &[i32], output: &SequencePath, existing: Existing) -> Result<Vec<i32>, PipelineError> {
+fn frames_to_do(wanted: &[i32], output: &SequencePath, options: &RenderOptions) -> Result<Vec<i32>, PipelineError> {
     let is_there = |frame: &&i32| output.path_of(**frame).exists();
-    match existing {
+    let has_preview =
+        |path: &Path| !(options.has_preview || options.has_overlay) || path.with_extension("png").exists();
+    let is_done = |path: &Path| is_complete(path) && has_preview(path);
+    match options.existing {
         Existing::Overwrite => Ok(wanted.to_vec()),
-        Existing::Resume => Ok(wanted.iter().copied().filter(|&frame| !is_complete(&output.path_of(frame))).collect()),
+        Existing::Resume => Ok(wanted.iter().copied().filter(|&frame| !is_done(&output.path_of(frame))).collect()),
         Existing::Refuse => match wanted.iter().find(is_there) {
             None => Ok(wanted.to_vec()),
             Some(&first) => Err(PipelineError::Exists {

@@ -15,8 +15,12 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
     let height_px = f64::from(setup.shot.size.height);
     for (index, (layer, state)) in setup.shot.layers.iter().zip(&moment.layers).enumerate() {
-        if setup.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).is_none() {
+        let is_in_sight = setup.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).is_some();
+        if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame)";
+            report.warnings.push(format!("layer '{}': {text}", layer.name));
+        } else if state.solution.is_none() && !layer.pins.is_empty() {
+            let text = "all its pins are behind the camera or at its near plane: it is not warped";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }
         let Some(solution) = &state.solution else { continue };

@@ -84,7 +84,7 @@ impl FollowWindow {
     #[must_use]
     pub fn frames(self) -> std::ops::RangeInclusive<i32> {
         let (low, high) = (self.frame.floor() as i32, self.frame.ceil() as i32);
-        low - FOLLOW_FRAMES..=high + FOLLOW_FRAMES
+        low.saturating_sub(FOLLOW_FRAMES)..=high.saturating_add(FOLLOW_FRAMES)
     }
 
     /// The box: centre and size are tent-weighted means over the neighbours' bounds, then padded, then grown where

@@ -44,6 +44,15 @@ fn resume_keeps_whole_frames_and_mends_cut_ones() {
 }
 
 #[test]
+fn resume_renders_frames_whose_preview_is_missing() {
+    let bench = Bench::new();
+    bench.render("").says(0, &[]);
+    bench.render("--frames 2 --preview --overwrite").says(0, &[]);
+    bench.render("--resume --preview").says(0, &["1 frames on CPU", "1 kept", "frame 1 ->"]);
+    assert_eq!(bench.frames(), ["f.0001.exr", "f.0001.png", "f.0002.exr", "f.0002.png"]);
+}
+
+#[test]
 fn resume_and_overwrite_exclude_each_other() {
     Bench::new().render("--resume --overwrite").says(2, &["--resume", "--overwrite", "cannot be used"]);
 }

@@ -11,4 +11,5 @@ mod scenes;
 mod shots;
 mod stopping;
 mod support;
+mod tools;
 mod words;

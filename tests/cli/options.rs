@@ -6,7 +6,7 @@ use serde_json::Value;
 
 #[test]
 fn frames_that_are_none() {
-    for list in ["", "a", "5-1", "1-5x0", "1,,2", "0-99999999", "1-2x", "1.5"] {
+    for list in ["", "a", "5-1", "1-5x0", "1,,2", "0-99999999", "2147483647", "-2147483648", "1-2x", "1.5"] {
         let bench = Bench::new();
         let mut command = bench.command(crate::support::PROGRAM);
         let output = command.args(["render", "shot.toml", "--device", "cpu", "--frames", list]).output();
@@ -55,6 +55,7 @@ fn one_path_for_two_frames() {
     let bench = Bench::new();
     bench.render("-o single.exr").says(2, &["single.exr", "no frame counter for 2 frames", "single.####.exr"]);
     bench.render("-o single.exr --frames 2").says(0, &["frame 2 -> single.exr"]);
+    bench.render("-o picture.####.png").says(2, &["picture.####.png", "not the name of an EXR file", "--preview"]);
     bench.render("-o two.##.%03d.exr").says(2, &["two frame counters"]);
     bench.render("-o printf.%03d.exr").says(0, &["printf.001.exr", "printf.002.exr"]);
 }

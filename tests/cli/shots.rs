@@ -115,7 +115,9 @@ fn missing_camera_and_clip() {
 #[test]
 fn layers_that_do_not_fit_the_scene() {
     let nodes = |list: &str| shot().replace("name = \"all\"", &format!("name = \"all\"\nnodes = {list}"));
-    Bench::with_shot(&nodes("[\"Quat\"]")).render("").says(2, &["shot.toml", "layer 'all'", "'Quat'", "'Quad'"]);
+    Bench::with_shot(&nodes("[\"Quat\"]"))
+        .render("")
+        .says(2, &["shot.toml", "layer 'all'", "'Quat'", "did you mean", "Quad"]);
     Bench::with_shot(&nodes("[\"Cam\"]")).render("").says(2, &["layer 'all'", "triangles"]);
     let twice = shot().replace("[output]", "[[layer]]\nname = \"more\"\n[output]");
     Bench::with_shot(&twice).render("").says(2, &["'all'", "'more'", "both claim", "'Quad'"]);

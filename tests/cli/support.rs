@@ -91,7 +91,7 @@ impl Bench {
     }
 
     pub(crate) fn read(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+        std::fs::read(self.path(name)).expect("the file is there")
     }
 
     /// Names below `out/`, sorted.
@@ -103,7 +103,9 @@ impl Bench {
     pub(crate) fn command(&self, program: &str) -> assert_cmd::Command {
         let mut command = assert_cmd::Command::new(program);
         command.current_dir(self.folder.path()).timeout(TIMEOUT);
-        ["NO_COLOR", "CLICOLOR_FORCE", "RUST_LOG"].iter().for_each(|name| drop(command.env_remove(name)));
+        for name in ["NO_COLOR", "CLICOLOR_FORCE", "RUST_LOG"] {
+            command.env_remove(name);
+        }
         command
     }
 
@@ -144,7 +146,7 @@ impl Ended {
 
     /// The lines of `--json`.
     pub(crate) fn events(&self) -> Vec<Value> {
-        let event = |line: &str| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
+        let event = |line: &str| serde_json::from_str(line).expect("a line of JSON");
         self.stdout.lines().map(event).collect()
     }
 }

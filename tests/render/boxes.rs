@@ -1,9 +1,10 @@
 //! Where lattices stand, and where pins are.
 
-use crate::support::Studio;
+use crate::support::{Studio, write_scene};
 use crate::tiny::{Lens, Part, Tiny, grid};
 use pinwarp::pipeline::Pinned;
 use pinwarp::screen::project;
+use pinwarp::space::ScreenPoint;
 
 /// A square from (.6, .3) to (1, .7) on the screen that moves by `x` frame heights a frame.
 fn square(x: f32) -> Part {
@@ -21,7 +22,7 @@ fn studio(part: Part, bounds: &str) -> Studio {
 
 /// Lower left and upper right corner of the lattice's rest box.
 fn box_at(studio: &Studio, frame: f64) -> [f64; 4] {
-    let moment = studio.setup().moment(frame).unwrap_or_else(|error| panic!("{error}"));
+    let moment = studio.setup().moment(frame).expect("the frame is solved");
     let grid = moment.layers[0].solution.as_ref().map(|solution| &solution.lattice.grid).expect("the layer is warped");
     [grid.lo[0], grid.lo[1], grid.hi[0], grid.hi[1]]
 }
@@ -64,7 +65,7 @@ fn pins_follow_an_animated_surface() {
     let studio = studio(square(0.02), "\"follow\"");
     let setup = studio.setup();
     for frame in [1.0, 3.5, 7.0] {
-        let moment = setup.moment(frame).unwrap_or_else(|error| panic!("{error}"));
+        let moment = setup.moment(frame).expect("the frame is solved");
         let pin = moment.layers[0].pins[0];
         let expected = glam::DVec2::new(0.6 + 0.02 * (frame - 1.0), 0.3);
         assert!((pin.rest.0 - expected).length() < 1e-6, "{:?} in frame {frame}", pin.rest);
@@ -82,7 +83,7 @@ fn pins_fade_before_the_near_plane() {
     studio.shot.frames.last = 12;
     let tiny =
         Tiny { lens: Lens::Perspective(1.0), ..Tiny::of(vec![Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) }]) };
-    tiny.write(&studio.shot.scene);
+    write_scene(&tiny, &studio.shot.scene);
     let setup = studio.setup();
     let pinned = Pinned::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
     let weight = |frame: f64| {
@@ -94,6 +95,15 @@ fn pins_fade_before_the_near_plane() {
     assert!(fading.windows(2).all(|pair| pair[1] < pair[0] || pair[0] == 0.0), "{fading:?}");
     assert!((fading[5] - 0.5).abs() < 1e-6, "{fading:?}");
     assert_eq!(weight(10.1), 0.0);
+    // The whole layer hangs on this pin: it comes to rest as the pin fades, and does not jump when it is gone.
+    let carried = |frame: f64| {
+        let moment = setup.moment(frame).expect("the frame is solved");
+        let lattice = moment.layers[0].solution.as_ref().map(|solution| solution.lattice.clone());
+        lattice.map_or(0.0, |lattice| lattice.warp(ScreenPoint::new(0.8, 0.5)).0.x - 0.8)
+    };
+    for (frame, expected) in [(8.0, 0.1), (9.5, 0.05), (9.99, 0.0), (10.1, 0.0)] {
+        assert!((carried(frame) - expected).abs() < 1e-3, "{} in frame {frame}", carried(frame));
+    }
     let acting = |frame: f64| setup.moment(frame).map_or(99, |moment| moment.layers[0].pins.len());
     assert_eq!([acting(8.0), acting(9.5), acting(10.5)], [1, 1, 0]);
 }

@@ -24,37 +24,42 @@ pub(crate) fn pinned_layer(keys: &str) -> String {
     )
 }
 
+/// Writes a scene beside its shot.
+pub(crate) fn write_scene(tiny: &Tiny, path: &Path) {
+    std::fs::write(path, tiny.json().to_string()).expect("the folder can be written to");
+}
+
 impl Studio {
     /// A tiny scene at 64 x 40 pixels: a tenth of the frame's height is four pixels.
     pub(crate) fn tiny(tiny: &Tiny, layers: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        tiny.write(&folder.path().join("tiny.gltf"));
+        write_scene(tiny, &folder.path().join("tiny.gltf"));
         let text = format!(
             "version = 1\nscene = \"tiny.gltf\"\nframes = {{ first = 1, last = 9, rate = 24 }}\nsize = [64, 40]\n\
              samples = 1\n{layers}"
         );
-        let shot = Shot::parse(&text, &folder.path().join("shot.toml")).unwrap_or_else(|error| panic!("{error}"));
+        let shot = Shot::parse(&text, &folder.path().join("shot.toml")).expect("a right shot");
         Self { shot, folder }
     }
 
     /// The teapot that comes with the program, one sample a pixel.
     pub(crate) fn teapot(width: u32, height: u32) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot/shot.toml");
-        let mut shot = Shot::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let mut shot = Shot::read(&path).expect("a right shot");
         shot.size = FrameSize::new(width, height);
         shot.samples = 1;
         Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
     pub(crate) fn setup(&self) -> Setup {
-        Setup::new(self.shot.clone()).unwrap_or_else(|error| panic!("{error}"))
+        Setup::new(self.shot.clone()).expect("the scene fits the shot")
     }
 
     /// Renders on the CPU, set up anew; the files, in the order asked for.
     pub(crate) fn files(&self, frames: &[i32]) -> Vec<PathBuf> {
         let (setup, options) = self.job(frames);
         let summary = render(&setup, &options, &AtomicBool::new(false), &|_| {});
-        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        let summary = summary.expect("the shot is rendered");
         assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
         paths(&setup, frames)
     }
@@ -64,13 +69,13 @@ impl Studio {
         let (setup, options) = self.job(frames);
         let mut device = open(&setup);
         let summary = render_on(&mut device, &setup, &options, &AtomicBool::new(false), &|_| {});
-        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        let summary = summary.expect("the shot is rendered");
         assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
         (paths(&setup, frames), device)
     }
 
     pub(crate) fn frames(&self, frames: &[i32]) -> Vec<Frame> {
-        self.files(frames).iter().map(|path| read_exr(path).unwrap_or_else(|error| panic!("{error}"))).collect()
+        self.files(frames).iter().map(|path| read_exr(path).expect("the frame is readable")).collect()
     }
 
     pub(crate) fn frame(&self, frame: i32) -> Frame {
@@ -97,7 +102,7 @@ pub(crate) fn hold(pin: &mut Pin, offset: [f64; 2]) {
 
 /// A sample by its place in the display window; what an empty pixel holds outside the data window.
 pub(crate) fn at(frame: &Frame, channel: &str, x: i32, y: i32) -> f32 {
-    let channel = frame.channel(channel).unwrap_or_else(|| panic!("no channel {channel}"));
+    let channel = frame.channel(channel).expect("the channel is in the frame");
     let window = frame.data_window;
     let (column, row) = (x - window.x, y - window.y);
     let is_inside = (0..window.width as i32).contains(&column) && (0..window.height as i32).contains(&row);

@@ -5,7 +5,6 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// Triangles of one colour on a node of their own.
 #[derive(Clone)]
@@ -74,11 +73,6 @@ impl Tiny {
         push(&mut scene, "nodes", camera);
         self.add_clip(&mut scene);
         scene
-    }
-
-    /// Writes the scene beside its shot.
-    pub(crate) fn write(&self, path: &Path) {
-        std::fs::write(path, self.json().to_string()).expect("the folder of the test can be written to");
     }
 
     fn camera(&self) -> Value {

@@ -34,8 +34,15 @@ pub(super) fn run<const D: usize>(file: &ProblemFile) -> Result<ResultFile, Prob
         energies,
         measures,
         iterations: solution.report.iterations,
-        warnings: solution.report.warnings,
+        warnings: solution.report.conflicts.iter().map(conflict).chain(solution.report.warnings).collect(),
     })
+}
+
+fn conflict([first, second]: &[usize; 2]) -> String {
+    format!(
+        "pins {first} and {second} hold the same point but have different targets; the point goes between them (least \
+         squares); remove one of them"
+    )
 }
 
 fn moved<const D: usize>(lattice: &Lattice<D>, settings: &Settings, vertex: [f64; D]) -> [f64; D] {
