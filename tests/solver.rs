@@ -1,41 +1,309 @@
-//! Properties of the solver on generated shapes.
+//! Properties of the solver on generated shapes, pins and settings; hostile ones among them.
+//!
+//! Tolerances are parts of the box diagonal. A failure prints its smallest case.
 
-use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::{PointPin, Problem, Settings, Shape, solve};
+use pinwarp::lattice::{Basis, Grid, Lattice};
+use pinwarp::solve::{HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, solve};
+use proptest::prelude::*;
 
-fn bar() -> Shape<2> {
-    let points = (0..22).map(|k| [0.1 + 0.8 * f64::from(k / 2) / 10.0, 0.4 + 0.2 * f64::from(k % 2)]).collect();
-    let triangles = (0..20).map(|k| [k, k + 1, k + 2]).collect();
+/// A wavy strip of 2·(n+1) points in the unit square, finer or coarser, with isolated parts beside it.
+fn strip(cells: u32) -> Shape<2> {
+    let place = |k: u32| {
+        let t = f64::from(k / 2) / f64::from(cells);
+        [0.1 + 0.8 * t, 0.42 + 0.16 * f64::from(k % 2) + 0.1 * (5.0 * t).sin()]
+    };
+    let mut points: Vec<[f64; 2]> = (0..2 * (cells + 1)).map(place).collect();
+    let mut triangles: Vec<[u32; 3]> = (0..2 * cells).map(|k| [k, k + 1, k + 2]).collect();
+    let island = points.len() as u32;
+    points.extend([[0.2, 0.85], [0.3, 0.85], [0.25, 0.95]]);
+    triangles.push([island, island + 1, island + 2]);
     Shape { points, triangles }
+}
+
+fn grid(dims: usize, basis: Basis) -> Grid<2> {
+    Grid { dims: [dims, dims], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }
 }
 
 fn pin(at: [f64; 2], target: [f64; 2]) -> PointPin<2> {
     PointPin { at, target, weight: 1.0, gradient: None }
 }
 
-#[test]
-fn rigid_pins_move_the_lattice_rigidly() {
-    let grid = Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
-    let (sin, cos) = 1.1_f64.sin_cos();
-    let image = |p: [f64; 2]| [cos * p[0] - sin * p[1] + 3.0, sin * p[0] + cos * p[1] - 1.0];
-    let pins: Vec<_> = [[0.2, 0.5], [0.8, 0.45], [0.5, 0.6]].map(|p| pin(p, image(p))).to_vec();
-    let (shape, settings) = (bar(), Settings::default());
-    let solution = solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
-    let solution = solution.expect("a valid problem");
-    eprintln!("{:?}", solution.report);
-    for (handle, rest) in solution.lattice.handles.iter().zip(grid.rest_handles()) {
-        let want = image(rest);
-        assert!((handle[0] - want[0]).hypot(handle[1] - want[1]) < 1e-6, "{handle:?} {want:?}");
+fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
+    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Largest distance of the handles from where `image` puts the rest handles.
+fn largest_miss(lattice: &Lattice<2>, image: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
+    let rest = lattice.grid.rest_handles();
+    lattice.handles.iter().zip(rest).map(|(&handle, rest)| distance(handle, image(rest))).fold(0.0, f64::max)
+}
+
+fn is_finite(solution: &Solution<2>) -> bool {
+    let report = &solution.report;
+    solution.lattice.handles.iter().flatten().all(|x| x.is_finite())
+        && report.pin_errors.iter().all(|x| x.is_finite())
+        && [report.least_det, report.angular, report.area].iter().all(|x| x.is_finite())
+}
+
+fn bases() -> impl Strategy<Value = Basis> {
+    prop_oneof![Just(Basis::Bspline), Just(Basis::Bernstein), Just(Basis::Bilinear), Just(Basis::Barytri)]
+}
+
+fn places() -> impl Strategy<Value = [f64; 2]> {
+    [0.05..0.95_f64, 0.05..0.95_f64]
+}
+
+/// Pins that a moderate bend can satisfy, at least a tenth of the box apart.
+fn soft_pins() -> impl Strategy<Value = Vec<PointPin<2>>> {
+    prop::collection::vec((places(), [-0.1..0.1_f64, -0.1..0.1_f64]), 1..6).prop_map(|raw| {
+        let mut pins: Vec<PointPin<2>> = Vec::new();
+        for (at, by) in raw {
+            if pins.iter().all(|pin| distance(pin.at, at) > 0.25) {
+                pins.push(pin(at, [at[0] + by[0], at[1] + by[1]]));
+            }
+        }
+        pins
+    })
+}
+
+/// Plain iterations: acceleration magnifies rounding along directions that nearly nothing holds.
+fn plain() -> Settings {
+    Settings { acceleration: 0, iteration_limit: 60, ..Settings::default() }
+}
+
+fn few() -> ProptestConfig {
+    ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(few())]
+
+    #[test]
+    fn pins_moved_rigidly_move_the_lattice_rigidly(
+        angle in -3.1..3.1_f64, shift in [-5.0..5.0_f64, -5.0..5.0_f64], at in prop::collection::vec(places(), 1..6),
+        basis in bases(),
+    ) {
+        let (sin, cos) = if at.len() == 1 { (0.0, 1.0) } else { angle.sin_cos() };
+        let image = |p: [f64; 2]| [cos * p[0] - sin * p[1] + shift[0], sin * p[0] + cos * p[1] + shift[1]];
+        prop_assume!(at.iter().skip(1).all(|&other| distance(at[0], other) > 0.01));
+        let pins: Vec<_> = at.iter().map(|&at| pin(at, image(at))).collect();
+        let solution = run(&grid(8, basis), &strip(20), &pins, &Settings::default());
+        prop_assert!(largest_miss(&solution.lattice, image) < 1e-6, "{:?}", solution.report);
+        prop_assert!(solution.report.angular < 1e-9 && solution.report.folded_cells == 0);
+    }
+
+    #[test]
+    fn a_single_pin_is_a_pure_translation(at in places(), target in [-9.0..9.0_f64, -9.0..9.0_f64], basis in bases()) {
+        let solution = run(&grid(7, basis), &strip(15), &[pin(at, target)], &Settings::default());
+        let image = |p: [f64; 2]| [p[0] + target[0] - at[0], p[1] + target[1] - at[1]];
+        prop_assert!(largest_miss(&solution.lattice, image) < 1e-6);
+        prop_assert_eq!(solution.report.iterations, 1);
+    }
+
+    #[test]
+    fn solutions_move_with_their_problem(pins in soft_pins(), shift in [-20.0..20.0_f64, -20.0..20.0_f64]) {
+        let add = |p: [f64; 2]| [p[0] + shift[0], p[1] + shift[1]];
+        let (here, shape) = (grid(8, Basis::Bspline), strip(20));
+        let there = Grid { lo: add(here.lo), hi: add(here.hi), ..here.clone() };
+        let moved = Shape { points: shape.points.iter().map(|&p| add(p)).collect(), ..shape.clone() };
+        let moved_pins: Vec<_> = pins.iter().map(|p| pin(add(p.at), add(p.target))).collect();
+        let first = run(&here, &shape, &pins, &plain());
+        let second = run(&there, &moved, &moved_pins, &plain());
+        for (a, b) in first.lattice.handles.iter().zip(&second.lattice.handles) {
+            prop_assert!(distance(add(*a), *b) < 1e-5, "{a:?} {b:?} {:?} {:?}", first.report, second.report);
+        }
+    }
+
+    #[test]
+    fn the_scale_of_the_model_changes_nothing(pins in soft_pins(), power in -6..7_i32) {
+        let scale = 10.0_f64.powi(power);
+        let times = |p: [f64; 2]| p.map(|x| x * scale);
+        let (unit, shape) = (grid(8, Basis::Bspline), strip(20));
+        let large = Grid { lo: times(unit.lo), hi: times(unit.hi), ..unit.clone() };
+        let scaled = Shape { points: shape.points.iter().map(|&p| times(p)).collect(), ..shape.clone() };
+        let scaled_pins: Vec<_> = pins.iter().map(|p| pin(times(p.at), times(p.target))).collect();
+        let first = run(&unit, &shape, &pins, &plain());
+        let second = run(&large, &scaled, &scaled_pins, &plain());
+        for (a, b) in first.lattice.handles.iter().zip(&second.lattice.handles) {
+            prop_assert!(distance(times(*a), *b) < 1e-5 * scale, "{a:?} {b:?} {:?} {:?}", first.report, second.report);
+        }
+    }
+
+    #[test]
+    fn pins_arrive(pins in soft_pins()) {
+        let solution = run(&grid(10, Basis::Bspline), &strip(40), &pins, &Settings::default());
+        // 0.05 px of a picture 1080 px high, the box filling it.
+        for error in &solution.report.pin_errors {
+            prop_assert!(*error < 0.05 / 1080.0, "{:?}", solution.report);
+        }
+    }
+
+    #[test]
+    fn nothing_hostile_makes_a_nan(
+        points in prop::collection::vec([-1.5..2.5_f64, -1.5..2.5_f64], 3..12), seed in any::<u64>(),
+        pins in prop::collection::vec((prop_oneof![Just([0.5, 0.5]), [-3.0..4.0_f64, -3.0..4.0_f64]],
+            [-2.0..3.0_f64, -2.0..3.0_f64], 0.0..1.0_f64), 0..5),
+        scale in prop_oneof![Just(1e-6), Just(1.0), Just(1e6)], basis in bases(), paper in any::<bool>(),
+    ) {
+        let count = points.len() as u64;
+        let pick = |k: u64| (seed.rotate_left(k as u32 * 7) % count) as u32;
+        let mut shape = Shape { points, triangles: (0..6).map(|k| [pick(3 * k), pick(3 * k + 1), pick(3 * k + 2)]).collect() };
+        // A sliver, a doubled point, a triangle without area.
+        shape.points[1] = [shape.points[0][0] + 1e-13, shape.points[0][1]];
+        shape.points[2] = shape.points[0];
+        shape.triangles.extend([[0, 1, 2], [0, 0, 1]]);
+        shape.points.iter_mut().flatten().for_each(|x| *x *= scale);
+        let pins: Vec<_> = pins.into_iter().map(|(at, target, weight)| PointPin {
+            at: at.map(|x| x * scale), target: target.map(|x| x * scale), weight, gradient: None,
+        }).collect();
+        let grid = Grid { hi: [scale, scale], ..grid(5, basis) };
+        let settings = if paper { Settings::paper() } else { Settings::default() };
+        let solution = solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
+        if let Ok(solution) = solution {
+            prop_assert!(is_finite(&solution), "{:?}", solution.report);
+        }
+    }
+
+    #[test]
+    fn an_update_is_a_solve(pins in soft_pins(), by in [-0.05..0.05_f64, -0.05..0.05_f64]) {
+        let (grid, shape, settings) = (grid(8, Basis::Bspline), strip(20), Settings::default());
+        let solver = Solver::new(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
+        let mut dragged = pins.clone();
+        dragged[0].target = [dragged[0].target[0] + by[0], dragged[0].target[1] + by[1]];
+        let updated = solver.expect("a valid problem").update(&dragged, &[]).expect("the same pins");
+        prop_assert_eq!(updated, run(&grid, &shape, &dragged, &settings));
+    }
+
+    #[test]
+    fn mesh_density_does_not_matter(pins in soft_pins()) {
+        let grid = grid(8, Basis::Bspline);
+        let coarse = run(&grid, &strip(200), &pins, &Settings::default());
+        let fine = run(&grid, &strip(800), &pins, &Settings::default());
+        for x in 1..10 {
+            let at = [f64::from(x) / 10.0, 0.5];
+            prop_assert!(distance(coarse.lattice.carry(at), fine.lattice.carry(at)) < 2e-3);
+        }
+    }
+
+    #[test]
+    fn weights_add_up_and_gradients_are_slopes(at in places(), dims in 4..65_usize, basis in bases()) {
+        let grid = Grid { dims: [dims, 68 - dims], ..grid(4, basis) };
+        let row = grid.weights(at);
+        prop_assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
+        let mut lattice = grid.at_rest();
+        let start = lattice.carry(at);
+        prop_assert!(distance(start, at) < 1e-12);
+        for (k, handle) in lattice.handles.iter_mut().enumerate() {
+            *handle = [handle[0] + 0.01 * (k as f64).sin(), handle[1] + 0.01 * (1.7 * k as f64).cos()];
+        }
+        let step = 1e-7;
+        let carried = lattice.carry_with_gradient(at);
+        for column in 0..2 {
+            let [mut low, mut high] = [at, at];
+            low[column] -= step;
+            high[column] += step;
+            // Across a crease of a piecewise linear basis there is no slope to compare with.
+            if grid.weights(low).iter().map(|w| w.0).ne(grid.weights(high).iter().map(|w| w.0)) {
+                continue;
+            }
+            let (low, high) = (lattice.carry(low), lattice.carry(high));
+            for row in 0..2 {
+                let slope = (high[row] - low[row]) / (2.0 * step);
+                prop_assert!((slope - carried.gradient[row][column]).abs() < 1e-5 * (1.0 + slope.abs()));
+            }
+        }
     }
 }
 
 #[test]
-fn bent_bar() {
-    let grid = Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
-    let pins = [pin([0.1, 0.5], [0.1, 0.5]), pin([0.5, 0.5], [0.5, 0.6]), pin([0.9, 0.5], [0.8, 0.2])];
-    let (shape, settings) = (bar(), Settings::default());
-    let solution = solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
-    let solution = solution.expect("a valid problem");
-    eprintln!("{:?}", solution.report);
-    assert!(solution.report.is_converged);
+fn equal_problems_give_equal_bits_on_any_number_of_threads() {
+    let (grid, shape) = (grid(12, Basis::Bspline), strip(60_000));
+    let pins = [pin([0.1, 0.5], [0.1, 0.5]), pin([0.9, 0.4], [0.7, 0.8])];
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| run(&grid, &shape, &pins, &Settings::default()))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn contradicting_pins_meet_in_the_middle_and_are_named() {
+    let pins = [pin([0.5, 0.5], [0.4, 0.5]), pin([0.2, 0.5], [0.2, 0.5]), pin([0.5, 0.5], [0.6, 0.5])];
+    let solution = run(&grid(8, Basis::Bspline), &strip(20), &pins, &Settings::default());
+    assert!(distance(solution.lattice.carry([0.5, 0.5]), [0.5, 0.5]) < 0.02, "{:?}", solution.report);
+    assert_eq!(solution.report.conflicts, [[0, 2]]);
+}
+
+#[test]
+fn no_pins_are_the_identity_and_said_so() {
+    let solution = run(&grid(8, Basis::Bspline), &strip(20), &[], &Settings::default());
+    assert_eq!(solution.lattice, grid(8, Basis::Bspline).at_rest());
+    assert!(solution.report.warnings.iter().any(|warning| warning.contains("no pins")));
+}
+
+#[test]
+fn an_empty_shape_bends_the_box() {
+    let pins = [pin([0.1, 0.5], [0.1, 0.4]), pin([0.5, 0.5], [0.5, 0.6]), pin([0.9, 0.5], [0.9, 0.4])];
+    for regularizer in [Regularizer::Bend, Regularizer::Rest] {
+        let settings = Settings::default().with_regularizer(regularizer);
+        let solution = run(&grid(8, Basis::Bspline), &Shape::default(), &pins, &settings);
+        assert!(is_finite(&solution) && solution.report.folded_cells == 0, "{:?}", solution.report);
+        assert!(!solution.report.warnings.is_empty());
+    }
+}
+
+#[test]
+fn moved_handles_arrive_and_pins_outside_act_like_their_border_point() {
+    let (grid, shape, settings) = (grid(6, Basis::Bspline), strip(20), Settings::default());
+    let handle = HandlePin { index: 14, target: [0.5, 0.4] };
+    let pins = [pin([-0.4, 0.5], [-0.5, 0.5]), pin([0.9, 0.5], [0.9, 0.5])];
+    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
+    let solution = solve(&problem).expect("a valid problem");
+    assert!(distance(solution.lattice.handles[14], handle.target) < 1e-3);
+    assert!(distance(solution.lattice.displace([-0.4, 0.5]), [-0.5, 0.5]) < 1e-3);
+    assert!(distance(solution.lattice.carry([0.0, 0.5]), [-0.1, 0.5]) < 1e-3);
+}
+
+#[test]
+fn a_rotation_pin_turns_what_is_around_it() {
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let turned = PointPin { gradient: Some([[cos, sin], [-sin, cos]]), ..pin([0.5, 0.5], [0.5, 0.5]) };
+    let solution = run(&grid(8, Basis::Bspline), &strip(20), &[turned], &Settings::default());
+    let image = |p: [f64; 2]| {
+        let [x, y] = [p[0] - 0.5, p[1] - 0.5];
+        [0.5 + cos * x - sin * y, 0.5 + sin * x + cos * y]
+    };
+    assert!(largest_miss(&solution.lattice, image) < 1e-6, "{:?}", solution.report);
+}
+
+#[test]
+fn large_lattices_solve() {
+    for basis in [Basis::Bspline, Basis::Bilinear] {
+        let pins = [pin([0.1, 0.5], [0.1, 0.5]), pin([0.9, 0.4], [0.8, 0.6])];
+        let solution = run(&grid(64, basis), &strip(100), &pins, &Settings::default());
+        assert!(is_finite(&solution) && solution.report.is_converged, "{:?}", solution.report);
+    }
+}
+
+#[test]
+fn malformed_problems_are_refused_in_words() {
+    let (grid, shape, settings) = (grid(6, Basis::Bspline), strip(20), Settings::default());
+    let refuse = |grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], handles: &[HandlePin<2>]| -> String {
+        let problem = Problem { grid, shape, pins, handles, settings: &settings };
+        solve(&problem).map(|_| ()).map_err(|error: SolveError| error.to_string()).expect_err("a fault")
+    };
+    let small = Grid { dims: [3, 6], ..grid.clone() };
+    assert!(refuse(&small, &shape, &[], &[]).contains("4 to 64"));
+    let flat = Grid { hi: [1.0, 0.0], ..grid.clone() };
+    assert!(refuse(&flat, &shape, &[], &[]).contains("axis 1"));
+    let nan = Shape { points: vec![[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]], triangles: vec![[0, 1, 2]] };
+    assert!(refuse(&grid, &nan, &[], &[]).contains("vertex 1"));
+    let loose = Shape { points: vec![[0.0, 0.0]], triangles: vec![[0, 0, 7]] };
+    assert!(refuse(&grid, &loose, &[], &[]).contains("triangle 0"));
+    assert!(refuse(&grid, &shape, &[pin([0.5, 0.5], [f64::INFINITY, 0.0])], &[]).contains("target of pin 0"));
+    assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));
 }

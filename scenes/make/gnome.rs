@@ -48,7 +48,7 @@ fn coat(at: DVec3) -> f64 {
 
 fn trousers(at: DVec3) -> f64 {
     let half = mirrored(at);
-    let thigh = capsule(half, v(0.10, 0.33, 0.0), v(0.105, 0.20, 0.01), [0.092, 0.08]);
+    let thigh = capsule(half, v(0.10, 0.33, 0.0), v(0.105, 0.20, 0.01), [0.083, 0.08]);
     blended(thigh, capsule(half, v(0.105, 0.20, 0.01), v(0.11, 0.12, 0.0), [0.08, 0.07]), 0.03)
 }
 

@@ -26,7 +26,7 @@ struct Picture {
 const PICTURES: [Picture; 3] = [
     Picture { scene: "teapot", frame: 12, height: 336, width: 596, shift: 0 },
     Picture { scene: "gingerman", frame: 8, height: 480, width: 480, shift: 0 },
-    Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -20 },
+    Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -40 },
 ];
 
 /// White columns between the halves.

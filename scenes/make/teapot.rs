@@ -92,8 +92,8 @@ fn table() -> Surface {
 /// Colour of the sheet: warm linen, a pool of light, and the pot's shadow painted under it.
 fn linen(uv: DVec2) -> DVec3 {
     let (x, z) = (2.4 * (uv.x - 0.5), 0.6 - uv.y / 0.55);
-    let pool = 1.0 - smoothstep(0.1, 1.1, DVec2::new(x * 0.8, (uv.y - 0.5) * 1.2).length());
-    let base = DVec3::new(0.26, 0.20, 0.16).lerp(DVec3::new(0.62, 0.52, 0.43), pool);
+    let pool = 1.0 - smoothstep(0.05, 0.75, DVec2::new(x * 0.8, (uv.y - 0.5) * 1.2).length());
+    let base = DVec3::new(0.20, 0.15, 0.12).lerp(DVec3::new(0.66, 0.55, 0.44), pool);
     let contact = 1.0 - smoothstep(0.6, 1.25, DVec2::new(x, z).length() / 0.085);
     let cast = 1.0 - smoothstep(0.2, 1.5, DVec2::new((x - 0.05) / 0.17, (z + 0.035) / 0.10).length());
     base * (1.0 - 0.55 * contact) * (1.0 - 0.45 * cast)
@@ -108,7 +108,7 @@ pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
     let glaze = glb.material(json!({
         "name": "Glaze", "doubleSided": true,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [0.045, 0.26, 0.29, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.28,
+            "baseColorFactor": [0.022, 0.235, 0.27, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.25,
         },
     }));
     let texture = glb.texture("Linen", &png(384, 256, linen)?);
@@ -123,9 +123,9 @@ pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
 
     let camera = glb.camera(json!({
         "name": "ShotCam", "type": "perspective",
-        "perspective": { "yfov": 0.36, "znear": 0.05, "zfar": 10.0, "aspectRatio": 16.0 / 9.0 },
+        "perspective": { "yfov": 0.315, "znear": 0.05, "zfar": 10.0, "aspectRatio": 16.0 / 9.0 },
     }));
-    let (eye, target) = (DVec3::new(0.02, 0.26, 0.82), DVec3::new(0.02, 0.083, 0.0));
+    let (eye, target) = (DVec3::new(0.02, 0.27, 0.82), DVec3::new(0.018, 0.092, 0.0));
     let mut node = placed(eye, target - eye);
     node["name"] = json!("ShotCam");
     node["camera"] = json!(camera);

@@ -47,10 +47,10 @@ fn cloths(glb: &mut Glb) -> Result<Cloths, ImageError> {
     let mut material = |material: Value| glb.material(material);
     let mut cloths = Cloths {
         coat: material(plain("Coat", [0.045, 0.13, 0.30], 0.75)),
-        trousers: material(plain("Trousers", [0.16, 0.085, 0.05], 0.9)),
+        trousers: material(plain("Trousers", [0.22, 0.07, 0.12], 0.9)),
         leather: material(plain("Leather", [0.11, 0.045, 0.022], 0.42)),
         mitten: material(plain("Mitten", [0.72, 0.36, 0.04], 0.85)),
-        fur: material(plain("Fur", [0.80, 0.77, 0.70], 0.95)),
+        fur: material(plain("Fur", [0.74, 0.71, 0.64], 0.95)),
         skin: material(plain("Skin", [1.0, 1.0, 1.0], 0.55)),
         eye: material(plain("Eye", [0.012, 0.01, 0.012], 0.12)),
         gold: 0,
@@ -112,13 +112,13 @@ fn add_gnome(glb: &mut Glb, root: usize, joints: &[usize]) -> Result<(), ImageEr
 fn add_shadow(glb: &mut Glb, root: usize) -> Result<(), ImageError> {
     let spot = |uv: DVec2| Rgba {
         color: DVec3::new(0.03, 0.03, 0.02),
-        alpha: 0.62 * (1.0 - smoothstep(0.05, 0.5, (uv - 0.5).length())),
+        alpha: 0.8 * (1.0 - smoothstep(0.05, 0.5, (uv - 0.5).length())),
     };
     let texture = glb.texture("Spot", &png_rgba(64, 64, spot)?);
     let material = glb.material(painted("Shadow", texture, "BLEND"));
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| DVec2::new(x, z));
     let spot = Surface {
-        positions: corners.map(|at| DVec3::new(at.x * 0.42, 0.004, at.y * 0.42)).to_vec(),
+        positions: corners.map(|at| DVec3::new(at.x * 0.46, 0.004, at.y * 0.46)).to_vec(),
         normals: vec![DVec3::Y; 4],
         uvs: corners.map(|at| at * 0.5 + 0.5).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -208,9 +208,9 @@ pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
     let camera = glb.node(node);
 
     let lamp = |color: [f64; 3], lux: f64| json!({ "type": "directional", "color": numbers(&color), "intensity": lux });
-    glb.light("Sun", DVec3::new(-0.55, -0.75, -0.55), lamp([1.0, 0.90, 0.74], 3.0));
+    glb.light("Sun", DVec3::new(-0.55, -0.75, -0.55), lamp([1.0, 0.90, 0.74], 2.7));
     glb.light("Fill", DVec3::new(0.8, -0.2, -0.5), lamp([0.70, 0.84, 1.0], 0.9));
-    glb.light("Rim", DVec3::new(0.5, -0.5, 0.8), lamp([1.0, 0.86, 0.66], 2.2));
+    glb.light("Rim", DVec3::new(0.5, -0.5, 0.8), lamp([1.0, 0.86, 0.66], 2.6));
 
     let mut tracks = joint_tracks(&joints, 2 * CYCLE);
     tracks.extend(stroll_tracks(root, camera));

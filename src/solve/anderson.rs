@@ -3,10 +3,8 @@
 //!
 //! In: a state and its plain successor. Out: a better successor, from the last few steps.
 
-use super::small::symmetric_eigen;
-
 /// Most steps remembered.
-const MOST: usize = 5;
+const MOST: usize = 12;
 
 /// Remembers steps; all vectors are flat and as long as the state.
 #[derive(Clone, Debug)]
@@ -18,7 +16,7 @@ pub(crate) struct Anderson {
 }
 
 impl Anderson {
-    /// Remembers up to `window` steps (at most five); 0 accelerates nothing.
+    /// Remembers up to `window` steps (at most twelve); 0 accelerates nothing.
     pub(crate) fn new(window: usize) -> Self {
         Self { window: window.min(MOST), differences: Vec::new(), last: None }
     }
@@ -50,30 +48,35 @@ impl Anderson {
         self.last = Some([residual, plain]);
     }
 
-    /// θ that minimises ‖F − Σ θ_k ΔF_k‖, by the normal equations with small eigenvalues left out.
+    /// θ that minimises ‖F − Σ θ_k ΔF_k‖: normal equations of unit columns, by Cholesky from the newest column on;
+    /// a column that depends on newer ones gets no share.
     fn shares(&self, residual: &[f64]) -> [f64; MOST] {
         let count = self.differences.len();
-        let lengths: [f64; MOST] = std::array::from_fn(|k| {
-            if k < count { product(&self.differences[k][0], &self.differences[k][0]).sqrt() } else { 0.0 }
-        });
-        let unit = |k: usize| if lengths[k] > 0.0 { 1.0 / lengths[k] } else { 0.0 };
-        let mut gram = [[0.0; MOST]; MOST];
-        for a in 0..count {
-            for b in 0..=a {
-                let value = product(&self.differences[a][0], &self.differences[b][0]) * unit(a) * unit(b);
-                (gram[a][b], gram[b][a]) = (value, value);
+        let column = |k: usize| &self.differences[count - 1 - k][0];
+        let mut lower = [[0.0; MOST]; MOST];
+        let (mut units, mut shares) = ([0.0; MOST], [0.0; MOST]);
+        for k in 0..count {
+            let length = product(column(k), column(k)).sqrt();
+            units[k] = if length > 0.0 { 1.0 / length } else { 0.0 };
+            for j in 0..=k {
+                let known: f64 = (0..j).map(|m| lower[k][m] * lower[j][m]).sum();
+                let left = product(column(k), column(j)) * units[k] * units[j] - known;
+                lower[k][j] = if j < k { left * lower[j][j] } else { inverse_root(left) };
             }
+            let known: f64 = (0..k).map(|m| lower[k][m] * shares[m]).sum();
+            shares[k] = (product(column(k), residual) * units[k] - known) * lower[k][k];
         }
-        let right: [f64; MOST] =
-            std::array::from_fn(|k| if k < count { product(&self.differences[k][0], residual) * unit(k) } else { 0.0 });
-        let (values, vectors) = symmetric_eigen(&gram);
-        let mut shares = [0.0; MOST];
-        for k in (0..MOST).filter(|&k| values[k] > 1e-10) {
-            let part: f64 = (0..MOST).map(|a| vectors[a][k] * right[a]).sum::<f64>() / values[k];
-            (0..MOST).for_each(|a| shares[a] += part * vectors[a][k]);
+        for k in (0..count).rev() {
+            let known: f64 = (k + 1..count).map(|m| lower[m][k] * shares[m]).sum();
+            shares[k] = (shares[k] - known) * lower[k][k];
         }
-        std::array::from_fn(|k| shares[k] * unit(k))
+        std::array::from_fn(|k| if k < count { shares[count - 1 - k] * units[count - 1 - k] } else { 0.0 })
     }
+}
+
+/// 1/√x, or 0 where a unit column has nothing left of its own.
+fn inverse_root(x: f64) -> f64 {
+    if x > 1e-10 { 1.0 / x.sqrt() } else { 0.0 }
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {

@@ -8,6 +8,9 @@ use super::energy::Distortion;
 use super::matrix::Factor;
 use super::solver::{Scales, Terms};
 
+/// Part by which the energy may rise: below it rounding decides, and rejecting good steps costs more than it saves.
+const SAFEGUARD: f64 = 1e-8;
+
 /// All that an iteration needs.
 pub(crate) struct Iteration<'a, const D: usize> {
     pub(crate) distortion: &'a dyn Distortion<D>,
@@ -58,7 +61,7 @@ impl<const D: usize> Iteration<'_, D> {
             let mut next = constant.clone();
             let mut energy = self.local_energy(&state, &mut next);
             // The safeguard: an accelerated state that is worse than the last one gives way to the plain one.
-            if !(energy <= last_energy * (1.0 + 1e-12))
+            if !(energy <= last_energy * (1.0 + SAFEGUARD))
                 && let Some(plain) = plain.take()
             {
                 state = plain;

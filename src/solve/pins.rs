@@ -57,7 +57,7 @@ impl<const D: usize> Rigid<D> {
     }
 }
 
-/// Rows of the pins, λmp = 1 (paper, equation 8); pins that want a gradient add one row an axis after their own.
+/// Rows of the pins, λmp = 1 (paper, equation 6); pins that want a gradient add one row an axis after their own.
 pub(crate) fn pin_rows<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], settings: &Settings) -> RowSet<D> {
     let mut rows = RowSet::new();
     pins.iter().for_each(|pin| push_pin(&mut rows, grid, pin, settings));
@@ -108,7 +108,7 @@ pub(crate) fn retarget<const D: usize>(
     }
 }
 
-/// Rows of the moved handles, λgp = 1 (paper, equation 9).
+/// Rows of the moved handles, λgp = 1 (paper, equation 7).
 pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> RowSet<D> {
     let mut rows = RowSet::new();
     for handle in handles {

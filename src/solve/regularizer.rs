@@ -14,7 +14,7 @@ pub(crate) fn rows<const D: usize>(kind: Regularizer, grid: &Grid<D>, moved: &[b
     }
 }
 
-/// Σ ‖P'_i − P⁰_i‖² over handles not moved by hand (paper, equation 10); dimensionless: the mean, in box diagonals.
+/// Σ ‖P'_i − P⁰_i‖² over handles not moved by hand (paper, equation 8); dimensionless: the mean, in box diagonals.
 fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> RowSet<D> {
     let free = moved.iter().filter(|&&is_moved| !is_moved).count();
     let weight = match scaling {

@@ -47,7 +47,7 @@ pub enum EqualVertices {
     Apart,
 }
 
-/// Weights of the terms (paper, equation 11: λml, λmp, λgp, λgr).
+/// Weights of the terms (paper, equation 9: λml, λmp, λgp, λgr).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambdas {
     /// Distortion, λml.
@@ -91,7 +91,7 @@ pub struct Settings {
 
 impl Settings {
     /// λgr of [`Regularizer::Bend`] in dimensionless units: 1e-3 of the plain sum at 10 x 10 (docs/METHOD.md).
-    pub const BEND: f64 = 4.3e-5;
+    pub const BEND: f64 = 9e-5;
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
     pub const REST: f64 = 5.3;
 
@@ -124,13 +124,13 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// `area` and `bend`, dimensionless, pins at 1e4 of the plain sums, accelerated.
+    /// `area` and `bend`, dimensionless, accelerated; pins miss by about 1e-6 of the box diagonal.
     fn default() -> Self {
         Self {
             energy: Energy::Area,
             regularizer: Regularizer::Bend,
             weights: EdgeWeights::Uniform,
-            lambdas: Lambdas { shape: 4.0, pins: 5.3e4, handles: 5.3e4, regularizer: Self::BEND },
+            lambdas: Lambdas { shape: 4.0, pins: 1e6, handles: 1e6, regularizer: Self::BEND },
             scaling: Scaling::Dimensionless,
             sampling: Sampling::Subcells,
             start: Start::RigidFit,

@@ -161,3 +161,58 @@ pub(crate) fn area_of<const D: usize>(u: &[f64; D], v: &[f64; D]) -> f64 {
     }
     squares.sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    /// Reference values of an independent program, or nothing where they are absent.
+    fn units() -> Option<Value> {
+        let shared = std::env::var_os("PINWARP_SHARED")
+            .unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared").into());
+        let text = std::fs::read_to_string(std::path::Path::new(&shared).join("oracle/units.json"));
+        if text.is_err() {
+            eprintln!("SKIPPED: the reference units are not there; set PINWARP_SHARED");
+        }
+        Some(serde_json::from_str(&text.ok()?).expect("JSON"))
+    }
+
+    fn compare<const D: usize>(cases: &Value) {
+        for case in cases.as_array().expect("a list") {
+            let read = |key: &str| -> Square<D> {
+                let rows: Vec<Vec<f64>> = serde_json::from_value(case[key].clone()).expect("a matrix");
+                std::array::from_fn(|row| std::array::from_fn(|column| rows[row][column]))
+            };
+            let (found, wanted) = (best_rotation(&read("S")), read("R"));
+            for (a, b) in found.iter().flatten().zip(wanted.iter().flatten()) {
+                assert!((a - b).abs() < 1e-9, "{found:?} {wanted:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rotations_are_those_of_the_reference() {
+        let Some(units) = units() else { return };
+        compare::<2>(&units["rot2"]);
+        compare::<3>(&units["rot3"]);
+    }
+
+    #[test]
+    fn roots_square_to_their_matrix() {
+        let m = [[2.0, 0.3, -0.1], [0.3, 1.0, 0.4], [-0.1, 0.4, 0.5]];
+        let root = symmetric_root(&m);
+        for row in 0..3 {
+            for column in 0..3 {
+                assert!((dot(&root[row], &root[column]) - m[row][column]).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_to_turn_is_the_identity() {
+        assert_eq!(best_rotation(&[[0.0; 2]; 2]), identity());
+        assert_eq!(best_rotation(&[[0.0; 3]; 3]), identity());
+        assert_eq!(best_rotation(&[[f64::NAN; 2]; 2]), identity());
+    }
+}

@@ -202,7 +202,7 @@ impl<const D: usize> Solver<D> {
         let report = SolveReport {
             pin_errors,
             folded_cells: lattice.folded_cell_count(),
-            least_det: quality.least_det,
+            least_det: quality.least_det(),
             angular: quality.angular(),
             area: quality.area(),
             iterations: run.iterations,

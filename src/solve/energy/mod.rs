@@ -38,8 +38,7 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
 /// Area-weighted sums over samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Quality {
-    /// Least determinant seen.
-    pub(crate) least_det: f64,
+    least_det: f64,
     area: f64,
     angular_sum: f64,
     area_sum: f64,
@@ -84,6 +83,11 @@ impl Quality {
         self.area += area;
         self.angular_sum += area * (2.0 * power / volume - 2.0).max(0.0);
         self.area_sum += area * (volume + 1.0 / volume - 2.0);
+    }
+
+    /// Least determinant; 1 where there was nothing to see.
+    pub(crate) fn least_det(&self) -> f64 {
+        if self.area > 0.0 { self.least_det } else { 1.0 }
     }
 
     /// Mean of s1/s2 + s2/s1 − 2.

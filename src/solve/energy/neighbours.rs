@@ -63,3 +63,27 @@ fn half_cotangent<const D: usize>(shape: &Shape<D>, apex: usize, i: usize, j: us
     let cotangent = dot(&u, &v) / doubled;
     if doubled > 0.0 && cotangent.is_finite() { 0.5 * cotangent } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle_pair() -> Shape<2> {
+        Shape { points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], triangles: vec![[0, 1, 2], [2, 1, 3]] }
+    }
+
+    #[test]
+    fn uniform_weights_are_one_an_edge() {
+        let edges = half_edges(&triangle_pair(), EdgeWeights::Uniform);
+        assert_eq!(edges.of(1), [(0, 1.0), (2, 1.0), (3, 1.0)]);
+    }
+
+    #[test]
+    fn cotangents_see_right_angles_as_nothing() {
+        let edges = half_edges(&triangle_pair(), EdgeWeights::Cot);
+        for (&(j, weight), wanted) in edges.of(1).iter().zip([(0, 0.5), (2, 0.0), (3, 0.5)]) {
+            assert_eq!(j, wanted.0);
+            assert!((weight - wanted.1).abs() < 1e-15);
+        }
+    }
+}

@@ -199,3 +199,78 @@ impl<const D: usize> Subcells<D> {
         samples
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+    use proptest::prelude::*;
+
+    fn grid() -> Grid<2> {
+        Grid { dims: [6, 5], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] }
+    }
+
+    /// Area and first and second moments of samples about the origin.
+    fn moments_of(samples: impl Iterator<Item = Sample<2>>) -> [f64; 6] {
+        let mut sums = [0.0; 6];
+        for Sample { at: [x, y], area } in samples {
+            for (sum, value) in sums.iter_mut().zip([1.0, x, y, x * x, x * y, y * y]) {
+                *sum += area * value;
+            }
+        }
+        sums
+    }
+
+    /// Midpoints of the sides of a triangle integrate quadratics exactly; the dense sum.
+    fn dense(shape: &Shape<2>) -> impl Iterator<Item = Sample<2>> {
+        shape.triangles.iter().flat_map(|triangle| {
+            let corners = triangle.map(|corner| shape.points[corner as usize]);
+            let area = 0.5 * area_of(&minus(&corners[1], &corners[0]), &minus(&corners[2], &corners[0]));
+            (0..3).map(move |k| {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                Sample { at: [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], area: area / 3.0 }
+            })
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn samples_have_the_moments_of_the_model(
+            points in prop::collection::vec([0.0..1.0_f64, 0.0..1.0_f64], 3..9), thin in 0.0..1.0_f64,
+        ) {
+            let mut shape = Shape { triangles: Vec::new(), points };
+            // A sliver as thin as rounding allows, on the line between two corners.
+            let [a, b] = [shape.points[0], shape.points[1]];
+            shape.points.push([a[0] + thin * (b[0] - a[0]), a[1] + thin * (b[1] - a[1])]);
+            let count = shape.points.len() as u32;
+            shape.triangles = (0..count).map(|k| [k, (k + 1) % count, (k + 3) % count]).collect();
+            shape.triangles.push([0, 1, count - 1]);
+            let found = moments_of(Subcells::of(&grid(), &shape).samples().into_iter());
+            let wanted = moments_of(dense(&shape));
+            for (found, wanted) in found.iter().zip(wanted) {
+                // Sub-cells with less than 1e-12 of the area are dropped.
+                prop_assert!((found - wanted).abs() < 1e-10 * (1.0 + wanted), "{found} {wanted}");
+            }
+        }
+
+        #[test]
+        fn what_lies_outside_the_box_is_left_out(x in -3.0..3.0_f64, y in -3.0..3.0_f64) {
+            let points = vec![[x, y], [x + 5.0, y], [x, y + 5.0], [x + 5.0, y + 5.0]];
+            let shape = Shape { points, triangles: vec![[0, 1, 2], [3, 1, 2]] };
+            let found = moments_of(Subcells::of(&grid(), &shape).samples().into_iter())[0];
+            let side = |from: f64| ((from + 5.0).min(1.0) - from.max(0.0)).max(0.0);
+            prop_assert!((found - side(x) * side(y)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn samples_stay_near_their_cell_and_every_cell_has_four() {
+        let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let shape = Shape { points, triangles: vec![[0, 1, 2], [0, 3, 2]] };
+        let samples = Subcells::of(&grid(), &shape).samples();
+        assert_eq!(samples.len(), 4 * 9 * 6);
+        assert!(samples.iter().flat_map(|sample| sample.at).all(|x| (0.0..=1.0).contains(&x)));
+    }
+}
