@@ -52,37 +52,51 @@ fn main() {
     }
 }
 
-/// The Vulkan raster beside a bare draw and copy of the same mesh with the same shaders and images, taken in turns.
-/// The ratio is that of the whole frame to as many bare ones as there are samples.
+/// The Vulkan raster beside a bare draw and copy of the same mesh with the same shaders and images, taken in turns:
+/// until the bytes are in mapped memory (bare), and until they are in the program's own (kept). The ratio is that of
+/// the whole frame to as many bare ones as there are samples; of the times, and of the time spent on cores.
 fn bench_vulkan(scene: &Scene, cases: &[Case]) {
     let mut raster = match VulkanRaster::open(&DeviceChoice::Auto, scene) {
         Ok(raster) => raster,
         Err(error) => return println!("SKIPPED: {error}"),
     };
     println!("{}, {} triangles, all channels; median of {RUNS}, ms", raster.name(), 2 * FINENESS.0 * FINENESS.1);
-    println!("{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}", "", "whole", "upload", "draw", "read", "bare", "ratio");
+    let heads = ["whole", "upload", "draw", "read", "bare", "kept", "to bare", "to kept", "on cores"];
+    println!("{:<24}{}", "", heads.map(|head| format!("{head:>9}")).concat());
     for case in cases {
-        let geometry = ball::ball(case.frame, FINENESS, 0.02);
-        let bare_target = target(case, 1);
-        let mut whole = Vec::new();
-        let mut bare = Vec::new();
-        for run in 0..=RUNS {
-            let time = draw_frame(&mut raster, &geometry, case);
-            let bare_time = raster.time_bare_frame(&bare_target, &geometry).expect("the window is small");
-            // The first frame makes pipelines and images.
-            if run > 0 {
-                whole.push((time, raster.stage_times()));
-                bare.push(bare_time);
-            }
-        }
-        whole.sort_by_key(|time| time.0);
-        bare.sort();
-        let ((whole, stages), bare) = (whole[RUNS / 2], bare[RUNS / 2]);
-        let ms = |time: Duration| format!("{:.1}", time.as_secs_f64() * 1e3);
-        let [upload, draw, read] = [stages.upload, stages.draw, stages.read].map(ms);
-        let ratio = whole.as_secs_f64() / (bare.as_secs_f64() * f64::from(case.samples));
-        println!("{:<24}{:>9}{upload:>9}{draw:>9}{read:>9}{:>9}{ratio:>9.2}", case.name, ms(whole), ms(bare));
+        let numbers = measure_vulkan(&mut raster, case);
+        println!("{:<24}{}", case.name, numbers.map(|number| format!("{number:>9.2}")).concat());
     }
+}
+
+/// The numbers of one row.
+fn measure_vulkan(raster: &mut VulkanRaster, case: &Case) -> [f64; 9] {
+    let geometry = ball::ball(case.frame, FINENESS, 0.02);
+    let bare_target = target(case, 1);
+    let (mut whole, mut bare, mut kept, mut cores) = (Vec::new(), Vec::new(), Vec::new(), [0.0; 2]);
+    for run in 0..=RUNS {
+        let start = cpu_secs().unwrap_or(0.0);
+        let time = draw_frame(raster, &geometry, case);
+        let (stages, middle) = (raster.stage_times(), cpu_secs().unwrap_or(0.0));
+        let times = raster.time_bare_frame(&bare_target, &geometry).expect("the window is small");
+        // The first frame makes pipelines and images.
+        if run > 0 {
+            whole.push((time, stages));
+            bare.push(times.device);
+            kept.push(times.device + times.host);
+            cores[0] += middle - start;
+            cores[1] += cpu_secs().unwrap_or(0.0) - middle;
+        }
+    }
+    whole.sort_by_key(|time| time.0);
+    bare.sort();
+    kept.sort();
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    let (time, stages) = whole[RUNS / 2];
+    let (bare, kept, samples) = (ms(bare[RUNS / 2]), ms(kept[RUNS / 2]), f64::from(case.samples));
+    let [upload, draw, read] = [stages.upload, stages.draw, stages.read].map(ms);
+    let ratio = |to: f64| ms(time) / (to * samples);
+    [ms(time), upload, draw, read, bare, kept, ratio(bare), ratio(kept), cores[0] / (cores[1] * samples)]
 }
 
 /// Time that all threads of the process spent on a core, which other processes disturb less; Linux only.

@@ -86,7 +86,8 @@ struct VertexIn {
 }
 
 struct Varying {
-    @builtin(position) position: vec4<f32>,
+    // Colour and data drawn apart meet the same depths.
+    @invariant @builtin(position) position: vec4<f32>,
     @location(0) position_depth: vec4<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) next: vec3<f32>,

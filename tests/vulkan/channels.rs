@@ -65,9 +65,10 @@ fn a_wall_has_the_depth_motion_normal_and_ids_of_its_place() {
     assert!(near(at("forward.v"), 0.0));
     assert!(near(at("backward.u"), 0.0));
     assert!(near(at("backward.v"), -0.2 / (2.0 / 1.5) * 64.0), "{}", at("backward.v"));
-    assert_eq!([at("N.X"), at("N.Y"), at("N.Z")], [0.0, 0.0, 1.0]);
+    assert!(["N.X", "N.Y", "N.Z"].map(at).into_iter().zip([0.0, 0.0, 1.0]).all(|(got, wanted)| near(got, wanted)));
     assert_eq!([at("id.layer"), at("id.object")], [2.0, 2.0]);
-    assert_eq!(["R", "G", "B", "A"].map(at), [0.25, 0.5, 0.75, 1.0]);
+    let color = ["R", "G", "B", "A"].map(at);
+    assert!(color.into_iter().zip([0.25, 0.5, 0.75, 1.0]).all(|(got, wanted)| near(got, wanted)), "{color:?}");
 }
 
 #[test]
@@ -141,7 +142,7 @@ fn back_faces_show_only_where_materials_are_double_sided() {
     let target = target(SIZE, SIZE);
     let mut shown = |material, is_mirrored| {
         let frame = draw(&mut *vulkan, &target, &turned(material, is_mirrored));
-        (samples(&frame, "A").iter().sum::<f32>() > 0.0, pixel(&frame, "N.Z", MIDDLE))
+        (samples(&frame, "A").iter().sum::<f32>() > 0.0, pixel(&frame, "N.Z", MIDDLE).round())
     };
     assert_eq!(shown(FLAT, false), (false, 0.0));
     // The vertices' normals point away (-z); on a mirrored front they are what is seen.

@@ -29,7 +29,7 @@ mod yardstick;
 
 pub use choose::{DeviceInfo, DeviceKind, devices};
 pub use messenger::Messages;
-pub use yardstick::StageTimes;
+pub use yardstick::{BareTimes, StageTimes};
 
 use crate::image::Frame;
 use crate::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, RasterError, Target};

@@ -122,6 +122,11 @@ impl Readback {
         Ok(())
     }
 
+    /// Copies of what all buffers hold.
+    pub(super) fn bytes(&self) -> Vec<Vec<u8>> {
+        self.lanes.iter().filter_map(|lane| lane.buffer.as_ref()).map(|buffer| buffer.bytes().to_vec()).collect()
+    }
+
     /// Waits for all copies.
     pub(super) fn wait(&mut self) -> Result<(), RasterError> {
         self.lanes.iter_mut().try_for_each(|lane| lane.commands.wait())

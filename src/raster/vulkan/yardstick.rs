@@ -1,6 +1,6 @@
 //! What a frame costs at the least: the yardstick of the benches.
 //!
-//! In: a target with all channels and one pass. Out: the time of a bare draw and copy.
+//! In: a target with all channels and one pass. Out: the times of a bare draw and copy.
 
 use super::pass::{self, Destination, Groups, Plan, View, Work};
 use super::{Painter, Part, VulkanRaster};
@@ -18,6 +18,15 @@ pub struct StageTimes {
     pub read: Duration,
 }
 
+/// Times of a bare frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BareTimes {
+    /// From the first command to the last byte in host memory that belongs to the device.
+    pub device: Duration,
+    /// The bytes copied, image by image, into memory of the program's own.
+    pub host: Duration,
+}
+
 impl VulkanRaster {
     /// Time spent since the last `start`.
     #[must_use]
@@ -25,13 +34,12 @@ impl VulkanRaster {
         self.times
     }
 
-    /// The time from the first command to the last byte in host memory of a bare frame: the geometry lies ready, one
-    /// command buffer draws it with the pipelines and into the images of a frame, and copies all of them. It makes no
-    /// channels. The target wants all channels and one beauty pass.
+    /// A bare frame: the geometry lies ready, one command buffer draws it with the pipelines and into the images of a
+    /// frame, and copies all of them. It makes no channels. The target wants all channels and one beauty pass.
     ///
     /// # Errors
     /// As a frame.
-    pub fn time_bare_frame(&mut self, target: &Target, geometry: &Geometry) -> Result<Duration, RasterError> {
+    pub fn time_bare_frame(&mut self, target: &Target, geometry: &Geometry) -> Result<BareTimes, RasterError> {
         self.start(target)?;
         let begun = self.begun.take().ok_or(RasterError::Misuse("no frame was begun"))?;
         for part in [Part::Color, Part::Data] {
@@ -58,6 +66,9 @@ impl VulkanRaster {
         self.readback.record_all(&slot.commands, &mut self.attachments, begun.extent)?;
         slot.commands.submit()?;
         slot.commands.wait()?;
-        Ok(begin.elapsed())
+        let device = begin.elapsed();
+        let begin = Instant::now();
+        std::hint::black_box(self.readback.bytes());
+        Ok(BareTimes { device, host: begin.elapsed() })
     }
 }
