@@ -4,7 +4,7 @@
 
 use super::fault::{no_device, vulkan_error};
 use super::instance::{API_VERSION, Instance, version_text};
-use super::target::{COLOR_FORMAT, DATA_FORMATS, DEPTH_FORMAT};
+use super::target::{COLOR_FORMAT, DATA_FORMATS, DEPTH_FORMAT, READ_BACK};
 use crate::raster::{DeviceChoice, RasterError};
 use ash::vk;
 use std::fmt;
@@ -63,6 +63,7 @@ pub(super) struct Candidate {
     pub(super) max_allocation_bytes: u64,
     pub(super) queue_family: u32,
     pub(super) has_anisotropy: bool,
+    pub(super) has_mapped_attachments: bool,
 }
 
 /// All Vulkan devices, usable or not.
@@ -158,7 +159,40 @@ fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) ->
         max_allocation_bytes: maintenance.max_memory_allocation_size,
         queue_family: queue_family.unwrap_or(0),
         has_anisotropy: features.sampler_anisotropy == vk::TRUE,
+        has_mapped_attachments: has_mapped_attachments(instance, physical, &basic),
     }
+}
+
+/// Whether the host may read attachments where they lie. Only asked of software devices, whose memory is the host's
+/// and whose images lie row by row anyway; a graphics card draws faster into its own memory and layout.
+fn has_mapped_attachments(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    basic: &vk::PhysicalDeviceProperties,
+) -> bool {
+    use vk::MemoryPropertyFlags as Memory;
+    let needed = Memory::DEVICE_LOCAL | Memory::HOST_VISIBLE | Memory::HOST_COHERENT | Memory::HOST_CACHED;
+    // SAFETY: `physical` comes from this instance, here and below.
+    let memory = unsafe { instance.raw().get_physical_device_memory_properties(physical) };
+    let is_host_memory = memory.memory_types_as_slice().iter().all(|kind| kind.property_flags.contains(needed));
+    let can_be_linear = |format: vk::Format| {
+        // SAFETY: as above.
+        let features = unsafe { instance.raw().get_physical_device_format_properties(physical, format) };
+        let blended = vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND;
+        let (kind, tiling) = (vk::ImageType::TYPE_2D, vk::ImageTiling::LINEAR);
+        let none = vk::ImageCreateFlags::empty();
+        // SAFETY: as above.
+        let limits = unsafe {
+            instance.raw().get_physical_device_image_format_properties(physical, format, kind, tiling, READ_BACK, none)
+        };
+        let side = basic.limits.max_image_dimension2_d;
+        features.linear_tiling_features.contains(blended)
+            && limits.is_ok_and(|limits| limits.max_extent.width.min(limits.max_extent.height) >= side)
+    };
+    basic.device_type == vk::PhysicalDeviceType::CPU
+        && is_host_memory
+        && can_be_linear(COLOR_FORMAT)
+        && DATA_FORMATS.into_iter().all(can_be_linear)
 }
 
 fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {

@@ -27,6 +27,7 @@ pub(super) enum Usage {
     Sampled,
     CopySource,
     CopyTarget,
+    HostRead,
 }
 
 /// Whether an image's pixels are needed afterwards.
@@ -53,6 +54,7 @@ impl Usage {
             Self::Sampled => (Layout::SHADER_READ_ONLY_OPTIMAL, Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ),
             Self::CopySource => (Layout::TRANSFER_SRC_OPTIMAL, Stage::COPY, Access::TRANSFER_READ),
             Self::CopyTarget => (Layout::TRANSFER_DST_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE),
+            Self::HostRead => (Layout::GENERAL, Stage::HOST, Access::HOST_READ),
         };
         ImageState { layout, stage, access }
     }

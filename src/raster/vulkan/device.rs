@@ -34,6 +34,8 @@ pub(super) struct Facts {
     pub(super) max_texture_side: u32,
     /// `None`: no anisotropic filter.
     pub(super) max_anisotropy: Option<f32>,
+    /// The host may read colour attachments where they lie.
+    pub(super) has_mapped_attachments: bool,
     /// Offsets of parts of storage and uniform buffers are multiples of this.
     pub(super) offset_alignment: u64,
 }
@@ -64,6 +66,7 @@ impl Facts {
             max_side: (side / 64 * 64).max(64),
             max_texture_side: limits.max_image_dimension2_d,
             max_anisotropy: candidate.has_anisotropy.then_some(limits.max_sampler_anisotropy),
+            has_mapped_attachments: candidate.has_mapped_attachments,
             offset_alignment: limits
                 .min_storage_buffer_offset_alignment
                 .max(limits.min_uniform_buffer_offset_alignment),

@@ -127,6 +127,17 @@ pub(super) struct ImageUse {
     pub(super) format: vk::Format,
     pub(super) usage: vk::ImageUsageFlags,
     pub(super) mip_levels: u32,
+    pub(super) home: Home,
+}
+
+/// Where an image lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Home {
+    /// In memory and a layout that are best for the device.
+    Device,
+    /// Row by row in mapped memory, where [`super::device::Facts::has_mapped_attachments`]: the host reads it without
+    /// a copy.
+    Mapped,
 }
 
 /// How an image was used last: what the next barrier waits for.
@@ -145,11 +156,13 @@ impl ImageState {
     };
 }
 
-/// A device-local image with a view of all of it. Field order: view, handle, memory.
+/// An image with a view of all of it. Field order: view, handle, memory.
 pub(super) struct Image {
     view: Owned<vk::ImageView>,
     handle: Owned<vk::Image>,
-    _memory: Memory,
+    memory: Memory,
+    /// First byte and bytes from row to row, where the image is mapped.
+    rows: Option<(usize, usize)>,
     pub(super) aspect: vk::ImageAspectFlags,
     pub(super) state: ImageState,
 }
@@ -169,8 +182,11 @@ impl Image {
             &AllocationCreateDesc {
                 name: wanted.name,
                 requirements,
-                location: MemoryLocation::GpuOnly,
-                linear: false,
+                location: match wanted.home {
+                    Home::Device => MemoryLocation::GpuOnly,
+                    Home::Mapped => MemoryLocation::GpuToCpu,
+                },
+                linear: wanted.home == Home::Mapped,
                 allocation_scheme: scheme,
             },
         )?;
@@ -183,7 +199,8 @@ impl Image {
             false => vk::ImageAspectFlags::COLOR,
         };
         let view = create_view(device, &handle, wanted, aspect)?;
-        Ok(Self { view, handle, _memory: memory, aspect, state: ImageState::NEW })
+        let rows = (wanted.home == Home::Mapped).then(|| rows(device, &handle, aspect));
+        Ok(Self { view, handle, memory, rows, aspect, state: ImageState::NEW })
     }
 
     pub(super) fn get(&self) -> vk::Image {
@@ -193,6 +210,20 @@ impl Image {
     pub(super) fn view(&self) -> vk::ImageView {
         self.view.get()
     }
+
+    /// What the device wrote, from the first pixel on, and the bytes from row to row; `None`: it is not mapped.
+    pub(super) fn mapped_rows(&self) -> Option<(&[u8], usize)> {
+        let (first, pitch) = self.rows?;
+        Some((self.memory.allocation.mapped_slice()?.get(first..)?, pitch))
+    }
+}
+
+/// Where the rows of an image of linear tiling start, and how far apart they are, bytes.
+fn rows(device: &Arc<Device>, image: &Owned<vk::Image>, aspect: vk::ImageAspectFlags) -> (usize, usize) {
+    let part = vk::ImageSubresource::default().aspect_mask(aspect);
+    // SAFETY: linear tiling, a level and layer that exist (VUID-vkGetImageSubresourceLayout-image-07790, -01716, -01717).
+    let layout = unsafe { device.raw().get_image_subresource_layout(image.get(), part) };
+    (layout.offset as usize, layout.row_pitch as usize)
 }
 
 fn create_image(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) -> Result<Owned<vk::Image>, RasterError> {
@@ -203,7 +234,10 @@ fn create_image(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) ->
         .mip_levels(wanted.mip_levels)
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
-        .tiling(vk::ImageTiling::OPTIMAL)
+        .tiling(match wanted.home {
+            Home::Device => vk::ImageTiling::OPTIMAL,
+            Home::Mapped => vk::ImageTiling::LINEAR,
+        })
         .usage(wanted.usage)
         .initial_layout(vk::ImageLayout::UNDEFINED);
     Owned::new(device, ("vkCreateImage", wanted.name), |raw| {

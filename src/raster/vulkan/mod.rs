@@ -274,7 +274,7 @@ impl Raster for VulkanRaster {
         // The copies wait for the draws anyway.
         self.slots.iter_mut().try_for_each(|slot| slot.commands.wait())?;
         let drawn = Instant::now();
-        let channels = self.readback.read(begun.extent, &begun.target.channels)?;
+        let channels = self.readback.read(&mut self.attachments, begun.extent, &begun.target.channels)?;
         self.times.draw += drawn - begin;
         self.times.read += drawn.elapsed();
         Ok(Frame {

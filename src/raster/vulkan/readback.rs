@@ -1,7 +1,7 @@
 //! Drawn images on their way to the host.
 //!
 //! In: attachments, wanted channel groups. Out: channels, one plane each. Every image has its own buffer, commands and
-//! fence, so that the host unpacks one while the device copies the next.
+//! fence, so that the host unpacks one while the device copies the next; mapped images are read where they lie.
 
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
@@ -61,13 +61,23 @@ impl Readback {
     }
 
     /// The wanted channels of what [`Self::copy`] copied, in the order of [`ChannelGroup`].
-    pub(super) fn read(&mut self, extent: vk::Extent2D, wanted: &[ChannelGroup]) -> Result<Vec<Channel>, RasterError> {
-        let area = extent.width as usize * extent.height as usize;
+    pub(super) fn read(
+        &mut self,
+        attachments: &mut Attachments,
+        extent: vk::Extent2D,
+        wanted: &[ChannelGroup],
+    ) -> Result<Vec<Channel>, RasterError> {
         let mut channels = Vec::new();
-        for (lane, layout) in self.lanes.iter_mut().zip(LAYOUTS).filter(|(_, layout)| is_wanted(layout, wanted)) {
+        for ((lane, image), layout) in self.lanes.iter_mut().zip(images(attachments)).zip(LAYOUTS) {
+            if !is_wanted(layout, wanted) {
+                continue;
+            }
             lane.commands.wait()?;
-            let buffer = lane.buffer.as_ref().ok_or(RasterError::Misuse("an image was not copied"))?;
-            unpack(&buffer.bytes()[..area * layout.len() * 4], layout, wanted, &mut channels);
+            let row_bytes = extent.width as usize * layout.len() * 4;
+            let copied = lane.buffer.as_ref().map(|buffer| (buffer.bytes(), row_bytes));
+            let mapped = image.and_then(|image| image.mapped_rows());
+            let rows = mapped.or(copied).ok_or(RasterError::Misuse("an image was not copied"))?;
+            unpack((rows, extent), layout, wanted, &mut channels);
         }
         channels.sort_by_key(|(group, _)| *group as u8);
         Ok(channels.into_iter().map(|(_, channel)| channel).collect())
@@ -87,10 +97,14 @@ impl Readback {
             }
             let image = image.ok_or(RasterError::Misuse("an image was not drawn"))?;
             lane.commands.begin()?;
-            let bytes = bytes_of(layout, extent);
-            let buffer = Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
-            lane.commands.prepare(image, Usage::CopySource, Contents::Keep);
-            lane.commands.copy_to_host(image, buffer, extent);
+            if image.mapped_rows().is_some() {
+                lane.commands.prepare(image, Usage::HostRead, Contents::Keep);
+            } else {
+                let bytes = bytes_of(layout, extent);
+                let buffer = Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
+                lane.commands.prepare(image, Usage::CopySource, Contents::Keep);
+                lane.commands.copy_to_host(image, buffer, extent);
+            }
             lane.commands.submit()?;
         }
         Ok(())
@@ -153,17 +167,21 @@ fn is_wanted(layout: &[(&str, ChannelGroup)], wanted: &[ChannelGroup]) -> bool {
     layout.iter().any(|(_, group)| wanted.contains(group))
 }
 
-/// Adds the wanted channels of an image to `channels`.
+/// Bytes from the first pixel on, and bytes from row to row.
+type Rows<'a> = (&'a [u8], usize);
+
+/// Adds the wanted channels of the upper left `extent` of an image to `channels`.
 fn unpack(
-    bytes: &[u8],
+    (rows, extent): (Rows, vk::Extent2D),
     layout: &[(&str, ChannelGroup)],
     wanted: &[ChannelGroup],
     channels: &mut Vec<(ChannelGroup, Channel)>,
 ) {
     let is_wanted = |at: usize| layout.get(at).is_some_and(|(_, group)| wanted.contains(group));
+    let size = (extent.width as usize, extent.height as usize);
     let planes = match layout.len() {
-        2 => Vec::from(planes::<2>(bytemuck::cast_slice(bytes), is_wanted)),
-        _ => Vec::from(planes::<4>(bytemuck::cast_slice(bytes), is_wanted)),
+        2 => Vec::from(planes::<2>(rows, size, is_wanted)),
+        _ => Vec::from(planes::<4>(rows, size, is_wanted)),
     };
     for (&(name, group), samples) in layout.iter().zip(planes).filter(|((_, group), _)| wanted.contains(group)) {
         let storage = if group == ChannelGroup::Beauty { Storage::Half } else { Storage::Float };
@@ -171,20 +189,30 @@ fn unpack(
     }
 }
 
-/// Splits #pixels vectors into planes of #pixels; those not wanted stay empty.
-fn planes<const N: usize>(pixels: &[[f32; N]], is_wanted: impl Fn(usize) -> bool) -> [Vec<f32>; N] {
-    let mut planes: [Vec<f32>; N] =
-        std::array::from_fn(|at| if is_wanted(at) { vec![0.0; pixels.len()] } else { Vec::new() });
+/// Splits rows of vectors into planes of width · height; those not wanted stay empty.
+fn planes<const N: usize>(
+    (bytes, pitch): Rows,
+    (width, height): (usize, usize),
+    is_wanted: impl Fn(usize) -> bool,
+) -> [Vec<f32>; N] {
+    let area = width * height;
+    let mut planes: [Vec<f32>; N] = std::array::from_fn(|at| if is_wanted(at) { vec![0.0; area] } else { Vec::new() });
     let mut rest = planes.each_mut().map(Vec::as_mut_slice);
-    let mut blocks = Vec::with_capacity(pixels.len().div_ceil(BLOCK));
-    for block in pixels.chunks(BLOCK) {
-        let mut parts = rest.map(|plane| plane.split_at_mut(block.len().min(plane.len())));
+    let rows_a_block = (BLOCK / width).clamp(1, height);
+    let mut blocks = Vec::with_capacity(height.div_ceil(rows_a_block));
+    // The last row may end where the image does.
+    for block in bytes[..(height - 1) * pitch + width * N * 4].chunks(rows_a_block * pitch) {
+        let samples = block.len().div_ceil(pitch) * width;
+        let mut parts = rest.map(|plane| plane.split_at_mut(samples.min(plane.len())));
         blocks.push((block, parts.each_mut().map(|(part, _)| std::mem::take(part))));
         rest = parts.map(|(_, rest)| rest);
     }
-    blocks.into_par_iter().for_each(|(block, parts)| {
-        for (at, part) in parts.into_iter().enumerate() {
-            part.iter_mut().zip(block).for_each(|(sample, pixel)| *sample = pixel[at]);
+    blocks.into_par_iter().for_each(|(block, mut parts)| {
+        for (y, row) in block.chunks(pitch).enumerate() {
+            let pixels: &[[f32; N]] = bytemuck::cast_slice(&row[..width * N * 4]);
+            for (at, part) in parts.iter_mut().enumerate().filter(|(_, part)| !part.is_empty()) {
+                part[y * width..(y + 1) * width].iter_mut().zip(pixels).for_each(|(sample, pixel)| *sample = pixel[at]);
+            }
         }
     });
     planes
@@ -196,12 +224,17 @@ mod tests {
 
     #[test]
     fn planes_hold_the_wanted_components_of_every_pixel() {
-        let pixels: Vec<[f32; 4]> =
-            (0..3 * BLOCK + 7).map(|at| [at as f32, 1.0, -(at as f32), 2.0 * at as f32]).collect();
-        let [x, y, z, w] = planes(&pixels, |at| at != 1);
-        assert!(y.is_empty());
-        assert_eq!((x.len(), z.len(), w.len()), (pixels.len(), pixels.len(), pixels.len()));
-        let is_right = |(at, pixel): (usize, &[f32; 4])| [x[at], z[at], w[at]] == [pixel[0], pixel[2], pixel[3]];
-        assert!(pixels.iter().enumerate().all(is_right));
+        for (width, height, gap) in [(1000, 37, 0), (7, 3, 5), (2 * BLOCK, 2, 1), (1, 1, 0)] {
+            let pixels: Vec<[f32; 4]> =
+                (0..(width + gap) * height).map(|at| [at as f32, 1.0, -(at as f32), 2.0 * at as f32]).collect();
+            // The last row has no gap.
+            let bytes: &[u8] = bytemuck::cast_slice(&pixels[..pixels.len() - gap]);
+            let [x, y, z, w] = planes((bytes, (width + gap) * 16), (width, height), |at| at != 1);
+            assert!(y.is_empty());
+            for at in 0..width * height {
+                let pixel = pixels[at / width * (width + gap) + at % width];
+                assert_eq!([x[at], z[at], w[at]], [pixel[0], pixel[2], pixel[3]]);
+            }
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::descriptors::Descriptors;
 use super::device::Device;
-use super::memory::{Image, ImageUse};
+use super::memory::{Home, Image, ImageUse};
 use super::pipeline::PipelineLayout;
 use crate::raster::RasterError;
 use ash::vk;
@@ -25,7 +25,8 @@ pub(super) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 pub(super) const DATA_CLEAR: [[f32; 4]; 3] = [[0.0, 0.0, 0.0, 1e10], [0.0; 4], [0.0; 4]];
 
 const ATTACHMENT: vk::ImageUsageFlags = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-const READ_BACK: vk::ImageUsageFlags =
+/// Of images that the host reads.
+pub(super) const READ_BACK: vk::ImageUsageFlags =
     vk::ImageUsageFlags::from_raw(ATTACHMENT.as_raw() | vk::ImageUsageFlags::TRANSFER_SRC.as_raw());
 const RESOLVED: vk::ImageUsageFlags =
     vk::ImageUsageFlags::from_raw(ATTACHMENT.as_raw() | vk::ImageUsageFlags::SAMPLED.as_raw());
@@ -115,7 +116,9 @@ impl Attachments {
     }
 
     fn image(&self, name: &'static str, format: vk::Format, usage: vk::ImageUsageFlags) -> Result<Image, RasterError> {
-        Image::new(&self.device, ImageUse { name, format, usage, mip_levels: 1 }, self.extent)
+        let is_mapped = usage == READ_BACK && self.device.facts().has_mapped_attachments;
+        let home = if is_mapped { Home::Mapped } else { Home::Device };
+        Image::new(&self.device, ImageUse { name, format, usage, mip_levels: 1, home }, self.extent)
     }
 
     fn depth(&self, name: &'static str) -> Result<Image, RasterError> {

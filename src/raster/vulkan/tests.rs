@@ -4,7 +4,7 @@ use super::choose::choose;
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
 use super::instance::Instance;
-use super::memory::{Buffer, BufferUse, Image, ImageUse, MemoryLocation};
+use super::memory::{Buffer, BufferUse, Home, Image, ImageUse, MemoryLocation};
 use super::{Messages, VulkanRaster};
 use crate::image::Frame;
 use crate::raster::{
@@ -29,7 +29,13 @@ fn instance(messages: &Messages) -> Option<Arc<Instance>> {
 }
 
 fn device(instance: &Arc<Instance>) -> Arc<Device> {
-    let candidate = choose(instance, &DeviceChoice::Auto).unwrap();
+    device_with(instance, Home::Mapped)
+}
+
+/// With attachments mapped where the device can do that, or always copied.
+fn device_with(instance: &Arc<Instance>, home: Home) -> Arc<Device> {
+    let mut candidate = choose(instance, &DeviceChoice::Auto).unwrap();
+    candidate.has_mapped_attachments &= home == Home::Mapped;
     Device::new(Arc::clone(instance), &candidate).unwrap()
 }
 
@@ -75,8 +81,14 @@ fn draw_all(device: Arc<Device>) -> Result<Frame, RasterError> {
 fn any_creation_may_fail_and_nothing_leaks() {
     let messages = Messages::default();
     let Some(instance) = instance(&messages) else { return };
+    for home in [Home::Mapped, Home::Device] {
+        fail_each_creation(&instance, home, &messages);
+    }
+}
+
+fn fail_each_creation(instance: &Arc<Instance>, home: Home, messages: &Messages) {
     for count in 0.. {
-        let device = device(&instance);
+        let device = device_with(instance, home);
         device.fail_after(count);
         let drawn = draw_all(Arc::clone(&device));
         let has_failed = device.has_failed();
@@ -93,10 +105,21 @@ fn any_creation_may_fail_and_nothing_leaks() {
     }
 }
 
+#[test]
+fn copied_and_mapped_images_make_the_same_frame() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    let [mapped, copied] = [Home::Mapped, Home::Device].map(|home| draw_all(device_with(&instance, home)).unwrap());
+    assert!(mapped == copied);
+    assert!(mapped.channels.iter().any(|channel| channel.samples.contains(&2.0)), "something was drawn");
+    assert_eq!(messages.take(), Vec::<String>::new());
+}
+
 /// An image of 4x4 texels, a buffer that holds as many, and commands.
 fn copy_kit(device: &Arc<Device>) -> (Commands, Image, Buffer) {
     let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::SAMPLED;
-    let wanted = ImageUse { name: "canary", format: vk::Format::R8G8B8A8_UNORM, usage, mip_levels: 1 };
+    let wanted =
+        ImageUse { name: "canary", format: vk::Format::R8G8B8A8_UNORM, usage, mip_levels: 1, home: Home::Device };
     let image = Image::new(device, wanted, vk::Extent2D { width: 4, height: 4 }).unwrap();
     let wanted =
         BufferUse { name: "canary", usage: vk::BufferUsageFlags::TRANSFER_SRC, location: MemoryLocation::CpuToGpu };

@@ -5,7 +5,7 @@
 
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
-use super::memory::{Buffer, BufferUse, Image, ImageUse, MemoryLocation};
+use super::memory::{Buffer, BufferUse, Home, Image, ImageUse, MemoryLocation};
 use super::owned::Owned;
 use crate::raster::RasterError;
 use crate::raster::cpu::mipmap::{Level, mip_chain};
@@ -80,6 +80,7 @@ fn upload_image(device: &Arc<Device>, commands: &mut Commands, image: &scene::Im
         format: if image.is_srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
         usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
         mip_levels: levels.len() as u32,
+        home: Home::Device,
     };
     let mut on_device = Image::new(device, wanted, vk::Extent2D { width: first.width, height: first.height })?;
     let bytes: usize = levels.iter().map(|level| level.texels.len() * 4).sum();
