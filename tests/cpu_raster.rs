@@ -41,13 +41,13 @@ fn render(scene: &Scene, geometry: &Geometry, frame: FrameSize) -> Frame {
 
 fn render_window(scene: &Scene, geometry: &Geometry, target: &Target) -> Frame {
     let mut raster = CpuRaster::new(scene);
-    raster.start(target).unwrap();
-    raster.draw(&Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::BeautyAndData }).unwrap();
-    raster.finish().unwrap()
+    raster.start(target).expect("the window is small");
+    raster.draw(&Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::BeautyAndData }).expect("a frame was started");
+    raster.finish().expect("a frame was started")
 }
 
 fn samples<'a>(frame: &'a Frame, name: &str) -> &'a [f32] {
-    &frame.channel(name).unwrap().samples
+    &frame.channel(name).expect("the channel was asked for").samples
 }
 
 /// Corners of the unit square in counter-clockwise order, at one z.
@@ -106,11 +106,11 @@ proptest! {
         };
         let frame = FrameSize::new(150, 128);
         let mut raster = CpuRaster::new(&scene);
-        raster.start(&target(frame, frame.window(), 1)).unwrap();
+        raster.start(&target(frame, frame.window(), 1)).expect("the window is small");
         let geometry = flat(vertices, indices);
         let jitter_px = (Vec2::new(shift.0, shift.1) * 4.0).round() / 4.0;
-        raster.draw(&Pass { geometry: &geometry, jitter_px, role: PassRole::Beauty }).unwrap();
-        let picture = raster.finish().unwrap();
+        raster.draw(&Pass { geometry: &geometry, jitter_px, role: PassRole::Beauty }).expect("a frame was started");
+        let picture = raster.finish().expect("a frame was started");
         let wrong = samples(&picture, "A").iter().filter(|&&alpha| (alpha - 0.5).abs() > 1e-3).count();
         prop_assert_eq!(wrong, 0);
     }
@@ -239,12 +239,12 @@ fn the_mean_over_jitters_is_the_area() {
     let geometry = flat(at.map(|at| vertex(at, 0.5)).to_vec(), vec![0, 1, 2]);
     let frame = FrameSize::new(32, 32);
     let mut raster = CpuRaster::new(&white());
-    raster.start(&target(frame, frame.window(), 256)).unwrap();
+    raster.start(&target(frame, frame.window(), 256)).expect("the window is small");
     for k in 0..256u32 {
         let jitter_px = Vec2::new((k % 16) as f32 - 7.5, (k / 16) as f32 - 7.5) / 16.0;
-        raster.draw(&Pass { geometry: &geometry, jitter_px, role: PassRole::Beauty }).unwrap();
+        raster.draw(&Pass { geometry: &geometry, jitter_px, role: PassRole::Beauty }).expect("a frame was started");
     }
-    let picture = raster.finish().unwrap();
+    let picture = raster.finish().expect("a frame was started");
     let covered: f32 = samples(&picture, "A").iter().sum();
     let area = (at[1] - at[0]).perp_dot(at[2] - at[0]) * 0.5 * 32.0 * 32.0;
     assert!((covered - area).abs() < 0.05, "{covered} pixels of {area}");
@@ -255,12 +255,12 @@ fn the_mean_over_jitters_is_the_area() {
 fn data_come_from_the_nearest_surface_of_all_data_passes() {
     let frame = FrameSize::new(2, 2);
     let mut raster = CpuRaster::new(&white());
-    raster.start(&target(frame, frame.window(), 2)).unwrap();
+    raster.start(&target(frame, frame.window(), 2)).expect("the window is small");
     for (z, role) in [(0.25, PassRole::Data), (0.5, PassRole::BeautyAndData), (0.9, PassRole::Beauty)] {
         let geometry = flat(square(z), SQUARE.to_vec());
-        raster.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role }).unwrap();
+        raster.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role }).expect("a frame was started");
     }
-    let picture = raster.finish().unwrap();
+    let picture = raster.finish().expect("a frame was started");
     assert_eq!((samples(&picture, "A")[0], samples(&picture, "depth.Z")[0]), (1.0, 2.0));
 }
 

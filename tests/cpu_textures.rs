@@ -33,9 +33,9 @@ fn render(scene: &Scene, geometry: &Geometry, side: u32) -> Frame {
     let frame = FrameSize::new(side, side);
     let mut raster = CpuRaster::new(scene);
     let channels = vec![ChannelGroup::Beauty];
-    raster.start(&Target { frame, window: frame.window(), channels, beauty_passes: 1 }).unwrap();
-    raster.draw(&Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty }).unwrap();
-    raster.finish().unwrap()
+    raster.start(&Target { frame, window: frame.window(), channels, beauty_passes: 1 }).expect("the window is small");
+    raster.draw(&Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty }).expect("a frame was started");
+    raster.finish().expect("a frame was started")
 }
 
 /// The unit square; u to the right, v down, as glTF has it.
@@ -45,7 +45,13 @@ fn square() -> Geometry {
 }
 
 fn reds(frame: &Frame) -> Vec<f32> {
-    frame.channel("R").unwrap().samples.iter().map(|red| (red * 1000.0).round() / 1000.0).collect()
+    frame
+        .channel("R")
+        .expect("beauty was asked for")
+        .samples
+        .iter()
+        .map(|red| (red * 1000.0).round() / 1000.0)
+        .collect()
 }
 
 #[test]
