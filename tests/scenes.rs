@@ -144,13 +144,3 @@ fn knight_is_rendered() {
         assert_eq!(frame.nan_count(), 0, "{name}");
     }
 }
-
-#[test]
-fn stepped_pins_stand_still_while_the_shutter_is_open() {
-    let path = scenes().join("walker/shot.toml");
-    let shot = pinwarp::shot::Shot::read(&path).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!((shot.layers[0].step, shot.shutter.angle, shot.shutter.phase), (2, 180.0, -90.0));
-    assert_eq!(shot.pin_targets(0, 6.75), shot.pin_targets(0, 7.25));
-    assert_eq!(shot.pin_targets(0, 7.0), shot.pin_targets(0, 8.25));
-    assert_ne!(shot.pin_targets(0, 7.0), shot.pin_targets(0, 9.0));
-}
