@@ -39,8 +39,7 @@ impl Lattice<2> {
                     Basis::Barytri => self.probe_gradient(at),
                     _ => columns[at[0]].determinant(&rows[at[1]]),
                 };
-                // Not a number counts as folded.
-                !(det > 0.0)
+                det.is_nan() || det <= 0.0
             })
         };
         let cells = (0..spans[1]).flat_map(|row| (0..spans[0]).map(move |column| [column, row]));
@@ -87,5 +86,29 @@ impl Column {
             across += *value * *rise;
         }
         along.perp_dot(across)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_handle_pulled_across_its_neighbours_folds_cells_around_it() {
+        for basis in [Basis::Bspline, Basis::Bilinear, Basis::Barytri] {
+            let mut lattice = Grid { dims: [8, 8], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+            assert_eq!(lattice.folded_cells(), Vec::<[usize; 2]>::new());
+            lattice.handles[4 + 8 * 4][0] += 2.0;
+            let folded = lattice.folded_cells();
+            assert!(!folded.is_empty() && folded.iter().all(|cell| cell.iter().all(|place| (2..=6).contains(place))));
+            assert_eq!(folded.len(), lattice.folded_cell_count());
+        }
+    }
+
+    #[test]
+    fn a_mirrored_lattice_is_folded_everywhere() {
+        let mut lattice = Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+        lattice.handles.iter_mut().for_each(|handle| handle[0] = -handle[0]);
+        assert_eq!(lattice.folded_cells().len(), 3 * 4);
     }
 }

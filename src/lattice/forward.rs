@@ -44,11 +44,9 @@ impl<const D: usize> Lattice<D> {
         let mut carried = Carried { point: [0.0; D], gradient: [[0.0; D]; D] };
         self.grid.visit(point, |term| {
             let handle = self.handles[term.handle];
-            for row in 0..D {
-                carried.point[row] += term.weight * handle[row];
-                for column in 0..D {
-                    carried.gradient[row][column] += term.gradient[column] * handle[row];
-                }
+            for (row, coordinate) in handle.into_iter().enumerate() {
+                carried.point[row] += term.weight * coordinate;
+                (0..D).for_each(|column| carried.gradient[row][column] += term.gradient[column] * coordinate);
             }
         });
         carried
@@ -117,4 +115,48 @@ fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>
         columns[1] += sum * *slope;
     }
     DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Grid;
+
+    fn bent(basis: Basis) -> Lattice<2> {
+        let mut lattice = Grid { dims: [6, 7], basis, lo: [0.0, 0.0], hi: [2.0, 1.0] }.at_rest();
+        for (k, handle) in lattice.handles.iter_mut().enumerate() {
+            *handle = [handle[0] + 0.05 * (k as f64).sin(), handle[1] + 0.05 * (1.3 * k as f64).cos()];
+        }
+        lattice
+    }
+
+    const BASES: [Basis; 4] = [Basis::Bernstein, Basis::Bspline, Basis::Bilinear, Basis::Barytri];
+
+    #[test]
+    fn outside_the_box_the_displacement_is_that_of_the_nearest_box_point() {
+        for lattice in BASES.map(bent) {
+            let border = ScreenPoint::new(2.0, 0.3);
+            let outside = lattice.warp(ScreenPoint::new(5.0, 0.3));
+            let wanted = lattice.warp(border).0 + DVec2::new(3.0, 0.0);
+            assert!((outside.0 - wanted).length() < 1e-12);
+            assert_eq!(
+                lattice.displace([5.0, 0.3]).map(|x| (x * 1e9).round()),
+                wanted.to_array().map(|x| (x * 1e9).round())
+            );
+            assert_eq!(lattice.jacobian(ScreenPoint::new(5.0, 0.3)).x_axis, DVec2::X);
+        }
+    }
+
+    #[test]
+    fn the_jacobian_is_the_slope_of_the_warp() {
+        for lattice in BASES.map(bent) {
+            for point in [DVec2::new(0.71, 0.33), DVec2::new(1.23, 0.77), DVec2::new(0.5, 1.4)] {
+                let gradient = lattice.jacobian(ScreenPoint(point));
+                for (axis, column) in [(DVec2::X, gradient.x_axis), (DVec2::Y, gradient.y_axis)] {
+                    let [low, high] = [-1e-6, 1e-6].map(|step| lattice.warp(ScreenPoint(point + axis * step)).0);
+                    assert!(((high - low) / 2e-6 - column).length() < 1e-7);
+                }
+            }
+        }
+    }
 }

@@ -61,7 +61,7 @@ impl<const D: usize> Iteration<'_, D> {
             let mut next = constant.clone();
             let mut energy = self.local_energy(&state, &mut next);
             // The safeguard: an accelerated state that is worse than the last one gives way to the plain one.
-            if !(energy <= last_energy * (1.0 + SAFEGUARD))
+            if (energy.is_nan() || energy > last_energy * (1.0 + SAFEGUARD))
                 && let Some(plain) = plain.take()
             {
                 state = plain;

@@ -27,13 +27,14 @@ impl<const D: usize> Rigid<D> {
         let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
         let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
         let total: f64 = pairs.iter().map(|pair| pair.2).sum();
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return Self { rotation: identity(), from: [0.0; D], to: [0.0; D] };
         }
-        let mean = |pick: &dyn Fn(&([f64; D], [f64; D], f64)) -> [f64; D]| -> [f64; D] {
-            std::array::from_fn(|d| pairs.iter().map(|pair| pair.2 / total * pick(pair)[d]).sum())
-        };
-        let (from, to) = (mean(&|pair| pair.0), mean(&|pair| pair.1));
+        let (mut from, mut to) = ([0.0; D], [0.0; D]);
+        for (rest, now, weight) in &pairs {
+            (0..D).for_each(|d| from[d] += weight / total * rest[d]);
+            (0..D).for_each(|d| to[d] += weight / total * now[d]);
+        }
         let mut s = [[0.0; D]; D];
         let mut add = |weight: f64, rest: [f64; D], now: [f64; D]| {
             for a in 0..D {

@@ -45,8 +45,8 @@ pub(crate) fn symmetric_eigen<const N: usize>(m: &Square<N>) -> ([f64; N], Squar
     for _ in 0..30 {
         let off: f64 = (0..N).map(|p| (p + 1..N).map(|q| a[p][q] * a[p][q]).sum::<f64>()).sum();
         let on: f64 = (0..N).map(|p| a[p][p] * a[p][p]).sum();
-        // 1e-34 is far below the rounding of the squares; `!(>)` also leaves at NaN.
-        if !(off > 1e-34 * on) {
+        // 1e-34 is far below the rounding of the squares.
+        if off.is_nan() || off <= 1e-34 * on {
             break;
         }
         for p in 0..N {
@@ -70,9 +70,9 @@ fn rotate_pair<const N: usize>(a: &mut Square<N>, vectors: &mut Square<N>, [p, q
     for row in a.iter_mut().chain(vectors.iter_mut()) {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
     }
-    for k in 0..N {
-        (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-    }
+    let (above, below) = (a[p], a[q]);
+    a[p] = std::array::from_fn(|k| c * above[k] - s * below[k]);
+    a[q] = std::array::from_fn(|k| s * above[k] + c * below[k]);
 }
 
 /// The symmetric root of a positive semidefinite matrix; negative eigenvalues (rounding) count as zero.

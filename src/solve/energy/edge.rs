@@ -123,12 +123,10 @@ impl<const D: usize> Edge<D> {
             let [i, j] = edge.ends();
             let now = minus(&moved[i], &moved[j]);
             squares += edge.weight * (dot(&now, &now) + dot(&edge.rest, &edge.rest));
-            for a in 0..D {
-                for b in 0..D {
-                    // Both ends see the same product: each looks along the edge from its own side.
-                    let product = edge.weight * edge.rest[a] * now[b];
-                    covariances[i][a][b] += product;
-                    covariances[j][a][b] += product;
+            // Both ends see the same product: each looks along the edge from its own side.
+            for end in [i, j] {
+                for (row, along) in covariances[end].iter_mut().zip(&edge.rest) {
+                    row.iter_mut().zip(&now).for_each(|(slot, x)| *slot += edge.weight * along * x);
                 }
             }
         }

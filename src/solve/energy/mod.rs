@@ -62,7 +62,7 @@ impl Quality {
         let sides = |corners: [&[f64; D]; 3]| [minus(corners[1], corners[0]), minus(corners[2], corners[0])];
         let ([u, v], [a, b]) = (sides(rest), sides(moved));
         let doubled = area_of(&u, &v);
-        if !(doubled > 0.0) {
+        if doubled <= 0.0 {
             return;
         }
         // An orthonormal frame of the rest triangle makes the map a 2 x 2 (or 3 x 2) matrix.

@@ -103,7 +103,7 @@ impl Element {
         let ([u, v], [a, b]) = (sides(&rest), sides(&moved));
         let (doubled, moved_doubled) = (area_of(&u, &v), area_of(&a, &b));
         // Areas below the rounding of their own sides are none.
-        if !(doubled > 1e-14 * (dot(&u, &u) + dot(&v, &v))) {
+        if doubled <= 1e-14 * (dot(&u, &u) + dot(&v, &v)) {
             return None;
         }
         // In an orthonormal frame of the rest triangle the map has two columns.

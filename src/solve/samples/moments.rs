@@ -55,9 +55,10 @@ impl<const D: usize> Moments<D> {
             std::array::from_fn(|a| std::array::from_fn(|b| self.second[a][b] / self.area - mean[a] * mean[b]));
         let root = symmetric_root::<D>(&covariance);
         let (spread, area) = ((D as f64).sqrt(), self.area / (2 * D) as f64);
-        for column in 0..D {
+        // The root is symmetric: its rows are its columns.
+        for column in &root {
             for sign in [-spread, spread] {
-                let at = std::array::from_fn(|d| middle[d] + mean[d] + sign * root[d][column]);
+                let at = std::array::from_fn(|d| middle[d] + mean[d] + sign * column[d]);
                 samples.push(Sample { at, area });
             }
         }
