@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ShotError {
     /// The file cannot be read.
-    #[error("cannot read {path}: {source}; check the path and its permissions")]
+    #[error("cannot read {path}: {source}; {}", remedy(source.kind()))]
     Io {
         /// The file.
         path: PathBuf,
@@ -76,6 +76,14 @@ impl ShotError {
             Self::Syntax { line, .. } | Self::Invalid { line, .. } => *line,
             _ => 0,
         }
+    }
+}
+
+/// What the user can do about a file that cannot be read.
+fn remedy(kind: std::io::ErrorKind) -> &'static str {
+    match kind {
+        std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+        _ => "check the path and its permissions",
     }
 }
 

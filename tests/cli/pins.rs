@@ -57,6 +57,16 @@ fn two_pins_that_pull_one_point_apart() {
 }
 
 #[test]
+fn a_layer_whose_pins_are_all_behind_the_camera_is_named() {
+    let mut tiny = crate::support::square();
+    tiny.lens = crate::tiny::Lens::Perspective(1.0);
+    // The pinned corner is behind the camera, the opposite one in front of it.
+    tiny.parts[0].positions[0][2] = 6.0;
+    let ended = Bench::with_scene(&tiny.json()).render("").says(0, &["warning: frame 1: layer 'all': all its pins"]);
+    assert!(!ended.stderr.contains("in sight"), "{}", ended.stderr);
+}
+
+#[test]
 fn no_pins_at_all_is_said_and_changes_nothing() {
     let bare = Bench::with_shot(&format!("{HEAD}{OUTPUT}"));
     bare.render("").says(0, &["note: no layer has pins or moved handles: nothing is warped"]);

@@ -36,6 +36,13 @@ fn not_toml() {
 }
 
 #[test]
+fn not_text() {
+    let bench = Bench::new();
+    bench.write("shot.toml", b"# caf\xe9\nversion = 1\n");
+    bench.render("").says(2, &["shot.toml", "UTF-8"]);
+}
+
+#[test]
 fn unknown_key() {
     refused("samples = 1", "sampels = 1", &["sampels", "did you mean", "samples"]);
     refused("lattice = { dims", "lattice = { dimms", &["layer[0].lattice.dimms", "dims"]);
@@ -96,6 +103,12 @@ fn not_an_exr_name() {
 #[test]
 fn pixels_instead_of_frame_heights() {
     refused("offset = [0.1, 0.05]", "offset = [120.0, 50.0]", &["look like pixels", "divide"]);
+    let in_boxes = "unit = \"box\"\n  keys = [ { frame = 0, offset = [1e300, 0.0] }, { frame = 1,";
+    let text = shot().replace("keys = [ { frame = 1,", in_boxes);
+    Bench::with_shot(&text).render("").says(2, &["layer[0].pin[0].keys[0].offset", "box sizes look like pixels"]);
+    let handle = "[[layer.handle]]\nindex = [3, 3]\nkeys = [{ frame = 1, offset = [0.0, -1e6] }]\n[output]";
+    let text = shot().replace("[output]", handle);
+    Bench::with_shot(&text).render("").says(2, &["layer[0].handle[0].keys[0].offset", "box sizes look like pixels"]);
 }
 
 #[test]

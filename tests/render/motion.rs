@@ -104,12 +104,22 @@ const BOX: f64 = 32.0;
 /// Its speed, pixels a frame.
 const SPEED: f64 = 16.0;
 
-/// Alpha along the middle row of frame 5, where the box stands in the middle of 128 columns.
-fn blurred(angle: f64, phase: f64) -> (Frame, Vec<f64>) {
+/// What moves the box: in frame 5 it stands in the middle of 128 columns.
+fn animated() -> Studio {
     let mut part = grid("Quad", [-0.4, -0.3, 0.4, 0.3], 2);
     part.place = [-4.0 * 16.0 / 40.0, 0.0, 0.0];
     part.velocity = [16.0 * 24.0 / 40.0, 0.0, 0.0];
-    let mut studio = Studio::tiny(&Tiny::of(vec![part]), "");
+    Studio::tiny(&Tiny::of(vec![part]), "")
+}
+
+/// The same way, by a pin.
+fn carried() -> Studio {
+    let keys = "{ frame = 1, offset = [-1.6, 0.0] }, { frame = 9, offset = [1.6, 0.0] }";
+    Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.4, -0.3, 0.4, 0.3], 2)]), &pinned_layer(keys))
+}
+
+/// Frame 5, and alpha along its middle row.
+fn blurred(mut studio: Studio, angle: f64, phase: f64) -> (Frame, Vec<f64>) {
     studio.shot.size.width = 128;
     studio.shot.samples = 64;
     studio.shot.shutter = Shutter { angle, phase };
@@ -138,18 +148,31 @@ fn largest_gap(a: &[f64], b: &[f64]) -> f64 {
 fn a_box_spreads_over_half_its_way() {
     // The pixel filter rounds the ends of the ramp a little.
     let limit = 0.07;
-    let (frame, row) = blurred(180.0, -90.0);
+    let (frame, row) = blurred(animated(), 180.0, -90.0);
     assert!(largest_gap(&row, &expected(180.0, -90.0)) < limit, "{row:?}");
     assert!(row.iter().filter(|&&alpha| alpha > 0.02 && alpha < 0.98).count() >= 14, "two ramps of 8 pixels: {row:?}");
-    let (_, later) = blurred(180.0, 0.0);
+    let (_, later) = blurred(animated(), 180.0, 0.0);
     assert!(largest_gap(&later, &expected(180.0, 0.0)) < limit, "{later:?}");
     // The comparison can fail.
     assert!(largest_gap(&row, &expected(180.0, 0.0)) > 0.3);
-    assert!(largest_gap(&blurred(0.0, 0.0).1, &expected(180.0, -90.0)) > 0.3);
+    assert!(largest_gap(&blurred(animated(), 0.0, 0.0).1, &expected(180.0, -90.0)) > 0.3);
     // Data come from mid-shutter: the ramp's outer part has none.
     for (x, is_covered) in [(44, false), (50, true), (77, true), (83, false)] {
         assert_eq!(at(&frame, "depth.Z", x, 20) < 1e10, is_covered, "column {x}");
         assert_eq!(at(&frame, "forward.u", x, 20) > 15.0, is_covered, "column {x}");
     }
     assert!(row[45] > 0.02 && row[82] > 0.02);
+}
+
+#[test]
+fn pins_blur_unless_they_are_held() {
+    let limit = 0.07;
+    let (_, row) = blurred(carried(), 180.0, -90.0);
+    assert!(largest_gap(&row, &expected(180.0, -90.0)) < limit, "{row:?}");
+    // On twos the drawing stands still while the shutter is open: only the pixel filter softens its edges.
+    let mut held = carried();
+    held.shot.layers[0].step = 2;
+    let (_, row) = blurred(held, 180.0, -90.0);
+    assert!(row.iter().filter(|&&alpha| alpha > 0.02 && alpha < 0.98).count() <= 8, "{row:?}");
+    assert!(largest_gap(&row, &expected(180.0, -90.0)) > 0.3);
 }

@@ -119,6 +119,8 @@ impl Check<'_> {
         if let Some(shot) = unit {
             self.screen_unit(&offset, &format!("{key}.offset"), shot);
             self.screen_unit(&raw.target.unwrap_or_default(), &format!("{key}.target"), shot);
+        } else {
+            self.box_unit(&offset, &format!("{key}.offset"));
         }
         match raw.target {
             Some(_) if raw.offset.is_some() => {
@@ -167,6 +169,7 @@ impl Check<'_> {
         self.increasing(raw.keys.iter().map(|key| key.frame), key);
         for (index, raw_key) in raw.keys.iter().enumerate() {
             self.ease(raw_key.ease, &format!("{key}[{index}]"));
+            self.box_unit(&raw_key.offset, &format!("{key}[{index}].offset"));
         }
         let resting = HandleKey { frame: f64::from(shot.first_frame), offset: [0.0; 2], ease: Ease::Linear };
         let keys = raw.keys.iter().map(|key| HandleKey { frame: key.frame, offset: key.offset, ease: key.ease });
@@ -189,6 +192,13 @@ impl Check<'_> {
             let what = format!("the curve [x1, y1, x2, y2] runs back in time: x1 = {x1}, x2 = {x2}");
             self.fault(&format!("{key}.ease.bezier"), what, "keep x1 and x2 within 0 to 1");
         }
+    }
+
+    /// Numbers that cannot be sizes of a lattice box.
+    fn box_unit(&mut self, values: &[f64], key: &str) {
+        let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
+        let hint = format!("offsets in box sizes stay within {LARGEST_COORDINATE}; 1 is the whole box");
+        self.fault(key, format!("{value} box sizes look like pixels"), hint);
     }
 
     /// Numbers that cannot be frame heights.
