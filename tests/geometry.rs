@@ -194,3 +194,18 @@ fn blended_triangles_come_last_and_from_back_to_front() {
     let objects: Vec<u32> = geometry.draws.iter().map(|draw| draw.object_id).collect();
     assert_eq!(objects, [2, 3, 1]);
 }
+
+#[test]
+fn a_fold_keeps_facing_the_viewer() {
+    let scene = scene_of(vec![quad(1.0, -3.0)], vec![Material::default()]);
+    let bounds = ScreenBox::new(ScreenPoint::new(0.0, 0.0), ScreenPoint::new(1.6, 1.0));
+    let mut mirrored = Grid::over(bounds, [6, 6], Basis::Bspline).at_rest();
+    mirrored.handles.iter_mut().for_each(|handle| handle[0] = 1.6 - handle[0]);
+    for lattice in [None, Some(&mirrored)] {
+        let geometry = build(&scene, &still(&scene), lattice);
+        for corners in geometry.indices.as_chunks::<3>().0 {
+            let [a, b, c] = corners.map(|corner| place(&geometry, corner));
+            assert!((b - a).perp_dot(c - a) > 0.0, "front faces stay counter-clockwise");
+        }
+    }
+}

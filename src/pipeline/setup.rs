@@ -3,7 +3,7 @@
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
-use crate::pose::{ClipChoice, Pose, PosedLight, pose};
+use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, ClipName, Layer, Shot};
@@ -82,7 +82,7 @@ impl Setup {
             bounds: Mutex::default(),
         };
         setup.rig = lighting::neutral_rig(&setup.view(f64::from(setup.shot.frames.first)).1);
-        if first.lights.is_empty() {
+        if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&setup.scene, part)) {
             setup.notes.push("the scene has no lights: a neutral three-light rig is used".into());
         }
         setup.tie_pins(&first)?;
@@ -178,6 +178,11 @@ impl Setup {
         }
         Ok(())
     }
+}
+
+/// Whether light makes a difference to a part.
+fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
+    !scene.materials[screen::primitive(scene, part).material].unlit
 }
 
 /// Refuses frames that no memory holds.

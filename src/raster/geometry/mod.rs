@@ -8,12 +8,13 @@ mod sort;
 mod split;
 mod vertex;
 
-use super::{Draw, Geometry};
+use super::{Draw, Geometry, RasterVertex};
 use crate::lattice::ScreenLattice;
 use crate::pose::{Pose, PosedLight};
 use crate::scene::{AlphaMode, Scene};
 use crate::screen::{Camera, ScreenMesh, primitive};
 use curvature::Curvature;
+use glam::DVec2;
 use rayon::prelude::*;
 use split::Splitter;
 use vertex::{DepthRange, Loose};
@@ -50,7 +51,7 @@ pub struct Assembly<'a> {
 
 /// One part, ready to be joined with the others.
 struct BuiltPart {
-    vertices: Vec<super::RasterVertex>,
+    vertices: Vec<RasterVertex>,
     triangles: Vec<[u32; 3]>,
     /// Its indices are filled in when the parts are joined.
     draw: Draw,
@@ -86,13 +87,17 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     for corners in &source.triangles {
         splitter.add(*corners, now.camera.near());
     }
-    let (loose, triangles) = splitter.finish();
+    let (loose, mut triangles) = splitter.finish();
     let lattices =
         [lattice, neighbours.and_then(|n| n[0].lattices[part]), neighbours.and_then(|n| n[1].lattices[part])];
     let warped = |loose: &Loose| loose.warped(lattices, range);
     let material = &scene.materials[source.material];
+    let vertices: Vec<RasterVertex> = loose.par_iter().with_min_len(2048).map(warped).collect();
+    if lattice.is_some() {
+        keep_facing(&mut triangles, &loose, &vertices);
+    }
     BuiltPart {
-        vertices: loose.par_iter().with_min_len(2048).map(warped).collect(),
+        vertices,
         triangles,
         draw: Draw {
             indices: 0..0,
@@ -102,5 +107,21 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
             is_mirrored: posed.is_mirrored,
         },
         is_blended: material.alpha == AlphaMode::Blend,
+    }
+}
+
+/// Turns triangles that the warp turned over, so that they face the viewer if they did before it: a fold shows the
+/// side that was seen, it does not open a hole.
+fn keep_facing(triangles: &mut [[u32; 3]], loose: &[Loose], vertices: &[RasterVertex]) {
+    let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
+    for corners in triangles {
+        let before = side(corners.map(|corner| loose[corner as usize].places[0].point().0));
+        let after = side(corners.map(|corner| {
+            let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
+            DVec2::new(x, y) / w
+        }));
+        if before * after < 0.0 {
+            corners.swap(1, 2);
+        }
     }
 }
