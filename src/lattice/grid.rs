@@ -147,8 +147,13 @@ impl<const D: usize> Grid<D> {
         (0..D).for_each(|axis| axes[axis].scale_slopes(1.0 / self.size(axis)));
         let mut at = [0; D];
         loop {
-            visit(self.tensor_term(&axes, at));
-            let Some(axis) = (0..D).find(|&axis| at[axis] + 1 < axes[axis].values().len()) else { return };
+            let row = self.row_factors(&axes, at);
+            for (i, (value, slope)) in axes[0].values().iter().zip(axes[0].slopes()).enumerate() {
+                let mut gradient = row.gradient.map(|slant| slant * value);
+                gradient[0] = row.weight * slope;
+                visit(Term { handle: row.handle + i, weight: row.weight * value, gradient });
+            }
+            let Some(axis) = (1..D).find(|&axis| at[axis] + 1 < axes[axis].values().len()) else { return };
             at[..axis].fill(0);
             at[axis] += 1;
         }
@@ -177,19 +182,18 @@ impl<const D: usize> Grid<D> {
         order
     }
 
-    /// The product of one function an axis; slopes are per unit of space.
-    fn tensor_term<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> Term<D> {
-        let (mut handle, mut weight) = (0, 1.0);
-        let mut gradient = [1.0; D];
-        for axis in 0..D {
+    /// What all handles of a row share: its first handle, and the products of the functions of all axes but x.
+    fn row_factors<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> Term<D> {
+        let mut row = Term { handle: axes[0].first, weight: 1.0, gradient: [1.0; D] };
+        for axis in 1..D {
             let value = axes[axis].values()[at[axis]];
-            handle += (axes[axis].first + at[axis]) * self.stride(axis);
-            weight *= value;
-            for (other, slot) in gradient.iter_mut().enumerate() {
+            row.handle += (axes[axis].first + at[axis]) * self.stride(axis);
+            row.weight *= value;
+            for (other, slot) in row.gradient.iter_mut().enumerate() {
                 *slot *= if other == axis { axes[axis].slopes()[at[axis]] } else { value };
             }
         }
-        Term { handle, weight, gradient }
+        row
     }
 
     /// Barycentric cells: each is cut along its diagonal (in 3D into six) by the order of the local coordinates.
