@@ -6,6 +6,7 @@ mod tiny;
 
 mod boxes;
 mod cameras;
+mod faults;
 mod layers;
 mod motion;
 mod pins;
