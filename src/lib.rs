@@ -12,6 +12,9 @@
 //! The method is lp-FFD: Fukusato, Maejima and Igarashi, "Locality-Preserving Free-Form
 //! Deformation", 2024, <https://arxiv.org/abs/2405.07450>. `docs/METHOD.md` maps its equations to files.
 
+// Tests may; the program states its invariants or returns errors.
+#![deny(clippy::panic, clippy::unwrap_used)]
+
 pub mod space;
 
 mod spelling;

@@ -160,7 +160,7 @@ fn textures_far_away_are_averaged_in_linear_light() {
     let mut scene = stage::scene();
     let cutout = &mut scene.materials[CUTOUT as usize];
     (cutout.unlit, cutout.alpha) = (true, pinwarp::scene::AlphaMode::Opaque);
-    let texel = |x: u32, y: u32| if (x + y) % 2 == 0 { [255, 255, 255, 255] } else { [0, 0, 0, 255] };
+    let texel = |x: u32, y: u32| if (x + y).is_multiple_of(2) { [255, 255, 255, 255] } else { [0, 0, 0, 255] };
     scene.images[0].rgba = (0..256).flat_map(|at| texel(at % 16, at / 16)).collect();
     let Some(mut vulkan) = support::open(&scene) else { return };
     let frame = draw(&mut *vulkan, &target(SIZE, SIZE), &builder.geometry);
