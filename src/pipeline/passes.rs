@@ -110,7 +110,8 @@ mod tests {
     fn offsets_follow_the_filter() {
         let offsets: Vec<Vec2> = plan_passes(1024, CLOSED).iter().map(|pass| pass.jitter_px).collect();
         let mean: Vec2 = offsets.iter().sum::<Vec2>() / 1024.0;
-        assert!(mean.length() < 2e-3, "{mean}");
+        // The mean of n points of a low-discrepancy sequence is off by about the width / n.
+        assert!(mean.length() < 3.0 / 1024.0, "{mean}");
         // Standard deviation of the window of radius 1.5: integrated numerically here, sampled there.
         let steps = 10_000;
         let density = |x: f64| (filter_integral(x + 1e-5) - filter_integral(x - 1e-5)) / 2e-5;
