@@ -29,6 +29,7 @@ const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("toml", &["src/shot/"]),
     ("toml_edit", &["src/shot/"]),
     ("faer", &["src/solve/"]),
+    ("pulp", &["src/solve/"]),
     ("ash", &["src/raster/vulkan/", "src/raster/error.rs"]),
     ("gpu_allocator", &["src/raster/vulkan/"]),
     ("exr", &["src/image/"]),
