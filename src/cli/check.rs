@@ -25,7 +25,7 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut is_solved = true;
     let mut iterations: BTreeMap<String, usize> = BTreeMap::new();
     for &frame in &frames {
-        match setup.moment(f64::from(frame)) {
+        match setup.exposed(frame) {
             Ok(moment) => {
                 let report = report(&setup, frame, &moment);
                 for warning in &report.warnings {

@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// Frames a second of a new shot.
 const RATE: f64 = 24.0;
 
+/// Longer clips are cut: shot files take frames up to a million.
+const MAX_FRAME: f32 = 999_999.0;
+
 /// Length of a new shot whose scene does not move.
 const DEFAULT_FRAMES: i32 = 24;
 
@@ -36,7 +39,10 @@ fn facts(scene: &Scene) -> TemplateFacts {
         scene.nodes.iter().filter(|node| of(node)).map(|node| node.name.clone()).collect::<Vec<_>>()
     };
     let cameras = names(|node| node.camera.is_some());
-    let frames = scene.clips.first().map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round() as i32 + 1);
+    let frames = scene
+        .clips
+        .first()
+        .map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round().min(MAX_FRAME) as i32 + 1);
     TemplateFacts {
         has_camera: !cameras.is_empty(),
         cameras,

@@ -66,12 +66,12 @@ impl Teller {
         }
     }
 
-    /// Frames often repeat a warning with other numbers: what stands before the first digit tells the kind.
+    /// Frames often repeat a warning with other numbers: the kind is the text without them.
     fn warn(&self, frame: i32, warning: &str) {
-        let kind = warning.split(|letter: char| letter.is_ascii_digit()).next().unwrap_or(warning);
+        let kind = kind_of(warning);
         let count = {
             let mut told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let count = told.entry(kind.to_owned()).or_default();
+            let count = told.entry(kind).or_default();
             *count += 1;
             *count
         };
@@ -84,7 +84,7 @@ impl Teller {
         self.bar.finish_and_clear();
         let told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
-            self.line(&format!("warning: {} more frames: {}...", count - REPEATS_TOLD, kind.trim_end()));
+            self.line(&format!("warning: {} more times: {kind}", count - REPEATS_TOLD));
         }
         let fps = summary.rendered as f64 / summary.wall_secs;
         let failed = if summary.failed > 0 { format!(", {} FAILED", summary.failed) } else { String::new() };
@@ -105,5 +105,30 @@ impl Teller {
         self.bar.suspend(|| {
             let _ = writeln!(io::stderr(), "{text}");
         });
+    }
+}
+
+/// A warning with every number outside quotes replaced: names may hold digits and tell warnings apart.
+fn kind_of(warning: &str) -> String {
+    let unquoted = |(index, piece): (usize, &str)| {
+        let is_number = |letter: char| letter.is_ascii_digit() || letter == '.';
+        if index % 2 == 1 {
+            piece.to_owned()
+        } else {
+            piece.split(is_number).filter(|s| !s.is_empty()).collect::<Vec<_>>().join("…")
+        }
+    };
+    warning.split('\'').enumerate().map(unquoted).collect::<Vec<_>>().join("'")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_that_differ_in_numbers_are_of_one_kind() {
+        let one = kind_of("layer 'layer1': pin 'a' is 0.12 px off its target");
+        assert_eq!(one, kind_of("layer 'layer1': pin 'a' is 7.5 px off its target"));
+        assert_ne!(one, kind_of("layer 'layer2': pin 'a' is 0.12 px off its target"));
     }
 }

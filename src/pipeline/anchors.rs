@@ -5,7 +5,7 @@
 use super::PipelineError;
 use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
-use crate::screen::{Hit, ScreenMesh, primitive};
+use crate::screen::{Camera, Hit, ScreenMesh, primitive};
 use crate::shot::{Anchor, Layer, Pin, Shot};
 use crate::space::ScreenPoint;
 use crate::spelling;
@@ -39,15 +39,15 @@ pub struct Rest {
     /// On the screen.
     pub point: ScreenPoint,
     /// 1, or less where the point comes close to the near plane; 0 at it and in front of it.
-    pub weight: f64,
+    pub presence: f64,
 }
 
 impl Pinned {
     /// The pinned point of a projected pose.
     #[must_use]
-    pub fn rest(&self, mesh: &ScreenMesh, near: f64) -> Rest {
+    pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> Rest {
         match *self {
-            Self::Screen(point) => Rest { point, weight: 1.0 },
+            Self::Screen(point) => Rest { point, presence: 1.0 },
             Self::Surface { part, corners, barycentric } => {
                 let vertices = corners.map(|corner| mesh.parts[part].vertices[corner as usize]);
                 let h =
@@ -56,10 +56,11 @@ impl Pinned {
                     vertices.iter().zip(barycentric).map(|(vertex, share)| of(vertex) * share).sum()
                 };
                 let (w, depth) = (mix(|vertex| vertex.w), mix(|vertex| vertex.depth));
-                let beyond = if near > 0.0 { (depth / near - 1.0) / (FADE_STARTS_AT - 1.0) } else { depth - near };
-                let t = beyond.clamp(0.0, 1.0);
-                let point = if w > 0.0 { ScreenPoint(h / w) } else { ScreenPoint::default() };
-                Rest { point, weight: if w > 0.0 { t * t * (3.0 - 2.0 * t) } else { 0.0 } }
+                if w <= 0.0 {
+                    return Rest { point: ScreenPoint::default(), presence: 0.0 };
+                }
+                let t = presence(depth, camera).clamp(0.0, 1.0);
+                Rest { point: ScreenPoint(h / w), presence: t * t * (3.0 - 2.0 * t) }
             }
         }
     }
@@ -72,6 +73,16 @@ impl Pinned {
     }
 }
 
+/// 1 and more where a depth is well behind the near plane, 0 and less in front of it. Nothing on the screen grows
+/// without end at the near plane of a parallel camera, so nothing fades there.
+fn presence(depth: f64, camera: &Camera) -> f64 {
+    let near = camera.near();
+    if camera.is_parallel() {
+        return if depth >= near { 1.0 } else { 0.0 };
+    }
+    (depth / near - 1.0) / (FADE_STARTS_AT - 1.0)
+}
+
 /// Finds the triangle of a surface anchor; a note where its stored rest position does not fit any more.
 pub(super) fn find(
     (shot, layer, pin): (&Shot, &Layer, &Pin),
@@ -81,13 +92,15 @@ pub(super) fn find(
     let Anchor::Surface { node, primitive: wanted, triangle, barycentric, rest } = &pin.anchor else {
         return Err(mismatch(shot, layer, pin, ("is not a surface anchor".into(), "pick it again".into())));
     };
-    let Some(index) = scene.node_named(node) else {
+    if scene.node_named(node).is_none() {
         let names = scene.nodes.iter().filter(|node| node.mesh.is_some()).map(|node| node.name.as_str());
         let hint = spelling::hint(node, names);
         return Err(mismatch(shot, layer, pin, (format!("there is no node '{node}' in the scene"), hint)));
-    };
-    let Some(part) = parts.iter().position(|part| part.node == index && part.primitive == *wanted) else {
-        let count = parts.iter().filter(|part| part.node == index).count();
+    }
+    // Names need not be unique: the first node of that name that carries the primitive is meant.
+    let is_named = |part: &&PosedPart| scene.nodes[part.node].name == *node;
+    let Some(part) = parts.iter().position(|part| is_named(&part) && part.primitive == *wanted) else {
+        let count = parts.iter().filter(is_named).count();
         let what = format!("node '{node}' has no primitive {wanted} with triangles");
         return Err(mismatch(shot, layer, pin, (what, format!("it has {count}, counted from 0"))));
     };

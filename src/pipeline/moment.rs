@@ -12,6 +12,9 @@ use crate::solve::{HandlePin, PointPin, Problem, Shape, Solution, solve};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 use glam::DVec2;
 
+/// A pin that fades has ten to this power of its weight at the end.
+const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
+
 /// The scene at one time.
 #[derive(Clone, Debug)]
 pub struct Moment {
@@ -45,6 +48,8 @@ pub struct PinState {
     pub rest: ScreenPoint,
     /// Where it has to go.
     pub target: ScreenPoint,
+    /// 1, or less where it fades near the camera.
+    pub presence: f64,
 }
 
 impl Moment {
@@ -81,6 +86,7 @@ impl Setup {
         let grid = Grid::over(rest_box, layer.dims, layer.basis);
         let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
         let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
+        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
         let rest_handles = grid.at_rest().handles;
         if pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
@@ -99,9 +105,8 @@ impl Setup {
             frame: moment.frame,
             source,
         })?;
-        if handles.is_empty() {
-            let weights = points.iter().map(|pin| pin.weight);
-            fade(&mut solution.lattice, weights.fold(0.0, f64::max));
+        if handles.is_empty() && presence < 1.0 {
+            fade(&mut solution, &pins, presence);
         }
         Ok(LayerState { solution: Some(solution), pins })
     }
@@ -123,8 +128,8 @@ impl Setup {
         let mut states = Vec::new();
         let mut points = Vec::new();
         for (pin, (pinned, target)) in self.anchors[index].iter().zip(&targets.pins).enumerate() {
-            let rest = pinned.rest(&moment.mesh, moment.camera.near());
-            if rest.weight <= 0.0 {
+            let rest = pinned.rest(&moment.mesh, &moment.camera);
+            if rest.presence <= 0.0 {
                 continue;
             }
             let goal = match target.goal {
@@ -139,11 +144,12 @@ impl Setup {
                 let scale = target.log_scale.unwrap_or(0.0).exp();
                 [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
             });
-            states.push(PinState { pin, rest: rest.point, target: goal });
+            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence });
             points.push(PointPin {
                 at: rest.point.0.to_array(),
                 target: goal.0.to_array(),
-                weight: rest.weight,
+                // In powers of ten, down to where the shape holds the pin and not the pin the shape.
+                weight: 10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - rest.presence)),
                 gradient,
             });
         }
@@ -203,10 +209,14 @@ impl Setup {
     }
 }
 
-/// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump before.
-fn fade(lattice: &mut ScreenLattice, strength: f64) {
+/// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
+/// before. The report tells what is left of the warp.
+fn fade(solution: &mut Solution<2>, pins: &[PinState], presence: f64) {
+    let Solution { lattice, report } = solution;
     let rest = lattice.grid.rest_handles();
     for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
-        *handle = DVec2::from(rest).lerp(DVec2::from(*handle), strength).to_array();
+        *handle = DVec2::from(rest).lerp(DVec2::from(*handle), presence).to_array();
     }
+    report.pin_errors = pins.iter().map(|pin| (lattice.warp(pin.rest) - pin.target).0.length()).collect();
+    report.folded_cells = lattice.folded_cells().len();
 }

@@ -4,11 +4,11 @@
 
 use super::{Moment, PinState, Setup};
 use crate::image::{Canvas, Preview, Rgba8};
-use crate::lattice::ScreenLattice;
+use crate::lattice::{Basis, ScreenLattice};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use glam::DVec2;
 
-/// Line pieces between two neighbouring handles' rest places.
+/// Line pieces a span.
 const PIECES: usize = 8;
 
 const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
@@ -60,29 +60,31 @@ impl Picture {
         self.frame.image_from_screen(point)
     }
 
-    /// The warped grid of the rest box, one cell a handle interval, and the handles themselves.
+    /// The warped grid of the rest box, one cell a span, and the handles themselves.
     fn draw_lattice(&self, canvas: &mut Canvas, lattice: &ScreenLattice, unit_px: f64) {
-        let [nx, ny] = lattice.grid.dims;
+        // Handles of a B-spline lie outside the box, too: the box is one span smaller on each side.
+        let margin = usize::from(lattice.grid.basis == Basis::Bspline);
+        let [nx, ny] = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
         let warped = |i: f64, j: f64| {
-            let share = [i / (nx - 1) as f64, j / (ny - 1) as f64];
+            let share = [i / nx as f64, j / ny as f64];
             let at = |axis: usize| lattice.grid.lo[axis] + share[axis] * lattice.grid.size(axis);
             self.px(lattice.warp(ScreenPoint::new(at(0), at(1))))
         };
         let along = |k: usize| k as f64 / PIECES as f64;
         for [i, j] in lattice.folded_cells() {
-            let (i, j) = (i as f64, j as f64);
+            let (i, j) = ((i - margin) as f64, (j - margin) as f64);
             canvas.fill_polygon(
                 &[warped(i, j), warped(i + 1.0, j), warped(i + 1.0, j + 1.0), warped(i, j + 1.0)],
                 FOLDED,
             );
         }
-        for j in 0..ny {
-            for k in 0..(nx - 1) * PIECES {
+        for j in 0..=ny {
+            for k in 0..nx * PIECES {
                 canvas.line(warped(along(k), j as f64), warped(along(k + 1), j as f64), unit_px, GRID);
             }
         }
-        for i in 0..nx {
-            for k in 0..(ny - 1) * PIECES {
+        for i in 0..=nx {
+            for k in 0..ny * PIECES {
                 canvas.line(warped(i as f64, along(k)), warped(i as f64, along(k + 1)), unit_px, GRID);
             }
         }

@@ -2,7 +2,6 @@
 //!
 //! In: frame numbers. Out: a [`Job`] a frame, whose passes arrive while it is drawn.
 
-use super::passes::mid_shutter;
 use super::{FrameReport, Moment, PipelineError, Setup, lighting, overlay, plan_passes, report};
 use crate::image::CameraMatrices;
 use crate::lattice::ScreenLattice;
@@ -73,7 +72,7 @@ impl Producer<'_> {
     ) -> Result<(), PipelineError> {
         let begun = Instant::now();
         let shot = &self.setup.shot;
-        let middle = self.setup.moment(f64::from(frame) + mid_shutter(shot.shutter))?;
+        let middle = self.setup.exposed(frame)?;
         let mut facts = self.facts(frame, &middle);
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);

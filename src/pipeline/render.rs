@@ -9,9 +9,9 @@ use super::draw::{draw_all, tiles};
 use super::produce::Producer;
 use super::write::Writer;
 use super::{Event, Existing, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{ImageError, SequencePath, is_complete};
+use crate::image::{ImageError, SequencePath, is_complete, read_metadata};
 use crate::raster::{self, Raster};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
@@ -60,7 +60,8 @@ struct Work<'a> {
     options: &'a RenderOptions,
     output: SequencePath,
     frames: Vec<i32>,
-    kept: usize,
+    /// Frames that stay as they are.
+    kept: Vec<PathBuf>,
 }
 
 impl<'a> Work<'a> {
@@ -79,16 +80,18 @@ impl<'a> Work<'a> {
         if let Some(&first) = frames.first() {
             prepare_folder(&output.path_of(first))?;
         }
-        let kept = wanted.len() - frames.len();
+        let is_kept = |frame: &&i32| !frames.contains(frame);
+        let kept: Vec<PathBuf> = wanted.iter().filter(is_kept).map(|&frame| output.path_of(frame)).collect();
         Ok(Self { begun, setup, options, output, frames, kept })
     }
 
     fn run(self, device: &mut dyn Raster, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, setup, options, output, frames, kept } = self;
-        for text in setup.notes.iter().cloned() {
+        for text in setup.notes.iter().cloned().chain(stale_note(&kept, &setup.shot.hash())) {
             tell(Event::Note { text });
         }
-        tell(Event::Started { device: device.name(), frames: frames.len(), kept });
+        let (wanted, kept) = (frames.len(), kept.len());
+        tell(Event::Started { device: device.name(), frames: wanted, kept });
         let mut writer = Writer::new(setup, options, output, device.name());
         let tiles = tiles(setup.shot.size.window(), device.max_side());
         let mut raster_ms = 0.0;
@@ -102,13 +105,8 @@ impl<'a> Work<'a> {
             // A panic in the writer is passed on, not swallowed.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
-        let summary = Summary {
-            kept,
-            raster_ms,
-            is_cancelled: cancel.load(Ordering::Relaxed),
-            wall_secs: begun.elapsed().as_secs_f64(),
-            ..writer.summary()
-        };
+        let mut summary = Summary { kept, raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
+        summary.is_cancelled = summary.rendered + summary.failed < wanted && cancel.load(Ordering::Relaxed);
         tell(Event::Finished(summary.clone()));
         summary
     }
@@ -121,6 +119,18 @@ fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     }
     let what = "is not the name of an EXR file; let it end in .exr (--preview writes PNG files beside it)";
     Err(ImageError::Pattern { pattern: pattern.to_owned(), what: what.into() })
+}
+
+/// Says so where kept frames were rendered from another state of the shot (other pins, another size).
+fn stale_note(kept: &[PathBuf], shot_hash: &str) -> Option<String> {
+    let is_stale = |path: &&PathBuf| {
+        let metadata = read_metadata(path).ok().flatten();
+        metadata.is_some_and(|metadata| metadata.shot_hash != shot_hash)
+    };
+    let stale = kept.iter().filter(is_stale).count();
+    (stale > 0).then(|| {
+        format!("{stale} of the kept frames were rendered from another state of the shot; --overwrite replaces them")
+    })
 }
 
 /// Makes the folder of a frame and tries whether files can be made in it.

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
+use super::passes::mid_shutter;
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
@@ -114,7 +115,15 @@ impl Setup {
         (pose, camera)
     }
 
-    /// The solved scene at a (fractional) frame; recent ones are kept.
+    /// The solved scene in the middle of a frame's exposure: what its data channels show.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn exposed(&self, frame: i32) -> Result<Arc<Moment>, PipelineError> {
+        self.moment(f64::from(frame) + mid_shutter(self.shot.shutter))
+    }
+
+    /// The solved scene at a (fractional) frame; the last ones that other frames need, too, are kept.
     ///
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
@@ -124,6 +133,11 @@ impl Setup {
             return Ok(Arc::clone(moment));
         }
         let moment = Arc::new(self.compute(frame)?);
+        // Neighbouring frames ask for the middle of an exposure again, never for another moment of it.
+        let exposed = frame - mid_shutter(self.shot.shutter);
+        if (exposed - exposed.round()).abs() > 1e-9 {
+            return Ok(moment);
+        }
         let mut moments = kept();
         moments.push_back(Arc::clone(&moment));
         if moments.len() > KEPT_MOMENTS {
@@ -150,10 +164,10 @@ impl Setup {
     /// Turns every pin's anchor into indices.
     fn tie_pins(&mut self, first: &Pose) -> Result<(), PipelineError> {
         let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
-        for layer in &self.shot.layers {
+        for (index, layer) in self.shot.layers.iter().enumerate() {
             let mut tied = Vec::new();
             for pin in &layer.pins {
-                tied.push(match pin.anchor {
+                let pinned = match pin.anchor {
                     Anchor::Screen { at, frame: None } => Pinned::Screen(at),
                     Anchor::Screen { at, frame: Some(frame) } => {
                         let (pose, mesh, camera) = casts.entry(frame).or_insert_with(|| {
@@ -172,7 +186,15 @@ impl Setup {
                         self.notes.extend(note);
                         pinned
                     }
-                });
+                };
+                if let Pinned::Surface { part, .. } = pinned
+                    && self.owners[part] != Some(index)
+                {
+                    let node = &self.scene.nodes[first.parts[part].node].name;
+                    let text = "which the layer does not claim: the pin follows it all the same";
+                    self.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
+                }
+                tied.push(pinned);
             }
             self.anchors.push(tied);
         }

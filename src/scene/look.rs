@@ -79,9 +79,9 @@ pub enum AlphaMode {
 /// A texture as a material uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
-    /// Index into [`Scene::textures`].
+    /// Index into [`super::Scene::textures`].
     pub texture: usize,
-    /// 0 or 1: which of [`Primitive::uvs`].
+    /// 0 or 1: which of [`super::Primitive::uvs`].
     pub uv_set: usize,
     /// KHR_texture_transform as rows of a 2x3 matrix: u' = `rows[0]`·(u, v, 1), v' = `rows[1]`·(u, v, 1).
     pub texture_from_uv: [Vec3; 2],
@@ -90,7 +90,7 @@ pub struct TextureRef {
 /// An image with its sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texture {
-    /// Index into [`Scene::images`].
+    /// Index into [`super::Scene::images`].
     pub image: usize,
     /// How it repeats across and down.
     pub wrap: [Wrap; 2],

@@ -48,9 +48,7 @@ pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> 
     let Extent { parts, near, reach } = extent;
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
-        if vertices.iter().all(|vertex| vertex.depth >= near && vertex.w > 0.0) {
-            return ScreenBox::around(vertices.iter().map(|vertex| vertex.point()));
-        }
+        // Corners of triangles only: other vertices may belong to other parts.
         let triangles = &primitive(scene, &pose.parts[part]).triangles;
         ScreenBox::around(triangles.iter().flat_map(|corners| {
             let corners = corners.map(|corner| vertices[corner as usize]);

@@ -50,19 +50,20 @@ impl Projected {
 }
 
 impl Camera {
-    /// The camera of a node placed by `scene_from_camera` (its scale is ignored, as glTF asks).
+    /// The camera of a node placed by `scene_from_camera` (its scale is ignored, as glTF asks; so is a reflection).
     ///
     /// `near` is kept above a millionth of a metre for a perspective lens.
     #[must_use]
     pub fn new(scene_from_camera: Mat4, lens: Lens, near: f32, frame: FrameSize) -> Self {
         let placed = scene_from_camera.as_dmat4();
         let axis = |column: DVec4, fallback: DVec3| column.truncate().try_normalize().unwrap_or(fallback).extend(0.0);
-        let rigid = DMat4::from_cols(
-            axis(placed.x_axis, DVec3::X),
-            axis(placed.y_axis, DVec3::Y),
-            axis(placed.z_axis, DVec3::Z),
-            placed.w_axis,
-        );
+        let (y, z) = (axis(placed.y_axis, DVec3::Y), axis(placed.z_axis, DVec3::Z));
+        let x = if placed.determinant() < 0.0 {
+            y.truncate().cross(z.truncate()).extend(0.0)
+        } else {
+            axis(placed.x_axis, DVec3::X)
+        };
+        let rigid = DMat4::from_cols(x, y, z, placed.w_axis);
         let near = match lens {
             Lens::Perspective { .. } => f64::from(near).max(1e-6),
             Lens::Orthographic { .. } => f64::from(near),
@@ -202,5 +203,13 @@ mod tests {
             assert!((homogeneous.truncate().truncate() - projected.h).length() < 1e-9, "{lens:?}");
             assert!((homogeneous.w - projected.w).abs() < 1e-9, "{lens:?}");
         }
+    }
+
+    #[test]
+    fn a_reflected_camera_node_does_not_mirror_the_picture() {
+        let frame = FrameSize::new(100, 100);
+        let lens = Lens::Perspective { yfov: 1.0 };
+        let mirrored = Camera::new(Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)), lens, 0.1, frame);
+        assert_eq!(mirrored, Camera::new(Mat4::IDENTITY, lens, 0.1, frame));
     }
 }

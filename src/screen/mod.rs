@@ -1,7 +1,7 @@
 //! Stage 3: a [`Pose`] seen through a camera becomes a [`ScreenMesh`]: where every vertex lies on the screen.
 //!
 //! Near-plane policy: nothing in front of the near plane exists. Triangles that cross it are cut there before anything
-//! else happens ([`clip`]), so every later stage divides by a w that is greater than zero. There is no far plane.
+//! else happens ([`clip_near`]), so every later stage divides by a w that is greater than zero. There is no far plane.
 
 mod bounds;
 mod camera;

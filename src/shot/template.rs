@@ -137,8 +137,8 @@ lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
 fn pin_key(frame: f64) -> String {
     format!(
         "
-  #            ## degrees counter-clockwise, and a scale; ease: hold, linear, smooth, bezier
-  #            {{ frame = {frame}, offset = [0.05, 0.1], rotate = 10.0, scale = 1.1, ease = \"smooth\" }}"
+  #            ## degrees counter-clockwise, and a scale; ease shapes what leaves its key: hold, linear, smooth, bezier
+  #            {{ frame = {frame}, offset = [0.05, 0.1], rotate = 10.0, scale = 1.1 }}"
     )
 }
 

@@ -88,7 +88,7 @@ fn pins_fade_before_the_near_plane() {
     let pinned = Pinned::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
     let weight = |frame: f64| {
         let (pose, camera) = setup.view(frame);
-        pinned.rest(&project(&pose, &camera), camera.near()).weight
+        pinned.rest(&project(&pose, &camera), &camera).presence
     };
     assert_eq!([weight(1.0), weight(8.9)], [1.0, 1.0], "twice the near distance and more");
     let fading: Vec<f64> = (0..=10).map(|step| weight(9.0 + f64::from(step) / 10.0)).collect();

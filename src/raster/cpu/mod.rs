@@ -1,8 +1,8 @@
 //! The CPU twin: draws what the Vulkan raster draws, in safe Rust, in tiles over all cores.
 //!
 //! In: a scene's materials, then [`Pass`]es of geometry. Out: a [`Frame`], the same bytes for any number of threads.
-//! Bins sort triangles into tiles ([`bin`], [`triangle`]); tiles find what is seen ([`coverage`]) and shade it once
-//! ([`tile`], [`fragment`], [`texture`], [`shading`]).
+//! Bins sort triangles into tiles (`bin`, `triangle`); tiles find what is seen (`coverage`) and shade it once
+//! (`tile`, `fragment`, `texture`, `shading`).
 
 mod bin;
 mod coverage;

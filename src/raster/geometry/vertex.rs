@@ -54,18 +54,14 @@ impl DepthRange {
 pub(super) fn gather(assembly: &Assembly, part: usize) -> Vec<Loose> {
     let posed = &assembly.now.pose.parts[part];
     let source = primitive(assembly.scene, posed);
-    let near = assembly.now.camera.near();
     let uv_at = |set: usize, vertex: usize| source.uvs[set].get(vertex).copied().unwrap_or(Vec2::ZERO);
     let one = |vertex: usize| {
         let now = assembly.now.mesh.parts[part].vertices[vertex];
         let mut places = [now; 3];
         if let Some(neighbours) = &assembly.neighbours {
+            // Also behind the camera: cutting and splitting mix places that are linear over the triangle.
             for (place, moment) in places[1..].iter_mut().zip(neighbours) {
-                let there = moment.mesh.parts[part].vertices[vertex];
-                // A point that passes the near plane has no place on the screen there: it counts as still.
-                if there.depth >= near && there.w > 0.0 {
-                    *place = there;
-                }
+                *place = moment.mesh.parts[part].vertices[vertex];
             }
         }
         let (first, second) = (uv_at(0, vertex), uv_at(1, vertex));
@@ -97,7 +93,9 @@ impl Loose {
 
     /// The vertex as drawn: its three places moved by the lattices of their times, the rest as it was.
     pub(super) fn warped(&self, lattices: [Option<&ScreenLattice>; 3], range: DepthRange) -> RasterVertex {
-        let [now, next, previous] = std::array::from_fn(|i| warp_place(self.places[i], lattices[i]));
+        // A point that passes the near plane has no place on the screen there: it counts as still.
+        let seen = |i: usize| if self.places[i].depth >= range.near && self.places[i].w > 0.0 { i } else { 0 };
+        let [now, next, previous] = std::array::from_fn(|i| warp_place(self.places[seen(i)], lattices[seen(i)]));
         let z = range.z_times_w(self.places[0]) as f32;
         RasterVertex {
             screen: [now[0], now[1], z, now[2]],
