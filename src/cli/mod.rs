@@ -5,7 +5,6 @@
 mod args;
 mod check;
 mod devices;
-mod files;
 mod frames;
 mod new;
 mod pick;

@@ -1,7 +1,8 @@
 //! `pinwarp new`.
 
+use super::Outcome;
 use super::args::NewArgs;
-use super::{Outcome, files};
+use crate::image::replace_text;
 use crate::scene::{self, Scene};
 use crate::shot::template::{self, ClipFact, TemplateFacts};
 use crate::space::FrameSize;
@@ -25,7 +26,7 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
     }
     let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;
     let text = template::write(&path.to_string_lossy(), &facts(&scene));
-    files::replace(&args.output, &text)?;
+    replace_text(&args.output, &text)?;
     for warning in &scene.warnings {
         writeln!(std::io::stderr(), "warning: {warning}")?;
     }

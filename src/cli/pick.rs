@@ -1,7 +1,8 @@
 //! `pinwarp pick`.
 
+use super::Outcome;
 use super::args::PickArgs;
-use super::{Outcome, files};
+use crate::image::replace_text;
 use crate::pipeline::Setup;
 use crate::screen::{self, Hit, primitive};
 use crate::shot::{Anchor, Shot, edit};
@@ -47,7 +48,7 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
             let path = &args.shot;
             let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
             let edited = edit::add_pin(&text, layer, name, &anchor)?;
-            files::replace(path, &edited)?;
+            replace_text(path, &edited)?;
             let layer = layer.unwrap_or_default();
             writeln!(std::io::stdout(), "wrote pin '{name}' of layer '{layer}' into {}", path.display())?;
         }

@@ -4,6 +4,7 @@
 
 use super::ImageError;
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::Path;
 use tempfile::Builder;
 
@@ -29,6 +30,14 @@ pub(super) fn replace_file(
     write(partial.as_file_mut())?;
     partial.persist(path).map_err(|failed| io(failed.error))?;
     Ok(())
+}
+
+/// Puts a text into a file, whole or not at all.
+///
+/// # Errors
+/// [`ImageError::Io`] where the disk is full or the folder cannot be written.
+pub fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
+    replace_file(path, |file| file.write_all(text.as_bytes()).map_err(|source| ImageError::writing(path, source)))
 }
 
 /// Temporary files are private by default; a frame is for everybody whom the umask lets in.

@@ -15,6 +15,7 @@ mod preview;
 mod sequence;
 mod window;
 
+pub use atomic::replace_text;
 pub use complete::is_complete;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;

@@ -2,11 +2,8 @@
 //!
 //! In: the channel groups wanted. Out: plane numbers; channel names and storage in the order of [`ChannelGroup`].
 
-use crate::image::Storage;
+use crate::image::{EMPTY_DEPTH, Storage};
 use crate::raster::ChannelGroup;
-
-/// Depth where nothing is (Blender's value; infinities breed NaN in compositing).
-pub(super) const EMPTY_DEPTH: f32 = 1e10;
 
 /// First plane of each group wanted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

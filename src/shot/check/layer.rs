@@ -9,9 +9,6 @@ use crate::shot::{BoxRule, Layer};
 use crate::solve::{Energy, Settings};
 use crate::space::{ScreenBox, ScreenPoint};
 
-/// A cubic span needs four handles.
-const LEAST_BSPLINE_HANDLES: usize = 4;
-
 impl Check<'_> {
     pub(super) fn layers(&mut self, raw: Vec<RawLayer>, shot: &LayerDefaults) -> Vec<Layer> {
         let layers: Vec<Layer> = raw.into_iter().enumerate().map(|(i, raw)| self.layer(raw, i, shot)).collect();
@@ -39,8 +36,9 @@ impl Check<'_> {
 
     fn lattice(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
         let least = raw.dims[0].min(raw.dims[1]);
-        if raw.basis == Basis::Bspline && least < LEAST_BSPLINE_HANDLES {
-            let what = format!("a B-spline needs at least {LEAST_BSPLINE_HANDLES} handles a side, found {least}");
+        if raw.basis == Basis::Bspline && least < raw.basis.least_handles() {
+            let needed = raw.basis.least_handles();
+            let what = format!("a B-spline needs at least {needed} handles a side, found {least}");
             self.fault(&format!("{key}.dims"), what, "give 4 or more, or basis = \"bernstein\"");
         }
         match raw.bounds {
