@@ -180,6 +180,9 @@ proptest! {
 
     #[test]
     fn mesh_density_does_not_matter(pins in soft_pins()) {
+        // Half way only: two pins that nearly meet may give way to either side, and then anything decides.
+        let half_way = |p: &PointPin<2>| pin(p.at, [(p.at[0] + p.target[0]) / 2.0, (p.at[1] + p.target[1]) / 2.0]);
+        let pins: Vec<_> = pins.iter().map(half_way).collect();
         let grid = grid(8, Basis::Bspline);
         let coarse = run(&grid, &strip(200), &pins, &Settings::default());
         let fine = run(&grid, &strip(800), &pins, &Settings::default());

@@ -6,7 +6,7 @@ use super::PipelineError;
 use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
 use crate::screen::{Camera, Hit, ScreenMesh, primitive};
-use crate::shot::{Anchor, Layer, Pin, Shot};
+use crate::shot::{Anchor, Shot};
 use crate::space::ScreenPoint;
 use crate::spelling;
 use glam::DVec3;
@@ -85,30 +85,33 @@ fn presence(depth: f64, camera: &Camera) -> f64 {
 
 /// Finds the triangle of a surface anchor; a note where its stored rest position does not fit any more.
 pub(super) fn find(
-    (shot, layer, pin): (&Shot, &Layer, &Pin),
+    (shot, place): (&Shot, [usize; 2]),
     scene: &Scene,
     parts: &[PosedPart],
 ) -> Result<(Pinned, Option<String>), PipelineError> {
+    let layer = &shot.layers[place[0]];
+    let pin = &layer.pins[place[1]];
+    let fault = |(what, hint)| mismatch(shot, place, (what, hint));
     let Anchor::Surface { node, primitive: wanted, triangle, barycentric, rest } = &pin.anchor else {
-        return Err(mismatch(shot, layer, pin, ("is not a surface anchor".into(), "pick it again".into())));
+        return Err(fault(("is not a surface anchor".into(), "pick it again".into())));
     };
     if scene.node_named(node).is_none() {
         let names = scene.nodes.iter().filter(|node| node.mesh.is_some()).map(|node| node.name.as_str());
         let hint = spelling::hint(node, names);
-        return Err(mismatch(shot, layer, pin, (format!("there is no node '{node}' in the scene"), hint)));
+        return Err(fault((format!("there is no node '{node}' in the scene"), hint)));
     }
     // Names need not be unique: the first node of that name that carries the primitive is meant.
     let is_named = |part: &&PosedPart| scene.nodes[part.node].name == *node;
     let Some(part) = parts.iter().position(|part| is_named(&part) && part.primitive == *wanted) else {
         let count = parts.iter().filter(is_named).count();
         let what = format!("node '{node}' has no primitive {wanted} with triangles");
-        return Err(mismatch(shot, layer, pin, (what, format!("it has {count}, counted from 0"))));
+        return Err(fault((what, format!("it has {count}, counted from 0"))));
     };
     let source = primitive(scene, &parts[part]);
     let Some(&corners) = source.triangles.get(*triangle) else {
         let what = format!("node '{node}', primitive {wanted} has no triangle {triangle}");
         let hint = format!("its last is {}; `pinwarp pick` prints a ready anchor", source.triangles.len() - 1);
-        return Err(mismatch(shot, layer, pin, (what, hint)));
+        return Err(fault((what, hint)));
     };
     let place = |corner: usize| source.positions[corners[corner] as usize].as_dvec3() * barycentric[corner];
     let now = place(0) + place(1) + place(2);
@@ -124,11 +127,9 @@ pub(super) fn find(
     Ok((Pinned::Surface { part, corners, barycentric: *barycentric }, note))
 }
 
-/// A pin that does not fit the scene.
-pub(super) fn mismatch(shot: &Shot, layer: &Layer, pin: &Pin, (what, hint): (String, String)) -> PipelineError {
-    PipelineError::Mismatch {
-        path: shot.path.clone(),
-        what: format!("layer '{}', pin '{}': {what}", layer.name, pin.name),
-        hint,
-    }
+/// A pin that does not fit the scene: what is wrong and how to fix it.
+pub(super) fn mismatch(shot: &Shot, [layer, pin]: [usize; 2], (what, hint): (String, String)) -> PipelineError {
+    let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
+    let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);
+    PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].anchor"), what, hint)
 }

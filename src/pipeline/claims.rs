@@ -5,7 +5,7 @@
 use super::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::Scene;
-use crate::shot::{Layer, Shot};
+use crate::shot::Shot;
 use crate::spelling;
 use std::collections::BTreeSet;
 
@@ -13,25 +13,24 @@ use std::collections::BTreeSet;
 pub(super) fn claim(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Vec<Option<usize>>, PipelineError> {
     let mut owners = vec![None; parts.len()];
     for (index, layer) in shot.layers.iter().enumerate() {
-        let nodes = nodes_of(shot, layer, scene)?;
+        let nodes = nodes_of(shot, index, scene)?;
         for (owner, part) in owners.iter_mut().zip(parts).filter(|(_, part)| nodes.contains(&part.node)) {
             if let Some(other) = owner.replace(index) {
                 return Err(twice(shot, scene, part, (other, index)));
             }
         }
         if !owners.contains(&Some(index)) {
-            return Err(PipelineError::Mismatch {
-                path: shot.path.clone(),
-                what: format!("layer '{}': none of its nodes has triangles", layer.name),
-                hint: "name nodes that carry a mesh in `nodes`, or leave `nodes` out for all".into(),
-            });
+            let what = format!("layer '{}': none of its nodes has triangles", layer.name);
+            let hint = "name nodes that carry a mesh in `nodes`, or leave `nodes` out for all";
+            return Err(PipelineError::mismatch(shot, &key(index), what, hint));
         }
     }
     Ok(owners)
 }
 
 /// All nodes that a layer's patterns claim, with their subtrees.
-fn nodes_of(shot: &Shot, layer: &Layer, scene: &Scene) -> Result<BTreeSet<usize>, PipelineError> {
+fn nodes_of(shot: &Shot, index: usize, scene: &Scene) -> Result<BTreeSet<usize>, PipelineError> {
+    let layer = &shot.layers[index];
     if layer.nodes.is_empty() {
         return Ok((0..scene.nodes.len()).collect());
     }
@@ -40,11 +39,8 @@ fn nodes_of(shot: &Shot, layer: &Layer, scene: &Scene) -> Result<BTreeSet<usize>
         let matched = scene.matching(pattern);
         if matched.is_empty() {
             let names = scene.nodes.iter().map(|node| node.name.as_str());
-            return Err(PipelineError::Mismatch {
-                path: shot.path.clone(),
-                what: format!("layer '{}': no node matches '{pattern}'", layer.name),
-                hint: spelling::hint(pattern, names),
-            });
+            let what = format!("layer '{}': no node matches '{pattern}'", layer.name);
+            return Err(PipelineError::mismatch(shot, &key(index), what, spelling::hint(pattern, names)));
         }
         nodes.extend(matched.into_iter().flat_map(|node| scene.subtree(node)));
     }
@@ -54,9 +50,12 @@ fn nodes_of(shot: &Shot, layer: &Layer, scene: &Scene) -> Result<BTreeSet<usize>
 /// Two layers want the same part.
 fn twice(shot: &Shot, scene: &Scene, part: &PosedPart, (one, other): (usize, usize)) -> PipelineError {
     let node = &scene.nodes[part.node].name;
-    PipelineError::Mismatch {
-        path: shot.path.clone(),
-        what: format!("layers '{}' and '{}' both claim node '{node}'", shot.layers[one].name, shot.layers[other].name),
-        hint: "give the layers patterns that do not overlap".into(),
-    }
+    let [first, second] = [one, other].map(|layer| &shot.layers[layer].name);
+    let what = format!("layers '{first}' and '{second}' both claim node '{node}'");
+    PipelineError::mismatch(shot, &key(other), what, "give the layers patterns that do not overlap")
+}
+
+/// The key that holds a layer's patterns.
+fn key(layer: usize) -> String {
+    format!("layer[{layer}].nodes")
 }

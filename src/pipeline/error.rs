@@ -3,7 +3,7 @@
 use crate::image::ImageError;
 use crate::raster::RasterError;
 use crate::scene::{FindError, SceneError};
-use crate::shot::ShotError;
+use crate::shot::{Shot, ShotError};
 use crate::solve::SolveError;
 use std::path::PathBuf;
 
@@ -18,10 +18,14 @@ pub enum PipelineError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The shot names a camera or clip that the scene does not have.
-    #[error("{path}: {source}")]
+    #[error("{path}:{line}: {key}: {source}")]
     Find {
         /// The shot file.
         path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// `camera` or `frames.clip`.
+        key: String,
         /// What is not there.
         source: FindError,
     },
@@ -42,10 +46,14 @@ pub enum PipelineError {
         source: SolveError,
     },
     /// The shot and its scene do not fit together.
-    #[error("{path}: {what}; {hint}")]
+    #[error("{path}:{line}: {key}: {what}; {hint}")]
     Mismatch {
         /// The shot file.
         path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// The key as a path: `layer[0].pin[2].anchor`.
+        key: String,
         /// What does not fit.
         what: String,
         /// How to fix it.
@@ -75,4 +83,17 @@ pub enum PipelineError {
         /// Why.
         source: std::io::Error,
     },
+}
+
+impl PipelineError {
+    /// A key of the shot that does not fit the scene.
+    pub(super) fn mismatch(shot: &Shot, key: &str, what: impl Into<String>, hint: impl Into<String>) -> Self {
+        let (path, line) = (shot.path.clone(), shot.lines.of(key));
+        Self::Mismatch { path, line, key: key.to_owned(), what: what.into(), hint: hint.into() }
+    }
+
+    /// A camera or clip that the scene does not have.
+    pub(super) fn find(shot: &Shot, key: &str, source: FindError) -> Self {
+        Self::Find { path: shot.path.clone(), line: shot.lines.of(key), key: key.to_owned(), source }
+    }
 }

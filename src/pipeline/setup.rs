@@ -63,7 +63,8 @@ impl Setup {
         let clip = choose_clip(&shot, &scene, &mut notes)?;
         let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
         if first.parts.is_empty() {
-            return Err(mismatch(&shot, "the scene has no triangles", "export meshes with it"));
+            let what = "the scene has no triangles";
+            return Err(PipelineError::mismatch(&shot, "scene", what, "export meshes with it"));
         }
         let camera = choose_camera(&shot, &scene, clip, &mut notes)?;
         let owners = claims::claim(&shot, &scene, &first.parts)?;
@@ -166,7 +167,7 @@ impl Setup {
         let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
         for (index, layer) in self.shot.layers.iter().enumerate() {
             let mut tied = Vec::new();
-            for pin in &layer.pins {
+            for (number, pin) in layer.pins.iter().enumerate() {
                 let pinned = match pin.anchor {
                     Anchor::Screen { at, frame: None } => Pinned::Screen(at),
                     Anchor::Screen { at, frame: Some(frame) } => {
@@ -177,12 +178,16 @@ impl Setup {
                         });
                         let hit = screen::pick(&self.scene, pose, mesh, camera.near(), at).ok_or_else(|| {
                             let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
-                            anchors::mismatch(&self.shot, layer, pin, (what, "move the anchor onto the model".into()))
+                            anchors::mismatch(
+                                &self.shot,
+                                [index, number],
+                                (what, "move the anchor onto the model".into()),
+                            )
                         })?;
                         Pinned::on(&self.scene, pose, &hit)
                     }
                     Anchor::Surface { .. } => {
-                        let (pinned, note) = anchors::find((&self.shot, layer, pin), &self.scene, &first.parts)?;
+                        let (pinned, note) = anchors::find((&self.shot, [index, number]), &self.scene, &first.parts)?;
                         self.notes.extend(note);
                         pinned
                     }
@@ -214,11 +219,7 @@ fn check_size(shot: &Shot) -> Result<(), PipelineError> {
         return Ok(());
     }
     let what = format!("a frame of {} x {} pixels is too large", shot.size.width, shot.size.height);
-    Err(mismatch(shot, &what, "stay within 268 million pixels (16384 x 16384)"))
-}
-
-fn mismatch(shot: &Shot, what: &str, hint: &str) -> PipelineError {
-    PipelineError::Mismatch { path: shot.path.clone(), what: what.into(), hint: hint.into() }
+    Err(PipelineError::mismatch(shot, "size", what, "stay within 268 million pixels (16384 x 16384)"))
 }
 
 fn camera_of(shot: &Shot, scene: &Scene, pose: &Pose, node: usize) -> Camera {
@@ -237,14 +238,15 @@ fn choose_camera(
     match scene.find_camera(shot.camera.as_deref()) {
         Ok(node) => return Ok(CameraSource::Node(node)),
         Err(FindError::NoCamera) if shot.camera.is_none() => {}
-        Err(source) => return Err(PipelineError::Find { path: shot.path.clone(), source }),
+        Err(source) => return Err(PipelineError::find(shot, "camera", source)),
     }
     notes.push("the scene has no camera: one that shows the whole scene is used".into());
     let frames = shot.frames;
     let times = [frames.first, frames.first.midpoint(frames.last), frames.last];
     let poses = times.map(|frame| pose(scene, clip, frames.seconds(f64::from(frame))));
     let framed = screen::automatic(&poses, shot.size).map(CameraSource::Automatic);
-    framed.ok_or_else(|| mismatch(shot, "the scene has no vertices to frame", "add a camera to the scene"))
+    let what = "the scene has no vertices to frame";
+    framed.ok_or_else(|| PipelineError::mismatch(shot, "scene", what, "add a camera to the scene"))
 }
 
 /// The clip the shot names, else the scene's first, if any.
@@ -255,7 +257,7 @@ fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<Cl
         Some(ClipName::Index(index)) => (None, Some(*index)),
     };
     let found = scene.find_clip(name, index);
-    let clip = found.map_err(|source| PipelineError::Find { path: shot.path.clone(), source })?;
+    let clip = found.map_err(|source| PipelineError::find(shot, "frames.clip", source))?;
     if shot.clip.is_none() && scene.clips.len() > 1 {
         let names = scene.clips.iter().map(|clip| clip.name.as_str());
         notes.push(format!("no clip is named: '{}' is used; {}", scene.clips[0].name, spelling::list(names)));

@@ -2,8 +2,7 @@
 //!
 //! In: text and the name of its file. Out: [`Document`], and errors that point into it.
 
-use super::ShotError;
-use std::collections::HashMap;
+use super::{KeyLines, ShotError};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -16,8 +15,8 @@ pub(super) struct Document<'a> {
     pub(super) text: &'a str,
     /// The tree.
     pub(super) root: Spanned<DeValue<'a>>,
-    /// Byte offset of each key and list item, by its path.
-    offsets: HashMap<String, usize>,
+    /// Where its keys stand.
+    pub(super) lines: KeyLines,
 }
 
 impl<'a> Document<'a> {
@@ -28,28 +27,19 @@ impl<'a> Document<'a> {
     pub(super) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ShotError> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, path, &error))?;
         let root = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
-        let mut offsets = HashMap::new();
-        collect_offsets(&root, "", &mut offsets);
-        Ok(Self { path, text, root, offsets })
+        let mut lines = KeyLines::default();
+        collect_lines(text, &root, "", &mut lines);
+        Ok(Self { path, text, root, lines })
     }
 
     /// The line of a key, from 1; where it is absent, that of the table that should hold it.
     pub(super) fn line(&self, key: &str) -> usize {
-        let mut known = key;
-        loop {
-            if let Some(&offset) = self.offsets.get(known) {
-                return line_column(self.text, offset).0;
-            }
-            match known.rfind(['.', '[']) {
-                Some(end) => known = &known[..end],
-                None => return 1,
-            }
-        }
+        self.lines.of(key)
     }
 
     /// The file has this key (or list item).
     pub(super) fn has(&self, key: &str) -> bool {
-        self.offsets.contains_key(key)
+        self.lines.has(key)
     }
 
     /// A fault of this document.
@@ -77,20 +67,20 @@ pub(super) fn child(parent: &str, key: &str) -> String {
     if parent.is_empty() { key } else { format!("{parent}.{key}") }
 }
 
-fn collect_offsets(node: &Spanned<DeValue>, path: &str, offsets: &mut HashMap<String, usize>) {
+fn collect_lines(text: &str, node: &Spanned<DeValue>, path: &str, lines: &mut KeyLines) {
     match node.get_ref() {
         DeValue::Table(table) => {
             for (key, value) in table {
                 let path = child(path, key.get_ref());
-                collect_offsets(value, &path, offsets);
-                offsets.insert(path, key.span().start);
+                collect_lines(text, value, &path, lines);
+                lines.insert(path, line_column(text, key.span().start).0);
             }
         }
         DeValue::Array(items) => {
             for (index, item) in items.iter().enumerate() {
                 let path = format!("{path}[{index}]");
-                collect_offsets(item, &path, offsets);
-                offsets.insert(path, item.span().start);
+                collect_lines(text, item, &path, lines);
+                lines.insert(path, line_column(text, item.span().start).0);
             }
         }
         _ => {}

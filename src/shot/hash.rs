@@ -2,7 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
 
-use super::Shot;
+use super::{KeyLines, Shot};
 use std::path::{Path, PathBuf};
 
 /// FNV-1a, 128 bits: Fowler, Noll, Vo and Eastlake, RFC 9923, <https://www.rfc-editor.org/rfc/rfc9923>.
@@ -18,6 +18,7 @@ impl Shot {
         let mut content = self.clone();
         content.scene = portable(&self.scene, folder);
         content.path = PathBuf::new();
+        content.lines = KeyLines::default();
         content.output.path = PathBuf::new();
         // The derived text writes every field, and floats with all their digits.
         format!("{:032x}", fnv1a(format!("{content:?}").as_bytes()))

@@ -14,6 +14,7 @@ mod error;
 mod hash;
 mod hints;
 mod keys;
+mod lines;
 mod model;
 mod raw;
 mod schema;
@@ -21,6 +22,7 @@ mod structure;
 pub mod template;
 
 pub use error::ShotError;
+pub use lines::KeyLines;
 pub use model::*;
 pub use schema::schema;
 
@@ -55,6 +57,7 @@ impl Shot {
     /// As [`Shot::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, ShotError> {
         let document = Document::parse(text, path)?;
-        check::shot(&document)
+        let shot = check::shot(&document)?;
+        Ok(Self { lines: document.lines, ..shot })
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
+use super::KeyLines;
 use crate::image::Compression;
 use crate::lattice::Basis;
 use crate::raster::ChannelGroup;
@@ -16,6 +17,8 @@ use std::path::PathBuf;
 pub struct Shot {
     /// The shot file.
     pub path: PathBuf,
+    /// Where its keys stand, for messages.
+    pub lines: KeyLines,
     /// The glTF scene.
     pub scene: PathBuf,
     /// Name of the camera node (or camera); `None`: the scene's first.

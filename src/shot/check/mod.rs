@@ -8,7 +8,7 @@ mod pin;
 
 use super::document::{Document, syntax_error};
 use super::raw::{RawClip, RawFrames, RawShot, RawShutter};
-use super::{ClipName, FrameRange, Shot, ShotError, Shutter, structure};
+use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, structure};
 use crate::space::FrameSize;
 use std::collections::HashSet;
 use std::path::Path;
@@ -84,6 +84,7 @@ impl Check<'_> {
         let defaults = LayerDefaults { step: raw.step, strength: raw.strength, first_frame: frames.first, size };
         let layers = self.layers(raw.layer, &defaults);
         Shot {
+            lines: KeyLines::default(),
             scene: folder.join(&raw.scene),
             camera: raw.camera,
             clip: raw.frames.clip.map(ClipName::from),
