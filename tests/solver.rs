@@ -180,15 +180,15 @@ proptest! {
 
     #[test]
     fn mesh_density_does_not_matter(pins in soft_pins()) {
-        // Half way only: two pins that nearly meet may give way to either side, and then anything decides.
-        let half_way = |p: &PointPin<2>| pin(p.at, [(p.at[0] + p.target[0]) / 2.0, (p.at[1] + p.target[1]) / 2.0]);
-        let pins: Vec<_> = pins.iter().map(half_way).collect();
         let grid = grid(8, Basis::Bspline);
         let coarse = run(&grid, &strip(200), &pins, &Settings::default());
         let fine = run(&grid, &strip(800), &pins, &Settings::default());
+        // Parts that nearly nothing holds creep for hundreds of steps; where they stop says little about the mesh.
+        prop_assume!(coarse.report.iterations.max(fine.report.iterations) < 100);
         for x in 1..10 {
             let at = [f64::from(x) / 10.0, 0.5];
-            prop_assert!(distance(coarse.lattice.carry(at), fine.lattice.carry(at)) < 2e-3);
+            let gap = distance(coarse.lattice.carry(at), fine.lattice.carry(at));
+            prop_assert!(gap < 2e-3, "{gap} at {at:?}: {:?} {:?}", coarse.report, fine.report);
         }
     }
 
