@@ -19,6 +19,9 @@ const PAPER: [(&str, usize, [f64; 3]); 6] = [
 ];
 const DIMS: [usize; 3] = [5, 10, 15];
 
+/// Moves of a drag, each a hundredth of a radian.
+const DRAG_MOVES: usize = 31;
+
 /// A wavy blob of exactly `count` vertices: rows of a square grid, bent, the last row cut short.
 fn blob(count: usize) -> Shape<2> {
     let width = (count as f64).sqrt().ceil() as usize;
@@ -94,16 +97,43 @@ fn drag_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis) {
     let problem = Problem { grid: &grid, shape, pins: &rest, handles: &[], settings };
     let (cold, solver) = fastest(|| Solver::new(&problem));
     let Ok(solver) = solver else { return println!("{name}: no solver") };
-    let mut turn = 0.6;
-    let (drag, solution) = fastest(|| {
-        turn += 0.01;
-        solver.update(&pins(shape, turn), &[])
+    let swing: Vec<_> = (0..DRAG_MOVES).map(|k| pins(shape, 0.6 + 0.01 * k as f64)).collect();
+    let timed = |run: &mut dyn FnMut(&[PointPin<2>])| {
+        let time = |pins: &Vec<PointPin<2>>| {
+            let start = Instant::now();
+            run(pins);
+            start.elapsed().as_secs_f64() * 1e3
+        };
+        median(swing.iter().map(time).collect())
+    };
+    let mut iterations = Vec::new();
+    let update_ms = timed(&mut |pins| {
+        iterations.push(solver.update(pins, &[]).map_or(0.0, |solution| solution.report.iterations as f64));
     });
-    let iterations = solution.map_or(0, |solution| solution.report.iterations);
+    let mut lattice = solver.solve().lattice;
+    let drag_ms = timed(&mut |pins| {
+        if let Ok(next) = solver.drag(pins, &[], &lattice) {
+            lattice = next;
+        }
+    });
+    let settled = solver.update(&swing[DRAG_MOVES - 1], &[]).map(|solution| solution.lattice.handles);
+    let gap = |other: Vec<[f64; 2]>| {
+        let gaps = lattice.handles.iter().zip(other).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+        gaps.fold(0.0, f64::max)
+    };
     println!(
-        "{name:28} {:8} vertices: set-up {cold:8.3} ms, drag {drag:7.3} ms ({iterations} iterations)",
-        shape.points.len()
+        "{name:22} {:8} vertices: set-up {cold:8.3} ms, update {update_ms:6.3} ms ({:3} iterations), drag {drag_ms:6.3} ms \
+         ({:.0e} behind)",
+        shape.points.len(),
+        median(iterations),
+        settled.map_or(f64::NAN, gap)
     );
+}
+
+/// The middle value.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 fn main() {

@@ -179,6 +179,29 @@ proptest! {
     }
 
     #[test]
+    fn a_drag_follows_its_pins(pins in soft_pins(), by in [-0.02..0.02_f64, -0.02..0.02_f64]) {
+        let (grid, shape, settings) = (grid(8, Basis::Bspline), strip(20), Settings::default());
+        let solver = Solver::new(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
+        let solver = solver.expect("a valid problem");
+        let mut dragged = pins.clone();
+        dragged[0].target = [dragged[0].target[0] + by[0], dragged[0].target[1] + by[1]];
+        let updated = solver.update(&dragged, &[]).expect("the same pins");
+        prop_assume!(updated.report.iterations < 100);
+        let mut lattice = solver.solve().lattice;
+        let missed = |lattice: &Lattice<2>| {
+            lattice.handles.iter().zip(&updated.lattice.handles).map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max)
+        };
+        let before = missed(&lattice);
+        for _ in 0..30 {
+            lattice = solver.drag(&dragged, &[], &lattice).expect("the same pins");
+        }
+        for pin in &dragged {
+            prop_assert!(distance(lattice.carry(pin.at), pin.target) < 1e-5);
+        }
+        prop_assert!(missed(&lattice) <= before + 1e-4, "{before} {}", missed(&lattice));
+    }
+
+    #[test]
     fn mesh_density_does_not_matter(pins in soft_pins()) {
         let grid = grid(8, Basis::Bspline);
         let coarse = run(&grid, &strip(200), &pins, &Settings::default());

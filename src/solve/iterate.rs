@@ -20,8 +20,10 @@ pub(crate) struct Iteration<'a, const D: usize> {
     pub(crate) settings: &'a Settings,
     /// Length that steps are measured by.
     pub(crate) diagonal: f64,
-    /// First handles; the weak hold pulls towards them.
+    /// First handles, unless others are given; the weak hold pulls towards them.
     pub(crate) start: Vec<[f64; D]>,
+    /// Handles to go on from.
+    pub(crate) first: Option<&'a [[f64; D]]>,
 }
 
 /// How an iteration ended.
@@ -54,7 +56,7 @@ impl<const D: usize> Iteration<'_, D> {
     pub(crate) fn run(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Run<D> {
         let constant = self.constant_right_side();
         let mut anderson = Anderson::new(self.settings.acceleration);
-        let mut state = self.start.clone();
+        let mut state = self.first.map_or_else(|| self.start.clone(), <[_]>::to_vec);
         let mut plain: Option<Vec<[f64; D]>> = None;
         let mut last_energy = f64::INFINITY;
         for iteration in 1..=self.settings.iteration_limit {

@@ -77,6 +77,12 @@ pub(crate) struct Parts<const D: usize> {
 /// moves what something else decides by less than the tolerance.
 const HOLD: f64 = 1e-9;
 
+/// Most local-global steps of a drag, so that it keeps pace with the hand.
+const DRAG_STEPS: usize = 8;
+
+/// A drag also ends when no handle moves farther than this part of the box diagonal: a fiftieth of a pixel at 1080 lines.
+const DRAG_TOLERANCE: f64 = 1e-5;
+
 impl<const D: usize> Solver<D> {
     /// Samples the shape and factors the matrix.
     ///
@@ -148,6 +154,41 @@ impl<const D: usize> Solver<D> {
     /// # Errors
     /// [`SolveError`] where the pins or handles are not those of the problem, or a target is not a number.
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
+        let terms = self.retargeted(pins, handles)?;
+        Ok(self.run(&Targets { pins, handles, terms: &terms }, None))
+    }
+
+    /// Follows a dragged pin: a few steps from where the last drag left the lattice, without a report. The pins arrive
+    /// at once, the shape follows within a few drags; parts that nearly nothing holds lag, so end a drag with
+    /// [`Self::update`]. `from` is the last drag's result, first the solution.
+    ///
+    /// # Errors
+    /// As [`Self::update`]; also where `from` has another number of handles.
+    pub fn drag(
+        &self,
+        pins: &[PointPin<D>],
+        handles: &[HandlePin<D>],
+        from: &Lattice<D>,
+    ) -> Result<Lattice<D>, SolveError> {
+        if from.handles.len() != self.grid.handle_count() {
+            return Err(SolveError::Invalid {
+                what: format!(
+                    "the drag starts from {} handles, the grid has {}",
+                    from.handles.len(),
+                    self.grid.handle_count()
+                ),
+                hint: "start from a solution of the same solver".into(),
+            });
+        }
+        let terms = self.retargeted(pins, handles)?;
+        let settings = Settings { iteration_limit: DRAG_STEPS, tolerance: DRAG_TOLERANCE, ..self.settings.clone() };
+        let iteration = self.iteration(&Targets { pins, handles, terms: &terms });
+        let run = Iteration { first: Some(&from.handles), settings: &settings, ..iteration }.run(None);
+        Ok(Lattice { grid: self.grid.clone(), handles: run.handles })
+    }
+
+    /// The terms with other targets for the same pins and handles.
+    fn retargeted(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Terms<D>, SolveError> {
         super::check::same_pins(&self.pins, pins)?;
         super::check::same_handles(&self.handles, handles)?;
         let mut terms = self.terms.clone();
@@ -155,7 +196,7 @@ impl<const D: usize> Solver<D> {
         for (row, handle) in handles.iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
-        Ok(self.run(&Targets { pins, handles, terms: &terms }, None))
+        Ok(terms)
     }
 
     fn run(&self, targets: &Targets<D>, observe: Option<&mut dyn FnMut(Energies)>) -> Solution<D> {
@@ -192,6 +233,7 @@ impl<const D: usize> Solver<D> {
             settings: &self.settings,
             diagonal: self.grid.diagonal(),
             start,
+            first: None,
         }
     }
 
