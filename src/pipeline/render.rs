@@ -76,12 +76,11 @@ impl<'a> Work<'a> {
         };
         output.check_frame_count(wanted.len())?;
         check_extension(&setup.shot.output.path)?;
-        let frames = frames_to_do(&wanted, &output, options)?;
+        let (frames, kept) = frames_to_do(wanted, &output, options)?;
         if let Some(&first) = frames.first() {
             prepare_folder(&output.path_of(first))?;
         }
-        let is_kept = |frame: &&i32| !frames.contains(frame);
-        let kept: Vec<PathBuf> = wanted.iter().filter(is_kept).map(|&frame| output.path_of(frame)).collect();
+        let kept = kept.into_iter().map(|frame| output.path_of(frame)).collect();
         Ok(Self { begun, setup, options, output, frames, kept })
     }
 
@@ -140,17 +139,21 @@ fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
     outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
 }
 
-/// The frames that have to be rendered.
-fn frames_to_do(wanted: &[i32], output: &SequencePath, options: &RenderOptions) -> Result<Vec<i32>, PipelineError> {
+/// The frames that have to be rendered, and those that stay as they are.
+fn frames_to_do(
+    wanted: Vec<i32>,
+    output: &SequencePath,
+    options: &RenderOptions,
+) -> Result<(Vec<i32>, Vec<i32>), PipelineError> {
     let is_there = |frame: &&i32| output.path_of(**frame).exists();
     let has_preview =
         |path: &Path| !(options.has_preview || options.has_overlay) || path.with_extension("png").exists();
     let is_done = |path: &Path| is_complete(path) && has_preview(path);
     match options.existing {
-        Existing::Overwrite => Ok(wanted.to_vec()),
-        Existing::Resume => Ok(wanted.iter().copied().filter(|&frame| !is_done(&output.path_of(frame))).collect()),
+        Existing::Overwrite => Ok((wanted, Vec::new())),
+        Existing::Resume => Ok(wanted.into_iter().partition(|&frame| !is_done(&output.path_of(frame)))),
         Existing::Refuse => match wanted.iter().find(is_there) {
-            None => Ok(wanted.to_vec()),
+            None => Ok((wanted, Vec::new())),
             Some(&first) => Err(PipelineError::Exists {
                 count: wanted.iter().filter(is_there).count(),
                 first: output.path_of(first),
