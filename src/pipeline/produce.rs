@@ -6,7 +6,7 @@ use super::{FrameReport, Moment, PipelineError, Setup, lighting, overlay, plan_p
 use crate::image::CameraMatrices;
 use crate::lattice::ScreenLattice;
 use crate::raster::geometry::{self, Assembly, assemble};
-use crate::raster::{Geometry, PassRole};
+use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,9 +76,10 @@ impl Producer<'_> {
         let mut facts = self.facts(frame, &middle);
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
+        let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
         let mut last: Option<((f64, bool), Arc<Geometry>)> = None;
         for planned in (0..self.tile_count).flat_map(|_| &plan) {
-            let key = (planned.time_frames, planned.role != PassRole::Beauty);
+            let key = (planned.time_frames, planned.role != PassRole::Beauty && has_motion);
             let begun = Instant::now();
             let geometry = match last.take() {
                 Some((kept, geometry)) if kept == key => geometry,
