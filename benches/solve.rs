@@ -36,7 +36,7 @@ fn blob(count: usize) -> Shape<2> {
         let corners = [k, k + 1, k + width, k + width + 1].map(|corner| corner as u32);
         triangles.extend([[corners[0], corners[1], corners[3]], [corners[0], corners[3], corners[2]]]);
     }
-    Shape { points: (0..count).map(place).collect(), triangles }
+    Shape::of_triangles((0..count).map(place).collect(), triangles)
 }
 
 /// Six pins; `turn` (radians) swings the upper ones, as a dragging hand does.
@@ -48,7 +48,7 @@ fn pins(shape: &Shape<2>, turn: f64) -> Vec<PointPin<2>> {
             let at = at(k);
             let (sin, cos) = if k >= 3 { turn.sin_cos() } else { (0.0, 1.0) };
             let target = [cos * at[0] - sin * at[1], sin * at[0] + cos * at[1] + 0.05 * turn];
-            PointPin { at, target, weight: 1.0, gradient: None }
+            PointPin::new(at, target)
         })
         .collect()
 }

@@ -17,7 +17,7 @@ fn strip(cells: u32) -> Shape<2> {
     let island = points.len() as u32;
     points.extend([[0.2, 0.85], [0.3, 0.85], [0.25, 0.95]]);
     triangles.push([island, island + 1, island + 2]);
-    Shape { points, triangles }
+    Shape::of_triangles(points, triangles)
 }
 
 fn grid(dims: usize, basis: Basis) -> Grid<2> {
@@ -25,7 +25,7 @@ fn grid(dims: usize, basis: Basis) -> Grid<2> {
 }
 
 fn pin(at: [f64; 2], target: [f64; 2]) -> PointPin<2> {
-    PointPin { at, target, weight: 1.0, gradient: None }
+    PointPin::new(at, target)
 }
 
 fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
@@ -151,14 +151,14 @@ proptest! {
     ) {
         let count = points.len() as u64;
         let pick = |k: u64| (seed.rotate_left(k as u32 * 7) % count) as u32;
-        let mut shape = Shape { points, triangles: (0..6).map(|k| [pick(3 * k), pick(3 * k + 1), pick(3 * k + 2)]).collect() };
+        let mut shape = Shape::of_triangles(points, (0..6).map(|k| [pick(3 * k), pick(3 * k + 1), pick(3 * k + 2)]).collect());
         // A sliver, a doubled point, a triangle without area.
         shape.points[1] = [shape.points[0][0] + 1e-13, shape.points[0][1]];
         shape.points[2] = shape.points[0];
         shape.triangles.extend([[0, 1, 2], [0, 0, 1]]);
         shape.points.iter_mut().flatten().for_each(|x| *x *= scale);
         let pins: Vec<_> = pins.into_iter().map(|(at, target, weight)| PointPin {
-            at: at.map(|x| x * scale), target: target.map(|x| x * scale), weight, gradient: None,
+            weight, ..PointPin::new(at.map(|x| x * scale), target.map(|x| x * scale))
         }).collect();
         let grid = Grid { hi: [scale, scale], ..grid(5, basis) };
         let settings = if paper { Settings::paper() } else { Settings::default() };
@@ -326,9 +326,9 @@ fn malformed_problems_are_refused_in_words() {
     assert!(refuse(&small, &shape, &[], &[]).contains("4 to 64"));
     let flat = Grid { hi: [1.0, 0.0], ..grid.clone() };
     assert!(refuse(&flat, &shape, &[], &[]).contains("axis 1"));
-    let nan = Shape { points: vec![[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]], triangles: vec![[0, 1, 2]] };
+    let nan = Shape::of_triangles(vec![[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]], vec![[0, 1, 2]]);
     assert!(refuse(&grid, &nan, &[], &[]).contains("vertex 1"));
-    let loose = Shape { points: vec![[0.0, 0.0]], triangles: vec![[0, 0, 7]] };
+    let loose = Shape::of_triangles(vec![[0.0, 0.0]], vec![[0, 0, 7]]);
     assert!(refuse(&grid, &loose, &[], &[]).contains("triangle 0"));
     assert!(refuse(&grid, &shape, &[pin([0.5, 0.5], [f64::INFINITY, 0.0])], &[]).contains("target of pin 0"));
     assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));

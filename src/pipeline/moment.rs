@@ -151,6 +151,7 @@ impl Setup {
                 // In powers of ten, down to where the shape holds the pin and not the pin the shape.
                 weight: 10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - rest.presence)),
                 gradient,
+                region: None,
             });
         }
         (states, points)

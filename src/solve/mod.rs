@@ -58,13 +58,25 @@ pub enum EdgeWeights {
     Cot,
 }
 
-/// The shape inside the lattice: #vertices points and triangles over them (any orientation; slivers allowed).
+/// The shape inside the lattice: #vertices points, triangles over them (any orientation; slivers allowed) and lines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape<const D: usize> {
     /// Rest points, #vertices.
     pub points: Vec<[f64; D]>,
     /// Corners.
     pub triangles: Vec<[u32; 3]>,
+    /// Polylines: vertices one after the other; a closed one repeats its first.
+    pub strokes: Vec<Vec<u32>>,
+    /// How stiff each triangle is, 0 or more, #triangles; empty: 1 everywhere.
+    pub stiffness: Vec<f64>,
+}
+
+impl<const D: usize> Shape<D> {
+    /// Triangles of even stiffness.
+    #[must_use]
+    pub fn of_triangles(points: Vec<[f64; D]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { points, triangles, ..Self::default() }
+    }
 }
 
 /// A point that has to go somewhere.
@@ -78,6 +90,27 @@ pub struct PointPin<const D: usize> {
     pub weight: f64,
     /// Wanted gradient at the pin (columns: images of the axes), for pins that hold a rotation and scale.
     pub gradient: Option<[[f64; D]; D]>,
+    /// What the pin takes along; `None`: the point alone.
+    pub region: Option<Region>,
+}
+
+impl<const D: usize> PointPin<D> {
+    /// A pin of full weight that holds nothing but its point.
+    #[must_use]
+    pub fn new(at: [f64; D], target: [f64; D]) -> Self {
+        Self { at, target, weight: 1.0, gradient: None, region: None }
+    }
+}
+
+/// The neighbourhood that a pin takes along, fading out smoothly from the pin to the rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Distance of the rim from the pin at rest, in units of the space.
+    pub radius: f64,
+    /// How firmly the neighbourhood moves with the pin as one piece, 0 (not at all) to 1 (rigidly).
+    pub grip: f64,
+    /// How stiff the shape is at the pin, as a multiple of its own stiffness; 1 at the rim.
+    pub starch: f64,
 }
 
 /// A handle that has to go somewhere.

@@ -20,5 +20,6 @@ pub(crate) fn weld<const D: usize>(shape: &Shape<D>) -> Shape<D> {
         })
         .collect();
     let triangles = shape.triangles.iter().map(|triangle| triangle.map(|corner| index[corner as usize])).collect();
-    Shape { points, triangles }
+    let strokes = shape.strokes.iter().map(|stroke| stroke.iter().map(|&point| index[point as usize]).collect());
+    Shape { strokes: strokes.collect(), triangles, points, stiffness: shape.stiffness.clone() }
 }

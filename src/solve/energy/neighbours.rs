@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     fn triangle_pair() -> Shape<2> {
-        Shape { points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], triangles: vec![[0, 1, 2], [2, 1, 3]] }
+        Shape::of_triangles(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], vec![[0, 1, 2], [2, 1, 3]])
     }
 
     #[test]

@@ -61,7 +61,7 @@ fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, ProblemError> {
             return Err(ProblemError::key(format!("triangles[{k}]"), what, "count vertices from 0"));
         }
     }
-    Ok(Shape { points, triangles: file.triangles.clone() })
+    Ok(Shape::of_triangles(points, file.triangles.clone()))
 }
 
 /// The grid; without `bbox` over the bounds of the vertices, padded by a tenth.
@@ -92,7 +92,7 @@ fn point_pins<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Result<Ve
             Some(at) => point(at, || format!("pins[{k}].point"))?,
             None => std::array::from_fn(|d| corners.iter().map(|&(vertex, w)| w * shape.points[vertex][d]).sum()),
         };
-        Ok(PointPin { at, target: point(&raw.target, || format!("pins[{k}].target"))?, weight: 1.0, gradient: None })
+        Ok(PointPin::new(at, point(&raw.target, || format!("pins[{k}].target"))?))
     })
     .collect()
 }

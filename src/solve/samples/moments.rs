@@ -241,7 +241,7 @@ mod tests {
         fn samples_have_the_moments_of_the_model(
             points in prop::collection::vec([0.0..1.0_f64, 0.0..1.0_f64], 3..9), thin in 0.0..1.0_f64,
         ) {
-            let mut shape = Shape { triangles: Vec::new(), points };
+            let mut shape = Shape::of_triangles(points, Vec::new());
             // A sliver as thin as rounding allows, on the line between two corners.
             let [a, b] = [shape.points[0], shape.points[1]];
             shape.points.push([a[0] + thin * (b[0] - a[0]), a[1] + thin * (b[1] - a[1])]);
@@ -259,7 +259,7 @@ mod tests {
         #[test]
         fn what_lies_outside_the_box_is_left_out(x in -3.0..3.0_f64, y in -3.0..3.0_f64) {
             let points = vec![[x, y], [x + 5.0, y], [x, y + 5.0], [x + 5.0, y + 5.0]];
-            let shape = Shape { points, triangles: vec![[0, 1, 2], [3, 1, 2]] };
+            let shape = Shape::of_triangles(points, vec![[0, 1, 2], [3, 1, 2]]);
             let found = moments_of(Subcells::of(&grid(), &shape).samples().into_iter())[0];
             let side = |from: f64| ((from + 5.0).min(1.0) - from.max(0.0)).max(0.0);
             prop_assert!((found - side(x) * side(y)).abs() < 1e-9);
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn samples_stay_near_their_cell_and_every_cell_has_four() {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let shape = Shape { points, triangles: vec![[0, 1, 2], [0, 3, 2]] };
+        let shape = Shape::of_triangles(points, vec![[0, 1, 2], [0, 3, 2]]);
         let samples = Subcells::of(&grid(), &shape).samples();
         assert_eq!(samples.len(), 4 * 9 * 6);
         assert!(samples.iter().flat_map(|sample| sample.at).all(|x| (0.0..=1.0).contains(&x)));
