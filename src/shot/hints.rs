@@ -13,8 +13,6 @@ const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("vertex", "this energy is not built in yet, use \"edge\" or \"area\""),
     ("element", "this energy is not built in yet, use \"edge\" or \"area\""),
     ("stroke", "this energy is not built in yet, use \"edge\" or \"area\""),
-    ("noh", "this regulariser is not built in yet, use \"bend\" or \"rest\""),
-    ("affine", "this regulariser is not built in yet, use \"bend\" or \"rest\""),
 ];
 
 /// Keys that belong elsewhere, or to nothing yet.

@@ -3,6 +3,7 @@
 //! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
 
 use super::packs::dispatch;
+use super::small::{Square, identity, symmetric_eigen};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
@@ -14,13 +15,15 @@ pub(crate) struct Normal {
     size: usize,
     band: usize,
     columns: Vec<f64>,
+    /// What is taken off: Σ weight · column columnᵀ, dense but of low rank.
+    squares: Vec<(f64, Vec<f64>)>,
 }
 
 impl Normal {
     /// A zero matrix in which handles farther than `band` apart never meet.
     pub(crate) fn zero(size: usize, band: usize) -> Self {
         let band = band.min(size.saturating_sub(1));
-        Self { size, band, columns: vec![0.0; size * (band + 1)] }
+        Self { size, band, columns: vec![0.0; size * (band + 1)], squares: Vec::new() }
     }
 
     /// Every handle may meet every other.
@@ -45,6 +48,11 @@ impl Normal {
                 self.add(handle, other, weight * coefficient * factor);
             }
         }
+    }
+
+    /// Takes off weight · column columnᵀ for each column (#handles); the sum has to stay positive definite.
+    pub(crate) fn subtract_squares(&mut self, weight: f64, columns: &[Vec<f64>]) {
+        self.squares.extend(columns.iter().map(|column| (weight, column.clone())));
     }
 
     /// Adds scale · aᵀb, known to be symmetric; a and b are #rows × #handles, row by row. Dense matrices only.
@@ -83,15 +91,26 @@ impl Normal {
             let below = &mut full.col_as_slice_mut(j)[j..];
             below.iter_mut().zip(column).for_each(|(slot, x)| *slot = *x);
         }
+        for (weight, square) in &self.squares {
+            for j in 0..self.size {
+                let below = &mut full.col_as_slice_mut(j)[j..];
+                below.iter_mut().zip(&square[j..]).for_each(|(slot, x)| *slot -= weight * square[j] * x);
+            }
+        }
         full
     }
 }
+
+/// Up to here banded loops beat dense kernels whatever the band.
+const SMALL: usize = 48;
 
 /// A factored matrix.
 #[derive(Debug)]
 pub(crate) enum Factor {
     /// L Lᵀ.
     Cholesky(Cholesky),
+    /// L Lᵀ − U Uᵀ.
+    Corrected(Corrected),
     /// For matrices that negative cotangents make indefinite.
     Lu(Box<PartialPivLu<f64>>),
 }
@@ -110,7 +129,10 @@ pub(crate) struct Cholesky {
 impl Factor {
     /// Factors a matrix; `None` where it is singular or holds a NaN.
     pub(crate) fn new(normal: Normal) -> Option<Self> {
-        let full = (!normal.is_banded_enough()).then(|| normal.full());
+        if let Some(corrected) = Corrected::new(&normal) {
+            return Some(Self::Corrected(corrected));
+        }
+        let full = (!normal.is_banded_enough() || !normal.squares.is_empty()).then(|| normal.full());
         let columns = match &full {
             None => dispatch(Banded(&normal)),
             Some(full) => dense_cholesky(full),
@@ -132,6 +154,7 @@ impl Factor {
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         match self {
             Self::Cholesky(cholesky) => dispatch(Substitution { cholesky, x }),
+            Self::Corrected(corrected) => corrected.solve(x),
             Self::Lu(lu) => {
                 let solved = lu.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
                 for (row, values) in x.iter_mut().enumerate() {
@@ -145,8 +168,69 @@ impl Factor {
 impl Normal {
     /// Banded storage pays where the band is well below the size; else faer's dense kernels win.
     fn is_banded_enough(&self) -> bool {
-        self.size < 48 || self.band * 2 < self.size
+        self.size < SMALL || self.band * 2 < self.size
     }
+}
+
+/// A banded factor with a correction of low rank: (N − UUᵀ)⁻¹ = N⁻¹ + Y UᵀN⁻¹ with Y = N⁻¹U (I − UᵀN⁻¹U)⁻¹
+/// (M. A. Woodbury, "Inverting modified matrices", 1950). It costs a few products of vectors more than the band.
+#[derive(Debug)]
+pub(crate) struct Corrected {
+    banded: Cholesky,
+    /// A column of U and of Y each.
+    pairs: Vec<[Vec<f64>; 2]>,
+}
+
+/// Most columns of U: as many as an affine map of space has coefficients a coordinate.
+const MOST_SQUARES: usize = 4;
+
+/// Least eigenvalue of I − UᵀN⁻¹U, which lie in 0..=1: below it cancellation eats digits, and a dense factor is used.
+const LEAST_LEFT: f64 = 1e-3;
+
+impl Corrected {
+    /// The factor of a banded matrix from which squares are taken off; `None` where a dense factor does better.
+    fn new(normal: &Normal) -> Option<Self> {
+        let count = normal.squares.len();
+        let fits = (1..=MOST_SQUARES).contains(&count) && normal.size >= SMALL && normal.is_banded_enough();
+        let columns = if fits { dispatch(Banded(normal)) } else { None }?;
+        let banded = Cholesky::new(normal.size, normal.band, columns);
+        let roots = |(weight, square): &(f64, Vec<f64>)| square.iter().map(|x| weight.sqrt() * x).collect();
+        let u: Vec<Vec<f64>> = normal.squares.iter().map(roots).collect();
+        let solved: Vec<Vec<[f64; 1]>> = u.iter().map(|column| banded.solved(column)).collect();
+        let mut left: Square<MOST_SQUARES> = identity();
+        for a in 0..count {
+            for b in 0..count {
+                left[a][b] -= u[a].iter().zip(&solved[b]).map(|(x, [y])| x * y).sum::<f64>();
+            }
+        }
+        let inverse = inverse_of_positive(&left)?;
+        let corrections = inverse.map(|row| {
+            let entry = |k: usize| (0..count).map(|a| row[a] * solved[a][k][0]).sum::<f64>();
+            (0..normal.size).map(entry).collect::<Vec<f64>>()
+        });
+        Some(Self { banded, pairs: u.into_iter().zip(corrections).map(|(u, y)| [u, y]).collect() })
+    }
+
+    fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
+        dispatch(Substitution { cholesky: &self.banded, x });
+        let share = |u: &Vec<f64>| -> [f64; D] {
+            let mut sum = [0.0; D];
+            u.iter().zip(x.iter()).for_each(|(u, x)| (0..D).for_each(|d| sum[d] += u * x[d]));
+            sum
+        };
+        let shares: Vec<[f64; D]> = self.pairs.iter().map(|[u, _]| share(u)).collect();
+        for ([_, y], share) in self.pairs.iter().zip(shares) {
+            x.iter_mut().zip(y).for_each(|(x, y)| (0..D).for_each(|d| x[d] += y * share[d]));
+        }
+    }
+}
+
+/// The inverse of a symmetric matrix, unless an eigenvalue is below [`LEAST_LEFT`].
+fn inverse_of_positive<const N: usize>(m: &Square<N>) -> Option<Square<N>> {
+    let (values, vectors) = symmetric_eigen(m);
+    let entry = |a: usize, b: usize| (0..N).map(|k| vectors[a][k] * vectors[b][k] / values[k]).sum();
+    let inverse = std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)));
+    values.iter().all(|&value| value > LEAST_LEFT).then_some(inverse)
 }
 
 /// Right-looking Cholesky inside the band; columns as in [`Cholesky`].
@@ -229,6 +313,13 @@ impl Cholesky {
             }
         }
         Self { size, band, columns, rows }
+    }
+
+    /// The solution for one right side.
+    fn solved(&self, right_side: &[f64]) -> Vec<[f64; 1]> {
+        let mut x: Vec<[f64; 1]> = right_side.iter().map(|&value| [value]).collect();
+        dispatch(Substitution { cholesky: self, x: &mut x });
+        x
     }
 
     /// L y = b, then Lᵀ x = y; both by subtracting multiples of contiguous columns.

@@ -44,6 +44,10 @@ pub enum Energy {
 pub enum Regularizer {
     /// Distance from the rest handles (the paper's E_gr).
     Rest,
+    /// Offsets of neighbouring handles.
+    Noh,
+    /// Distance from the affine images of the rest handles.
+    Affine,
     /// Second differences of the handles (default).
     Bend,
 }

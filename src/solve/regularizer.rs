@@ -1,29 +1,161 @@
 //! Regularisers: what holds handles that neither pins nor the shape hold.
 //!
-//! In: the grid and the handles that are moved by hand. Out: least-squares rows.
+//! In: the grid and the handles that are moved by hand. Out: least-squares rows, and for `affine` a projector.
 
+use super::matrix::Normal;
 use super::rows::RowSet;
 use super::{Regularizer, Scaling};
 use crate::lattice::Grid;
 
-/// The rows of a regulariser, with λgr = 1. `moved` marks handles that are moved by hand.
-pub(crate) fn rows<const D: usize>(kind: Regularizer, grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> RowSet<D> {
-    match kind {
-        Regularizer::Rest => rest(grid, moved, scaling),
-        Regularizer::Bend => bend(grid, scaling),
+/// A regulariser with λgr = 1: least-squares rows, or the distance from the affine images of the rest handles.
+#[derive(Clone, Debug)]
+pub(crate) enum Hold<const D: usize> {
+    /// Rows.
+    Rows(RowSet<D>),
+    /// Distance from the affine images.
+    Affine(Affine),
+}
+
+/// weight · Σ ‖((I − Π)P')_i‖² over free handles; Π = QQᵀ projects onto span{1, P⁰}, the affine images of the rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Affine {
+    weight: f64,
+    /// Handles not moved by hand.
+    free: Vec<usize>,
+    /// Orthonormal columns of Q: up to D + 1, #handles each, zero at moved handles.
+    columns: Vec<Vec<f64>>,
+}
+
+impl<const D: usize> Hold<D> {
+    /// The regulariser of a grid; `moved` marks handles that are moved by hand.
+    pub(crate) fn new(kind: Regularizer, grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
+        match kind {
+            Regularizer::Rest => Self::Rows(rest(grid, moved, scaling)),
+            Regularizer::Noh => Self::Rows(noh(grid, scaling)),
+            Regularizer::Bend => Self::Rows(bend(grid, scaling)),
+            Regularizer::Affine => Self::Affine(Affine::new(grid, moved, scaling)),
+        }
+    }
+
+    /// How far apart handles are, by index, that meet in the matrix; the projector is no part of the band.
+    pub(crate) fn reach(&self) -> usize {
+        match self {
+            Self::Rows(rows) => rows.reach(),
+            Self::Affine(_) => 0,
+        }
+    }
+
+    /// Adds the constant matrix.
+    pub(crate) fn add_normal(&self, scale: f64, normal: &mut Normal) {
+        match self {
+            Self::Rows(rows) => rows.add_normal(scale, normal),
+            Self::Affine(affine) => {
+                let weight = scale * affine.weight;
+                affine.free.iter().for_each(|&handle| normal.add(handle, handle, weight));
+                normal.subtract_squares(weight, &affine.columns);
+            }
+        }
+    }
+
+    /// Adds the right side; affine images of the rest have none.
+    pub(crate) fn add_right_side(&self, scale: f64, right_side: &mut [[f64; D]]) {
+        if let Self::Rows(rows) = self {
+            rows.add_right_side(scale, right_side);
+        }
+    }
+
+    /// The energy.
+    pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
+        match self {
+            Self::Rows(rows) => rows.energy(handles),
+            Self::Affine(affine) => affine.energy(handles),
+        }
+    }
+}
+
+impl Affine {
+    /// Plain: a sum; dimensionless: the mean over free handles, in box diagonals.
+    fn new<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
+        let free: Vec<usize> = (0..moved.len()).filter(|&index| !moved[index]).collect();
+        let coordinate = |axis: usize| {
+            // Steps along an axis span the same as coordinates, and are exact wherever the box is.
+            let value = |index: usize| grid.place(index)[axis] as f64;
+            (0..moved.len()).map(|index| if moved[index] { 0.0 } else { value(index) }).collect::<Vec<f64>>()
+        };
+        let one = moved.iter().map(|&is_moved| f64::from(u8::from(!is_moved))).collect();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for column in std::iter::once(one).chain((0..D).map(coordinate)) {
+            push_orthonormal(&mut columns, column);
+        }
+        let weight = weight_of_mean(scaling, free.len(), grid.diagonal());
+        Self { weight, free, columns }
+    }
+
+    fn energy<const D: usize>(&self, handles: &[[f64; D]]) -> f64 {
+        let shares: Vec<[f64; D]> = self
+            .columns
+            .iter()
+            .map(|column| std::array::from_fn(|d| column.iter().zip(handles).map(|(q, p)| q * p[d]).sum()))
+            .collect();
+        let squares = self.free.iter().map(|&index| {
+            let affine = |d: usize| self.columns.iter().zip(&shares).map(|(q, share)| q[index] * share[d]).sum::<f64>();
+            (0..D).map(|d| (handles[index][d] - affine(d)).powi(2)).sum::<f64>()
+        });
+        self.weight * squares.sum::<f64>()
+    }
+}
+
+/// Adds the part of `column` that is orthogonal to the others (Gram and Schmidt, twice), unless nothing of it is left.
+fn push_orthonormal(columns: &mut Vec<Vec<f64>>, mut column: Vec<f64>) {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let before = product(&column, &column);
+    for _ in 0..2 {
+        for known in columns.iter() {
+            let share = product(known, &column);
+            column.iter_mut().zip(known).for_each(|(x, q)| *x -= share * q);
+        }
+    }
+    let left = product(&column, &column);
+    if left > 1e-20 * before {
+        let inverse = 1.0 / left.sqrt();
+        column.iter_mut().for_each(|x| *x *= inverse);
+        columns.push(column);
+    }
+}
+
+/// What makes a plain sum of squared distances the mean over `count`, in box diagonals.
+fn weight_of_mean(scaling: Scaling, count: usize, diagonal: f64) -> f64 {
+    match scaling {
+        Scaling::Plain => 1.0,
+        Scaling::Dimensionless => 1.0 / (count.max(1) as f64 * diagonal.powi(2)),
     }
 }
 
 /// Σ ‖P'_i − P⁰_i‖² over handles not moved by hand (paper, equation 8); dimensionless: the mean, in box diagonals.
 fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> RowSet<D> {
     let free = moved.iter().filter(|&&is_moved| !is_moved).count();
-    let weight = match scaling {
-        Scaling::Plain => 1.0,
-        Scaling::Dimensionless => 1.0 / (free.max(1) as f64 * grid.diagonal().powi(2)),
-    };
+    let weight = weight_of_mean(scaling, free, grid.diagonal());
     let mut rows = RowSet::new();
     for index in (0..moved.len()).filter(|&index| !moved[index]) {
         rows.push(weight, [(index, 1.0)], grid.rest_handle(index));
+    }
+    rows
+}
+
+/// Neighbour offsets of handles: Σ ‖(P'_a − P'_b) − (P⁰_a − P⁰_b)‖² over all grid edges.
+///
+/// Dimensionless: the mean over edges, each in units of its rest length, which tends to the mean of ‖J − I‖²/D.
+fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D> {
+    let counts = (0..D).map(|axis| grid.handle_count() / grid.dims[axis] * (grid.dims[axis] - 1));
+    let edges: usize = counts.sum();
+    let mut rows = RowSet::new();
+    for axis in 0..D {
+        let (stride, pitch) = (grid.stride(axis), grid.pitch(axis));
+        let weight = weight_of_mean(scaling, edges, pitch);
+        let offset = std::array::from_fn(|d| if d == axis { pitch } else { 0.0 });
+        for start in (0..grid.handle_count()).filter(|&index| grid.place(index)[axis] + 1 < grid.dims[axis]) {
+            rows.push(weight, [(start, -1.0), (start + stride, 1.0)], offset);
+        }
     }
     rows
 }

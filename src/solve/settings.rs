@@ -94,6 +94,10 @@ impl Settings {
     pub const BEND: f64 = 9e-5;
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
     pub const REST: f64 = 5.3;
+    /// λgr of [`Regularizer::Noh`] in dimensionless units: 1e-2 of the plain sum at 10 x 10.
+    pub const NOH: f64 = 0.12;
+    /// λgr of [`Regularizer::Affine`] in dimensionless units: 1e-3 of the plain sum at 10 x 10.
+    pub const AFFINE: f64 = 1.1;
 
     /// The paper's preset: `edge`, uniform weights, `rest`, plain sums, λ = 1, 1e2, 1e2, 1e-2, started at rest.
     #[must_use]
@@ -113,9 +117,11 @@ impl Settings {
     #[must_use]
     pub fn with_regularizer(mut self, regularizer: Regularizer) -> Self {
         self.lambdas.regularizer = match (self.scaling, regularizer) {
-            (Scaling::Plain, Regularizer::Rest) => 1e-2,
-            (Scaling::Plain, Regularizer::Bend) => 1e-3,
+            (Scaling::Plain, Regularizer::Rest | Regularizer::Noh) => 1e-2,
+            (Scaling::Plain, Regularizer::Bend | Regularizer::Affine) => 1e-3,
             (Scaling::Dimensionless, Regularizer::Rest) => Self::REST,
+            (Scaling::Dimensionless, Regularizer::Noh) => Self::NOH,
+            (Scaling::Dimensionless, Regularizer::Affine) => Self::AFFINE,
             (Scaling::Dimensionless, Regularizer::Bend) => Self::BEND,
         };
         self.regularizer = regularizer;

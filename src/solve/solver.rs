@@ -6,8 +6,9 @@ use super::energy::{self, Distortion};
 use super::iterate::{Energies, Iteration, Run};
 use super::matrix::{Factor, Normal};
 use super::pins::{self, Rigid};
+use super::regularizer::Hold;
 use super::rows::RowSet;
-use super::{HandlePin, PointPin, Problem, Scaling, Settings, Shape, Solution, SolveError, SolveReport, regularizer};
+use super::{HandlePin, PointPin, Problem, Scaling, Settings, Shape, Solution, SolveError, SolveReport};
 use crate::lattice::{Grid, Lattice};
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
@@ -56,7 +57,7 @@ pub(crate) struct Scales {
 pub(crate) struct Terms<const D: usize> {
     pub(crate) pins: RowSet<D>,
     pub(crate) handles: RowSet<D>,
-    pub(crate) regularizer: RowSet<D>,
+    pub(crate) regularizer: Hold<D>,
 }
 
 /// Where everything has to go.
@@ -108,11 +109,11 @@ impl<const D: usize> Solver<D> {
         let terms = Terms {
             pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
-            regularizer: regularizer::rows(settings.regularizer, grid, &moved, settings.scaling),
+            regularizer: Hold::new(settings.regularizer, grid, &moved, settings.scaling),
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
-        let reach = [&terms.pins, &terms.regularizer].map(RowSet::reach).into_iter().max().unwrap_or(0);
-        let mut normal = Normal::zero(grid.handle_count(), reach.max(distortion.reach()));
+        let reach = terms.pins.reach().max(terms.regularizer.reach()).max(distortion.reach());
+        let mut normal = Normal::zero(grid.handle_count(), reach);
         distortion.add_normal(scales.shape, &mut normal);
         terms.pins.add_normal(scales.pins, &mut normal);
         terms.handles.add_normal(scales.handles, &mut normal);

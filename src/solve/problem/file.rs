@@ -138,10 +138,9 @@ impl ProblemFile {
         match self.regulariser.as_deref() {
             None | Some("bend") => Ok(Regularizer::Bend),
             Some("gr" | "rest") => Ok(Regularizer::Rest),
-            Some(later @ ("noh" | "affproj" | "affine")) => {
-                Err(ProblemError::NotSupported { key: "regulariser", value: later.into(), instead: "gr or bend" })
-            }
-            Some(other) => Err(unknown("regulariser", other, "gr or bend")),
+            Some("noh") => Ok(Regularizer::Noh),
+            Some("affproj" | "affine") => Ok(Regularizer::Affine),
+            Some(other) => Err(unknown("regulariser", other, "gr, noh, affproj or bend")),
         }
     }
 
