@@ -8,7 +8,7 @@ use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, FollowWindow, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
 use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets};
-use crate::solve::{HandlePin, PointPin, Problem, Shape, Solution, solve};
+use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, solve};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 use glam::DVec2;
 
@@ -219,5 +219,8 @@ fn fade(solution: &mut Solution<2>, pins: &[PinState], presence: f64) {
         *handle = DVec2::from(rest).lerp(DVec2::from(*handle), presence).to_array();
     }
     report.pin_errors = pins.iter().map(|pin| (lattice.warp(pin.rest) - pin.target).0.length()).collect();
+    let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
+    let miss = |(pin, &distance): (usize, &f64)| PinMiss { pin, distance, reason: MissReason::Fading };
+    report.pin_misses = off.map(miss).collect();
     report.folded_cells = lattice.folded_cells().len();
 }

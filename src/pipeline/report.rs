@@ -47,10 +47,11 @@ fn pin_warnings(layer: &Layer, state: &LayerState, solve: &SolveReport, height_p
         )
     };
     let is_told = |index: usize| solve.conflicts.iter().flatten().any(|&other| other == index);
-    let missed = solve.pin_errors.iter().map(|error| error * height_px).enumerate();
-    let missed = missed.filter(|&(index, error_px)| error_px > PIN_TOLERANCE_PX && !is_told(index));
-    let missed = missed.map(|(index, error_px)| {
-        format!("layer '{}': pin '{}' is {error_px:.2} px off its target", layer.name, name_of(index))
+    let missed = solve.pin_misses.iter().filter(|miss| miss.distance * height_px > PIN_TOLERANCE_PX);
+    let missed = missed.filter(|miss| !is_told(miss.pin)).map(|miss| {
+        let (name, off_px) = (name_of(miss.pin), miss.distance * height_px);
+        let why = miss.reason.words(|pin| format!("'{}'", name_of(pin)));
+        format!("layer '{}': pin '{name}' is {off_px:.2} px off its target: {why}", layer.name)
     });
     solve.conflicts.iter().map(contradiction).chain(missed).collect()
 }

@@ -4,6 +4,7 @@
 
 use super::Settings;
 use super::anderson::Anderson;
+use super::constraints::Constraints;
 use super::energy::Distortion;
 use super::matrix::Factor;
 use super::solver::{Scales, Terms};
@@ -15,6 +16,7 @@ const SAFEGUARD: f64 = 1e-8;
 pub(crate) struct Iteration<'a, const D: usize> {
     pub(crate) distortion: &'a dyn Distortion<D>,
     pub(crate) factor: &'a Factor,
+    pub(crate) constraints: &'a Constraints,
     pub(crate) scales: Scales,
     pub(crate) terms: &'a Terms<D>,
     pub(crate) settings: &'a Settings,
@@ -59,6 +61,7 @@ impl<const D: usize> Iteration<'_, D> {
         let mut state = self.first.map_or_else(|| self.start.clone(), <[_]>::to_vec);
         let mut plain: Option<Vec<[f64; D]>> = None;
         let mut last_energy = f64::INFINITY;
+        let mut misses = Vec::new();
         for iteration in 1..=self.settings.iteration_limit {
             let mut next = constant.clone();
             let mut energy = self.local_energy(&state, &mut next);
@@ -73,6 +76,7 @@ impl<const D: usize> Iteration<'_, D> {
             }
             last_energy = energy;
             self.factor.solve(&mut next);
+            self.constraints.enforce(self.terms, &mut misses, &mut next);
             if let Some(observe) = &mut observe {
                 observe(self.energies(&next, &state));
             }

@@ -104,6 +104,24 @@ impl Normal {
 /// Up to here banded loops beat dense kernels whatever the band.
 const SMALL: usize = 48;
 
+/// The pseudo-inverse of a small symmetric positive semidefinite matrix (size x size, any order), and the projector onto
+/// the directions it leaves out: those whose eigenvalue is below `cutoff` times the largest.
+pub(crate) fn pseudo_inverse(entries: &[f64], size: usize, cutoff: f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut inverse, mut dropped) = (vec![0.0; size * size], vec![0.0; size * size]);
+    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (entries[i * size + j] + entries[j * size + i]));
+    let Ok(eigen) = symmetric.self_adjoint_eigen(Side::Lower) else { return (inverse, dropped) };
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    let largest = (0..size).map(|k| values[k]).fold(0.0, f64::max);
+    for k in 0..size {
+        let is_kept = values[k] > cutoff * largest;
+        let (target, factor) = if is_kept { (&mut inverse, 1.0 / values[k]) } else { (&mut dropped, 1.0) };
+        for (i, row) in target.chunks_exact_mut(size).enumerate() {
+            row.iter_mut().enumerate().for_each(|(j, slot)| *slot += factor * vectors[(i, k)] * vectors[(j, k)]);
+        }
+    }
+    (inverse, dropped)
+}
+
 /// A factored matrix.
 #[derive(Debug)]
 pub(crate) enum Factor {

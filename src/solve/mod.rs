@@ -4,10 +4,12 @@
 
 mod anderson;
 mod check;
+mod constraints;
 mod energy;
 mod error;
 mod iterate;
 mod matrix;
+mod misses;
 mod packs;
 mod pins;
 pub mod problem;
@@ -19,9 +21,11 @@ mod small;
 mod solver;
 mod weld;
 
+pub use constraints::Holder;
 pub use error::SolveError;
 pub use iterate::Energies;
-pub use settings::{EqualVertices, Lambdas, OutsidePins, Sampling, Scaling, Settings, Start};
+pub use misses::{MissReason, PinMiss};
+pub use settings::{EqualVertices, Lambdas, OutsidePins, PinHold, Sampling, Scaling, Settings, Start};
 pub use solver::Solver;
 
 use crate::lattice::{Grid, Lattice};
@@ -131,6 +135,8 @@ pub struct HandlePin<const D: usize> {
 pub struct SolveReport {
     /// Distance of each pin from its target, in units of the space (screen: frame heights), as many as pins.
     pub pin_errors: Vec<f64>,
+    /// The pins that are off their targets, and why.
+    pub pin_misses: Vec<PinMiss>,
     /// Cells that turn over.
     pub folded_cells: usize,
     /// Least determinant of the gradient over the samples.

@@ -38,7 +38,8 @@ impl<const D: usize> RowSet<D> {
         self.targets[row] = target;
     }
 
-    fn row(&self, index: usize) -> &[(usize, f64)] {
+    /// The entries of a row: handles and coefficients.
+    pub(crate) fn row(&self, index: usize) -> &[(usize, f64)] {
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.entries[start..self.ends[index]]
     }

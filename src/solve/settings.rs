@@ -38,6 +38,15 @@ pub enum OutsidePins {
     Extended,
 }
 
+/// How firmly pins of full weight and moved handles hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinHold {
+    /// By their weight: the shape pulls them back a little (the paper's).
+    Soft,
+    /// Exactly, wherever they do not contradict each other.
+    Hard,
+}
+
 /// Treatment of vertices at equal places in [`Energy::Edge`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EqualVertices {
@@ -77,6 +86,8 @@ pub struct Settings {
     pub sampling: Sampling,
     /// First state.
     pub start: Start,
+    /// How firmly pins and moved handles hold.
+    pub pin_hold: PinHold,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
     /// Vertices at equal places.
@@ -108,6 +119,7 @@ impl Settings {
             lambdas: Lambdas { shape: 1.0, pins: 1e2, handles: 1e2, regularizer: 1e-2 },
             scaling: Scaling::Plain,
             start: Start::Rest,
+            pin_hold: PinHold::Soft,
             acceleration: 0,
             ..Self::default()
         }
@@ -130,7 +142,7 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// `area` and `bend`, dimensionless, accelerated; pins miss by about 1e-6 of the box diagonal.
+    /// `area` and `bend`, dimensionless, accelerated, pins exact.
     fn default() -> Self {
         Self {
             energy: Energy::Area,
@@ -140,6 +152,7 @@ impl Default for Settings {
             scaling: Scaling::Dimensionless,
             sampling: Sampling::Subcells,
             start: Start::RigidFit,
+            pin_hold: PinHold::Hard,
             outside_pins: OutsidePins::Nearest,
             equal_vertices: EqualVertices::Welded,
             iteration_limit: 200,

@@ -2,9 +2,11 @@
 //!
 //! In: grid, shape, pins, handles, settings; later only targets. Out: solutions.
 
+use super::constraints::Constraints;
 use super::energy::{self, Distortion};
 use super::iterate::{Energies, Iteration, Run};
 use super::matrix::{Factor, Normal};
+use super::misses::{self, Evidence};
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
 use super::rows::RowSet;
@@ -34,6 +36,7 @@ pub struct Solver<const D: usize> {
     settings: Settings,
     distortion: Box<dyn Distortion<D>>,
     factor: Factor,
+    constraints: Constraints,
     scales: Scales,
     pins: Vec<PointPin<D>>,
     handles: Vec<HandlePin<D>>,
@@ -126,11 +129,13 @@ impl<const D: usize> Solver<D> {
             what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
             hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
         })?;
+        let constraints = Constraints::new(&factor, (&terms, grid.handle_count()), problem.pins, settings);
         Ok(Self {
             grid: grid.clone(),
             settings: settings.clone(),
             distortion,
             factor,
+            constraints,
             scales,
             pins: problem.pins.to_vec(),
             handles: problem.handles.to_vec(),
@@ -229,6 +234,7 @@ impl<const D: usize> Solver<D> {
         Iteration {
             distortion: self.distortion.as_ref(),
             factor: &self.factor,
+            constraints: &self.constraints,
             scales: self.scales,
             terms: targets.terms,
             settings: &self.settings,
@@ -241,8 +247,16 @@ impl<const D: usize> Solver<D> {
     fn report(&self, pins: &[PointPin<D>], run: Run<D>, warnings: Vec<String>) -> Solution<D> {
         let quality = self.distortion.quality(&run.handles);
         let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
-        let pin_errors = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let evidence = Evidence {
+            pins,
+            settings: &self.settings,
+            constraints: &self.constraints,
+            bounds: [self.grid.lo, self.grid.hi],
+            diagonal: self.grid.diagonal(),
+        };
         let report = SolveReport {
+            pin_misses: misses::misses(&evidence, &pin_errors),
             pin_errors,
             folded_cells: lattice.folded_cell_count(),
             least_det: quality.least_det(),

@@ -5,7 +5,7 @@
 use super::ProblemError;
 use crate::lattice::Basis;
 use crate::solve::{
-    EdgeWeights, Energy, EqualVertices, Lambdas, OutsidePins, Regularizer, Sampling, Scaling, Settings, Start,
+    EdgeWeights, Energy, EqualVertices, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling, Settings, Start,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -163,6 +163,7 @@ impl ProblemFile {
             settings.scaling = Scaling::Plain;
             settings.sampling = Sampling::Centroids;
             settings.start = Start::Rest;
+            settings.pin_hold = PinHold::Soft;
             settings.outside_pins = OutsidePins::Extended;
             settings.lambdas = Settings::paper().lambdas;
         }

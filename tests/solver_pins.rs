@@ -1,0 +1,205 @@
+//! Hard pins: exact where they can be, in the middle where they contradict each other, and never silent about it.
+
+use pinwarp::lattice::{Basis, Grid, Lattice};
+use pinwarp::solve::{
+    HandlePin, Holder, MissReason, PinHold, PointPin, Problem, Settings, Shape, Solution, Solver, solve,
+};
+use proptest::prelude::*;
+
+/// A miss below this part of the diagonal is exact.
+const EXACT: f64 = 1e-9;
+
+fn few() -> ProptestConfig {
+    ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+fn grid<const D: usize>(count: usize, basis: Basis) -> Grid<D> {
+    Grid { dims: [count; D], basis, lo: [0.0; D], hi: [1.0; D] }
+}
+
+/// A square sheet of `count` x `count` cells, standing in the middle of the box in 3D.
+fn sheet<const D: usize>(count: u32) -> Shape<D> {
+    let side = count + 1;
+    let at = |k: u32| f64::from(k) / f64::from(count) * 0.8 + 0.1;
+    let point = |k: u32| std::array::from_fn(|d| [at(k % side), at(k / side), 0.5][d]);
+    let corners = (0..count * count).map(|k| k % count + k / count * side);
+    let cells = corners.flat_map(|k| [[k, k + 1, k + side], [k + 1, k + side + 1, k + side]]);
+    Shape::of_triangles((0..side * side).map(point).collect(), cells.collect())
+}
+
+/// A sphere of triangles in the middle of the box.
+fn ball() -> Shape<3> {
+    let (around, up) = (16_u32, 8_u32);
+    let point = |k: u32| {
+        let turn = f64::from(k % around) / f64::from(around) * std::f64::consts::TAU;
+        let tilt = f64::from(k / around) / f64::from(up) * std::f64::consts::PI;
+        [0.5 + 0.35 * tilt.sin() * turn.cos(), 0.5 + 0.35 * tilt.sin() * turn.sin(), 0.5 + 0.35 * tilt.cos()]
+    };
+    let next = |k: u32| k / around * around + (k + 1) % around;
+    let cells = (0..around * up).flat_map(|k| [[k, next(k), k + around], [next(k), next(k) + around, k + around]]);
+    Shape::of_triangles((0..around * (up + 1)).map(point).collect(), cells.collect())
+}
+
+fn run<const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape<D>,
+    pins: &[PointPin<D>],
+    handles: &[HandlePin<D>],
+) -> Solution<D> {
+    let settings = Settings::default();
+    solve(&Problem { grid, shape, pins, handles, settings: &settings }).expect("a valid problem")
+}
+
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn bases() -> impl Strategy<Value = Basis> {
+    prop_oneof![Just(Basis::Bspline), Just(Basis::Bernstein), Just(Basis::Bilinear), Just(Basis::Barytri)]
+}
+
+/// Pins at least a tenth of the box apart, with targets up to a tenth away.
+fn apart<const D: usize>(raw: Vec<([f64; D], [f64; D])>) -> Vec<PointPin<D>> {
+    let mut pins: Vec<PointPin<D>> = Vec::new();
+    for (at, by) in raw {
+        if pins.iter().all(|pin| distance(pin.at, at) > 0.15) {
+            pins.push(PointPin::new(at, std::array::from_fn(|d| at[d] + by[d])));
+        }
+    }
+    pins
+}
+
+fn pins_2d() -> impl Strategy<Value = Vec<PointPin<2>>> {
+    let raw = ([0.05..0.95_f64, 0.05..0.95_f64], [-0.1..0.1_f64, -0.1..0.1_f64]);
+    prop::collection::vec(raw, 1..7).prop_map(apart)
+}
+
+fn pins_3d() -> impl Strategy<Value = Vec<PointPin<3>>> {
+    let place = [0.05..0.95_f64, 0.05..0.95_f64, 0.05..0.95_f64];
+    let raw = (place, [-0.1..0.1_f64, -0.1..0.1_f64, -0.1..0.1_f64]);
+    prop::collection::vec(raw, 1..5).prop_map(apart)
+}
+
+proptest! {
+    #![proptest_config(few())]
+
+    #[test]
+    fn independent_pins_are_exact(pins in pins_2d(), basis in bases()) {
+        let solution = run(&grid(10, basis), &sheet(12), &pins, &[]);
+        for pin in &pins {
+            let miss = distance(solution.lattice.carry(pin.at), pin.target);
+            prop_assert!(miss < EXACT * 2.0_f64.sqrt(), "{miss} {:?}", solution.report);
+        }
+        prop_assert!(solution.report.pin_misses.is_empty());
+    }
+
+    #[test]
+    fn independent_pins_are_exact_in_space(pins in pins_3d(), basis in bases()) {
+        let solution = run(&grid(5, basis), &ball(), &pins, &[]);
+        for pin in &pins {
+            let miss = distance(solution.lattice.carry(pin.at), pin.target);
+            prop_assert!(miss < EXACT * 3.0_f64.sqrt(), "{miss} {:?}", solution.report);
+        }
+    }
+
+    #[test]
+    fn pins_and_handles_are_exact_together(pins in pins_2d(), index in 0..100_usize, by in [-0.05..0.05_f64, -0.05..0.05_f64]) {
+        let grid = grid(10, Basis::Bspline);
+        let rest = grid.rest_handle(index);
+        let handle = HandlePin { index, target: [rest[0] + by[0], rest[1] + by[1]] };
+        let solution = run(&grid, &sheet(12), &pins, &[handle]);
+        prop_assert!(distance(solution.lattice.handles[index], handle.target) < EXACT);
+        for pin in &pins {
+            prop_assert!(distance(solution.lattice.carry(pin.at), pin.target) < EXACT, "{:?}", solution.report);
+        }
+    }
+
+    #[test]
+    fn a_pin_told_twice_is_told_once(pins in pins_2d(), basis in bases()) {
+        let twice: Vec<_> = pins.iter().chain(&pins).copied().collect();
+        let solution = run(&grid(10, basis), &sheet(12), &twice, &[]);
+        for pin in &pins {
+            prop_assert!(distance(solution.lattice.carry(pin.at), pin.target) < EXACT, "{:?}", solution.report);
+        }
+        prop_assert!(solution.report.pin_misses.is_empty() && solution.report.conflicts.is_empty());
+    }
+
+    #[test]
+    fn contradicting_pins_share_the_miss(pins in pins_2d(), by in [0.01..0.1_f64, -0.1..0.1_f64], basis in bases()) {
+        let mut both = pins.clone();
+        both.push(PointPin::new(pins[0].at, [pins[0].target[0] + by[0], pins[0].target[1] + by[1]]));
+        let solution = run(&grid(10, basis), &sheet(12), &both, &[]);
+        let middle = [pins[0].target[0] + 0.5 * by[0], pins[0].target[1] + 0.5 * by[1]];
+        prop_assert!(distance(solution.lattice.carry(pins[0].at), middle) < EXACT, "{:?}", solution.report);
+        for pin in &pins[1..] {
+            prop_assert!(distance(solution.lattice.carry(pin.at), pin.target) < EXACT, "{:?}", solution.report);
+        }
+        let told: Vec<_> = solution.report.pin_misses.iter().map(|miss| (miss.pin, miss.reason)).collect();
+        let last = both.len() - 1;
+        let wanted = [(0, last), (last, 0)].map(|(pin, rival)| (pin, MissReason::Conflict(Holder::Pin(rival))));
+        prop_assert_eq!(told, wanted);
+    }
+
+    #[test]
+    fn a_drag_holds_its_pins_too(pins in pins_2d(), by in [-0.05..0.05_f64, -0.05..0.05_f64]) {
+        let (grid, shape, settings) = (grid(10, Basis::Bspline), sheet(12), Settings::default());
+        let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
+        let solver = Solver::new(&problem).expect("a valid problem");
+        let mut dragged = pins.clone();
+        dragged[0].target = [dragged[0].target[0] + by[0], dragged[0].target[1] + by[1]];
+        let lattice: Lattice<2> = solver.drag(&dragged, &[], &solver.solve().lattice).expect("the same pins");
+        for pin in &dragged {
+            prop_assert!(distance(lattice.carry(pin.at), pin.target) < EXACT);
+        }
+    }
+}
+
+#[test]
+fn more_pins_than_a_cell_has_handles_miss_by_least_squares() {
+    // Five pins in one bilinear cell of four handles: the middle one is asked to go where the others do not let it.
+    let corners = [[0.42, 0.42], [0.58, 0.42], [0.58, 0.58], [0.42, 0.58]];
+    let mut pins: Vec<_> = corners.map(|at| PointPin::new(at, at)).to_vec();
+    pins.push(PointPin::new([0.5, 0.5], [0.55, 0.5]));
+    let grid = grid(6, Basis::Bilinear);
+    let solution = run(&grid, &sheet(12), &pins, &[]);
+    // The middle is the mean of the corners: (1, −4) / 5 of the contradiction each, in least squares.
+    for corner in &pins[..4] {
+        assert!((solution.lattice.carry(corner.at)[0] - corner.at[0] - 0.01).abs() < 1e-6, "{:?}", solution.report);
+    }
+    assert!((solution.lattice.carry([0.5, 0.5])[0] - 0.51).abs() < 1e-6);
+    assert_eq!(solution.report.pin_misses.len(), 5);
+    assert!(solution.report.pin_misses[0].reason == MissReason::Conflict(Holder::Pin(4)));
+    let words = solution.report.pin_misses[0].reason.words(|pin| format!("'p{pin}'"));
+    assert!(words.contains("it and pin 'p4' ask for more than the lattice can do"), "{words}");
+}
+
+#[test]
+fn a_handle_that_holds_a_pinned_point_is_named() {
+    let grid = grid::<2>(6, Basis::Bilinear);
+    let index = 14;
+    let rest = grid.rest_handle(index);
+    let pin = PointPin::new(rest, [rest[0] + 0.1, rest[1]]);
+    let solution = run(&grid, &sheet(12), &[pin], &[HandlePin { index, target: rest }]);
+    assert!((solution.lattice.handles[index][0] - rest[0] - 0.05).abs() < EXACT);
+    assert_eq!(solution.report.pin_misses[0].reason, MissReason::Conflict(Holder::Handle(0)));
+}
+
+#[test]
+fn other_reasons_are_told_apart() {
+    let (grid, shape) = (grid::<2>(8, Basis::Bspline), sheet(12));
+    let held = [[0.2, 0.2], [0.8, 0.2], [0.2, 0.8]].map(|at| PointPin::new(at, at));
+    let reasons = |pins: &[PointPin<2>], settings: &Settings| -> Vec<MissReason> {
+        let problem = Problem { grid: &grid, shape: &shape, pins, handles: &[], settings };
+        solve(&problem).expect("a valid problem").report.pin_misses.iter().map(|miss| miss.reason).collect()
+    };
+    let fading = PointPin { weight: 1e-5, ..PointPin::new([0.5, 0.5], [0.7, 0.6]) };
+    assert_eq!(reasons(&[held[0], held[1], held[2], fading], &Settings::default()), [MissReason::Fading]);
+    let pulled = PointPin::new([0.8, 0.8], [0.9, 0.95]);
+    let paper = Settings::paper();
+    assert!(reasons(&[held[0], held[1], pulled], &paper).iter().all(|reason| *reason == MissReason::Soft));
+    let hard = Settings { pin_hold: PinHold::Hard, ..paper };
+    assert_eq!(reasons(&[held[0], held[1], pulled], &hard), []);
+    let outside = [PointPin::new([0.5, 1.2], [0.5, 1.3]), PointPin::new([0.5, 1.4], [0.5, 1.4])];
+    let rivals = [1, 0].map(|pin| MissReason::Outside(Holder::Pin(pin)));
+    assert_eq!(reasons(&outside, &Settings::default()), rivals);
+}
