@@ -107,6 +107,7 @@ cases! {
     area_at_centroids "14_frog_8x8_quad.json"
     space_cotangent "15_blob502_5x5x5_edge_cot.json"
     screen_teapot "17_teapot_screen_10x10_uniform.json"
+    spokes_and_rims "12_frog_8x8_rims.json"
     space_affine "22_blob502_4x4x4_affproj.json"
     isolated_vertex_and_empty_triangle "19_degenerate_isolated_vertex_zero_triangle.json"
 }

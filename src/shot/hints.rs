@@ -8,12 +8,7 @@ use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
 
 /// Values that are not part of the format yet although somebody may well write them.
-const FOREIGN_NAMES: &[(&str, &str)] = &[
-    ("cryptomatte", "Cryptomatte is not written yet, use \"id\""),
-    ("vertex", "this energy is not built in yet, use \"edge\" or \"area\""),
-    ("element", "this energy is not built in yet, use \"edge\" or \"area\""),
-    ("stroke", "this energy is not built in yet, use \"edge\" or \"area\""),
-];
+const FOREIGN_NAMES: &[(&str, &str)] = &[("cryptomatte", "Cryptomatte is not written yet, use \"id\"")];
 
 /// Keys that belong elsewhere, or to nothing yet.
 const FOREIGN_KEYS: &[(&str, &str)] = &[

@@ -48,6 +48,13 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
             "corners are vertex indices from 0".into(),
         ));
     }
+    let is_beyond = |stroke: &Vec<u32>| stroke.iter().any(|&vertex| vertex as usize >= count);
+    if let Some(bad) = shape.strokes.iter().position(is_beyond) {
+        return Err(invalid(
+            format!("line {bad} names a vertex that is not there, the shape has {count}"),
+            "lines are lists of vertex indices from 0".into(),
+        ));
+    }
     Ok(())
 }
 

@@ -36,10 +36,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Energy {
-    /// The lattice's own gradient at sample points spread over the model (default; dimensionless).
+    /// The lattice's own gradient at sample points spread over the model (default); on lines alone `stroke`.
     Area,
     /// One rotation a vertex over its edges (the paper's).
     Edge,
+    /// Differential coordinates of the vertices, the paper's equation to the letter; not rigid inside flat meshes.
+    Vertex,
+    /// One rotation a triangle.
+    Element,
+    /// One rotation a vertex over all edges of its triangles.
+    Rims,
+    /// One rotation a point of a line over its neighbours along the line.
+    Stroke,
 }
 
 /// What holds handles that nothing else holds.
@@ -56,7 +64,7 @@ pub enum Regularizer {
     Bend,
 }
 
-/// Weights of the edges in [`Energy::Edge`].
+/// Weights of the edges in [`Energy::Edge`] and [`Energy::Vertex`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum EdgeWeights {

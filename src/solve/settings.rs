@@ -11,12 +11,12 @@ pub enum Scaling {
     Dimensionless,
 }
 
-/// Where [`Energy::Area`] looks at the gradient.
+/// Where [`Energy::Area`] looks at the gradient, and [`Energy::Stroke`] at lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Points that match the model's area, centroid and covariance in every sub-cell.
+    /// Points that match the model's area, centroid and covariance in every sub-cell; on lines points at even distances.
     Subcells,
-    /// One point a triangle.
+    /// One point a triangle; on lines their own points. A shape that has none of what the energy looks at has no energy.
     Centroids,
 }
 
@@ -47,7 +47,7 @@ pub enum PinHold {
     Hard,
 }
 
-/// Treatment of vertices at equal places in [`Energy::Edge`].
+/// Treatment of vertices at equal places, in energies that look at the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EqualVertices {
     /// One neighbourhood: seams of texture coordinates do not tear.
@@ -76,13 +76,13 @@ pub struct Settings {
     pub energy: Energy,
     /// Regulariser.
     pub regularizer: Regularizer,
-    /// Edge weights of [`Energy::Edge`].
+    /// Edge weights of [`Energy::Edge`] and [`Energy::Vertex`].
     pub weights: EdgeWeights,
     /// Weights of the terms.
     pub lambdas: Lambdas,
     /// Units of the terms.
     pub scaling: Scaling,
-    /// Samples of [`Energy::Area`].
+    /// Samples of [`Energy::Area`] and [`Energy::Stroke`].
     pub sampling: Sampling,
     /// First state.
     pub start: Start,

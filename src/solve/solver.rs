@@ -10,7 +10,7 @@ use super::misses::{self, Evidence};
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
 use super::rows::RowSet;
-use super::{HandlePin, PointPin, Problem, Scaling, Settings, Shape, Solution, SolveError, SolveReport};
+use super::{HandlePin, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
 use crate::lattice::{Grid, Lattice};
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
@@ -98,7 +98,7 @@ impl<const D: usize> Solver<D> {
         let parts = Parts {
             distortion: energy::build(grid, problem.shape, settings),
             pin_rows: pins::pin_rows(grid, problem.pins, settings),
-            warnings: shape_warnings(grid, problem.shape),
+            warnings: shape_warnings(problem),
         };
         Self::assemble(problem, parts)
     }
@@ -296,16 +296,17 @@ impl Scales {
     }
 }
 
-fn shape_warnings<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<String> {
+fn shape_warnings<const D: usize>(problem: &Problem<D>) -> Vec<String> {
+    let Problem { grid, shape, settings, .. } = *problem;
     let is_inside = |corner: &u32| {
         let point = shape.points[*corner as usize];
         (0..D).all(|axis| (grid.lo[axis]..=grid.hi[axis]).contains(&point[axis]))
     };
-    if shape.triangles.is_empty() {
-        vec!["the shape has no triangles: the whole box keeps its shape instead".into()]
-    } else if !shape.triangles.iter().flatten().any(is_inside) {
-        vec!["no corner of the shape lies inside the lattice box; check the box".into()]
-    } else {
-        Vec::new()
+    let mut warnings: Vec<String> = energy::fitting(shape, settings).1.into_iter().collect();
+    let mut corners = shape.triangles.iter().flatten().chain(shape.strokes.iter().flatten());
+    let is_empty = shape.triangles.is_empty() && shape.strokes.is_empty();
+    if !is_empty && !corners.any(is_inside) {
+        warnings.push("no corner of the shape lies inside the lattice box; check the box".into());
     }
+    warnings
 }

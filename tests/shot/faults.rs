@@ -121,7 +121,6 @@ fn layers() {
         case(["0.1, 0.2, 1.5", "1.5, 0.2, 1.5"], (13, "layer[0].lattice.box.fixed"), &["is empty", "left < right"]),
         case(["1.5, 0.9", "1920, 0.9"], (13, "layer[0].lattice.box.fixed"), &["look like pixels", "1080 is 1.7778"]),
         case(["\"edge\"", "\"area\""], (14, "layer[0].solve.weights"), &["add energy = \"edge\" or remove `weights`"]),
-        case(["\"edge\"", "\"vertex\""], (14, "layer[0].solve.energy"), &["not built in yet"]),
         case(
             ["energy = \"edge\", regularizer = \"rest\", weights", "preset = \"paper\", weights"],
             (14, "layer[0].solve.weights"),

@@ -79,9 +79,9 @@ impl Check<'_> {
             settings = settings.with_regularizer(regularizer);
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
-        if raw.weights.is_some() && settings.energy != Energy::Edge {
+        if raw.weights.is_some() && !matches!(settings.energy, Energy::Edge | Energy::Vertex) {
             let hint = "add energy = \"edge\" or remove `weights`";
-            self.fault(&format!("{key}.weights"), "only energy = \"edge\" has edge weights", hint);
+            self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
         settings
     }

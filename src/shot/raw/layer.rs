@@ -78,7 +78,7 @@ pub(in crate::shot) struct RawSolve {
     pub(in crate::shot) energy: Option<Energy>,
     /// What holds handles that nothing else holds; default: bend.
     pub(in crate::shot) regularizer: Option<Regularizer>,
-    /// Weights of the edges, with energy = "edge"; default: uniform.
+    /// Weights of the edges, with energy = "edge" or "vertex"; default: uniform.
     pub(in crate::shot) weights: Option<EdgeWeights>,
 }
 

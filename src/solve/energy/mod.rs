@@ -4,15 +4,25 @@
 
 mod area;
 mod edge;
+mod edge_sets;
+mod element;
 mod neighbours;
+mod rims;
+mod stroke;
+mod vertex;
+mod vertices;
 
 pub(crate) use area::Area;
-pub(crate) use edge::Edge;
 
 use super::matrix::Normal;
+use super::samples::{centroid_samples, subcell_samples};
 use super::small::{Square, area_of, determinant, dot, minus};
-use super::{Sampling, Shape};
+use super::weld::weld;
+use super::{Energy, EqualVertices, Sampling, Settings, Shape};
 use crate::lattice::Grid;
+use edge_sets::{EdgeSets, Seen, SetEdge};
+use vertex::Vertex;
+use vertices::Vertices;
 
 /// A sum of squares that is quadratic in the handles once its rotations are fixed.
 pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
@@ -101,20 +111,66 @@ impl Quality {
     }
 }
 
-/// Builds the measure that the settings ask for.
-pub(crate) fn build<const D: usize>(
+/// Builds the measure that the settings ask for, or the one that suits the shape, see [`fitting`].
+pub(crate) fn build<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, settings: &Settings) -> Box<dyn Distortion<D>> {
+    match (fitting(shape, settings).0, settings.sampling) {
+        (Energy::Area, Sampling::Subcells) => Box::new(Area::new(grid, &subcell_samples(grid, shape))),
+        (Energy::Area, Sampling::Centroids) => Box::new(Area::new(grid, &centroid_samples(grid, shape))),
+        (Energy::Stroke, _) => Box::new(stroke::build(grid, shape, settings)),
+        (of_mesh, _) => match settings.equal_vertices {
+            EqualVertices::Welded => build_of_mesh(grid, weld(shape), of_mesh, settings),
+            EqualVertices::Apart => build_of_mesh(grid, shape.clone(), of_mesh, settings),
+        },
+    }
+}
+
+/// Builds a measure that looks at the edges of a mesh.
+fn build_of_mesh<const D: usize>(
     grid: &Grid<D>,
-    shape: &Shape<D>,
-    settings: &super::Settings,
+    shape: Shape<D>,
+    energy: Energy,
+    settings: &Settings,
 ) -> Box<dyn Distortion<D>> {
-    match settings.energy {
-        super::Energy::Edge => Box::new(Edge::new(grid, shape, settings)),
-        super::Energy::Area => {
-            let samples = match settings.sampling {
-                Sampling::Subcells => super::samples::subcell_samples(grid, shape),
-                Sampling::Centroids => super::samples::centroid_samples(grid, shape),
-            };
-            Box::new(Area::new(grid, &samples))
+    let sets_of = |shape: Shape<D>, edges: Vec<SetEdge>| {
+        EdgeSets::new(Vertices::new(grid, shape.points), edges, Seen::Triangles(shape.triangles))
+    };
+    match energy {
+        Energy::Element => {
+            let edges = element::edge_sets(&shape);
+            Box::new(sets_of(shape, edges))
         }
+        Energy::Rims => {
+            let edges = rims::edge_sets(&shape);
+            Box::new(sets_of(shape, edges))
+        }
+        _ => {
+            let half_edges = neighbours::half_edges(&shape, settings.weights);
+            let sets = sets_of(shape, edge::edge_sets(&half_edges));
+            if energy == Energy::Vertex { Box::new(Vertex::new(sets, half_edges)) } else { Box::new(sets) }
+        }
+    }
+}
+
+/// The measure that suits a shape, and what to tell the user where it is not the wanted one: meshes have no lines and
+/// lines no triangles. Problem files that count plain sums ([`Sampling::Centroids`]) get what they ask for.
+pub(crate) fn fitting<const D: usize>(shape: &Shape<D>, settings: &Settings) -> (Energy, Option<String>) {
+    let wanted = settings.energy;
+    if settings.sampling == Sampling::Centroids {
+        return (wanted, None);
+    }
+    match (wanted, shape.triangles.is_empty(), shape.strokes.is_empty()) {
+        (_, true, true) => (
+            Energy::Area,
+            Some("the shape has no triangles and no lines: the whole box keeps its shape instead".into()),
+        ),
+        (Energy::Stroke, false, true) => {
+            (Energy::Edge, Some("the shape has no lines: energy `edge` keeps its triangles instead of `stroke`".into()))
+        }
+        (Energy::Stroke, ..) | (_, false, _) => (wanted, None),
+        (Energy::Area, true, false) => (Energy::Stroke, None),
+        (_, true, false) => (
+            Energy::Stroke,
+            Some("the shape has lines only: energy `stroke` keeps them; set energy = \"stroke\"".into()),
+        ),
     }
 }

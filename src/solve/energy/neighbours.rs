@@ -1,4 +1,4 @@
-//! Half-edges of a mesh with uniform or cotangent weights, grouped by vertex.
+//! Edges of a mesh with their weights: grouped by vertex (uniform or cotangent), or by triangle (cotangents).
 //!
 //! In: points, triangles. Out: for every vertex its neighbours and w_ij; each undirected edge appears twice.
 
@@ -15,6 +15,23 @@ pub(crate) struct HalfEdges {
 }
 
 impl HalfEdges {
+    /// Number of vertices, isolated ones included.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// (L x)_i = Σ_j w_ij (x_i − x_j); L is symmetric.
+    pub(crate) fn laplacian<const D: usize>(&self, x: &[[f64; D]]) -> Vec<[f64; D]> {
+        let sum_at = |i: usize| {
+            let mut sum = [0.0; D];
+            for &(j, weight) in self.of(i) {
+                (0..D).for_each(|d| sum[d] += weight * (x[i][d] - x[j][d]));
+            }
+            sum
+        };
+        (0..self.vertex_count()).map(sum_at).collect()
+    }
+
     /// Neighbours of a vertex with their weights.
     pub(crate) fn of(&self, vertex: usize) -> &[(usize, f64)] {
         &self.entries[self.starts[vertex]..self.starts[vertex + 1]]
@@ -25,13 +42,11 @@ impl HalfEdges {
 /// give no weight but keep their edges.
 pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> HalfEdges {
     let mut found: Vec<([usize; 2], f64)> = Vec::with_capacity(shape.triangles.len() * 6);
-    for triangle in &shape.triangles {
-        let corners = triangle.map(|corner| corner as usize);
-        for k in 0..3 {
-            let [i, j, opposite] = std::array::from_fn(|step| corners[(k + step) % 3]);
+    for triangle in 0..shape.triangles.len() {
+        for ([i, j], cotangent) in triangle_edges(shape, triangle) {
             let weight = match weights {
                 EdgeWeights::Uniform => 1.0,
-                EdgeWeights::Cot => half_cotangent(shape, opposite, i, j),
+                EdgeWeights::Cot => 0.5 * cotangent,
             };
             if i != j {
                 found.extend([([i, j], weight), ([j, i], weight)]);
@@ -55,13 +70,21 @@ pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights)
     edges
 }
 
-/// Half the cotangent of the angle at `apex`.
-fn half_cotangent<const D: usize>(shape: &Shape<D>, apex: usize, i: usize, j: usize) -> f64 {
-    let u = minus(&shape.points[i], &shape.points[apex]);
-    let v = minus(&shape.points[j], &shape.points[apex]);
+/// The edges of a triangle, each with the cotangent of the angle it faces: 0 where the triangle has no area but the
+/// rounding of its sides.
+pub(crate) fn triangle_edges<const D: usize>(shape: &Shape<D>, triangle: usize) -> [([usize; 2], f64); 3] {
+    let corners = shape.triangles[triangle].map(|corner| corner as usize);
+    std::array::from_fn(|k| {
+        let [apex, i, j] = std::array::from_fn(|step| corners[(k + step) % 3]);
+        ([i, j], cotangent(&shape.points[apex], &shape.points[i], &shape.points[j]))
+    })
+}
+
+/// Cotangent of the angle at `apex`, over the unsigned area.
+fn cotangent<const D: usize>(apex: &[f64; D], i: &[f64; D], j: &[f64; D]) -> f64 {
+    let (u, v) = (minus(i, apex), minus(j, apex));
     let doubled = area_of(&u, &v);
-    let cotangent = dot(&u, &v) / doubled;
-    if doubled > 0.0 && cotangent.is_finite() { 0.5 * cotangent } else { 0.0 }
+    if doubled > 1e-14 * (dot(&u, &u) + dot(&v, &v)) { dot(&u, &v) / doubled } else { 0.0 }
 }
 
 #[cfg(test)]

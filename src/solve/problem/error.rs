@@ -36,16 +36,6 @@ pub enum ProblemError {
         /// How to fix it.
         hint: String,
     },
-    /// A key asks for something that this version does not do.
-    #[error("`{key}` = \"{value}\" is not supported yet; use {instead}")]
-    NotSupported {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: String,
-        /// What is supported.
-        instead: &'static str,
-    },
     /// The solver refuses.
     #[error(transparent)]
     Solve(#[from] SolveError),

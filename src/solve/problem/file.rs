@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Keys that say nothing to the solver.
 const SILENT: [&str; 3] = ["name", "note", "expected"];
 /// Keys that do.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "dims",
     "bbox",
     "basis",
@@ -24,6 +24,7 @@ const KEYS: [&str; 14] = [
     "regularizer",
     "vertices",
     "triangles",
+    "strokes",
     "samples",
     "pins",
     "handles",
@@ -44,6 +45,9 @@ pub(super) struct ProblemFile {
     pub(super) vertices: Vec<Vec<f64>>,
     #[serde(default)]
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Polylines, vertex after vertex.
+    #[serde(default)]
+    pub(super) strokes: Vec<Vec<u32>>,
     /// Places and areas, x, y(, z), a.
     pub(super) samples: Option<Vec<Vec<f64>>>,
     #[serde(default)]
@@ -127,10 +131,11 @@ impl ProblemFile {
         match self.form.as_deref() {
             None | Some("quad" | "area") => Ok(Energy::Area),
             Some("edge") => Ok(Energy::Edge),
-            Some(later @ ("vrd" | "vertex" | "elem" | "element" | "rims" | "stroke")) => {
-                Err(ProblemError::NotSupported { key: "form", value: later.into(), instead: "edge or quad" })
-            }
-            Some(other) => Err(unknown("form", other, "edge or quad")),
+            Some("vrd" | "vertex") => Ok(Energy::Vertex),
+            Some("elem" | "element") => Ok(Energy::Element),
+            Some("rims") => Ok(Energy::Rims),
+            Some("stroke") => Ok(Energy::Stroke),
+            Some(other) => Err(unknown("form", other, "edge, vrd, elem, rims, quad or stroke")),
         }
     }
 
@@ -149,7 +154,7 @@ impl ProblemFile {
         match self.weights.as_deref() {
             None | Some("uniform") => Ok(EdgeWeights::Uniform),
             Some("cot") => Ok(EdgeWeights::Cot),
-            Some("tri" | "area") if energy != Energy::Edge => Ok(EdgeWeights::Uniform),
+            Some("tri" | "area") if !matches!(energy, Energy::Edge | Energy::Vertex) => Ok(EdgeWeights::Uniform),
             Some(other) => Err(unknown("weights", other, "uniform or cot")),
         }
     }

@@ -61,7 +61,13 @@ fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, ProblemError> {
             return Err(ProblemError::key(format!("triangles[{k}]"), what, "count vertices from 0"));
         }
     }
-    Ok(Shape::of_triangles(points, file.triangles.clone()))
+    for (k, stroke) in file.strokes.iter().enumerate() {
+        if let Some(vertex) = stroke.iter().find(|&&vertex| vertex as usize >= points.len()) {
+            let what = format!("names vertex {vertex}, there are {}", points.len());
+            return Err(ProblemError::key(format!("strokes[{k}]"), what, "count vertices from 0"));
+        }
+    }
+    Ok(Shape { strokes: file.strokes.clone(), ..Shape::of_triangles(points, file.triangles.clone()) })
 }
 
 /// The grid; without `bbox` over the bounds of the vertices, padded by a tenth.

@@ -1,0 +1,17 @@
+//! Energy `element`: 2 Σ_t A_t ‖J_t − R_t‖²_F, J_t the linear map of triangle t (the triangle-based schemes of T. Igarashi
+//! et al. 2005 and W. Baxter et al. 2008; L. Liu et al., "A Local/Global Approach to Mesh Parameterization", 2008).
+//!
+//! In: a mesh. Out: one edge set a triangle: 2 A ‖M‖² = Σ_k cot_k ‖M e_k‖² for any linear map M of its plane, e_k the
+//! edge opposite corner k.
+
+use super::edge_sets::SetEdge;
+use super::neighbours::triangle_edges;
+use crate::solve::Shape;
+
+/// The edges of every triangle as its set.
+pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
+    let triangles = 0..shape.triangles.len();
+    let edges = triangles
+        .flat_map(|set| triangle_edges(shape, set).map(|(ends, cotangent)| SetEdge { set, ends, weight: cotangent }));
+    edges.collect()
+}

@@ -1,0 +1,20 @@
+//! Energy `rims`: 2 Σ_t Σ_{v∈t} A_t/3 ‖J_t − R_v‖²_F, one rotation a vertex over all edges of its triangles, spokes and
+//! rims (I. Chao et al., "A Simple Geometric Model for Elastic Deformations", 2010). R_v maximises tr(R_vᵀ Σ A_t J_t).
+//!
+//! In: a mesh. Out: one edge set a vertex, as in `element` with a third of each cotangent.
+
+use super::edge_sets::SetEdge;
+use super::neighbours::triangle_edges;
+use crate::solve::Shape;
+
+/// The edges of the triangles at every vertex as its set.
+pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
+    let mut edges = Vec::with_capacity(shape.triangles.len() * 9);
+    for (number, corners) in shape.triangles.iter().enumerate() {
+        for (ends, cotangent) in triangle_edges(shape, number) {
+            let sets = corners.iter().map(|&set| set as usize);
+            edges.extend(sets.map(|set| SetEdge { set, ends, weight: cotangent / 3.0 }));
+        }
+    }
+    edges
+}
