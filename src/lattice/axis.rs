@@ -26,6 +26,11 @@ const fn binomials() -> [[f64; MAX_HANDLES]; MAX_HANDLES] {
     table
 }
 
+/// C(n, k) for k ≤ n < 64.
+pub(super) fn binomial(n: usize, k: usize) -> f64 {
+    BINOMIALS[n][k]
+}
+
 /// Most functions of a local basis that are not zero at a coordinate.
 pub(super) const MOST_LOCAL: usize = 4;
 

@@ -1,97 +1,291 @@
-//! Cells of a lattice that turn over.
+//! Cells of a lattice that turn over, and the least determinant of its gradient.
 //!
-//! In: a solved 2D lattice. Out: cells between rest handles with det J ≤ 0 at any of 3 x 3 probe points.
+//! In: a lattice, in the plane or in space. Out: [`Folds`]. Local bases are polynomials in every cell, so the answer is
+//! a proof: Bernstein coefficients of det J bound it, and cells are halved until they decide. Cells of the Bernstein
+//! basis, whose degree grows with the grid, are probed at 3 points an axis.
 
-use super::{AxisTerms, Basis, Grid, Lattice};
-use crate::space::ScreenPoint;
-use glam::DVec2;
+use super::patch::Patch;
+use super::{AxisTerms, Basis, Lattice};
 
-/// Probe points a cell and axis; the outer ones lie on its border.
+/// Probe points a cell and axis of the Bernstein basis; the outer ones lie on its border.
 const PROBES: usize = 3;
-/// Probes keep off the border by this part of a cell, so that each lies in its own.
-const INSET: f64 = 1e-9;
+
+/// Halvings of a cell, in turn along its axes, after which it counts as folded: det J touches zero there.
+const MOST_HALVINGS: usize = 14;
+
+/// The least determinant is known to this.
+const PRECISION: f64 = 1e-3;
+
+/// Cells that turn over (det J ≤ 0 somewhere in them). B-spline cells outside the box hold no picture and never count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Folds<const D: usize> {
+    /// Folded cells between handles (column, row, ...), 0..dims−1.
+    pub cells: Vec<[usize; D]>,
+    /// How many of them are occupied.
+    pub occupied_count: usize,
+    /// A lower bound of det J over the occupied cells, near to it by 1e-3; at rest and without occupied cells 1.
+    pub least_det: f64,
+}
 
 impl<const D: usize> Lattice<D> {
-    /// How many cells turn over; 0 in space, where cells are not probed.
-    #[must_use]
-    pub fn folded_cell_count(&self) -> usize {
-        let Ok(dims) = <[usize; 2]>::try_from(self.grid.dims.as_slice()) else { return 0 };
-        let plane = |corner: [f64; D]| [corner[0], corner[1]];
-        let grid = Grid { dims, basis: self.grid.basis, lo: plane(self.grid.lo), hi: plane(self.grid.hi) };
-        Lattice { grid, handles: self.handles.iter().map(|&handle| plane(handle)).collect() }.folded_cells().len()
-    }
-}
-
-impl Lattice<2> {
-    /// Cells between handles (column, row), 0..dims−1, in which the warp turns over (det J ≤ 0 at any probe point).
+    /// Which cells turn over. `is_occupied` tells which of [`super::Grid::cell_count`] cells hold something, x fastest.
     ///
-    /// B-spline cells outside the box hold no picture and never count.
+    /// # Panics
+    /// Where `is_occupied` has another length.
     #[must_use]
-    pub fn folded_cells(&self) -> Vec<[usize; 2]> {
+    pub fn folds(&self, is_occupied: &[bool]) -> Folds<D> {
+        assert_eq!(is_occupied.len(), self.grid.cell_count(), "one entry a cell");
         let margin = usize::from(self.grid.basis == Basis::Bspline);
-        let spans = self.grid.dims.map(|count| self.grid.basis.spans(count));
-        let columns: Vec<Column> = (0..spans[0] * PROBES).map(|probe| self.column(probe)).collect();
-        let rows: Vec<AxisTerms> = (0..spans[1] * PROBES).map(|probe| self.terms(1, probe)).collect();
-        let is_folded = |[column, row]: [usize; 2]| {
-            (0..PROBES * PROBES).any(|probe| {
-                let at = [column * PROBES + probe % PROBES, row * PROBES + probe / PROBES];
-                let det = match self.grid.basis {
-                    Basis::Barytri => self.probe_gradient(at),
-                    _ => columns[at[0]].determinant(&rows[at[1]]),
-                };
-                det.is_nan() || det <= 0.0
+        let mut folds = Folds { cells: Vec::new(), occupied_count: 0, least_det: f64::INFINITY };
+        let probes = (self.grid.basis == Basis::Bernstein).then(|| self.probe());
+        for (cell, &is_occupied) in is_occupied.iter().enumerate() {
+            let wanted = if is_occupied { folds.least_det } else { f64::NEG_INFINITY };
+            let least = match (&probes, self.grid.basis) {
+                (Some(probes), _) => probes[cell],
+                (None, Basis::Barytri) => self.least_of_simplices(cell),
+                (None, _) => least_of(self.determinant(cell), wanted),
+            };
+            if is_occupied {
+                folds.least_det = folds.least_det.min(least);
+            }
+            if least <= 0.0 {
+                folds.cells.push(self.grid.cell_place(cell).map(|place| place + margin));
+                folds.occupied_count += usize::from(is_occupied);
+            }
+        }
+        if folds.least_det == f64::INFINITY {
+            folds.least_det = 1.0;
+        }
+        folds
+    }
+
+    /// Cells between handles (column, row, ...), 0..dims−1, in which the warp turns over, occupied or not.
+    #[must_use]
+    pub fn folded_cells(&self) -> Vec<[usize; D]> {
+        self.folds(&vec![true; self.grid.cell_count()]).cells
+    }
+
+    /// det J in a cell of a basis that is a product of axes.
+    fn determinant(&self, cell: usize) -> Patch<D> {
+        let degree = if self.grid.basis == Basis::Bspline { 3 } else { 1 };
+        let coordinates: [Patch<D>; D] = std::array::from_fn(|d| self.coordinate(cell, degree, d));
+        let gradient: [[Patch<D>; D]; D] =
+            std::array::from_fn(|row| std::array::from_fn(|axis| coordinates[row].slope(axis)));
+        let minor = |a: usize, b: usize| {
+            Patch::sum_of_products(&[
+                (1.0, &gradient[D - 2][a], &gradient[D - 1][b]),
+                (-1.0, &gradient[D - 2][b], &gradient[D - 1][a]),
+            ])
+        };
+        let scale: f64 = (0..D).map(|axis| 1.0 / self.grid.pitch(axis)).product();
+        if D == 2 {
+            return minor(0, 1).scaled(scale);
+        }
+        let minors = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        let pairs: Vec<_> = gradient[0].iter().zip(&minors).map(|(slope, minor)| (scale, slope, minor)).collect();
+        Patch::sum_of_products(&pairs)
+    }
+
+    /// One coordinate of the image of a cell; B-splines change to Bernstein form (Farin, section 8.1).
+    fn coordinate(&self, cell: usize, degree: usize, d: usize) -> Patch<D> {
+        let (side, first) = (degree + 1, self.grid.cell_place(cell));
+        let handle = |number: usize| {
+            let places = (0..D).map(|axis| (axis, first[axis] + number / side.pow(axis as u32) % side));
+            self.handles[places.map(|(axis, place)| place * self.grid.stride(axis)).sum::<usize>()][d]
+        };
+        let mut values: Vec<f64> = (0..side.pow(D as u32)).map(handle).collect();
+        if degree == 3 {
+            for step in (0..D).map(|axis| side.pow(axis as u32)) {
+                let starts = (0..values.len()).filter(|index| index / step % side == 0);
+                starts.for_each(|start| bezier_from_spline(&mut values, start, step));
+            }
+        }
+        Patch::new([degree; D], values)
+    }
+
+    /// Least determinant of the D! simplices of a cell, constant in each.
+    fn least_of_simplices(&self, cell: usize) -> f64 {
+        let place = self.grid.cell_place(cell);
+        let orders: &[[usize; 3]] = if D == 2 {
+            &[[0, 1, 2], [1, 0, 2]]
+        } else {
+            &[[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
+        };
+        let det = |order: &[usize; 3]| {
+            let within = |axis: usize| (order[axis] + 1) as f64 / (D + 1) as f64;
+            let at = |axis: usize| self.grid.lo[axis] + (place[axis] as f64 + within(axis)) * self.grid.pitch(axis);
+            determinant(&self.carry_with_gradient(std::array::from_fn(at)).gradient)
+        };
+        orders.iter().map(det).fold(f64::INFINITY, lower)
+    }
+
+    /// Least determinant of every cell over its probes, blended axis by axis.
+    fn probe(&self) -> Vec<f64> {
+        let spans: [usize; D] = std::array::from_fn(|axis| self.grid.basis.spans(self.grid.dims[axis]));
+        let terms: [Vec<AxisTerms>; D] = std::array::from_fn(|axis| {
+            let unit = |probe: usize| (probe / PROBES) as f64 + (probe % PROBES) as f64 / (PROBES - 1) as f64;
+            let at = |probe| AxisTerms::at(self.grid.basis, self.grid.dims[axis], unit(probe) / spans[axis] as f64);
+            (0..spans[axis] * PROBES).map(at).collect()
+        });
+        let gradient: [Vec<[f64; D]>; D] = std::array::from_fn(|slope| {
+            (0..D).fold(self.handles.clone(), |handles, axis| {
+                let step = spans[..axis].iter().map(|spans| spans * PROBES).product();
+                let factors = |terms| if axis == slope { AxisTerms::slopes(terms) } else { AxisTerms::values(terms) };
+                blend(&handles, step, &terms[axis].iter().map(factors).collect::<Vec<_>>())
             })
-        };
-        let cells = (0..spans[1]).flat_map(|row| (0..spans[0]).map(move |column| [column, row]));
-        cells.filter(|&cell| is_folded(cell)).map(|cell| cell.map(|place| place + margin)).collect()
-    }
-
-    /// Box coordinate of a probe.
-    fn unit(&self, axis: usize, probe: usize) -> f64 {
-        let step = (probe % PROBES) as f64 / (PROBES - 1) as f64;
-        let inside = INSET + step * (1.0 - 2.0 * INSET);
-        ((probe / PROBES) as f64 + inside) / self.grid.basis.spans(self.grid.dims[axis]) as f64
-    }
-
-    fn terms(&self, axis: usize, probe: usize) -> AxisTerms {
-        AxisTerms::at(self.grid.basis, self.grid.dims[axis], self.unit(axis, probe))
-    }
-
-    /// Every row of handles, blended along x at one probe.
-    fn column(&self, probe: usize) -> Column {
-        let terms = self.terms(0, probe);
-        let blend = |row: &[[f64; 2]], factors: &[f64]| -> DVec2 {
-            row[terms.first..].iter().zip(factors).map(|(&handle, &factor)| DVec2::from(handle) * factor).sum()
-        };
-        let rows = self.handles.chunks_exact(self.grid.dims[0]);
-        Column(rows.map(|row| [blend(row, terms.values()), blend(row, terms.slopes())]).collect())
-    }
-
-    /// Determinant at a probe, without blending by axes.
-    fn probe_gradient(&self, at: [usize; 2]) -> f64 {
-        let [x, y] = std::array::from_fn(|axis| self.grid.lo[axis] + self.unit(axis, at[axis]) * self.grid.size(axis));
-        self.jacobian(ScreenPoint::new(x, y)).determinant()
+        });
+        let scale: f64 = (0..D).map(|axis| 1.0 / self.grid.size(axis)).product();
+        let mut least = vec![f64::INFINITY; self.grid.cell_count()];
+        for probe in 0..gradient[0].len() {
+            let (mut rest, mut cell, mut stride) = (probe, 0, 1);
+            for count in spans {
+                cell += rest % (count * PROBES) / PROBES * stride;
+                (rest, stride) = (rest / (count * PROBES), stride * count);
+            }
+            let columns: [[f64; D]; D] = gradient.each_ref().map(|slopes| slopes[probe]);
+            least[cell] = lower(least[cell], scale * determinant(&columns));
+        }
+        least
     }
 }
 
-/// Value and x slope of every row of handles at one x.
-struct Column(Vec<[DVec2; 2]>);
-
-impl Column {
-    /// The determinant's sign at one y (its size is per unit of box coordinates).
-    fn determinant(&self, y: &AxisTerms) -> f64 {
-        let (mut along, mut across) = (DVec2::ZERO, DVec2::ZERO);
-        for ([value, slope], (weight, rise)) in self.0[y.first..].iter().zip(y.values().iter().zip(y.slopes())) {
-            along += *slope * *weight;
-            across += *value * *rise;
+/// Blends lines of handles, `step` apart, by as many rows of factors as wanted.
+fn blend<const D: usize>(handles: &[[f64; D]], step: usize, rows: &[&[f64]]) -> Vec<[f64; D]> {
+    let count = rows.first().map_or(1, |row| row.len());
+    let mut blended = vec![[0.0; D]; handles.len() / count * rows.len()];
+    for (index, slot) in blended.iter_mut().enumerate() {
+        let (within, row, beyond) = (index % step, index / step % rows.len(), index / step / rows.len());
+        for (k, factor) in rows[row].iter().enumerate() {
+            let handle = handles[within + (beyond * count + k) * step];
+            (0..D).for_each(|d| slot[d] += factor * handle[d]);
         }
-        along.perp_dot(across)
     }
+    blended
+}
+
+/// Four B-spline controls become those of the same cubic's Bézier curve.
+fn bezier_from_spline(values: &mut [f64], start: usize, step: usize) {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| values[start + k * step]);
+    let curve = [a + 4.0 * b + c, 4.0 * b + 2.0 * c, 2.0 * b + 4.0 * c, b + 4.0 * c + d];
+    curve.into_iter().enumerate().for_each(|(k, value)| values[start + k * step] = value / 6.0);
+}
+
+/// A lower bound of a polynomial's least value in its cell, with the right sign; within [`PRECISION`] of it where it may
+/// be less than `wanted`. Branch and bound over halves of the cell.
+fn least_of<const D: usize>(patch: Patch<D>, wanted: f64) -> f64 {
+    let mut open = vec![(patch, 0)];
+    let mut least = f64::INFINITY;
+    while let Some((patch, depth)) = open.pop() {
+        let Some(bound) = patch.bound() else { return f64::NEG_INFINITY };
+        if bound >= least {
+            continue;
+        }
+        let value = patch.least_corner();
+        let is_near = value - bound <= PRECISION * value.abs().max(1.0) || bound >= wanted;
+        let has_sign = bound > 0.0 || value <= 0.0;
+        if is_near && has_sign || depth >= MOST_HALVINGS {
+            least = bound;
+        } else {
+            open.extend(patch.halves(depth % D).map(|half| (half, depth + 1)));
+        }
+    }
+    least
+}
+
+/// The lower of both; what is not a number is lowest.
+fn lower(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b < a { if b.is_nan() { f64::NEG_INFINITY } else { b } } else { a }
+}
+
+/// Determinant of a 2 x 2 or 3 x 3 matrix, by rows or columns.
+fn determinant<const D: usize>(m: &[[f64; D]; D]) -> f64 {
+    if D == 2 {
+        return m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    }
+    let minor = |k: usize| m[1][(k + 1) % 3] * m[2][(k + 2) % 3] - m[1][(k + 2) % 3] * m[2][(k + 1) % 3];
+    (0..3).map(|k| m[0][k] * minor(k)).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Grid;
+
+    fn grid(basis: Basis) -> Grid<2> {
+        Grid { dims: [8, 7], basis, lo: [-1.0, 0.0], hi: [1.0, 1.5] }
+    }
+
+    const ALL: [Basis; 4] = [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri];
+
+    /// Least det J over a fine net of points of every cell.
+    fn searched<const D: usize>(lattice: &Lattice<D>, fineness: usize) -> Vec<f64> {
+        let side = |axis: usize| lattice.grid.basis.spans(lattice.grid.dims[axis]);
+        let within = |k: usize| (k as f64 + 0.5) / fineness as f64;
+        let least = |cell: usize| {
+            let place = lattice.grid.cell_place(cell);
+            let dets = (0..fineness.pow(D as u32)).map(|number| {
+                let at = |axis: usize| {
+                    let k = number / fineness.pow(axis as u32) % fineness;
+                    let share = (place[axis] as f64 + within(k)) / side(axis) as f64;
+                    lattice.grid.lo[axis] + share * lattice.grid.size(axis)
+                };
+                determinant(&lattice.carry_with_gradient(std::array::from_fn(at)).gradient)
+            });
+            dets.fold(f64::INFINITY, f64::min)
+        };
+        (0..lattice.grid.cell_count()).map(least).collect()
+    }
+
+    fn shake<const D: usize>(grid: &Grid<D>, amount: f64) -> Lattice<D> {
+        let mut lattice = grid.at_rest();
+        for (k, x) in lattice.handles.as_flattened_mut().iter_mut().enumerate() {
+            *x += amount * grid.pitch(k % D) * (12.9898 * k as f64).sin();
+        }
+        lattice
+    }
+
+    #[test]
+    fn the_bound_is_the_least_determinant_that_a_fine_search_finds() {
+        for basis in ALL {
+            let lattice = shake(&grid(basis), 0.4);
+            let found = searched(&lattice, 40);
+            for (cell, found) in found.into_iter().enumerate() {
+                let only: Vec<bool> = (0..lattice.grid.cell_count()).map(|other| other == cell).collect();
+                let bound = lattice.folds(&only).least_det;
+                assert!(bound <= found + 1e-9 || basis == Basis::Bernstein, "{basis:?} {cell}: {bound} {found}");
+                assert!(bound > found - 0.04, "{basis:?} {cell}: {bound} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_of_space_are_searched_too() {
+        for basis in ALL {
+            let lattice = shake(&Grid { dims: [5, 5, 5], basis, lo: [0.0; 3], hi: [1.0, 2.0, 1.0] }, 0.5);
+            let least = searched(&lattice, 9).into_iter().fold(f64::INFINITY, f64::min);
+            let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+            assert!(folds.least_det < least + 0.05 && folds.least_det > least - 0.2, "{basis:?} {folds:?} {least}");
+            assert_eq!(folds.cells.is_empty(), folds.least_det > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_fold_between_corners_and_middle_is_found() {
+        let rest = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] }.at_rest();
+        // Handles a h + (h − ¼)³ make the slope a + 1 + 3 (x − ¼)², least at ¼, between 0 and ½.
+        let folded = |a: f64| {
+            let mut lattice = rest.clone();
+            for handle in &mut lattice.handles {
+                let u = handle[0] - 0.25;
+                handle[0] = a * handle[0] + u * u * u;
+            }
+            lattice
+        };
+        assert_eq!(folded(-0.95).folded_cells(), Vec::<[usize; 2]>::new());
+        let crease = folded(-1.05);
+        assert_eq!(crease.folded_cells().len(), 1);
+        assert!(crease.folds(&[false]).least_det == 1.0 && crease.folds(&[true]).least_det < 0.0);
+    }
 
     #[test]
     fn a_handle_pulled_across_its_neighbours_folds_cells_around_it() {
@@ -101,14 +295,19 @@ mod tests {
             lattice.handles[4 + 8 * 4][0] += 2.0;
             let folded = lattice.folded_cells();
             assert!(!folded.is_empty() && folded.iter().all(|cell| cell.iter().all(|place| (2..=6).contains(place))));
-            assert_eq!(folded.len(), lattice.folded_cell_count());
         }
     }
 
     #[test]
-    fn a_mirrored_lattice_is_folded_everywhere() {
-        let mut lattice = Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
-        lattice.handles.iter_mut().for_each(|handle| handle[0] = -handle[0]);
-        assert_eq!(lattice.folded_cells().len(), 3 * 4);
+    fn a_mirrored_lattice_is_folded_everywhere_and_a_nan_counts_as_folded() {
+        for basis in ALL {
+            let mut lattice = Grid { dims: [4, 5], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+            lattice.handles.iter_mut().for_each(|handle| handle[0] = -handle[0]);
+            let count = lattice.grid.cell_count();
+            assert_eq!(lattice.folded_cells().len(), count);
+            let mut broken = lattice.grid.at_rest();
+            broken.handles[0] = [f64::NAN; 2];
+            assert!(!broken.folded_cells().is_empty());
+        }
     }
 }

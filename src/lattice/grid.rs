@@ -62,6 +62,22 @@ impl<const D: usize> Grid<D> {
         self.dims.iter().product()
     }
 
+    /// Number of cells the box is made of; B-spline handles outside the box belong to none.
+    #[must_use]
+    pub fn cell_count(&self) -> usize {
+        self.dims.iter().map(|&count| self.basis.spans(count)).product()
+    }
+
+    /// Column, row (and layer) of a cell, numbered x fastest.
+    #[must_use]
+    pub fn cell_place(&self, mut cell: usize) -> [usize; D] {
+        self.dims.map(|count| {
+            let (spans, place) = (self.basis.spans(count), cell);
+            cell /= spans;
+            place % spans
+        })
+    }
+
     /// Extent of the box on an axis.
     #[must_use]
     pub fn size(&self, axis: usize) -> f64 {

@@ -7,9 +7,11 @@ mod error;
 mod folds;
 mod forward;
 mod grid;
+mod patch;
 
 pub use axis::{AxisTerms, MAX_HANDLES};
 pub use error::LatticeError;
+pub use folds::Folds;
 pub use forward::Carried;
 pub use grid::Term;
 

@@ -8,7 +8,7 @@ use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, FollowWindow, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
 use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets};
-use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, solve};
+use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, Solver};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 use glam::DVec2;
 
@@ -100,13 +100,14 @@ impl Setup {
         let shape = self.shape(moment, index);
         let problem =
             Problem { grid: &grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
-        let mut solution = solve(&problem).map_err(|source| PipelineError::Solve {
+        let solver = Solver::new(&problem).map_err(|source| PipelineError::Solve {
             layer: layer.name.clone(),
             frame: moment.frame,
             source,
         })?;
+        let mut solution = solver.solve();
         if handles.is_empty() && presence < 1.0 {
-            fade(&mut solution, &pins, presence);
+            fade(&mut solution, (&solver, &pins), presence);
         }
         Ok(LayerState { solution: Some(solution), pins })
     }
@@ -212,7 +213,7 @@ impl Setup {
 
 /// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
 /// before. The report tells what is left of the warp.
-fn fade(solution: &mut Solution<2>, pins: &[PinState], presence: f64) {
+fn fade(solution: &mut Solution<2>, (solver, pins): (&Solver<2>, &[PinState]), presence: f64) {
     let Solution { lattice, report } = solution;
     let rest = lattice.grid.rest_handles();
     for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
@@ -222,5 +223,8 @@ fn fade(solution: &mut Solution<2>, pins: &[PinState], presence: f64) {
     let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
     let miss = |(pin, &distance): (usize, &f64)| PinMiss { pin, distance, reason: MissReason::Fading };
     report.pin_misses = off.map(miss).collect();
-    report.folded_cells = lattice.folded_cells().len();
+    let folds = solver.folds(lattice);
+    report.folded_cells = folds.cells.len();
+    report.folded_model_cells = folds.occupied_count;
+    report.least_cell_det = folds.least_det;
 }

@@ -10,6 +10,7 @@ mod error;
 mod iterate;
 mod matrix;
 mod misses;
+mod occupied;
 mod packs;
 mod pins;
 pub mod problem;
@@ -145,8 +146,13 @@ pub struct SolveReport {
     pub pin_errors: Vec<f64>,
     /// The pins that are off their targets, and why.
     pub pin_misses: Vec<PinMiss>,
-    /// Cells that turn over.
+    /// Cells that turn over somewhere, in the plane or in space.
     pub folded_cells: usize,
+    /// Those of them that hold some of the model; the others fold unseen.
+    pub folded_model_cells: usize,
+    /// Least determinant of the gradient over the cells that hold some of the model: a lower bound, 1e-3 near. Above 0
+    /// nothing folds, which is proven for all bases but Bernstein's, whose cells are probed.
+    pub least_cell_det: f64,
     /// Least determinant of the gradient over the samples.
     pub least_det: f64,
     /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.

@@ -7,11 +7,12 @@ use super::energy::{self, Distortion};
 use super::iterate::{Energies, Iteration, Run};
 use super::matrix::{Factor, Normal};
 use super::misses::{self, Evidence};
+use super::occupied;
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
 use super::rows::RowSet;
 use super::{HandlePin, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
-use crate::lattice::{Grid, Lattice};
+use crate::lattice::{Folds, Grid, Lattice};
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
 ///
@@ -41,6 +42,8 @@ pub struct Solver<const D: usize> {
     pins: Vec<PointPin<D>>,
     handles: Vec<HandlePin<D>>,
     terms: Terms<D>,
+    /// Which cells hold some of the shape.
+    is_occupied: Vec<bool>,
     /// What the shape itself had to say.
     warnings: Vec<String>,
 }
@@ -140,6 +143,7 @@ impl<const D: usize> Solver<D> {
             pins: problem.pins.to_vec(),
             handles: problem.handles.to_vec(),
             terms,
+            is_occupied: occupied::cells(grid, problem.shape),
             warnings,
         })
     }
@@ -191,6 +195,12 @@ impl<const D: usize> Solver<D> {
         let iteration = self.iteration(&Targets { pins, handles, terms: &terms });
         let run = Iteration { first: Some(&from.handles), settings: &settings, ..iteration }.run(None);
         Ok(Lattice { grid: self.grid.clone(), handles: run.handles })
+    }
+
+    /// Which cells of a lattice over the same grid turn over, and whether the shape lies in them.
+    #[must_use]
+    pub fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
+        lattice.folds(&self.is_occupied)
     }
 
     /// The terms with other targets for the same pins and handles.
@@ -255,10 +265,13 @@ impl<const D: usize> Solver<D> {
             bounds: [self.grid.lo, self.grid.hi],
             diagonal: self.grid.diagonal(),
         };
+        let folds = self.folds(&lattice);
         let report = SolveReport {
             pin_misses: misses::misses(&evidence, &pin_errors),
             pin_errors,
-            folded_cells: lattice.folded_cell_count(),
+            folded_cells: folds.cells.len(),
+            folded_model_cells: folds.occupied_count,
+            least_cell_det: folds.least_det,
             least_det: quality.least_det(),
             angular: quality.angular(),
             area: quality.area(),

@@ -1,0 +1,94 @@
+//! Which cells of a grid hold some of the model: folds elsewhere are seen by nobody.
+//!
+//! In: a grid and a shape. Out: one flag a cell. What lies outside the box counts for the nearest cell, as it moves.
+
+use super::Shape;
+use super::small::{dot, minus};
+use crate::lattice::Grid;
+use rayon::prelude::*;
+
+/// Triangles one task takes.
+const CHUNK: usize = 1 << 15;
+
+/// One flag a cell, x fastest. A shape without triangles and strokes fills the box. In space a large triangle may
+/// count for cells that it passes at less than a cell.
+pub(crate) fn cells<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<bool> {
+    if shape.triangles.is_empty() && shape.strokes.is_empty() {
+        return vec![true; grid.cell_count()];
+    }
+    let spread = |triangles: &[[u32; 3]]| {
+        let mut is_occupied = vec![false; grid.cell_count()];
+        for triangle in triangles {
+            mark(grid, triangle.map(|corner| shape.points[corner as usize]), &mut is_occupied);
+        }
+        is_occupied
+    };
+    let mut is_occupied = vec![false; grid.cell_count()];
+    for part in shape.triangles.par_chunks(CHUNK).map(spread).collect::<Vec<_>>() {
+        is_occupied.iter_mut().zip(part).for_each(|(all, one)| *all |= one);
+    }
+    for [a, b] in shape.strokes.iter().flat_map(|stroke| stroke.windows(2).map(|ends| [ends[0], ends[1]])) {
+        let [a, b] = [a, b].map(|end| shape.points[end as usize]);
+        mark(grid, [a, b, b], &mut is_occupied);
+    }
+    is_occupied
+}
+
+/// Marks the cells that a triangle touches.
+fn mark<const D: usize>(grid: &Grid<D>, corners: [[f64; D]; 3], is_occupied: &mut [bool]) {
+    // In units of cells, held inside the box.
+    let spans = grid.dims.map(|count| grid.basis.spans(count));
+    let corners = corners.map(|corner| -> [f64; D] {
+        let unit = grid.unit_from_point(corner);
+        std::array::from_fn(|axis| (unit[axis] * spans[axis] as f64).clamp(0.0, spans[axis] as f64))
+    });
+    let cell_of = |x: f64, axis: usize| (x as usize).min(spans[axis] - 1);
+    let low: [usize; D] =
+        std::array::from_fn(|axis| cell_of(corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min), axis));
+    let high: [usize; D] =
+        std::array::from_fn(|axis| cell_of(corners.iter().map(|c| c[axis]).fold(0.0, f64::max), axis));
+    let count: usize = (0..D).map(|axis| high[axis] - low[axis] + 1).product();
+    for mut number in 0..count {
+        let place: [usize; D] = std::array::from_fn(|axis| {
+            let side = high[axis] - low[axis] + 1;
+            let place = low[axis] + number % side;
+            number /= side;
+            place
+        });
+        if count == 1 || !is_apart(&corners, &place) {
+            is_occupied[(0..D).rev().fold(0, |index, axis| index * spans[axis] + place[axis])] = true;
+        }
+    }
+}
+
+/// An edge of the triangle has it on one side and the unit cell at `place` on the other (separating axes).
+fn is_apart<const D: usize>(corners: &[[f64; D]; 3], place: &[usize; D]) -> bool {
+    let middle: [f64; D] = std::array::from_fn(|axis| place[axis] as f64 + 0.5);
+    (0..3).any(|k| {
+        let (from, to, third) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        let (edge, inwards) = (minus(&to, &from), minus(&third, &from));
+        // Normal of the edge within the triangle's plane, towards the third corner.
+        let square = dot(&edge, &edge);
+        let share = if square > 0.0 { dot(&edge, &inwards) / square } else { 0.0 };
+        let normal: [f64; D] = std::array::from_fn(|d| inwards[d] - share * edge[d]);
+        let reach: f64 = normal.iter().map(|x| 0.5 * x.abs()).sum();
+        dot(&normal, &minus(&middle, &from)) + reach < 0.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+
+    #[test]
+    fn triangles_occupy_the_cells_they_touch_and_from_outside_the_nearest() {
+        let grid = Grid { dims: [5, 5], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [4.0, 4.0] };
+        let points = vec![[0.5, 0.5], [3.4, 0.5], [0.5, 3.4], [9.0, 2.5], [9.0, 2.6], [8.0, 2.6]];
+        let found = cells(&grid, &Shape::of_triangles(points, vec![[0, 1, 2], [3, 4, 5]]));
+        let rows: Vec<String> =
+            found.chunks(4).map(|row| row.iter().map(|&is| if is { '#' } else { '.' }).collect()).collect();
+        assert_eq!(rows, ["####", "###.", "##.#", "#..."]);
+        assert!(cells(&grid, &Shape::default()).iter().all(|&is| is));
+    }
+}
