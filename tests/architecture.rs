@@ -28,7 +28,7 @@ const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("gltf", &["src/scene/"]),
     ("toml", &["src/shot/"]),
     ("toml_edit", &["src/shot/"]),
-    ("faer", &["src/solve/"]),
+    ("faer", &["src/lattice/fit.rs", "src/solve/"]),
     ("pulp", &["src/solve/"]),
     ("ash", &["src/raster/vulkan/", "src/raster/error.rs"]),
     ("gpu_allocator", &["src/raster/vulkan/"]),

@@ -4,16 +4,20 @@
 
 mod axis;
 mod error;
+mod fit;
 mod folds;
 mod forward;
 mod grid;
 mod patch;
+mod transfer;
 
 pub use axis::{AxisTerms, MAX_HANDLES};
 pub use error::LatticeError;
+pub use fit::Fitted;
 pub use folds::Folds;
 pub use forward::Carried;
 pub use grid::Term;
+pub use transfer::Fit;
 
 use crate::space::ScreenBox;
 use schemars::JsonSchema;

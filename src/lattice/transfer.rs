@@ -1,0 +1,159 @@
+//! A lattice solved on one model, laid over another model or picture.
+//!
+//! In: a lattice of the screen and how the other rest pose relates to this one. Out: a lattice over the other's box.
+
+use super::{Fitted, Grid, Lattice};
+use crate::space::{ScreenBox, ScreenPoint};
+use glam::DVec2;
+
+/// How the place that a lattice was solved for relates to the one it is laid over.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fit {
+    /// The same screen.
+    AsIs,
+    /// The lattice's box becomes this one.
+    Box(ScreenBox),
+    /// Points there and here: the shift (one pair), or the shift, turn and scale that fit them best.
+    Landmarks(Vec<[ScreenPoint; 2]>),
+}
+
+/// A shift, turn and scale of the screen: x ↦ to + factor · (x − from), a product of complex numbers.
+#[derive(Clone, Copy, Debug)]
+struct Similarity {
+    factor: DVec2,
+    from: DVec2,
+    to: DVec2,
+}
+
+impl Similarity {
+    /// Least squares over pairs; without two different points of departure nothing turns or scales.
+    fn between(pairs: &[[ScreenPoint; 2]]) -> Self {
+        let count = pairs.len().max(1) as f64;
+        let mean = |side: usize| pairs.iter().map(|pair| pair[side].0).sum::<DVec2>() / count;
+        let (from, to) = (mean(0), mean(1));
+        let (mut product, mut square) = (DVec2::ZERO, 0.0);
+        for [a, b] in pairs {
+            let (a, b) = (a.0 - from, b.0 - to);
+            product += DVec2::new(a.dot(b), a.perp_dot(b));
+            square += a.length_squared();
+        }
+        let factor = if square > 0.0 && product.length() > 1e-12 * square { product / square } else { DVec2::X };
+        Self { factor, from, to }
+    }
+
+    fn image(&self, point: DVec2) -> DVec2 {
+        self.to + self.factor.rotate(point - self.from)
+    }
+
+    fn origin(&self, image: DVec2) -> DVec2 {
+        let back = DVec2::new(self.factor.x, -self.factor.y) / self.factor.length_squared();
+        self.from + back.rotate(image - self.to)
+    }
+
+    fn turns(&self) -> bool {
+        self.factor.y.abs() > 1e-12 * self.factor.x.abs() || self.factor.x <= 0.0
+    }
+}
+
+impl Lattice<2> {
+    /// The lattice that does over there what this one does here; its error, in frame heights, is zero unless landmarks
+    /// turn it, because its box cannot turn along.
+    ///
+    /// Without landmarks, as it is.
+    #[must_use]
+    pub fn transferred(&self, fit: &Fit) -> Fitted<2> {
+        match fit {
+            Fit::AsIs => Fitted { lattice: self.clone(), error: 0.0 },
+            Fit::Box(target) => Fitted { lattice: self.over(*target), error: 0.0 },
+            Fit::Landmarks(pairs) => self.carried_by(&Similarity::between(pairs)),
+        }
+    }
+
+    /// The same deformation in parts: 0 is the rest state, 1 all of it; more exaggerates.
+    #[must_use]
+    pub fn with_strength(&self, strength: f64) -> Self {
+        let rest = self.grid.rest_handles();
+        let handles = self.handles.iter().zip(rest);
+        let handles = handles.map(|(&moved, rest)| DVec2::from(rest).lerp(DVec2::from(moved), strength).to_array());
+        Self { grid: self.grid.clone(), handles: handles.collect() }
+    }
+
+    /// Box to box, axis by axis.
+    fn over(&self, target: ScreenBox) -> Self {
+        let grid = Grid::over(target, self.grid.dims, self.grid.basis);
+        let handles = self.handles.iter().map(|&handle| {
+            let unit = self.grid.unit_from_point(handle);
+            std::array::from_fn(|axis| grid.lo[axis] + unit[axis] * grid.size(axis))
+        });
+        Self { handles: handles.collect(), grid }
+    }
+
+    fn carried_by(&self, there: &Similarity) -> Fitted<2> {
+        let corners = [0, 1, 2, 3].map(|k| {
+            let x = if k % 2 == 0 { self.grid.lo[0] } else { self.grid.hi[0] };
+            let y = if k / 2 == 0 { self.grid.lo[1] } else { self.grid.hi[1] };
+            there.image(DVec2::new(x, y))
+        });
+        let (mut low, mut high) = (corners[0], corners[0]);
+        corners.iter().for_each(|&corner| (low, high) = (low.min(corner), high.max(corner)));
+        if !there.turns() {
+            return Fitted { lattice: self.over(ScreenBox::new(ScreenPoint(low), ScreenPoint(high))), error: 0.0 };
+        }
+        let grid = Grid { lo: low.to_array(), hi: high.to_array(), ..self.grid.clone() };
+        grid.fitted(|point| there.image(self.warp(ScreenPoint(there.origin(DVec2::from(point)))).0).to_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+
+    fn bent() -> Lattice<2> {
+        let mut lattice = Grid { dims: [7, 6], basis: Basis::Bspline, lo: [0.2, 0.1], hi: [1.2, 0.9] }.at_rest();
+        for (k, handle) in lattice.handles.iter_mut().enumerate() {
+            *handle = [handle[0] + 0.04 * (k as f64).sin(), handle[1] + 0.04 * (1.7 * k as f64).cos()];
+        }
+        lattice
+    }
+
+    fn distance(a: ScreenPoint, b: DVec2) -> f64 {
+        (a.0 - b).length()
+    }
+
+    #[test]
+    fn landmarks_carry_the_warp_along() {
+        let (lattice, turn) = (bent(), DVec2::from_angle(0.4) * 1.5);
+        let image = |point: DVec2| DVec2::new(3.0, -1.0) + turn.rotate(point);
+        let marks = [[0.3, 0.2], [1.0, 0.4], [0.6, 0.8]].map(DVec2::from);
+        let pairs = marks.map(|mark| [ScreenPoint(mark), ScreenPoint(image(mark))]).to_vec();
+        let there = lattice.transferred(&Fit::Landmarks(pairs));
+        // The box cannot turn along: seven spans of handles over a larger box see less.
+        assert!(there.error > 0.0 && there.error < 0.1, "{}", there.error);
+        for mark in marks {
+            let wanted = image(lattice.warp(ScreenPoint(mark)).0);
+            assert!(distance(there.lattice.warp(ScreenPoint(image(mark))), wanted) <= there.error + 1e-9);
+        }
+    }
+
+    #[test]
+    fn boxes_and_single_landmarks_are_exact() {
+        let lattice = bent();
+        let target = ScreenBox::new(ScreenPoint::new(0.0, 0.0), ScreenPoint::new(3.0, 0.8));
+        let there = lattice.transferred(&Fit::Box(target)).lattice;
+        let warped = lattice.warp(ScreenPoint::new(0.7, 0.5)).0 - DVec2::new(0.2, 0.1);
+        assert!(distance(there.warp(ScreenPoint::new(1.5, 0.4)), warped * DVec2::new(3.0, 1.0)) < 1e-12);
+        let shifted =
+            lattice.transferred(&Fit::Landmarks(vec![[ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.9, 0.3)]]));
+        let moved = lattice.warp(ScreenPoint::new(0.7, 0.5)).0 + DVec2::new(0.4, -0.2);
+        assert!(shifted.error == 0.0 && distance(shifted.lattice.warp(ScreenPoint::new(1.1, 0.3)), moved) < 1e-12);
+    }
+
+    #[test]
+    fn strength_goes_from_rest_to_all() {
+        let lattice = bent();
+        assert_eq!(lattice.with_strength(1.0), lattice);
+        let rest = lattice.with_strength(0.0);
+        assert!(distance(rest.warp(ScreenPoint::new(0.7, 0.5)), DVec2::new(0.7, 0.5)) < 1e-15);
+    }
+}
