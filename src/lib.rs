@@ -35,6 +35,8 @@ pub mod raster;
 
 pub mod image;
 
+pub mod export;
+
 pub mod pipeline;
 
 pub mod cli;

@@ -16,6 +16,7 @@ mod produce;
 mod render;
 mod report;
 mod setup;
+mod transfer;
 mod write;
 
 pub use anchors::{Pinned, Rest};
@@ -26,3 +27,4 @@ pub use passes::{PassPlan, plan_passes};
 pub use render::{render, render_on};
 pub use report::report;
 pub use setup::Setup;
+pub use transfer::lattices;

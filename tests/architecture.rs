@@ -14,12 +14,19 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("lattice", &["space"]),
     ("image", &["space"]),
     ("solve", &["lattice", "space", "spelling"]),
+    ("export", &["image", "lattice"]),
     ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
     ("shot", &["image", "lattice", "raster", "solve", "space", "spelling"]),
-    ("pipeline", &["image", "lattice", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"]),
+    (
+        "pipeline",
+        &["export", "image", "lattice", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"],
+    ),
     (
         "cli",
-        &["image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"],
+        &[
+            "export", "image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve", "space",
+            "spelling",
+        ],
     ),
 ];
 

@@ -1,6 +1,7 @@
 //! All arguments of the program: help, man page and completions come from here.
 
 use super::frames::{FrameList, Scale};
+use crate::lattice::Basis;
 use crate::raster::DeviceChoice;
 use clap::builder::TypedValueParser;
 use clap::{ArgAction, Parser, Subcommand};
@@ -34,6 +35,10 @@ pub(super) enum Command {
     Pick(PickArgs),
     /// Solve a bare lattice problem (JSON in, JSON out).
     Solve(SolveArgs),
+    /// Write the solved lattices of a shot for other shots and programs.
+    Export(ExportArgs),
+    /// Give the lattices of a file other dims or another basis, and keep the edit.
+    Resize(ResizeArgs),
     /// List what can draw.
     Devices,
     /// Print completions for a shell.
@@ -133,6 +138,49 @@ pub(super) struct SolveArgs {
     pub(super) output: Option<PathBuf>,
 }
 
+#[derive(Debug, clap::Args)]
+pub(super) struct ExportArgs {
+    /// The shot file.
+    pub(super) shot: PathBuf,
+    /// What is written.
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    pub(super) to: ExportFormat,
+    /// The file to write; default: the shot's name with the format's ending.
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Frames to solve, e.g. 1-48x2,60; default: the shot's range.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(super) frames: Option<FrameList>,
+    /// Replace a file that is already there.
+    #[arg(long)]
+    pub(super) overwrite: bool,
+}
+
+/// What `export` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum ExportFormat {
+    /// The program's own open format, see docs/LATTICE.md.
+    LatticeJson,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ResizeArgs {
+    /// The lattice file.
+    pub(super) lattices: PathBuf,
+    /// Handles an axis: 20,20, or 6,6,6 in the world.
+    #[arg(long, value_name = "N,N", value_delimiter = ',', required = true)]
+    pub(super) dims: Vec<usize>,
+    /// How handles are blended: bspline, bernstein, bilinear or barytri; default: as before.
+    #[arg(long, value_name = "BASIS", value_parser = parse_basis)]
+    pub(super) basis: Option<Basis>,
+    /// The lattice file to write.
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+    /// Replace a file that is already there.
+    #[arg(long)]
+    pub(super) overwrite: bool,
+}
+
 /// `auto`, `cpu`, anything else by name.
 fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
     clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
@@ -140,6 +188,11 @@ fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
         "cpu" => DeviceChoice::Cpu,
         _ => DeviceChoice::Named(text),
     })
+}
+
+/// A basis by the name it has in shot files.
+fn parse_basis(text: &str) -> Result<Basis, String> {
+    serde_json::from_value(text.into()).map_err(|_| "use bspline, bernstein, bilinear or barytri".to_owned())
 }
 
 /// Two numbers with a comma between them.

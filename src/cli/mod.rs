@@ -5,18 +5,22 @@
 mod args;
 mod check;
 mod devices;
+mod export;
 mod frames;
 mod new;
 mod pick;
 mod progress;
 mod render;
+mod resize;
 mod solve;
 
 pub use args::Args;
 
+use anyhow::bail;
 use args::Command;
 use clap::{CommandFactory, Parser};
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What a command ends with, when it does not fail.
@@ -51,6 +55,8 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
         Command::Solve(args) => solve::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Resize(args) => resize::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {
             // Into memory first: the generator does not survive a reader that hangs up.
@@ -64,6 +70,14 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
             Ok(Outcome::Complete)
         }
     }
+}
+
+/// Files are replaced only where the user says so.
+fn refuse_existing(path: &Path, overwrite: bool) -> anyhow::Result<()> {
+    if path.exists() && !overwrite {
+        bail!("{} exists already; use --overwrite to replace it or -o to write another", path.display());
+    }
+    Ok(())
 }
 
 /// The message, and its causes as far as it does not tell them itself.

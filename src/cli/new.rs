@@ -1,12 +1,12 @@
 //! `pinwarp new`.
 
-use super::Outcome;
 use super::args::NewArgs;
+use super::{Outcome, refuse_existing};
 use crate::image::replace_text;
 use crate::scene::{self, Scene};
 use crate::shot::template::{self, ClipFact, TemplateFacts};
 use crate::space::FrameSize;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -21,9 +21,7 @@ const DEFAULT_FRAMES: i32 = 24;
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
     let scene = scene::load(&args.scene)?;
-    if args.output.exists() && !args.overwrite {
-        bail!("{} exists already; use --overwrite to replace it or -o to write another", args.output.display());
-    }
+    refuse_existing(&args.output, args.overwrite)?;
     let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;
     let text = template::write(&path.to_string_lossy(), &facts(&scene));
     replace_text(&args.output, &text)?;

@@ -55,6 +55,24 @@ impl Similarity {
     }
 }
 
+impl<const D: usize> Lattice<D> {
+    /// All of this lattice at share 0, all of the other at 1; both have the same dims and basis.
+    #[must_use]
+    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+        debug_assert_eq!(self.handles.len(), other.handles.len(), "lattices of equal dims");
+        let mix = |a: &[f64; D], b: &[f64; D]| std::array::from_fn(|d| a[d] * (1.0 - share) + b[d] * share);
+        let handles = self.handles.iter().zip(&other.handles).map(|(a, b)| mix(a, b)).collect();
+        let [lo, hi] = [mix(&self.grid.lo, &other.grid.lo), mix(&self.grid.hi, &other.grid.hi)];
+        Self { grid: Grid { lo, hi, ..self.grid.clone() }, handles }
+    }
+
+    /// The same deformation in parts: 0 is the rest state, 1 all of it; more exaggerates.
+    #[must_use]
+    pub fn with_strength(&self, strength: f64) -> Self {
+        self.grid.at_rest().mixed(self, strength)
+    }
+}
+
 impl Lattice<2> {
     /// The lattice that does over there what this one does here; its error, in frame heights, is zero unless landmarks
     /// turn it, because its box cannot turn along.
@@ -67,15 +85,6 @@ impl Lattice<2> {
             Fit::Box(target) => Fitted { lattice: self.over(*target), error: 0.0 },
             Fit::Landmarks(pairs) => self.carried_by(&Similarity::between(pairs)),
         }
-    }
-
-    /// The same deformation in parts: 0 is the rest state, 1 all of it; more exaggerates.
-    #[must_use]
-    pub fn with_strength(&self, strength: f64) -> Self {
-        let rest = self.grid.rest_handles();
-        let handles = self.handles.iter().zip(rest);
-        let handles = handles.map(|(&moved, rest)| DVec2::from(rest).lerp(DVec2::from(moved), strength).to_array());
-        Self { grid: self.grid.clone(), handles: handles.collect() }
     }
 
     /// Box to box, axis by axis.

@@ -1,5 +1,6 @@
 //! What can go wrong while a shot is prepared or rendered.
 
+use crate::export::ExportError;
 use crate::image::ImageError;
 use crate::raster::RasterError;
 use crate::scene::{FindError, SceneError};
@@ -35,6 +36,9 @@ pub enum PipelineError {
     /// A file could not be written or read.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A lattice file cannot be read.
+    #[error(transparent)]
+    Lattice(#[from] ExportError),
     /// A layer could not be solved.
     #[error("layer '{layer}', frame {frame}: {source}")]
     Solve {

@@ -77,6 +77,9 @@ impl Setup {
     }
 
     fn solve_layer(&self, moment: &Moment, index: usize, layer: &Layer) -> Result<LayerState, PipelineError> {
+        if let Some(loaded) = &self.loaded[index] {
+            return Ok(self.transferred(moment, (index, layer), loaded));
+        }
         if layer.pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
@@ -114,7 +117,7 @@ impl Setup {
 
     /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
     /// of a frame, so its keys are read at the frame that is exposed, not at the moment within the exposure.
-    fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
+    pub(super) fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
         if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
     }
 
@@ -189,7 +192,7 @@ impl Setup {
     }
 
     /// The rest box of a layer's lattice; `None` where nothing of the layer is in reach.
-    fn lattice_box(&self, moment: &Moment, index: usize, layer: &Layer) -> Option<ScreenBox> {
+    pub(super) fn lattice_box(&self, moment: &Moment, index: usize, layer: &Layer) -> Option<ScreenBox> {
         match layer.bounds {
             BoxRule::Fixed(fixed) => Some(fixed),
             BoxRule::Frame => {

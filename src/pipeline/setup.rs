@@ -3,6 +3,7 @@
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
 use super::passes::mid_shutter;
+use super::transfer::{self, Loaded};
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
@@ -45,6 +46,8 @@ pub struct Setup {
     pub(super) anchors: Vec<Vec<Pinned>>,
     /// The neutral lights, used where the scene has none.
     pub(super) rig: Vec<PosedLight>,
+    /// One a layer: lattices from elsewhere.
+    pub(super) loaded: Vec<Option<Loaded>>,
     camera: CameraSource,
     clip: ClipChoice,
     moments: Mutex<VecDeque<Arc<Moment>>>,
@@ -68,6 +71,7 @@ impl Setup {
         }
         let camera = choose_camera(&shot, &scene, clip, &mut notes)?;
         let owners = claims::claim(&shot, &scene, &first.parts)?;
+        let loaded = transfer::load(&shot, &mut notes)?;
         let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
         let parts_of_layer = (0..shot.layers.len()).map(of_layer).collect();
         let mut setup = Self {
@@ -78,6 +82,7 @@ impl Setup {
             parts_of_layer,
             anchors: Vec::new(),
             rig: Vec::new(),
+            loaded,
             camera,
             clip,
             moments: Mutex::default(),
@@ -94,7 +99,7 @@ impl Setup {
 
     /// Says which layers nothing moves.
     fn note_unwarped(&mut self) {
-        let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty();
+        let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
         let (moved, still): (Vec<_>, Vec<_>) = self.shot.layers.iter().partition(is_moved);
         if moved.is_empty() {
             self.notes.push("no layer has pins or moved handles: nothing is warped".into());

@@ -17,6 +17,9 @@ impl Shot {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let mut content = self.clone();
         content.scene = portable(&self.scene, folder);
+        content.layers.iter_mut().filter_map(|layer| layer.transfer.as_mut()).for_each(|transfer| {
+            transfer.file = portable(&transfer.file, folder);
+        });
         content.path = PathBuf::new();
         content.lines = KeyLines::default();
         content.output.path = PathBuf::new();

@@ -113,6 +113,32 @@ pub struct Layer {
     pub pins: Vec<Pin>,
     /// Moved handles.
     pub handles: Vec<HandleTrack>,
+    /// Lattices solved elsewhere, instead of pins and handles.
+    pub transfer: Option<Transfer>,
+}
+
+/// Lattices solved for another shot, laid over a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// The lattice file.
+    pub file: PathBuf,
+    /// Layer of that file; `None`: its only one.
+    pub layer: Option<String>,
+    /// Where the lattices go.
+    pub fit: TransferFit,
+    /// Frame of the shot that shows the first frame of the file; `None`: equal frame numbers.
+    pub start: Option<i32>,
+}
+
+/// Where transferred lattices go.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TransferFit {
+    /// Their box becomes the box of the layer in that frame.
+    Box,
+    /// The same place on the screen.
+    AsIs,
+    /// Points there and here.
+    Landmarks(Vec<[ScreenPoint; 2]>),
 }
 
 /// Where a lattice's rest box comes from.

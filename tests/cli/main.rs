@@ -5,6 +5,7 @@ mod tiny;
 
 mod disks;
 mod existing;
+mod lattices;
 mod options;
 mod pins;
 mod scenes;

@@ -20,7 +20,9 @@ impl Check<'_> {
     fn layer(&mut self, raw: RawLayer, index: usize, shot: &LayerDefaults) -> Layer {
         let key = format!("layer[{index}]");
         let bounds = self.lattice(&raw.lattice, &format!("{key}.lattice"), shot);
+        let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
+            transfer,
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             nodes: raw.nodes.unwrap_or_default(),
             dims: raw.lattice.dims,

@@ -5,6 +5,7 @@
 mod layer;
 mod output;
 mod pin;
+mod transfer;
 
 use super::document::{Document, syntax_error};
 use super::raw::{RawClip, RawFrames, RawShot, RawShutter};

@@ -24,6 +24,8 @@ pub(in crate::shot) struct RawLayer {
     /// The solver.
     #[serde(default)]
     pub(in crate::shot) solve: RawSolve,
+    /// Instead of pins and handles: lattices solved for another shot, laid over this layer.
+    pub(in crate::shot) transfer: Option<RawTransfer>,
     /// As the shot's `step`, which it replaces.
     #[schemars(range(min = 1, max = 1000))]
     pub(in crate::shot) step: Option<u32>,
@@ -37,6 +39,37 @@ pub(in crate::shot) struct RawLayer {
     /// Handles moved by hand.
     #[serde(default)]
     pub(in crate::shot) handle: Vec<RawHandle>,
+}
+
+/// Lattices solved for another shot, laid over this layer.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawTransfer {
+    /// The file, as `pinwarp export --to lattice-json` writes it, relative to the shot file.
+    #[schemars(length(min = 1), example = &"teapot.lattice.json")]
+    pub(in crate::shot) lattice: String,
+    /// Layer of that file; default: its only one.
+    #[schemars(length(min = 1), example = &"body")]
+    pub(in crate::shot) layer: Option<String>,
+    /// Where the lattices go.
+    #[serde(default)]
+    pub(in crate::shot) fit: RawFit,
+    /// Frame of this shot that shows the first frame of the file; default: equal frame numbers.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) start: Option<i32>,
+}
+
+/// Where transferred lattices go.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::shot) enum RawFit {
+    /// Their box becomes the box of this layer.
+    #[default]
+    Box,
+    /// The same place on the screen.
+    AsIs,
+    /// Pairs of screen points, there and here, frame heights: they shift, turn and scale the lattices.
+    Landmarks(#[schemars(length(min = 1), example = [[[0.5, 0.5], [0.9, 0.4]]])] Vec<[[f64; 2]; 2]>),
 }
 
 /// The grid of handles.

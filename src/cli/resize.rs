@@ -1,0 +1,39 @@
+//! `pinwarp resize`.
+
+use super::args::ResizeArgs;
+use super::{Outcome, refuse_existing};
+use crate::export::{LatticeFile, Track};
+use crate::lattice::{Basis, Lattice};
+use anyhow::{Context, anyhow};
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
+    refuse_existing(&args.output, args.overwrite)?;
+    let mut file = LatticeFile::read(&args.lattices)?;
+    for layer in &mut file.layers {
+        let error = match &mut layer.track {
+            Track::Screen(lattices) => resize(lattices, args).map(|error| (error, "frame heights")),
+            Track::World(lattices) => resize(lattices, args).map(|error| (error, "scene units")),
+        };
+        let (error, unit) = error.with_context(|| format!("layer '{}'", layer.name))?;
+        writeln!(io::stdout(), "layer '{}': the warp changes by {error:.1e} {unit} at most", layer.name)?;
+    }
+    file.write(&args.output)?;
+    writeln!(io::stdout(), "wrote {}", args.output.display())?;
+    Ok(Outcome::Complete)
+}
+
+/// Resizes all frames; gives the greatest error.
+fn resize<const D: usize>(lattices: &mut BTreeMap<i32, Lattice<D>>, args: &ResizeArgs) -> anyhow::Result<f64> {
+    let dims = <[usize; D]>::try_from(args.dims.as_slice())
+        .map_err(|_| anyhow!("--dims has {} numbers, the lattice has {D} axes", args.dims.len()))?;
+    let mut worst = 0.0_f64;
+    for lattice in lattices.values_mut() {
+        let basis: Basis = args.basis.unwrap_or(lattice.grid.basis);
+        let fitted = lattice.resized(dims, basis)?;
+        worst = worst.max(fitted.error);
+        *lattice = fitted.lattice;
+    }
+    Ok(worst)
+}

@@ -1,0 +1,231 @@
+//! The open format of solved lattices: JSON, one track a layer, one lattice a frame.
+//!
+//! In: a file. Out: lattices, checked; or the other way round. docs/LATTICE.md describes the format.
+
+use super::ExportError;
+use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
+use crate::image::replace_text;
+use crate::lattice::{Grid, Lattice};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Version that is written.
+const VERSION: u32 = 1;
+
+/// The solved lattices of a shot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LatticeFile {
+    /// Width of the frame in frame heights.
+    pub frame_aspect: f64,
+    /// Frames a second.
+    pub rate: f64,
+    /// One a layer, names differ.
+    pub layers: Vec<LatticeTrack>,
+}
+
+/// The lattices of one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LatticeTrack {
+    /// Name of the layer.
+    pub name: String,
+    /// By frame, never empty.
+    pub track: Track,
+}
+
+/// Lattices by frame, all with the same dims and basis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Track {
+    /// On the screen.
+    Screen(BTreeMap<i32, Lattice<2>>),
+    /// In the scene.
+    World(BTreeMap<i32, Lattice<3>>),
+}
+
+impl LatticeFile {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// [`ExportError`], naming the file and the key.
+    pub fn read(path: &Path) -> Result<Self, ExportError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
+        let raw = serde_json::from_str(&text).map_err(|source| ExportError::Json { path: path.to_owned(), source })?;
+        check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`ExportError::Write`] where the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), ExportError> {
+        let layers = self.layers.iter().map(|layer| match &layer.track {
+            Track::Screen(lattices) => raw_track(&layer.name, RawSpace::Screen, lattices),
+            Track::World(lattices) => raw_track(&layer.name, RawSpace::World, lattices),
+        });
+        let raw = RawFile {
+            pinwarp_lattice: VERSION,
+            frame_aspect: self.frame_aspect,
+            rate: self.rate,
+            layers: layers.collect(),
+        };
+        let text = serde_json::to_string(&raw).expect("numbers and names are valid JSON");
+        Ok(replace_text(path, &(text + "\n"))?)
+    }
+}
+
+/// The lattice at a (fractional) frame: between two of the track it is mixed from both, beyond them the nearest holds.
+///
+/// # Panics
+/// Where the track is empty; checked tracks never are.
+#[must_use]
+pub fn lattice_at<const D: usize>(lattices: &BTreeMap<i32, Lattice<D>>, frame: f64) -> Lattice<D> {
+    let before = lattices.range(..=frame.floor() as i32).next_back();
+    let after = lattices.range(frame.ceil() as i32..).next();
+    match (before, after) {
+        (Some((&from, low)), Some((&to, high))) if from < to => {
+            low.mixed(high, (frame - f64::from(from)) / f64::from(to - from))
+        }
+        _ => before.or(after).expect("a track has frames").1.clone(),
+    }
+}
+
+type Fault = (String, String, String);
+
+fn fault(key: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Fault {
+    (key.into(), what.into(), hint.into())
+}
+
+fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
+    if raw.pinwarp_lattice != VERSION {
+        let what = format!("the version is {}, this program reads {VERSION}", raw.pinwarp_lattice);
+        return Err(fault("pinwarp_lattice", what, "export it again with this version"));
+    }
+    let positive = [("frame_aspect", raw.frame_aspect), ("rate", raw.rate)];
+    if let Some((key, value)) = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+        return Err(fault(key, format!("is {value}"), "give a number above 0"));
+    }
+    let mut layers: Vec<LatticeTrack> = Vec::with_capacity(raw.layers.len());
+    for (index, layer) in raw.layers.into_iter().enumerate() {
+        let key = format!("layers[{index}]");
+        if layers.iter().any(|other| other.name == layer.name) {
+            return Err(fault(format!("{key}.name"), format!("'{}' is there already", layer.name), "rename one"));
+        }
+        let track = match layer.space {
+            RawSpace::Screen => Track::Screen(lattices(&layer, &key)?),
+            RawSpace::World => Track::World(lattices(&layer, &key)?),
+        };
+        layers.push(LatticeTrack { name: layer.name, track });
+    }
+    if layers.is_empty() {
+        return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
+    }
+    Ok(LatticeFile { frame_aspect: raw.frame_aspect, rate: raw.rate, layers })
+}
+
+fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, Lattice<D>>, Fault> {
+    let dims = <[usize; D]>::try_from(raw.dims.as_slice()).map_err(|_| {
+        fault(format!("{key}.dims"), format!("has {} entries", raw.dims.len()), format!("this space has {D} axes"))
+    })?;
+    if raw.frames.is_empty() {
+        return Err(fault(format!("{key}.frames"), "is empty", "a track needs at least one frame"));
+    }
+    let mut found = BTreeMap::new();
+    for (number, frame) in raw.frames.iter().enumerate() {
+        let key = format!("{key}.frames[{number}]");
+        let corner = |side: usize| point(&frame.bounds[side], || format!("{key}.box[{side}]"));
+        let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)? };
+        grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
+        if frame.handles.len() != grid.handle_count() {
+            let what = format!("{} handles, dims {dims:?} have {}", frame.handles.len(), grid.handle_count());
+            return Err(fault(format!("{key}.handles"), what, "list all, x fastest"));
+        }
+        let handles = frame.handles.iter().enumerate();
+        let handles = handles.map(|(k, handle)| point(handle, || format!("{key}.handles[{k}]")));
+        let lattice = Lattice { grid, handles: handles.collect::<Result<_, _>>()? };
+        if found.insert(frame.frame, lattice).is_some() {
+            return Err(fault(key, format!("frame {} is there already", frame.frame), "remove one of the two"));
+        }
+    }
+    Ok(found)
+}
+
+fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], Fault> {
+    match <[f64; D]>::try_from(values) {
+        Ok(point) if point.iter().all(|x| x.is_finite()) => Ok(point),
+        _ => Err(fault(key(), format!("is {values:?}"), format!("give {D} finite numbers"))),
+    }
+}
+
+fn raw_track<const D: usize>(name: &str, space: RawSpace, lattices: &BTreeMap<i32, Lattice<D>>) -> RawTrack {
+    let frames = lattices.iter().map(|(&frame, lattice)| RawFrame {
+        frame,
+        bounds: [lattice.grid.lo.to_vec(), lattice.grid.hi.to_vec()],
+        handles: lattice.handles.iter().map(|handle| handle.to_vec()).collect(),
+    });
+    let first = lattices.values().next().expect("a track has frames");
+    RawTrack {
+        name: name.to_owned(),
+        space,
+        basis: first.grid.basis,
+        dims: first.grid.dims.to_vec(),
+        frames: frames.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+
+    fn grid<const D: usize>(shift: f64) -> Grid<D> {
+        Grid { dims: [4; D], basis: Basis::Bspline, lo: [shift; D], hi: [1.0 + shift; D] }
+    }
+
+    fn file() -> LatticeFile {
+        let screen = [(1, grid(0.0).at_rest()), (3, grid(0.5).at_rest())].into();
+        let world = [(-2, grid(0.1).at_rest())].into();
+        let track = |name: &str, track| LatticeTrack { name: name.to_owned(), track };
+        let layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];
+        LatticeFile { frame_aspect: 16.0 / 9.0, rate: 24.0, layers }
+    }
+
+    #[test]
+    fn files_come_back_to_the_last_bit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.lattice.json");
+        file().write(&path).expect("written");
+        assert_eq!(LatticeFile::read(&path).expect("read"), file());
+    }
+
+    #[test]
+    fn frames_between_are_mixed_and_ends_hold() {
+        let Track::Screen(lattices) = &file().layers[0].track else { unreachable!() };
+        let at = |frame: f64| lattice_at(lattices, frame);
+        assert!((at(1.5).grid.lo[0] - 0.125).abs() < 1e-15 && (at(2.0).handles[0][0] + 0.75).abs() < 1e-15);
+        assert_eq!((at(-7.0), at(1.0), at(9.5)), (lattices[&1].clone(), lattices[&1].clone(), lattices[&3].clone()));
+    }
+
+    #[test]
+    fn faults_name_file_and_key() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("bad.json");
+        file().write(&path).expect("written");
+        let good = std::fs::read_to_string(&path).expect("read");
+        let changes = [
+            ("\"pinwarp_lattice\":1", "\"pinwarp_lattice\":7", "version"),
+            ("\"dims\":[4,4]", "\"dims\":[4,5]", "layers[0].frames[0].handles: 16 handles"),
+            ("\"dims\":[4,4]", "\"dims\":[4]", "layers[0].dims"),
+            ("\"frame\":3", "\"frame\":1", "frame 1 is there already"),
+            ("\"name\":\"head\"", "\"name\":\"body\"", "layers[1].name"),
+            ("\"box\":[[0.0,0.0]", "\"box\":[[2.0,0.0]", "layers[0].frames[0]"),
+            ("\"rate\"", "\"pace\"", "lattice-json"),
+            ("\"rate\":24.0", "\"rate\":0.0", "rate"),
+        ];
+        for (from, to, wanted) in changes {
+            assert!(good.contains(from), "{from}");
+            std::fs::write(&path, good.replacen(from, to, 1)).expect("written");
+            let error = LatticeFile::read(&path).expect_err("a fault").to_string();
+            assert!(error.contains(wanted) && error.contains("bad.json"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Lattice files as they stand in JSON.
+//!
+//! In: JSON. Out: lists of numbers, not yet compared with each other; see [`super::lattice_file`].
+
+use crate::lattice::Basis;
+use serde::{Deserialize, Serialize};
+
+/// A lattice file.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFile {
+    /// Version of the format.
+    pub(super) pinwarp_lattice: u32,
+    /// Width of the frame in frame heights.
+    pub(super) frame_aspect: f64,
+    /// Frames a second.
+    pub(super) rate: f64,
+    /// One a layer.
+    pub(super) layers: Vec<RawTrack>,
+}
+
+/// The lattices of a layer.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTrack {
+    /// Name of the layer.
+    pub(super) name: String,
+    /// What the coordinates are.
+    pub(super) space: RawSpace,
+    /// How handles are blended.
+    pub(super) basis: Basis,
+    /// Handles an axis: two on the screen, three in the world.
+    pub(super) dims: Vec<usize>,
+    /// Frames, increasing.
+    pub(super) frames: Vec<RawFrame>,
+}
+
+/// What the coordinates are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RawSpace {
+    /// Frame heights, x right, y up, from the lower left corner of the display window.
+    Screen,
+    /// Scene units, as in glTF: y up.
+    World,
+}
+
+/// The lattice of a frame.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFrame {
+    /// Frame number.
+    pub(super) frame: i32,
+    /// Lower and upper corner of the rest box.
+    #[serde(rename = "box")]
+    pub(super) bounds: [Vec<f64>; 2],
+    /// Moved handles, x fastest.
+    pub(super) handles: Vec<Vec<f64>>,
+}

@@ -1,0 +1,120 @@
+//! Lattices that were solved for another shot: loaded once, laid over a layer in every frame; and the way out again.
+//!
+//! In: lattice files that layers name; or a [`Setup`] and frames. Out: layer states; or a [`LatticeFile`].
+
+use super::{LayerState, Moment, PipelineError, Setup};
+use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
+use crate::lattice::{Fit, Lattice};
+use crate::shot::{Layer, Shot, Transfer, TransferFit};
+use crate::solve::{Solution, SolveReport};
+use crate::space::ScreenPoint;
+use crate::spelling;
+use std::collections::BTreeMap;
+
+/// A lattice that was turned by its landmarks is told when it is farther off than this, pixels.
+const TURNED_TOLERANCE_PX: f64 = 0.1;
+
+/// The lattices of a file, in frames of the shot that shows them.
+#[derive(Clone, Debug)]
+pub(super) struct Loaded {
+    lattices: BTreeMap<i32, Lattice<2>>,
+}
+
+/// Loads what the layers name: one a layer.
+pub(super) fn load(shot: &Shot, notes: &mut Vec<String>) -> Result<Vec<Option<Loaded>>, PipelineError> {
+    let mut loaded = Vec::with_capacity(shot.layers.len());
+    for (index, layer) in shot.layers.iter().enumerate() {
+        loaded.push(match &layer.transfer {
+            Some(transfer) => Some(load_one(shot, index, transfer, notes)?),
+            None => None,
+        });
+    }
+    Ok(loaded)
+}
+
+fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<String>) -> Result<Loaded, PipelineError> {
+    let mut file = LatticeFile::read(&transfer.file)?;
+    let key = format!("layer[{index}].transfer");
+    let names: Vec<String> = file.layers.iter().map(|layer| layer.name.clone()).collect();
+    let place = match &transfer.layer {
+        Some(name) => names.iter().position(|other| other == name).ok_or_else(|| {
+            let what = format!("{} has no layer '{name}'", transfer.file.display());
+            let hint = spelling::hint(name, names.iter().map(String::as_str));
+            PipelineError::mismatch(shot, &format!("{key}.layer"), what, hint)
+        })?,
+        None if names.len() == 1 => 0,
+        None => {
+            let what = format!("{} has {} layers", transfer.file.display(), names.len());
+            let hint = format!("add `layer = ..`; {}", spelling::list(names.iter().map(String::as_str)));
+            return Err(PipelineError::mismatch(shot, &key, what, hint));
+        }
+    };
+    let Track::Screen(lattices) = file.layers.swap_remove(place).track else {
+        let what = format!("'{}' is a lattice of the world, this layer is warped on the screen", names[place]);
+        return Err(PipelineError::mismatch(shot, &key, what, "take a layer that was solved on the screen"));
+    };
+    let shift = match (transfer.start, lattices.keys().next()) {
+        (Some(start), Some(first)) => start - first,
+        _ => 0,
+    };
+    let lattices: BTreeMap<_, _> = lattices.into_iter().map(|(frame, lattice)| (frame + shift, lattice)).collect();
+    if let (Some((&first, _)), Some((&last, _))) = (lattices.first_key_value(), lattices.last_key_value())
+        && (first > shot.frames.first || last < shot.frames.last)
+    {
+        let name = &shot.layers[index].name;
+        notes.push(format!("layer '{name}': its lattices cover frames {first} to {last}; beyond them the ends hold"));
+    }
+    Ok(Loaded { lattices })
+}
+
+impl Setup {
+    /// The layer's lattice at a moment, from its file.
+    pub(super) fn transferred(&self, moment: &Moment, (index, layer): (usize, &Layer), from: &Loaded) -> LayerState {
+        let source = lattice_at(&from.lattices, self.key_frame(layer, moment.frame));
+        let fit = match layer.transfer.as_ref().map(|transfer| &transfer.fit) {
+            Some(TransferFit::AsIs) => Fit::AsIs,
+            Some(TransferFit::Landmarks(pairs)) => Fit::Landmarks(pairs.clone()),
+            Some(TransferFit::Box) | None => match self.lattice_box(moment, index, layer) {
+                Some(target) => Fit::Box(target),
+                None => return LayerState::default(),
+            },
+        };
+        let fitted = source.transferred(&fit);
+        let lattice = fitted.lattice.with_strength(layer.strength);
+        let mut report = SolveReport { is_converged: true, ..SolveReport::default() };
+        report.folded_cells = lattice.folded_cells().len();
+        let determinant = |at: &[f64; 2]| lattice.jacobian(ScreenPoint::new(at[0], at[1])).determinant();
+        report.least_det = lattice.grid.rest_handles().iter().map(determinant).fold(f64::INFINITY, f64::min);
+        let error_px = fitted.error * f64::from(self.shot.size.height);
+        if error_px > TURNED_TOLERANCE_PX {
+            let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
+            report.warnings.push(text);
+        }
+        LayerState { solution: Some(Solution { lattice, report }), pins: Vec::new() }
+    }
+}
+
+/// The solved lattices of some frames, for other shots and programs; layers that are never warped are left out.
+///
+/// # Errors
+/// [`PipelineError::Solve`] where a layer cannot be solved; where no layer is warped at all, a mismatch.
+pub fn lattices(setup: &Setup, frames: &[i32], mut tell: impl FnMut(i32)) -> Result<LatticeFile, PipelineError> {
+    let shot = &setup.shot;
+    let mut tracks: Vec<BTreeMap<i32, Lattice<2>>> = vec![BTreeMap::new(); shot.layers.len()];
+    for &frame in frames {
+        let moment = setup.exposed(frame)?;
+        for (track, state) in tracks.iter_mut().zip(&moment.layers) {
+            track.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
+        }
+        tell(frame);
+    }
+    let solved = shot.layers.iter().zip(tracks).filter(|(_, lattices)| !lattices.is_empty());
+    let layers: Vec<LatticeTrack> = solved
+        .map(|(layer, lattices)| LatticeTrack { name: layer.name.clone(), track: Track::Screen(lattices) })
+        .collect();
+    if layers.is_empty() {
+        let what = "no layer is warped in these frames: there is nothing to export";
+        return Err(PipelineError::mismatch(shot, "layer", what, "add pins, or choose other frames"));
+    }
+    Ok(LatticeFile { frame_aspect: shot.size.aspect(), rate: shot.frames.rate, layers })
+}
