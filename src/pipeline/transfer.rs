@@ -7,7 +7,6 @@ use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
 use crate::lattice::{Fit, Lattice};
 use crate::shot::{Layer, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
-use crate::space::ScreenPoint;
 use crate::spelling;
 use std::collections::BTreeMap;
 
@@ -82,9 +81,9 @@ impl Setup {
         let fitted = source.transferred(&fit);
         let lattice = fitted.lattice.with_strength(layer.strength);
         let mut report = SolveReport { is_converged: true, ..SolveReport::default() };
-        report.folded_cells = lattice.folded_cells().len();
-        let determinant = |at: &[f64; 2]| lattice.jacobian(ScreenPoint::new(at[0], at[1])).determinant();
-        report.least_det = lattice.grid.rest_handles().iter().map(determinant).fold(f64::INFINITY, f64::min);
+        let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+        report.folded_cells = folds.cells.len();
+        (report.least_cell_det, report.least_det) = (folds.least_det, folds.least_det);
         let error_px = fitted.error * f64::from(self.shot.size.height);
         if error_px > TURNED_TOLERANCE_PX {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
