@@ -3,6 +3,7 @@
 //! In: a rest box, dims, a basis and moved handles. Out: weights, gradients, warped points.
 
 mod axis;
+mod display;
 mod error;
 mod fit;
 mod folds;
@@ -12,6 +13,7 @@ mod patch;
 mod transfer;
 
 pub use axis::{AxisTerms, MAX_HANDLES};
+pub use display::DisplayWarp;
 pub use error::LatticeError;
 pub use fit::Fitted;
 pub use folds::Folds;

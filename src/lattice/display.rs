@@ -1,0 +1,232 @@
+//! The forward deformation of many points in single precision, for display.
+//!
+//! In: a lattice of the screen and points. Out: warped points, within 1e-6 of the box of [`Lattice::warp`]'s. Handles
+//! count as displacements, so that precision is spent on what moves.
+
+use super::{Basis, Lattice, MAX_HANDLES};
+use crate::space::ScreenPoint;
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Points a task takes.
+const CHUNK: usize = 1 << 13;
+/// Floats of a vector register; rows of handles are padded to it.
+const LANES: usize = 8;
+/// Floats of the longest row.
+const LONGEST: usize = 2 * MAX_HANDLES;
+
+/// A lattice made ready to warp many points.
+///
+/// ```
+/// use pinwarp::lattice::{Basis, DisplayWarp, Grid};
+/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+/// lattice.handles.iter_mut().for_each(|handle| handle[1] += 0.25);
+/// let mut points = [[0.5_f32, 0.5], [3.0, -1.0]];
+/// DisplayWarp::new(&lattice).warp(&mut points);
+/// assert_eq!(points, [[0.5, 0.75], [3.0, -0.75]]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct DisplayWarp {
+    lattice: Lattice<2>,
+    lo: [f32; 2],
+    inverse_size: [f32; 2],
+    /// Displacements x0 y0 x1 y1 ... of a row of handles, padded with zeros; rows from the bottom.
+    rows: Vec<f32>,
+    /// Floats of a row.
+    stride: usize,
+    /// C(n − 1, i) of both axes.
+    binomials: [Vec<f32>; 2],
+}
+
+/// The functions of an axis that act: the first handle and the values.
+struct Values<const N: usize> {
+    first: usize,
+    values: [f32; N],
+}
+
+impl DisplayWarp {
+    /// Prepares a lattice.
+    #[must_use]
+    pub fn new(lattice: &Lattice<2>) -> Self {
+        let grid = &lattice.grid;
+        // Four handles are read at once wherever a local row begins.
+        let stride = (2 * grid.dims[0]).next_multiple_of(LANES) + LANES;
+        let mut rows = vec![0.0; stride * grid.dims[1]];
+        let pairs = lattice.handles.iter().zip(grid.rest_handles());
+        for (index, (moved, rest)) in pairs.enumerate() {
+            let [column, row] = grid.place(index);
+            (0..2).for_each(|d| rows[row * stride + 2 * column + d] = (moved[d] - rest[d]) as f32);
+        }
+        Self {
+            lo: grid.lo.map(|x| x as f32),
+            inverse_size: [0, 1].map(|axis| (1.0 / grid.size(axis)) as f32),
+            rows,
+            stride,
+            binomials: grid.dims.map(binomials),
+            lattice: lattice.clone(),
+        }
+    }
+
+    /// Warps points in place, on all threads.
+    pub fn warp(&self, points: &mut [[f32; 2]]) {
+        points.par_chunks_mut(CHUNK).for_each(|chunk| dispatch(Kernel { warp: self, points: chunk }));
+    }
+
+    #[inline(always)]
+    fn warp_chunk(&self, points: &mut [[f32; 2]]) {
+        match self.lattice.grid.basis {
+            Basis::Bspline => points.iter_mut().for_each(|point| self.warp_local(point, cubic)),
+            Basis::Bilinear => points.iter_mut().for_each(|point| self.warp_local(point, hat)),
+            Basis::Bernstein => points.iter_mut().for_each(|point| self.warp_dense(point)),
+            Basis::Barytri => points.iter_mut().for_each(|point| {
+                let warped = self.lattice.warp(ScreenPoint::new(point[0].into(), point[1].into()));
+                *point = warped.0.as_vec2().to_array();
+            }),
+        }
+    }
+
+    /// Place in the box, 0 to 1.
+    #[inline(always)]
+    fn unit(&self, point: [f32; 2], axis: usize) -> f32 {
+        ((point[axis] - self.lo[axis]) * self.inverse_size[axis]).clamp(0.0, 1.0)
+    }
+
+    /// Four handles an axis.
+    #[inline(always)]
+    fn warp_local(&self, point: &mut [f32; 2], values: impl Fn(usize, f32) -> Values<4>) {
+        let [nx, ny] = self.lattice.grid.dims;
+        let (x, y) = (values(nx, self.unit(*point, 0)), values(ny, self.unit(*point, 1)));
+        let mut sums = [0.0; LANES];
+        for (row, weight) in y.values.iter().enumerate() {
+            // Hat functions have two values; the others are zero, and so may lie beyond the last row.
+            let start = (y.first + row).min(ny - 1) * self.stride + 2 * x.first;
+            let handles = &self.rows[start..start + LANES];
+            (0..LANES).for_each(|k| sums[k] += weight * handles[k]);
+        }
+        for (column, weight) in x.values.iter().enumerate() {
+            point[0] += weight * sums[2 * column];
+            point[1] += weight * sums[2 * column + 1];
+        }
+    }
+
+    /// All handles.
+    #[inline(always)]
+    fn warp_dense(&self, point: &mut [f32; 2]) {
+        let [nx, ny] = self.lattice.grid.dims;
+        let (mut x, mut y) = ([0.0; MAX_HANDLES], [0.0; MAX_HANDLES]);
+        bernstein(&self.binomials[0], self.unit(*point, 0), &mut x[..nx]);
+        bernstein(&self.binomials[1], self.unit(*point, 1), &mut y[..ny]);
+        let mut sums = [0.0; LONGEST];
+        let width = self.stride - LANES;
+        for (row, weight) in self.rows.chunks_exact(self.stride).zip(&y[..ny]) {
+            let packs = sums[..width].as_chunks_mut::<LANES>().0.iter_mut().zip(row.as_chunks::<LANES>().0);
+            packs.for_each(|(sum, handles)| (0..LANES).for_each(|k| sum[k] += weight * handles[k]));
+        }
+        for (column, weight) in x[..nx].iter().enumerate() {
+            point[0] += weight * sums[2 * column];
+            point[1] += weight * sums[2 * column + 1];
+        }
+    }
+}
+
+/// Kernel of [`DisplayWarp::warp`].
+struct Kernel<'a> {
+    warp: &'a DisplayWarp,
+    points: &'a mut [[f32; 2]],
+}
+
+impl WithSimd for Kernel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.warp.warp_chunk(self.points);
+    }
+}
+
+/// Runs a kernel with the widest registers of eight floats that the processor has.
+fn dispatch(kernel: Kernel) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(simd, kernel);
+    }
+    Simd::vectorize(pulp::Scalar, kernel);
+}
+
+/// Cell and place within it.
+#[inline(always)]
+fn cell(spans: usize, t: f32) -> (usize, f32) {
+    let x = t * spans as f32;
+    let cell = (x as usize).min(spans - 1);
+    (cell, x - cell as f32)
+}
+
+/// Uniform cubic B-spline.
+#[inline(always)]
+fn cubic(count: usize, t: f32) -> Values<4> {
+    let (first, u) = cell(count - 3, t);
+    let v = 1.0 - u;
+    let values = [
+        v * v * v / 6.0,
+        (u * u * (3.0 * u - 6.0) + 4.0) / 6.0,
+        (v * v * (3.0 * v - 6.0) + 4.0) / 6.0,
+        u * u * u / 6.0,
+    ];
+    Values { first, values }
+}
+
+/// Hat functions.
+#[inline(always)]
+fn hat(count: usize, t: f32) -> Values<4> {
+    let (first, u) = cell(count - 1, t);
+    Values { first, values: [1.0 - u, u, 0.0, 0.0] }
+}
+
+fn binomials(count: usize) -> Vec<f32> {
+    let mut row = vec![1.0_f64];
+    for _ in 1..count {
+        row = (0..=row.len()).map(|i| row.get(i).unwrap_or(&0.0) + if i > 0 { row[i - 1] } else { 0.0 }).collect();
+    }
+    row.into_iter().map(|x| x as f32).collect()
+}
+
+/// Bernstein polynomials: powers of t upwards, of 1 − t downwards.
+#[inline(always)]
+fn bernstein(binomials: &[f32], t: f32, values: &mut [f32]) {
+    let mut power = 1.0;
+    for (value, binomial) in values.iter_mut().zip(binomials) {
+        *value = binomial * power;
+        power *= t;
+    }
+    power = 1.0;
+    for value in values.iter_mut().rev() {
+        *value *= power;
+        power *= 1.0 - t;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Grid;
+
+    #[test]
+    fn display_is_the_warp_in_single_precision() {
+        let bases = [Basis::Bernstein, Basis::Bspline, Basis::Bilinear, Basis::Barytri];
+        for (basis, dims) in bases.into_iter().flat_map(|basis| [[4, 5], [15, 15], [64, 9]].map(|dims| (basis, dims))) {
+            let mut lattice = Grid { dims, basis, lo: [-0.4, 0.1], hi: [1.3, 0.9] }.at_rest();
+            for (k, handle) in lattice.handles.iter_mut().enumerate() {
+                *handle = [handle[0] + 0.1 * (k as f64).sin(), handle[1] + 0.1 * (1.3 * k as f64).cos()];
+            }
+            let place = |k: usize| [-0.6 + 0.041 * (k % 50) as f32, -0.1 + 0.031 * (k / 50) as f32];
+            let mut points: Vec<[f32; 2]> = (0..2000).map(place).collect();
+            DisplayWarp::new(&lattice).warp(&mut points);
+            for (k, found) in points.iter().enumerate() {
+                let [x, y] = place(k).map(f64::from);
+                let wanted = lattice.warp(ScreenPoint::new(x, y)).0;
+                let gap = (wanted.as_vec2() - glam::Vec2::from(*found)).length();
+                assert!(gap < 2e-6, "{basis:?} {dims:?} at {x}, {y}: {gap:e}");
+            }
+        }
+    }
+}
