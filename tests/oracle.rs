@@ -140,3 +140,25 @@ fn basis_values() {
         }
     }
 }
+
+#[test]
+fn measures_of_two_triangles() {
+    let Some(text) = case("units.json") else { return };
+    let unit = &json(&text)["measures"];
+    let target = unit["Vd"].as_array().expect("a list").iter();
+    let handles: Vec<Value> =
+        target.enumerate().map(|(index, target)| serde_json::json!({ "index": index, "target": target })).collect();
+    // Handles of bilinear cells are the corners of the square: moving all four moves the mesh.
+    let problem = serde_json::json!({
+        "dims": [2, 2], "bbox": [[0, 0], [1, 1]], "basis": "bilinear", "form": "edge", "regulariser": "gr", "iterations": 1,
+        "lambdas": { "ml": 0, "gp": 1 }, "vertices": unit["V"], "triangles": unit["F"], "handles": handles,
+    });
+    let result = run_text(&problem.to_string()).expect("a valid problem");
+    let found = serde_json::to_value(result.measures).expect("numbers");
+    let known: Vec<(&String, &Value)> = found.as_object().expect("keys").iter().collect();
+    assert_eq!(known.iter().filter(|(key, _)| unit.get(key.as_str()).is_some()).count(), 14);
+    for (key, found) in known {
+        let (found, wanted) = (found.as_f64().expect("a number"), unit[key].as_f64().expect("the same keys"));
+        assert!((found - wanted).abs() < 1e-12, "{key} is {found}, not {wanted}");
+    }
+}

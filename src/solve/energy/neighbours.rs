@@ -102,6 +102,32 @@ mod tests {
     }
 
     #[test]
+    fn weights_are_those_of_the_reference() {
+        let shared = std::env::var_os("PINWARP_SHARED")
+            .unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared").into());
+        let Ok(text) = std::fs::read_to_string(std::path::Path::new(&shared).join("oracle/units.json")) else {
+            eprintln!("SKIPPED: the reference units are not there; set PINWARP_SHARED");
+            return;
+        };
+        let units: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let read = |key: &str| units["laplacian"][key].clone();
+        let shape = Shape::<2>::of_triangles(
+            serde_json::from_value(read("vertices")).expect("points"),
+            serde_json::from_value(read("triangles")).expect("triangles"),
+        );
+        for (key, weights) in [("uniform", EdgeWeights::Uniform), ("cot", EdgeWeights::Cot)] {
+            let edges = half_edges(&shape, weights);
+            let wanted: Vec<serde_json::Value> = serde_json::from_value(read(key)).expect("a list");
+            for entry in &wanted {
+                let index = |key: &str| entry[key].as_u64().expect("an index") as usize;
+                let found = edges.of(index("i")).iter().find(|(j, _)| *j == index("j")).expect("an edge").1;
+                assert!((found - entry["w"].as_f64().expect("a number")).abs() < 1e-12, "{key}: {entry} {found}");
+            }
+            assert_eq!((0..5).map(|i| edges.of(i).len()).sum::<usize>(), wanted.len());
+        }
+    }
+
+    #[test]
     fn cotangents_see_right_angles_as_nothing() {
         let edges = half_edges(&triangle_pair(), EdgeWeights::Cot);
         for (&(j, weight), wanted) in edges.of(1).iter().zip([(0, 0.5), (2, 0.0), (3, 0.5)]) {
