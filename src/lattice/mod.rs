@@ -10,6 +10,7 @@ mod folds;
 mod forward;
 mod grid;
 mod patch;
+mod placed;
 mod transfer;
 
 pub use axis::{AxisTerms, MAX_HANDLES};
@@ -19,6 +20,7 @@ pub use fit::Fitted;
 pub use folds::Folds;
 pub use forward::Carried;
 pub use grid::Term;
+pub use placed::{BoxFrame, SceneLattice};
 pub use transfer::Fit;
 
 use crate::space::ScreenBox;

@@ -59,10 +59,17 @@ impl Pinned {
                 if w <= 0.0 {
                     return Rest { point: ScreenPoint::default(), presence: 0.0 };
                 }
-                let t = presence(depth, camera).clamp(0.0, 1.0);
-                Rest { point: ScreenPoint(h / w), presence: t * t * (3.0 - 2.0 * t) }
+                Rest { point: ScreenPoint(h / w), presence: presence(depth, camera) }
             }
         }
+    }
+
+    /// The pinned point of a pose in scene space, metres; `None` for a point of the screen.
+    #[must_use]
+    pub fn in_scene(&self, pose: &Pose) -> Option<DVec3> {
+        let Self::Surface { part, corners, barycentric } = *self else { return None };
+        let place = |corner: usize| pose.parts[part].positions[corners[corner] as usize].0.as_dvec3();
+        Some((0..3).map(|corner| place(corner) * barycentric[corner]).sum())
     }
 
     /// A pick as a pinned point.
@@ -73,14 +80,15 @@ impl Pinned {
     }
 }
 
-/// 1 and more where a depth is well behind the near plane, 0 and less in front of it. Nothing on the screen grows
-/// without end at the near plane of a parallel camera, so nothing fades there.
-fn presence(depth: f64, camera: &Camera) -> f64 {
+/// 1 where a depth is well behind the near plane, 0 in front of it. Nothing on the screen grows without end at the
+/// near plane of a parallel camera, so nothing fades there.
+pub(super) fn presence(depth: f64, camera: &Camera) -> f64 {
     let near = camera.near();
     if camera.is_parallel() {
         return if depth >= near { 1.0 } else { 0.0 };
     }
-    (depth / near - 1.0) / (FADE_STARTS_AT - 1.0)
+    let t = ((depth / near - 1.0) / (FADE_STARTS_AT - 1.0)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 /// Finds the triangle of a surface anchor; a note where its stored rest position does not fit any more.

@@ -1,10 +1,11 @@
-//! Which layer claims which part of the scene.
+//! Which layer claims which part of the scene, and which node carries what a layer claims.
 //!
 //! In: the layers' node patterns and the posed parts. Out: a layer a part; overlaps and empty claims are errors.
 
 use super::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::Scene;
+use crate::screen::primitive;
 use crate::shot::Shot;
 use crate::spelling;
 use std::collections::BTreeSet;
@@ -45,6 +46,33 @@ fn nodes_of(shot: &Shot, index: usize, scene: &Scene) -> Result<BTreeSet<usize>,
         nodes.extend(matched.into_iter().flat_map(|node| scene.subtree(node)));
     }
     Ok(nodes)
+}
+
+/// The deepest node whose subtree holds everything that places a layer's parts: their nodes, and the joints of those
+/// that are skinned. `None` where they have no common root.
+pub(super) fn carrier(scene: &Scene, parts: &[PosedPart], claimed: &[usize]) -> Option<usize> {
+    let placers = |&part: &usize| {
+        let PosedPart { node, .. } = parts[part];
+        let is_skinned = !primitive(scene, &parts[part]).influences.is_empty();
+        match scene.nodes[node].skin {
+            Some(skin) if is_skinned => scene.skins[skin].joints.clone(),
+            _ => vec![node],
+        }
+    };
+    let paths = claimed.iter().flat_map(placers).map(|node| path_from_root(scene, node));
+    let shared = paths.reduce(|mut one, other| {
+        let count = one.iter().zip(&other).take_while(|(a, b)| a == b).count();
+        one.truncate(count);
+        one
+    });
+    shared?.last().copied()
+}
+
+/// The ancestors of a node, the root first, and itself.
+fn path_from_root(scene: &Scene, node: usize) -> Vec<usize> {
+    let mut path: Vec<usize> = std::iter::successors(Some(node), |&node| scene.nodes[node].parent).collect();
+    path.reverse();
+    path
 }
 
 /// Two layers want the same part.

@@ -1,30 +1,34 @@
 //! The scene at one time: posed, projected, and every layer solved.
 //!
-//! In: a [`Setup`] and a (fractional) frame. Out: a [`Moment`].
+//! In: a [`Setup`] and a (fractional) frame. Out: a [`Moment`]: world layers first, because they move what is projected.
 
+use super::follow::{FollowWindow, thickened};
 use super::passes::mid_shutter;
-use super::{PipelineError, Setup};
+use super::{PipelineError, Setup, WorldSolution};
 use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
-use crate::screen::{Camera, Extent, FollowWindow, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets};
-use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, Solver};
+use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
+use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation};
+use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, SolveReport, Solver};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 use glam::DVec2;
 
 /// A pin that fades has ten to this power of its weight at the end.
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
 
+/// A lattice box is never thinner than this, in frame heights.
+const MIN_SIDE: f64 = 0.01;
+
 /// The scene at one time.
 #[derive(Clone, Debug)]
 pub struct Moment {
     /// The (fractional) frame.
     pub frame: f64,
-    /// The pose.
+    /// The pose, moved by the world layers.
     pub pose: Pose,
     /// The camera.
     pub camera: Camera,
-    /// The pose on the screen, unwarped.
+    /// The pose on the screen, before the layers of the screen warp it.
     pub mesh: ScreenMesh,
     /// One a layer of the shot.
     pub layers: Vec<LayerState>,
@@ -33,8 +37,10 @@ pub struct Moment {
 /// A layer at one time.
 #[derive(Clone, Debug, Default)]
 pub struct LayerState {
-    /// The solved lattice; `None` where the layer is out of sight or has neither handles nor pins that act.
+    /// The solved lattice of a screen layer; `None` where it is out of sight or has neither handles nor pins that act.
     pub solution: Option<Solution<2>>,
+    /// The solved lattice of a world layer; `None` where it has neither handles nor pins that act.
+    pub world: Option<WorldSolution>,
     /// One a pin that acts.
     pub pins: Vec<PinState>,
 }
@@ -50,6 +56,17 @@ pub struct PinState {
     pub target: ScreenPoint,
     /// 1, or less where it fades near the camera.
     pub presence: f64,
+    /// The camera sees both places; where it does not, they say nothing (pins of world layers act there, too).
+    pub is_in_view: bool,
+}
+
+impl LayerState {
+    /// How good its solve is; `None` where the layer is not warped.
+    #[must_use]
+    pub fn report(&self) -> Option<&SolveReport> {
+        let world = self.world.as_ref().map(|world| &world.report);
+        self.solution.as_ref().map(|solution| &solution.report).or(world)
+    }
 }
 
 impl Moment {
@@ -66,27 +83,36 @@ impl Setup {
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
     pub(super) fn compute(&self, frame: f64) -> Result<Moment, PipelineError> {
-        let (pose, camera) = self.view(frame);
+        let (mut pose, camera) = self.view(frame);
+        let layers = self.solve_worlds(frame, &pose, &camera)?;
+        self.move_meshes(&mut pose, &layers);
         let mesh = crate::screen::project(&pose, &camera);
-        let mut moment = Moment { frame, pose, camera, mesh, layers: Vec::new() };
+        let mut moment = Moment { frame, pose, camera, mesh, layers };
         for (index, layer) in self.shot.layers.iter().enumerate() {
-            let state = self.solve_layer(&moment, index, layer)?;
-            moment.layers.push(state);
+            if let LayerSpace::Screen { dims, bounds } = layer.space {
+                moment.layers[index] = self.solve_layer(&moment, index, (dims, bounds))?;
+            }
         }
         Ok(moment)
     }
 
-    fn solve_layer(&self, moment: &Moment, index: usize, layer: &Layer) -> Result<LayerState, PipelineError> {
+    fn solve_layer(
+        &self,
+        moment: &Moment,
+        index: usize,
+        (dims, bounds): ([usize; 2], BoxRule),
+    ) -> Result<LayerState, PipelineError> {
+        let layer = &self.shot.layers[index];
         if let Some(loaded) = &self.loaded[index] {
-            return Ok(self.transferred(moment, (index, layer), loaded));
+            return Ok(self.transferred(moment, (index, bounds), loaded));
         }
         if layer.pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
-        let Some(rest_box) = self.lattice_box(moment, index, layer) else {
+        let Some(rest_box) = self.lattice_box(moment, index, bounds) else {
             return Ok(LayerState::default());
         };
-        let grid = Grid::over(rest_box, layer.dims, layer.basis);
+        let grid = Grid::over(rest_box, dims, layer.basis);
         let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
         let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
         let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
@@ -94,9 +120,9 @@ impl Setup {
         if pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
-        let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 2])| {
-            let index = track.index[0] + layer.dims[0] * track.index[1];
-            let moved = DVec2::from_array(rest_handles[index]) + DVec2::from_array(*offset) * rest_box.size();
+        let handle = |(track, &[x, y, _]): (&crate::shot::HandleTrack, &[f64; 3])| {
+            let index = track.index[0] + dims[0] * track.index[1];
+            let moved = DVec2::from_array(rest_handles[index]) + DVec2::new(x, y) * rest_box.size();
             HandlePin { index, target: moved.to_array() }
         };
         let handles: Vec<_> = layer.handles.iter().zip(&targets.handles).map(handle).collect();
@@ -110,9 +136,10 @@ impl Setup {
         })?;
         let mut solution = solver.solve();
         if handles.is_empty() && presence < 1.0 {
-            fade(&mut solution, (&solver, &pins), presence);
+            let targets: Vec<_> = points.iter().map(|pin| [pin.at, pin.target]).collect();
+            fade(&mut solution, (&solver, &targets), presence);
         }
-        Ok(LayerState { solution: Some(solution), pins })
+        Ok(LayerState { solution: Some(solution), pins, world: None })
     }
 
     /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
@@ -142,18 +169,23 @@ impl Setup {
                     OffsetUnit::Box => rest.point + ScreenVector(offset.0 * rest_box.size()),
                 },
                 Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
+                // Those are of world layers; on the screen the checks refuse them.
+                Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
             };
             let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
-                let (sin, cos) = target.rotation.unwrap_or(0.0).sin_cos();
+                let angle = match target.rotation {
+                    Some(Rotation::InView(angle)) => angle,
+                    _ => 0.0,
+                };
+                let (sin, cos) = angle.sin_cos();
                 let scale = target.log_scale.unwrap_or(0.0).exp();
                 [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
             });
-            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence });
+            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence, is_in_view: true });
             points.push(PointPin {
                 at: rest.point.0.to_array(),
                 target: goal.0.to_array(),
-                // In powers of ten, down to where the shape holds the pin and not the pin the shape.
-                weight: 10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - rest.presence)),
+                weight: faded_weight(rest.presence),
                 gradient,
                 region: None,
             });
@@ -192,17 +224,18 @@ impl Setup {
     }
 
     /// The rest box of a layer's lattice; `None` where nothing of the layer is in reach.
-    pub(super) fn lattice_box(&self, moment: &Moment, index: usize, layer: &Layer) -> Option<ScreenBox> {
-        match layer.bounds {
+    pub(super) fn lattice_box(&self, moment: &Moment, index: usize, rule: BoxRule) -> Option<ScreenBox> {
+        match rule {
             BoxRule::Fixed(fixed) => Some(fixed),
             BoxRule::Frame => {
                 Some(ScreenBox::new(ScreenPoint::default(), ScreenPoint::new(self.shot.size.aspect(), 1.0)))
             }
             BoxRule::Follow => {
-                let now = self.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera);
+                let now = self.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).map(corners);
                 let window = FollowWindow::new(moment.frame);
                 let neighbours: Vec<_> = window.frames().map(|frame| (frame, self.bounds_at(index, frame))).collect();
-                window.smooth(&neighbours, now)
+                let [min, max] = thickened(window.smooth(&neighbours, now)?, MIN_SIDE);
+                Some(ScreenBox::new(ScreenPoint(min.into()), ScreenPoint(max.into())))
             }
         }
     }
@@ -214,15 +247,33 @@ impl Setup {
     }
 }
 
+/// Weight of a pin that fades: in powers of ten, down to where the shape holds the pin and not the pin the shape.
+pub(super) fn faded_weight(presence: f64) -> f64 {
+    10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - presence))
+}
+
+/// Lower left and upper right corner.
+pub(super) fn corners(bounds: ScreenBox) -> [[f64; 2]; 2] {
+    [bounds.min.0.to_array(), bounds.max.0.to_array()]
+}
+
 /// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
-/// before. The report tells what is left of the warp.
-fn fade(solution: &mut Solution<2>, (solver, pins): (&Solver<2>, &[PinState]), presence: f64) {
+/// before. The report tells what is left of the warp; `pins` are rest points and targets.
+pub(super) fn fade<const D: usize>(
+    solution: &mut Solution<D>,
+    (solver, pins): (&Solver<D>, &[[[f64; D]; 2]]),
+    presence: f64,
+) {
     let Solution { lattice, report } = solution;
     let rest = lattice.grid.rest_handles();
     for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
-        *handle = DVec2::from(rest).lerp(DVec2::from(*handle), presence).to_array();
+        *handle = std::array::from_fn(|axis| rest[axis] + (handle[axis] - rest[axis]) * presence);
     }
-    report.pin_errors = pins.iter().map(|pin| (lattice.warp(pin.rest) - pin.target).0.length()).collect();
+    let off_by = |[at, target]: &[[f64; D]; 2]| {
+        let image = lattice.displace(*at);
+        (0..D).map(|axis| (image[axis] - target[axis]).powi(2)).sum::<f64>().sqrt()
+    };
+    report.pin_errors = pins.iter().map(off_by).collect();
     let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
     let miss = |(pin, &distance): (usize, &f64)| PinMiss { pin, distance, reason: MissReason::Fading };
     report.pin_misses = off.map(miss).collect();

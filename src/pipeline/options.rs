@@ -89,6 +89,9 @@ pub struct LayerReport {
     pub layer: String,
     /// Greatest distance of a pin from its target, pixels.
     pub pin_error_px: f64,
+    /// The same in scene space, metres; world layers only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pin_error_metres: Option<f64>,
     /// The solver's own report.
     pub solve: SolveReport,
 }

@@ -2,11 +2,12 @@
 //!
 //! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
-use super::{Moment, PinState, Setup};
+use super::{LayerState, Moment, PinState, Setup};
 use crate::image::{Canvas, Preview, Rgba8};
-use crate::lattice::{Basis, ScreenLattice};
+use crate::lattice::{Basis, SceneLattice, ScreenLattice};
+use crate::screen::Camera;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Line pieces a span.
 const PIECES: usize = 8;
@@ -22,13 +23,27 @@ const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
     frame: FrameSize,
+    camera: Camera,
     layers: Vec<LayerPicture>,
 }
 
 #[derive(Clone, Debug)]
 struct LayerPicture {
-    lattice: ScreenLattice,
+    lattice: SolvedLattice,
     pins: Vec<(PinState, String)>,
+}
+
+#[derive(Clone, Debug)]
+enum SolvedLattice {
+    Screen(ScreenLattice),
+    World(SceneLattice),
+}
+
+impl SolvedLattice {
+    fn of(state: &LayerState) -> Option<Self> {
+        let screen = state.solution.as_ref().map(|solution| Self::Screen(solution.lattice.clone()));
+        screen.or_else(|| state.world.as_ref().map(|world| Self::World(world.lattice.clone())))
+    }
 }
 
 impl Picture {
@@ -36,11 +51,12 @@ impl Picture {
     #[must_use]
     pub(super) fn of(setup: &Setup, moment: &Moment) -> Self {
         let layers = setup.shot.layers.iter().zip(&moment.layers).filter_map(|(layer, state)| {
-            let lattice = state.solution.as_ref()?.lattice.clone();
+            let lattice = SolvedLattice::of(state)?;
             let named = |pin: &PinState| (*pin, layer.pins[pin.pin].name.clone());
-            Some(LayerPicture { lattice, pins: state.pins.iter().map(named).collect() })
+            let seen = state.pins.iter().filter(|pin| pin.is_in_view);
+            Some(LayerPicture { lattice, pins: seen.map(named).collect() })
         });
-        Self { frame: setup.shot.size, layers: layers.collect() }
+        Self { frame: setup.shot.size, camera: moment.camera, layers: layers.collect() }
     }
 
     /// Draws it.
@@ -49,7 +65,10 @@ impl Picture {
         let unit_px = (f64::from(self.frame.height) / 720.0).max(1.0);
         let mut canvas = Canvas::new(preview);
         for layer in &self.layers {
-            self.draw_lattice(&mut canvas, &layer.lattice, unit_px);
+            match &layer.lattice {
+                SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, lattice, unit_px),
+                SolvedLattice::World(lattice) => self.draw_scene_lattice(&mut canvas, lattice, unit_px),
+            }
             for (pin, name) in &layer.pins {
                 self.draw_pin(&mut canvas, (pin, name), unit_px);
             }
@@ -90,6 +109,41 @@ impl Picture {
         }
         for &handle in &lattice.handles {
             canvas.disc(self.px(ScreenPoint(handle.into())), 1.5 * unit_px, HANDLE);
+        }
+    }
+
+    /// The same for a lattice of the scene, as the camera sees it.
+    fn draw_scene_lattice(&self, canvas: &mut Canvas, placed: &SceneLattice, unit_px: f64) {
+        let SceneLattice { frame, lattice } = placed;
+        let grid = &lattice.grid;
+        let spans = grid.dims.map(|count| grid.basis.spans(count));
+        let seen = |point: DVec3| {
+            let place = self.camera.project_exact(point);
+            (place.w > 0.0 && place.depth >= self.camera.near()).then(|| self.px(place.point()))
+        };
+        let warped = |share: [f64; 3]| {
+            let at = std::array::from_fn(|axis| grid.lo[axis] + share[axis] / spans[axis] as f64 * grid.size(axis));
+            seen(placed.warp(frame.scene_from_box(DVec3::from_array(at))))
+        };
+        for axis in 0..3 {
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+            for line in 0..(spans[u] + 1) * (spans[v] + 1) {
+                let along = |k: usize| {
+                    let mut share = [0.0; 3];
+                    share[axis] = k as f64 / PIECES as f64;
+                    share[u] = (line % (spans[u] + 1)) as f64;
+                    share[v] = (line / (spans[u] + 1)) as f64;
+                    warped(share)
+                };
+                let points: Vec<_> = (0..=spans[axis] * PIECES).map(along).collect();
+                for pair in points.windows(2) {
+                    let [Some(from), Some(to)] = *pair else { continue };
+                    canvas.line(from, to, unit_px, GRID);
+                }
+            }
+        }
+        for handle in lattice.handles.iter().filter_map(|&handle| seen(frame.scene_from_box(handle.into()))) {
+            canvas.disc(handle, 1.5 * unit_px, HANDLE);
         }
     }
 

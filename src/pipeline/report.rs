@@ -2,7 +2,7 @@
 //!
 //! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry a solved layer and warnings in words.
 
-use super::{FrameReport, LayerReport, LayerState, Moment, Setup};
+use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
 use crate::shot::Layer;
 use crate::solve::SolveReport;
 
@@ -19,22 +19,44 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
         if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame)";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
-        } else if state.solution.is_none() && !layer.pins.is_empty() {
+        } else if state.report().is_none() && !layer.pins.is_empty() {
             let text = "all its pins are behind the camera or at its near plane: it is not warped";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }
-        let Some(solution) = &state.solution else { continue };
-        let solve = solution.report.clone();
-        report.warnings.extend(pin_warnings(layer, state, &solve, height_px));
+        let Some(solve) = state.report().cloned() else { continue };
+        let errors_px = pin_errors_px(moment, state, height_px);
+        report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
-        let pin_error_px = solve.pin_errors.iter().fold(0.0, |a: f64, &b| a.max(b)) * height_px;
-        report.layers.push(LayerReport { layer: layer.name.clone(), pin_error_px, solve });
+        let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
+        report.layers.push(LayerReport {
+            layer: layer.name.clone(),
+            pin_error_px: greatest(&errors_px),
+            pin_error_metres: state.world.is_some().then(|| greatest(&solve.pin_errors)),
+            solve,
+        });
     }
     report
 }
 
+/// How far each pin that acts misses its target as the camera sees it, pixels; 0 for those it does not see.
+fn pin_errors_px(moment: &Moment, state: &LayerState, height_px: f64) -> Vec<f64> {
+    let Some(world) = &state.world else {
+        return state.report().into_iter().flat_map(|solve| &solve.pin_errors).map(|error| error * height_px).collect();
+    };
+    let miss = |(pin, in_scene): (&PinState, &ScenePin)| {
+        let reached = moment.camera.project_exact(world.lattice.warp(in_scene.rest));
+        if pin.is_in_view { (reached.point() - pin.target).0.length() * height_px } else { 0.0 }
+    };
+    state.pins.iter().zip(&world.pins).map(miss).collect()
+}
+
 /// Pins that contradict each other, and others that miss their targets.
-fn pin_warnings(layer: &Layer, state: &LayerState, solve: &SolveReport, height_px: f64) -> Vec<String> {
+fn pin_warnings(
+    layer: &Layer,
+    state: &LayerState,
+    (solve, errors_px): (&SolveReport, &[f64]),
+    height_px: f64,
+) -> Vec<String> {
     let name_of = |index: usize| &layer.pins[state.pins[index].pin].name;
     let contradiction = |&[first, second]: &[usize; 2]| {
         let apart_px = (state.pins[first].target - state.pins[second].target).0.length() * height_px;
@@ -47,9 +69,9 @@ fn pin_warnings(layer: &Layer, state: &LayerState, solve: &SolveReport, height_p
         )
     };
     let is_told = |index: usize| solve.conflicts.iter().flatten().any(|&other| other == index);
-    let missed = solve.pin_misses.iter().filter(|miss| miss.distance * height_px > PIN_TOLERANCE_PX);
+    let missed = solve.pin_misses.iter().filter(|miss| errors_px[miss.pin] > PIN_TOLERANCE_PX);
     let missed = missed.filter(|miss| !is_told(miss.pin)).map(|miss| {
-        let (name, off_px) = (name_of(miss.pin), miss.distance * height_px);
+        let (name, off_px) = (name_of(miss.pin), errors_px[miss.pin]);
         let why = miss.reason.words(|pin| format!("'{}'", name_of(pin)));
         format!("layer '{}': pin '{name}' is {off_px:.2} px off its target: {why}", layer.name)
     });

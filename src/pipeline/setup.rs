@@ -2,14 +2,15 @@
 //!
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
+use super::follow::{Bounds, KeptBounds};
+use super::moment::corners;
 use super::passes::mid_shutter;
 use super::transfer::{self, Loaded};
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
-use crate::shot::{Anchor, ClipName, Layer, Shot};
-use crate::space::ScreenBox;
+use crate::shot::{Anchor, ClipName, Layer, LayerSpace, Shot};
 use crate::spelling;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,6 +43,8 @@ pub struct Setup {
     pub owners: Vec<Option<usize>>,
     /// One a layer: the parts it claims.
     pub(super) parts_of_layer: Vec<Vec<usize>>,
+    /// One a layer: the node that carries all of it.
+    pub(super) carriers: Vec<Option<usize>>,
     /// One a layer and pin.
     pub(super) anchors: Vec<Vec<Pinned>>,
     /// The neutral lights, used where the scene has none.
@@ -51,7 +54,8 @@ pub struct Setup {
     camera: CameraSource,
     clip: ClipChoice,
     moments: Mutex<VecDeque<Arc<Moment>>>,
-    bounds: Mutex<HashMap<i32, Vec<Option<ScreenBox>>>>,
+    screen_bounds: KeptBounds<2>,
+    world_bounds: KeptBounds<3>,
 }
 
 impl Setup {
@@ -73,20 +77,23 @@ impl Setup {
         let owners = claims::claim(&shot, &scene, &first.parts)?;
         let loaded = transfer::load(&shot, &mut notes)?;
         let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
-        let parts_of_layer = (0..shot.layers.len()).map(of_layer).collect();
+        let parts_of_layer: Vec<Vec<usize>> = (0..shot.layers.len()).map(of_layer).collect();
+        let carriers = parts_of_layer.iter().map(|parts| claims::carrier(&scene, &first.parts, parts)).collect();
         let mut setup = Self {
             shot,
             scene,
             notes,
             owners,
             parts_of_layer,
+            carriers,
             anchors: Vec::new(),
             rig: Vec::new(),
             loaded,
             camera,
             clip,
             moments: Mutex::default(),
-            bounds: Mutex::default(),
+            screen_bounds: KeptBounds::new(),
+            world_bounds: KeptBounds::new(),
         };
         setup.rig = lighting::neutral_rig(&setup.view(f64::from(setup.shot.frames.first)).1);
         if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&setup.scene, part)) {
@@ -94,6 +101,7 @@ impl Setup {
         }
         setup.tie_pins(&first)?;
         setup.note_unwarped();
+        setup.note_coarse(&first);
         Ok(setup)
     }
 
@@ -110,7 +118,7 @@ impl Setup {
             .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
     }
 
-    /// The pose and the camera of a (fractional) frame.
+    /// The pose, not yet moved by any layer, and the camera of a (fractional) frame.
     #[must_use]
     pub fn view(&self, frame: f64) -> (Pose, Camera) {
         let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
@@ -152,19 +160,24 @@ impl Setup {
         Ok(moment)
     }
 
-    /// Bounds of a layer at a whole frame.
-    pub(super) fn bounds_at(&self, layer: usize, frame: i32) -> Option<ScreenBox> {
-        let known = || self.bounds.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(all) = known().get(&frame) {
-            return all[layer];
-        }
-        let (pose, camera) = self.view(f64::from(frame));
-        let mesh = screen::project(&pose, &camera);
-        let all: Vec<_> =
-            (0..self.shot.layers.len()).map(|layer| self.bounds_of(layer, &pose, &mesh, &camera)).collect();
-        let bounds = all[layer];
-        known().insert(frame, all);
-        bounds
+    /// Bounds of a screen layer at a whole frame.
+    pub(super) fn bounds_at(&self, layer: usize, frame: i32) -> Option<Bounds<2>> {
+        self.screen_bounds.at(layer, frame, || {
+            let (pose, camera) = self.view(f64::from(frame));
+            let mesh = screen::project(&pose, &camera);
+            let of_layer = |layer: usize| self.bounds_of(layer, &pose, &mesh, &camera).map(corners);
+            (0..self.shot.layers.len()).map(of_layer).collect()
+        })
+    }
+
+    /// Bounds of a world layer at a whole frame, in the frame of its box.
+    pub(super) fn world_bounds_at(&self, layer: usize, frame: i32) -> Option<Bounds<3>> {
+        self.world_bounds.at(layer, frame, || {
+            let (pose, _) = self.view(f64::from(frame));
+            let is_world = |layer: usize| matches!(self.shot.layers[layer].space, LayerSpace::World { .. });
+            let of_layer = |layer: usize| is_world(layer).then(|| self.world_bounds_of(layer, &pose)).flatten();
+            (0..self.shot.layers.len()).map(of_layer).collect()
+        })
     }
 
     /// Turns every pin's anchor into indices.

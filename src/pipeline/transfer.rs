@@ -5,7 +5,7 @@
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
 use crate::lattice::{Fit, Lattice};
-use crate::shot::{Layer, Shot, Transfer, TransferFit};
+use crate::shot::{BoxRule, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
 use crate::spelling;
 use std::collections::BTreeMap;
@@ -68,12 +68,13 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
 
 impl Setup {
     /// The layer's lattice at a moment, from its file.
-    pub(super) fn transferred(&self, moment: &Moment, (index, layer): (usize, &Layer), from: &Loaded) -> LayerState {
+    pub(super) fn transferred(&self, moment: &Moment, (index, bounds): (usize, BoxRule), from: &Loaded) -> LayerState {
+        let layer = &self.shot.layers[index];
         let source = lattice_at(&from.lattices, self.key_frame(layer, moment.frame));
         let fit = match layer.transfer.as_ref().map(|transfer| &transfer.fit) {
             Some(TransferFit::AsIs) => Fit::AsIs,
             Some(TransferFit::Landmarks(pairs)) => Fit::Landmarks(pairs.clone()),
-            Some(TransferFit::Box) | None => match self.lattice_box(moment, index, layer) {
+            Some(TransferFit::Box) | None => match self.lattice_box(moment, index, bounds) {
                 Some(target) => Fit::Box(target),
                 None => return LayerState::default(),
             },
@@ -89,7 +90,7 @@ impl Setup {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
             report.warnings.push(text);
         }
-        LayerState { solution: Some(Solution { lattice, report }), pins: Vec::new() }
+        LayerState { solution: Some(Solution { lattice, report }), ..LayerState::default() }
     }
 }
 

@@ -4,7 +4,7 @@
 
 use crate::pose::Pose;
 use crate::scene::Lens;
-use crate::space::{FrameSize, ScenePoint, ScreenPoint};
+use crate::space::{FrameSize, ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 
 /// Vertical field of view of the automatic camera, degrees: a portrait lens.
@@ -74,7 +74,13 @@ impl Camera {
     /// Where a scene point lies on the screen.
     #[must_use]
     pub fn project(&self, point: ScenePoint) -> Projected {
-        let view = self.view_from_scene.transform_point3(point.0.as_dvec3());
+        self.project_exact(point.0.as_dvec3())
+    }
+
+    /// The same for a point that did not come from a mesh: without rounding it.
+    #[must_use]
+    pub fn project_exact(&self, point: DVec3) -> Projected {
+        let view = self.view_from_scene.transform_point3(point);
         let depth = -view.z;
         let w = match self.lens {
             Lens::Perspective { .. } => depth,
@@ -82,6 +88,13 @@ impl Camera {
         };
         let half = DVec2::new(self.aspect * 0.5, 0.5);
         Projected { h: view.truncate() * (0.5 * self.zoom()) + half * w, w, depth }
+    }
+
+    /// The scene vector that moves a point of the given w by `vector` on the screen and leaves its depth.
+    #[must_use]
+    pub fn scene_from_screen_vector(&self, vector: ScreenVector, w: f64) -> DVec3 {
+        let in_view = (vector.0 * (w / (0.5 * self.zoom()))).extend(0.0);
+        self.scene_from_view().transform_vector3(in_view)
     }
 
     /// Half frame heights a metre at depth 1.
@@ -202,6 +215,20 @@ mod tests {
             let projected = camera.project(ScenePoint(point));
             assert!((homogeneous.truncate().truncate() - projected.h).length() < 1e-9, "{lens:?}");
             assert!((homogeneous.w - projected.w).abs() < 1e-9, "{lens:?}");
+        }
+    }
+
+    #[test]
+    fn a_vector_of_the_screen_moves_a_point_at_its_depth() {
+        let turned = Mat4::from_rotation_y(0.6) * Mat4::from_rotation_z(0.3);
+        for lens in [Lens::Perspective { yfov: 0.7 }, Lens::Orthographic { ymag: 2.5 }] {
+            let camera = Camera::new(turned, lens, 0.1, FrameSize::new(1920, 1080));
+            let point = turned.as_dmat4().transform_point3(DVec3::new(0.3, -0.8, -4.0));
+            let before = camera.project_exact(point);
+            let by = ScreenVector::new(0.2, -0.1);
+            let after = camera.project_exact(point + camera.scene_from_screen_vector(by, before.w));
+            assert!((after.point() - (before.point() + by)).0.length() < 1e-12, "{lens:?}");
+            assert!((after.depth - before.depth).abs() < 1e-12, "{lens:?}");
         }
     }
 

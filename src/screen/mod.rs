@@ -8,7 +8,7 @@ mod camera;
 mod clip;
 mod pick;
 
-pub use bounds::{Extent, FollowWindow, bounds, reach_of_frame};
+pub use bounds::{Extent, bounds, reach_of_frame};
 pub use camera::{Camera, Projected, automatic};
 pub use clip::{Corner, clip_near};
 pub use pick::{Hit, pick};

@@ -20,6 +20,7 @@ const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("rate", "it belongs into frames: frames = { first = 1, last = 48, rate = 24 }"),
     ("pin", "pins belong to a layer: [[layer]], then [[layer.pin]]"),
     ("handle", "handles belong to a layer: [[layer]], then [[layer.handle]]"),
+    ("space", "it belongs into lattice: lattice = { space = \"world\", dims = [5, 5, 5] }"),
     ("dims", "it belongs into lattice: lattice = { dims = [10, 10] }"),
     ("basis", "it belongs into lattice: lattice = { basis = \"bspline\" }"),
     ("box", "it belongs into lattice: lattice = { box = \"follow\" }"),
@@ -75,6 +76,8 @@ fn expected_list(rules: &Rules) -> String {
     let limit = |name: &str| rules.get(name).and_then(Rules::as_u64);
     match (limit("minItems"), limit("maxItems")) {
         (Some(min), Some(max)) if min == max => format!("a list of {min} {kind}"),
+        (Some(min), Some(max)) if min + 1 == max => format!("a list of {min} or {max} {kind}"),
+        (Some(min), Some(max)) => format!("a list of {min} to {max} {kind}"),
         (Some(min), _) => format!("a list of at least {min} of {kind}"),
         _ => format!("a list of {kind}"),
     }

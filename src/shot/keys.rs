@@ -3,7 +3,7 @@
 //! In: a [`Layer`](super::Layer) and a frame, which may lie between frames. Out: [`PinTargets`].
 
 use super::ease::eased;
-use super::{Ease, FrameRange, Goal, HandleTrack, Layer, Pin, PinKey, PinTarget, PinTargets, Shot};
+use super::{Ease, FrameRange, Goal, HandleTrack, Layer, Pin, PinKey, PinTarget, PinTargets, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 
 impl Shot {
@@ -51,40 +51,50 @@ fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
     };
     let goal = match (place.from.goal, place.to.goal) {
         (Goal::Target(from), Goal::Target(to)) => Goal::Target(ScreenPoint(from.0.lerp(to.0, place.weight))),
-        (from, to) => Goal::Offset(ScreenVector(from.offset().0.lerp(to.offset().0, place.weight) * strength)),
+        (Goal::Offset(from), Goal::Offset(to)) => {
+            Goal::Offset(ScreenVector(from.0.lerp(to.0, place.weight) * strength))
+        }
+        (Goal::SceneTarget(from), Goal::SceneTarget(to)) => Goal::SceneTarget(mix_all(from, to, place.weight)),
+        (Goal::SceneOffset(from), Goal::SceneOffset(to)) => {
+            Goal::SceneOffset(mix_all(from, to, place.weight).map(|x| x * strength))
+        }
+        // No pin mixes kinds: the checks refuse it.
+        (from, _) => from,
     };
     // Rotation and scale are held as soon as one key of the pin says so; a key that is silent means 0 and 1.
-    let scalar = |value: fn(&PinKey) -> Option<f64>| {
-        let is_held = pin.keys.iter().any(|key| value(key).is_some());
-        let mixed = mix(value(place.from).unwrap_or(0.0), value(place.to).unwrap_or(0.0), place.weight);
-        is_held.then_some(mixed * strength)
+    let log_scale = |key: &PinKey| key.scale.map(f64::ln);
+    let is_scaled = pin.keys.iter().any(|key| key.scale.is_some());
+    let mixed = mix(log_scale(place.from).unwrap_or(0.0), log_scale(place.to).unwrap_or(0.0), place.weight);
+    PinTarget { goal, rotation: rotation_at(pin, &place, strength), log_scale: is_scaled.then_some(mixed * strength) }
+}
+
+/// Each angle on its own, radians.
+fn rotation_at(pin: &Pin, place: &Place<PinKey>, strength: f64) -> Option<Rotation> {
+    let kind = pin.keys.iter().find_map(|key| key.rotate_degrees)?;
+    let angles = |key: &PinKey| match key.rotate_degrees {
+        None => [0.0; 3],
+        Some(Rotation::InView(angle)) => [angle, 0.0, 0.0],
+        Some(Rotation::Axes(angles)) => angles,
     };
-    PinTarget {
-        goal,
-        rotation: scalar(|key| key.rotate_degrees.map(f64::to_radians)),
-        log_scale: scalar(|key| key.scale.map(f64::ln)),
-    }
+    let mixed = mix_all(angles(place.from), angles(place.to), place.weight).map(|angle| angle.to_radians() * strength);
+    Some(match kind {
+        Rotation::InView(_) => Rotation::InView(mixed[0]),
+        Rotation::Axes(_) => Rotation::Axes(mixed),
+    })
 }
 
-impl Goal {
-    /// The offset; zero for a target (no pin mixes both).
-    fn offset(self) -> ScreenVector {
-        match self {
-            Self::Offset(offset) => offset,
-            Self::Target(_) => ScreenVector::default(),
-        }
-    }
-}
-
-fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 2] {
-    let Some(place) = Place::of(&handle.keys, frame, |key| (key.frame, key.ease)) else { return [0.0; 2] };
-    let (from, to) = (place.from.offset, place.to.offset);
-    [0, 1].map(|axis| mix(from[axis], to[axis], place.weight) * layer.strength)
+fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 3] {
+    let Some(place) = Place::of(&handle.keys, frame, |key| (key.frame, key.ease)) else { return [0.0; 3] };
+    mix_all(place.from.offset, place.to.offset, place.weight).map(|x| x * layer.strength)
 }
 
 /// Exact at both ends.
 fn mix(from: f64, to: f64, weight: f64) -> f64 {
     from * (1.0 - weight) + to * weight
+}
+
+fn mix_all(from: [f64; 3], to: [f64; 3], weight: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| mix(from[axis], to[axis], weight))
 }
 
 /// Where a time lies among keys.

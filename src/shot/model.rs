@@ -97,12 +97,10 @@ pub struct Layer {
     pub name: String,
     /// Patterns of node names (`*` and `?`); each claims its subtree. Empty: all nodes.
     pub nodes: Vec<String>,
-    /// Handles per axis.
-    pub dims: [usize; 2],
+    /// Where the lattice lies, its handles and its box.
+    pub space: LayerSpace,
     /// Basis of the lattice.
     pub basis: Basis,
-    /// Where its box comes from.
-    pub bounds: BoxRule,
     /// The solver's settings.
     pub settings: Settings,
     /// Offsets are held for this many frames, counted from the first frame of the shot; 1: every frame.
@@ -141,7 +139,46 @@ pub enum TransferFit {
     Landmarks(Vec<[ScreenPoint; 2]>),
 }
 
-/// Where a lattice's rest box comes from.
+/// Where a layer's lattice lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LayerSpace {
+    /// On the screen: it moves what the camera sees.
+    Screen {
+        /// Handles across and up.
+        dims: [usize; 2],
+        /// Where its box comes from.
+        bounds: BoxRule,
+    },
+    /// In the scene: it moves the meshes themselves.
+    World {
+        /// Handles along x, y and z.
+        dims: [usize; 3],
+        /// Where its box comes from.
+        bounds: WorldBoxRule,
+    },
+}
+
+impl LayerSpace {
+    /// Handles along x, y and z; one layer of them on the screen.
+    #[must_use]
+    pub const fn dims(self) -> [usize; 3] {
+        match self {
+            Self::Screen { dims: [nx, ny], .. } => [nx, ny, 1],
+            Self::World { dims, .. } => dims,
+        }
+    }
+}
+
+/// Where the rest box of a lattice in the scene comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WorldBoxRule {
+    /// The layer's bounds in the frame of the node that carries all of it, padded and smoothed over frames.
+    Follow,
+    /// Always this: lower and upper corner, scene space, metres.
+    Fixed([[f64; 3]; 2]),
+}
+
+/// Where the rest box of a lattice on the screen comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoxRule {
     /// The layer's bounds, padded and smoothed over frames.
@@ -194,7 +231,7 @@ pub enum Anchor {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum OffsetUnit {
-    /// Frame heights.
+    /// Frame heights; metres where an offset has three numbers.
     #[default]
     Frame,
     /// Sizes of the lattice box.
@@ -208,8 +245,8 @@ pub struct PinKey {
     pub frame: f64,
     /// Where to.
     pub goal: Goal,
-    /// Rotation it holds, degrees counter-clockwise; `None`: it holds none.
-    pub rotate_degrees: Option<f64>,
+    /// Rotation it holds, degrees; `None`: it holds none.
+    pub rotate_degrees: Option<Rotation>,
     /// Scale it holds; `None`: it holds none.
     pub scale: Option<f64>,
     /// Shapes the segment that leaves this key.
@@ -219,10 +256,23 @@ pub struct PinKey {
 /// Where a key sends its pin. All keys of a pin are of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// Added to the projected anchor.
+    /// Added to the projected anchor; in world layers at the anchor's depth.
     Offset(ScreenVector),
-    /// An absolute place.
+    /// An absolute place; in world layers at the anchor's depth.
     Target(ScreenPoint),
+    /// World layers: added to the anchor in scene space, metres (or box sizes along the axes of the box).
+    SceneOffset([f64; 3]),
+    /// World layers: a point of scene space, metres.
+    SceneTarget([f64; 3]),
+}
+
+/// A rotation held. All rotations of a pin are of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// About the camera's view axis, counter-clockwise as it is seen.
+    InView(f64),
+    /// World layers: about x, then y, then z of the scene (or of the box, where offsets are in box sizes).
+    Axes([f64; 3]),
 }
 
 /// The shape of a segment between keys.
@@ -243,8 +293,8 @@ pub enum Ease {
 /// Keys of one lattice handle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandleTrack {
-    /// Column and row.
-    pub index: [usize; 2],
+    /// Column, row and layer; on the screen the layer is 0.
+    pub index: [usize; 3],
     /// Frame, offset in box sizes, ease; frames strictly increasing.
     pub keys: Vec<HandleKey>,
 }
@@ -254,8 +304,8 @@ pub struct HandleTrack {
 pub struct HandleKey {
     /// When.
     pub frame: f64,
-    /// Offset from the rest handle, in box sizes.
-    pub offset: [f64; 2],
+    /// Offset from the rest handle, in box sizes along its axes; on the screen the third is 0.
+    pub offset: [f64; 3],
     /// Shapes the segment that leaves this key.
     pub ease: Ease,
 }
@@ -276,8 +326,8 @@ pub struct Output {
 pub struct PinTargets {
     /// As many as pins.
     pub pins: Vec<PinTarget>,
-    /// As many as handles: offset in box sizes, strength applied.
-    pub handles: Vec<[f64; 2]>,
+    /// As many as handles: offset in box sizes along its axes (on the screen the third is 0), strength applied.
+    pub handles: Vec<[f64; 3]>,
 }
 
 /// Where one pin has to go at one time, strength and step applied.
@@ -286,8 +336,8 @@ pub struct PinTarget {
     /// Offset (in the pin's unit) or absolute target. Strength scales offsets; towards a target it is applied by the
     /// pipeline: anchor + strength·(target − anchor).
     pub goal: Goal,
-    /// Radians counter-clockwise; `None`: free.
-    pub rotation: Option<f64>,
+    /// Radians; `None`: free.
+    pub rotation: Option<Rotation>,
     /// Natural logarithm of the scale; `None`: free.
     pub log_scale: Option<f64>,
 }

@@ -115,6 +115,8 @@ name    = \"all\"
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
+## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
+## lattice = {{ space = \"world\", dims = [5, 5, 5], box = \"follow\" }}
 
   ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
   ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}

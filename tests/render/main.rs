@@ -12,3 +12,4 @@ mod motion;
 mod pins;
 mod repeat;
 mod support;
+mod world;

@@ -2,7 +2,7 @@
 
 use super::parse;
 use pinwarp::shot::template::{self, ClipFact, TemplateFacts};
-use pinwarp::shot::{OffsetUnit, Shot, schema};
+use pinwarp::shot::{OffsetUnit, Rotation, Shot, schema};
 use pinwarp::space::FrameSize;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -90,7 +90,10 @@ fn the_examples_of_the_template_work_when_uncommented() {
     let layer = &shot.layers[0];
     assert_eq!((layer.pins.len(), layer.handles.len(), layer.nodes.len()), (1, 1, 1));
     assert_eq!((layer.pins[0].unit, layer.pins[0].keys.len()), (OffsetUnit::Frame, 2));
-    assert_eq!((layer.pins[0].keys[1].rotate_degrees, layer.pins[0].keys[1].scale), (Some(10.0), Some(1.1)));
+    assert_eq!(
+        (layer.pins[0].keys[1].rotate_degrees, layer.pins[0].keys[1].scale),
+        (Some(Rotation::InView(10.0)), Some(1.1))
+    );
 }
 
 #[test]

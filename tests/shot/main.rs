@@ -5,9 +5,10 @@ mod edits;
 mod faults;
 mod hostile;
 mod motion;
+mod world;
 
 use pinwarp::raster::ChannelGroup;
-use pinwarp::shot::{Anchor, BoxRule, ClipName, Ease, Goal, OffsetUnit, Shot, ShotError};
+use pinwarp::shot::{Anchor, BoxRule, ClipName, Ease, Goal, LayerSpace, OffsetUnit, Rotation, Shot, ShotError};
 use pinwarp::solve::{Energy, Regularizer};
 use pinwarp::space::{FrameSize, ScreenBox, ScreenPoint, ScreenVector};
 use std::path::Path;
@@ -70,9 +71,9 @@ fn a_good_shot_is_read_in_full() {
     assert_eq!(shot.output.path, Path::new("shots/out/teapot.%04d.exr"));
     assert_eq!(shot.output.channels, [ChannelGroup::Beauty, ChannelGroup::Id]);
     let layer = &shot.layers[0];
-    assert_eq!((layer.name.as_str(), layer.dims, layer.step, layer.strength), ("body", [10, 8], 2, 2.0));
+    assert_eq!((layer.name.as_str(), layer.step, layer.strength), ("body", 2, 2.0));
     let bounds = ScreenBox::new(ScreenPoint::new(0.1, 0.2), ScreenPoint::new(1.5, 0.9));
-    assert_eq!(layer.bounds, BoxRule::Fixed(bounds));
+    assert_eq!(layer.space, LayerSpace::Screen { dims: [10, 8], bounds: BoxRule::Fixed(bounds) });
     assert_eq!((layer.settings.energy, layer.settings.regularizer), (Energy::Edge, Regularizer::Rest));
     assert_eq!(layer.handles[0].keys[1].ease, Ease::Bezier([0.2, 0.0, 0.8, 1.0]));
 }
@@ -84,7 +85,7 @@ fn pins_are_read_in_full() {
     let Anchor::Surface { node, triangle: 312, barycentric, rest: None, .. } = &spout.anchor else { panic!("anchor") };
     assert_eq!(node, "Teapot");
     assert!((barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-15, "0.2 + 0.5 + 0.3005 is made to sum to 1");
-    assert_eq!((spout.keys[1].rotate_degrees, spout.keys[1].ease), (Some(20.0), Ease::Smooth));
+    assert_eq!((spout.keys[1].rotate_degrees, spout.keys[1].ease), (Some(Rotation::InView(20.0)), Ease::Smooth));
     assert_eq!((second.name.as_str(), second.unit, second.keys.len()), ("pin2", OffsetUnit::Box, 1));
     assert_eq!(second.keys[0].goal, Goal::Offset(ScreenVector::new(0.0, 0.0)), "without keys a pin holds its place");
     assert_eq!(second.anchor, Anchor::Screen { at: ScreenPoint::new(0.91, 0.52), frame: Some(1) });
@@ -101,7 +102,8 @@ fn what_is_left_out_takes_the_documented_defaults() {
     let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();
     assert_eq!(names, ["layer1", "layer2"]);
     let layer = &shot.layers[0];
-    assert_eq!((layer.dims, layer.bounds, layer.step, layer.strength), ([10, 10], BoxRule::Follow, 1, 1.0));
+    assert_eq!(layer.space, LayerSpace::Screen { dims: [10, 10], bounds: BoxRule::Follow });
+    assert_eq!((layer.step, layer.strength), (1, 1.0));
     assert_eq!((layer.settings.energy, layer.settings.regularizer), (Energy::Area, Regularizer::Bend));
 }
 
@@ -110,7 +112,7 @@ fn other_spellings_of_a_choice_are_read() {
     let shot = parse(&replaced(GOOD, "clip = \"Walk\"", "clip = 2")).unwrap();
     assert_eq!(shot.clip, Some(ClipName::Index(2)));
     let shot = parse(&replaced(GOOD, "{ fixed = [0.1, 0.2, 1.5, 0.9] }", "\"frame\"")).unwrap();
-    assert_eq!(shot.layers[0].bounds, BoxRule::Frame);
+    assert_eq!(shot.layers[0].space, LayerSpace::Screen { dims: [10, 8], bounds: BoxRule::Frame });
     let paper = replaced(GOOD, "energy = \"edge\", regularizer = \"rest\", weights = \"cot\"", "preset = \"paper\"");
     let settings = &parse(&paper).unwrap().layers[0].settings;
     assert_eq!((settings.energy, settings.regularizer), (Energy::Edge, Regularizer::Rest));

@@ -1,7 +1,7 @@
 //! Keys at a time: interpolation, holds, `step`, `strength`.
 
 use super::parse;
-use pinwarp::shot::{Goal, PinTarget, PinTargets};
+use pinwarp::shot::{Goal, PinTarget, PinTargets, Rotation};
 use pinwarp::space::ScreenPoint;
 use std::f64::consts::{LN_2, PI};
 
@@ -17,6 +17,13 @@ fn targets(keys: &str, more: &str, frame: f64) -> PinTargets {
 
 fn pin(keys: &str, more: &str, frame: f64) -> PinTarget {
     targets(keys, more, frame).pins[0]
+}
+
+/// Angle as seen, radians.
+#[track_caller]
+fn in_view(target: PinTarget) -> f64 {
+    let Some(Rotation::InView(angle)) = target.rotation else { panic!("{target:?}") };
+    angle
 }
 
 #[track_caller]
@@ -55,7 +62,7 @@ fn an_ease_shapes_the_segment_that_leaves_its_key() {
 fn rotation_is_an_angle_and_scale_a_logarithm() {
     let keys = "{ frame = 0, rotate = 0, scale = 1 }, { frame = 10, rotate = 350, scale = 4 }";
     let target = pin(keys, "", 5.0);
-    assert!((target.rotation.unwrap() - 175.0 * PI / 180.0).abs() < 1e-12, "the long way round");
+    assert!((in_view(target) - 175.0 * PI / 180.0).abs() < 1e-12, "the long way round");
     assert!((target.log_scale.unwrap() - LN_2).abs() < 1e-12, "the middle of 1 and 4 is 2");
     let free = pin(MOVE, "", 5.0);
     assert_eq!((free.rotation, free.log_scale), (None, None));
@@ -64,10 +71,10 @@ fn rotation_is_an_angle_and_scale_a_logarithm() {
 #[test]
 fn a_silent_key_means_no_rotation_and_scale_1_where_another_key_speaks() {
     let target = pin("{ frame = 0 }, { frame = 4, rotate = 90, scale = 2 }, { frame = 8 }", "", 2.0);
-    assert!((target.rotation.unwrap() - PI / 4.0).abs() < 1e-12);
+    assert!((in_view(target) - PI / 4.0).abs() < 1e-12);
     assert!((target.log_scale.unwrap() - LN_2 / 2.0).abs() < 1e-12);
     let target = pin("{ frame = 0 }, { frame = 4, rotate = 90 }, { frame = 8 }", "", 8.0);
-    assert_eq!((target.rotation, target.log_scale), (Some(0.0), None));
+    assert_eq!((target.rotation, target.log_scale), (Some(Rotation::InView(0.0)), None));
 }
 
 #[test]
@@ -86,7 +93,7 @@ fn strength_scales_offsets_rotations_and_log_scales() {
     let keys = "{ frame = 1, offset = [0.2, 0.4], rotate = 90, scale = 2 }";
     let target = pin(keys, "strength = 0.5", 1.0);
     assert_offset(target, 0.1, 0.2);
-    assert!((target.rotation.unwrap() - PI / 4.0).abs() < 1e-12);
+    assert!((in_view(target) - PI / 4.0).abs() < 1e-12);
     assert!((target.log_scale.unwrap() - LN_2 / 2.0).abs() < 1e-12);
     let handle = targets(keys, "strength = 0.5", 3.0).handles[0];
     assert!((handle[0] - 0.1).abs() < 1e-12 && (handle[1] + 0.2).abs() < 1e-12, "{handle:?}");

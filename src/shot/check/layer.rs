@@ -4,10 +4,13 @@
 
 use super::{Check, LayerDefaults};
 use crate::lattice::Basis;
-use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve};
-use crate::shot::{BoxRule, Layer};
+use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve, RawSpace};
+use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
 use crate::solve::{Energy, Settings};
 use crate::space::{ScreenBox, ScreenPoint};
+
+/// Handles of the largest lattice: 64 x 64 on the screen, 16 x 16 x 16 in the scene.
+const MAX_HANDLES: usize = 4096;
 
 impl Check<'_> {
     pub(super) fn layers(&mut self, raw: Vec<RawLayer>, shot: &LayerDefaults) -> Vec<Layer> {
@@ -19,45 +22,108 @@ impl Check<'_> {
 
     fn layer(&mut self, raw: RawLayer, index: usize, shot: &LayerDefaults) -> Layer {
         let key = format!("layer[{index}]");
-        let bounds = self.lattice(&raw.lattice, &format!("{key}.lattice"), shot);
+        let shot = &LayerDefaults { space: raw.lattice.space, ..*shot };
+        let space = self.lattice(&raw.lattice, &format!("{key}.lattice"), shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
             transfer,
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             nodes: raw.nodes.unwrap_or_default(),
-            dims: raw.lattice.dims,
+            space,
             basis: raw.lattice.basis,
-            bounds,
             settings: self.settings(&raw.solve, &format!("{key}.solve")),
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             pins: self.pins(raw.pin, &key, shot),
-            handles: self.handles(raw.handle, &key, raw.lattice.dims, shot),
+            handles: self.handles(raw.handle, &key, space.dims(), shot),
         }
     }
 
-    fn lattice(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
-        let least = raw.dims[0].min(raw.dims[1]);
+    fn lattice(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> LayerSpace {
+        let dims = self.dims(raw, &format!("{key}.dims"));
+        match shot.space {
+            RawSpace::Screen => {
+                LayerSpace::Screen { dims: [dims[0], dims[1]], bounds: self.screen_box(raw, key, shot) }
+            }
+            RawSpace::World => LayerSpace::World { dims, bounds: self.world_box(raw, key) },
+        }
+    }
+
+    /// Handles along x, y and z; 1 for an axis that is not there.
+    fn dims(&mut self, raw: &RawLattice, key: &str) -> [usize; 3] {
+        let (axes, default) = match raw.space {
+            RawSpace::Screen => (2, [10, 10, 1]),
+            RawSpace::World => (3, [5, 5, 5]),
+        };
+        let Some(given) = &raw.dims else { return default };
+        if given.len() != axes {
+            let (what, hint) = match raw.space {
+                RawSpace::Screen => {
+                    ("three axes need a lattice in the scene", "add space = \"world\", or give [across, up]")
+                }
+                RawSpace::World => ("a lattice in the scene has three axes", "give [x, y, z], for example [5, 5, 5]"),
+            };
+            self.fault(key, what, hint);
+            return default;
+        }
+        let least = given.iter().copied().min().unwrap_or(0);
         if raw.basis == Basis::Bspline && least < raw.basis.least_handles() {
             let needed = raw.basis.least_handles();
             let what = format!("a B-spline needs at least {needed} handles a side, found {least}");
-            self.fault(&format!("{key}.dims"), what, "give 4 or more, or basis = \"bernstein\"");
+            self.fault(key, what, "give 4 or more, or basis = \"bernstein\"");
         }
-        match raw.bounds {
+        let count = given.iter().copied().fold(1, usize::saturating_mul);
+        if count > MAX_HANDLES {
+            let what = format!("a lattice of {count} handles is too large to solve");
+            self.fault(key, what, format!("keep the product of all sides within {MAX_HANDLES}"));
+        }
+        std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(1))
+    }
+
+    fn screen_box(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
+        match &raw.bounds {
             RawBox::Follow => BoxRule::Follow,
             RawBox::Frame => BoxRule::Frame,
             RawBox::Fixed(corners) => self.fixed_box(corners, &format!("{key}.box.fixed"), shot),
         }
     }
 
-    fn fixed_box(&mut self, [x0, y0, x1, y1]: [f64; 4], key: &str, shot: &LayerDefaults) -> BoxRule {
-        self.screen_unit(&[x0, y0, x1, y1], key, shot);
+    fn fixed_box(&mut self, corners: &[f64], key: &str, shot: &LayerDefaults) -> BoxRule {
+        let &[x0, y0, x1, y1] = corners else {
+            let what = format!("a box on the screen has 4 numbers, found {}", corners.len());
+            self.fault(key, what, "give [left, bottom, right, top], or lattice = { space = \"world\", .. }");
+            return BoxRule::Follow;
+        };
+        self.screen_unit(corners, key, shot);
         let (min, max) = (ScreenPoint::new(x0, y0), ScreenPoint::new(x1, y1));
         if x0 >= x1 || y0 >= y1 {
             let what = format!("the box from ({x0}, {y0}) to ({x1}, {y1}) is empty");
             self.fault(key, what, "give [left, bottom, right, top] with left < right and bottom < top, y up");
         }
         BoxRule::Fixed(ScreenBox::new(min, max))
+    }
+
+    fn world_box(&mut self, raw: &RawLattice, key: &str) -> WorldBoxRule {
+        let corners = match &raw.bounds {
+            RawBox::Follow => return WorldBoxRule::Follow,
+            RawBox::Frame => {
+                let hint = "give box = \"follow\" or { fixed = [x0, y0, z0, x1, y1, z1] }";
+                self.fault(&format!("{key}.box"), "the frame is no box of the scene", hint);
+                return WorldBoxRule::Follow;
+            }
+            RawBox::Fixed(corners) => corners,
+        };
+        let (key, order) =
+            (format!("{key}.box.fixed"), "give [x0, y0, z0, x1, y1, z1], the lower corner first, metres");
+        let &[x0, y0, z0, x1, y1, z1] = corners.as_slice() else {
+            self.fault(&key, format!("a box of the scene has 6 numbers, found {}", corners.len()), order);
+            return WorldBoxRule::Follow;
+        };
+        let (lo, hi) = ([x0, y0, z0], [x1, y1, z1]);
+        if lo.iter().zip(hi).any(|(lo, hi)| *lo >= hi) {
+            self.fault(&key, format!("the box from {lo:?} to {hi:?} is empty"), order);
+        }
+        WorldBoxRule::Fixed([lo, hi])
     }
 
     fn settings(&mut self, raw: &RawSolve, key: &str) -> Settings {

@@ -5,10 +5,11 @@
 mod layer;
 mod output;
 mod pin;
+mod place;
 mod transfer;
 
 use super::document::{Document, syntax_error};
-use super::raw::{RawClip, RawFrames, RawShot, RawShutter};
+use super::raw::{RawClip, RawFrames, RawShot, RawShutter, RawSpace};
 use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, structure};
 use crate::space::FrameSize;
 use std::collections::HashSet;
@@ -82,7 +83,13 @@ impl Check<'_> {
         let frames = self.frames(&raw.frames);
         let [width, height] = raw.size;
         let size = FrameSize { width, height, pixel_aspect: raw.pixel_aspect };
-        let defaults = LayerDefaults { step: raw.step, strength: raw.strength, first_frame: frames.first, size };
+        let defaults = LayerDefaults {
+            step: raw.step,
+            strength: raw.strength,
+            first_frame: frames.first,
+            size,
+            space: RawSpace::Screen,
+        };
         let layers = self.layers(raw.layer, &defaults);
         Shot {
             lines: KeyLines::default(),
@@ -122,12 +129,14 @@ impl Check<'_> {
     }
 }
 
-/// What layers take from the shot.
+/// What layers take from the shot, and pins from their layer.
 struct LayerDefaults {
     step: u32,
     strength: f64,
     first_frame: i32,
     size: FrameSize,
+    /// Where the layer's lattice lies.
+    space: RawSpace,
 }
 
 /// No motion blur.

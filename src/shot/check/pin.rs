@@ -2,9 +2,10 @@
 //!
 //! In: raw pins and handles. Out: [`Pin`]s and [`HandleTrack`]s, each with at least one key.
 
+use super::place::PinKind;
 use super::{Check, LayerDefaults};
-use crate::shot::raw::{RawAnchor, RawHandle, RawPin, RawPinKey};
-use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, OffsetUnit, Pin, PinKey};
+use crate::shot::raw::{RawAnchor, RawHandle, RawPin, RawSpace};
+use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, Pin, PinKey};
 use crate::space::{ScreenPoint, ScreenVector};
 
 /// Frame heights (or box sizes) beyond which a number was surely meant as pixels.
@@ -52,6 +53,10 @@ impl Check<'_> {
             }
         }
         self.screen_unit(&at, &format!("{key}.screen"), shot);
+        if shot.space == RawSpace::World && raw.frame.is_none() {
+            let hint = format!("add frame = {}, or write what `pinwarp pick` prints", shot.first_frame);
+            self.fault(key, "a world layer's pins hold points of the model, this is a point of the screen", hint);
+        }
         Anchor::Screen { at: ScreenPoint::new(at[0], at[1]), frame: raw.frame }
     }
 
@@ -92,7 +97,7 @@ impl Check<'_> {
 
     fn pin_keys(&mut self, raw: &RawPin, key: &str, shot: &LayerDefaults) -> Vec<PinKey> {
         self.increasing(raw.keys.iter().map(|key| key.frame), key);
-        let has_targets = raw.keys.first().is_some_and(|key| key.target.is_some());
+        let kind = PinKind::of(raw, shot);
         let keys: Vec<PinKey> = raw
             .keys
             .iter()
@@ -100,81 +105,51 @@ impl Check<'_> {
             .map(|(index, raw_key)| {
                 let key = format!("{key}[{index}]");
                 self.ease(raw_key.ease, &key);
-                let unit = if raw.unit == OffsetUnit::Frame { Some(shot) } else { None };
                 PinKey {
                     frame: raw_key.frame,
-                    goal: self.goal(raw_key, has_targets, &key, unit),
-                    rotate_degrees: raw_key.rotate,
+                    goal: self.goal(raw_key, &key, &kind),
+                    rotate_degrees: self.rotation(raw_key.rotate, &key, &kind),
                     scale: raw_key.scale,
                     ease: raw_key.ease,
                 }
             })
             .collect();
-        if keys.is_empty() { vec![resting_key(shot.first_frame)] } else { keys }
-    }
-
-    fn goal(&mut self, raw: &RawPinKey, has_targets: bool, key: &str, unit: Option<&LayerDefaults>) -> Goal {
-        let kinds = "give all keys of a pin an `offset`, or all a `target`";
-        let offset = raw.offset.unwrap_or_default();
-        if let Some(shot) = unit {
-            self.screen_unit(&offset, &format!("{key}.offset"), shot);
-            self.screen_unit(&raw.target.unwrap_or_default(), &format!("{key}.target"), shot);
-        } else {
-            self.box_unit(&offset, &format!("{key}.offset"));
-        }
-        match raw.target {
-            Some(_) if raw.offset.is_some() => {
-                self.fault(&format!("{key}.target"), "this key has an offset and a target", kinds);
-            }
-            Some(_) if !has_targets => self.fault(&format!("{key}.target"), "the first key has no target", kinds),
-            None if has_targets => self.fault(key, "the first key has a target, this one has none", kinds),
-            _ => {}
-        }
-        match raw.target {
-            Some([x, y]) => Goal::Target(ScreenPoint::new(x, y)),
-            None => Goal::Offset(ScreenVector::new(offset[0], offset[1])),
-        }
+        if keys.is_empty() { vec![resting_key(shot)] } else { keys }
     }
 
     pub(super) fn handles(
         &mut self,
         raw: Vec<RawHandle>,
         layer: &str,
-        dims: [usize; 2],
+        dims: [usize; 3],
         shot: &LayerDefaults,
     ) -> Vec<HandleTrack> {
         let mut handles: Vec<HandleTrack> = Vec::with_capacity(raw.len());
         for (index, raw) in raw.into_iter().enumerate() {
             let key = format!("{layer}.handle[{index}]");
-            self.handle_index(raw.index, dims, &key);
-            if handles.iter().any(|other| other.index == raw.index) {
-                let [i, j] = raw.index;
-                self.fault(&format!("{key}.index"), format!("handle [{i}, {j}] is listed twice"), "keep one of them");
+            let place = self.handle_index(&raw, dims, &key, shot);
+            if handles.iter().any(|other| other.index == place) {
+                let what = format!("handle {:?} is listed twice", raw.index);
+                self.fault(&format!("{key}.index"), what, "keep one of them");
             }
-            handles.push(self.handle(&raw, &format!("{key}.keys"), shot));
+            handles.push(HandleTrack { index: place, keys: self.handle_keys(&raw, &format!("{key}.keys"), shot) });
         }
         handles
     }
 
-    fn handle_index(&mut self, [i, j]: [usize; 2], [nx, ny]: [usize; 2], key: &str) {
-        if i >= nx || j >= ny {
-            let what = format!("there is no handle [{i}, {j}] in a lattice of {nx} x {ny}");
-            let hint =
-                format!("columns run from 0 to {}, rows from 0 to {}", nx.saturating_sub(1), ny.saturating_sub(1));
-            self.fault(&format!("{key}.index"), what, hint);
-        }
-    }
-
-    fn handle(&mut self, raw: &RawHandle, key: &str, shot: &LayerDefaults) -> HandleTrack {
+    fn handle_keys(&mut self, raw: &RawHandle, key: &str, shot: &LayerDefaults) -> Vec<HandleKey> {
         self.increasing(raw.keys.iter().map(|key| key.frame), key);
+        let mut keys = Vec::with_capacity(raw.keys.len());
         for (index, raw_key) in raw.keys.iter().enumerate() {
-            self.ease(raw_key.ease, &format!("{key}[{index}]"));
-            self.box_unit(&raw_key.offset, &format!("{key}[{index}].offset"));
+            let key = format!("{key}[{index}]");
+            self.ease(raw_key.ease, &key);
+            let offset = self.handle_offset(&raw_key.offset, &key, shot);
+            keys.push(HandleKey { frame: raw_key.frame, offset, ease: raw_key.ease });
         }
-        let resting = HandleKey { frame: f64::from(shot.first_frame), offset: [0.0; 2], ease: Ease::Linear };
-        let keys = raw.keys.iter().map(|key| HandleKey { frame: key.frame, offset: key.offset, ease: key.ease });
-        let keys: Vec<HandleKey> = keys.collect();
-        HandleTrack { index: raw.index, keys: if keys.is_empty() { vec![resting] } else { keys } }
+        if keys.is_empty() {
+            keys.push(HandleKey { frame: f64::from(shot.first_frame), offset: [0.0; 3], ease: Ease::Linear });
+        }
+        keys
     }
 
     fn increasing(&mut self, frames: impl Iterator<Item = f64>, key: &str) {
@@ -195,7 +170,7 @@ impl Check<'_> {
     }
 
     /// Numbers that cannot be sizes of a lattice box.
-    fn box_unit(&mut self, values: &[f64], key: &str) {
+    pub(super) fn box_unit(&mut self, values: &[f64], key: &str) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let hint = format!("offsets in box sizes stay within {LARGEST_COORDINATE}; 1 is the whole box");
         self.fault(key, format!("{value} box sizes look like pixels"), hint);
@@ -212,12 +187,10 @@ impl Check<'_> {
 }
 
 /// A pin without keys holds its place.
-fn resting_key(first_frame: i32) -> PinKey {
-    PinKey {
-        frame: f64::from(first_frame),
-        goal: Goal::Offset(ScreenVector::default()),
-        rotate_degrees: None,
-        scale: None,
-        ease: Ease::Linear,
-    }
+fn resting_key(shot: &LayerDefaults) -> PinKey {
+    let goal = match shot.space {
+        RawSpace::Screen => Goal::Offset(ScreenVector::default()),
+        RawSpace::World => Goal::SceneOffset([0.0; 3]),
+    };
+    PinKey { frame: f64::from(shot.first_frame), goal, rotate_degrees: None, scale: None, ease: Ease::Linear }
 }

@@ -3,7 +3,7 @@
 //! In: the raw table. Out: a [`Transfer`].
 
 use super::{Check, LayerDefaults};
-use crate::shot::raw::{RawFit, RawTransfer};
+use crate::shot::raw::{RawFit, RawSpace, RawTransfer};
 use crate::shot::{Transfer, TransferFit};
 use crate::space::ScreenPoint;
 use std::path::Path;
@@ -16,6 +16,10 @@ impl Check<'_> {
                 let what = "a layer with `transfer` takes its lattices from a file and solves nothing";
                 self.fault(&key, what, "remove it or `transfer`");
             }
+        }
+        if shot.space == RawSpace::World {
+            let what = "lattices from a file lie on the screen, this layer's lattice lies in the scene";
+            self.fault(&format!("{layer}.lattice.space"), what, "remove it or `transfer`");
         }
         let folder = self.document.path.parent().unwrap_or(Path::new(""));
         Transfer {

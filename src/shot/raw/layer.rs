@@ -77,9 +77,11 @@ pub(in crate::shot) enum RawFit {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawLattice {
-    /// Handles across and up.
-    #[schemars(inner(range(min = 2, max = 64)), example = [10, 10])]
-    pub(in crate::shot) dims: [usize; 2],
+    /// Where the grid lies: on the screen, or in the scene, where it moves the meshes themselves.
+    pub(in crate::shot) space: RawSpace,
+    /// Handles across and up, in the scene along x, y and z; default: [10, 10], in the scene [5, 5, 5].
+    #[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)), example = [10, 10])]
+    pub(in crate::shot) dims: Option<Vec<usize>>,
     /// How handles are blended.
     pub(in crate::shot) basis: Basis,
     /// Where the box of the grid comes from.
@@ -87,17 +89,29 @@ pub(in crate::shot) struct RawLattice {
     pub(in crate::shot) bounds: RawBox,
 }
 
+/// Where the grid lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::shot) enum RawSpace {
+    /// On the screen: two axes.
+    #[default]
+    Screen,
+    /// In the scene: three axes.
+    World,
+}
+
 /// Where the box of the grid comes from.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawBox {
     /// It follows the layer.
     #[default]
     Follow,
-    /// The whole frame.
+    /// The whole frame (on the screen only).
     Frame,
-    /// Always this: x and y of the lower left, x and y of the upper right corner, frame heights.
-    Fixed(#[schemars(example = [0.0, 0.0, 1.778, 1.0])] [f64; 4]),
+    /// Always this: x and y of the lower left, x and y of the upper right corner, frame heights; in the scene x, y and
+    /// z of the lower and of the upper corner, metres.
+    Fixed(#[schemars(length(min = 4, max = 6), example = [0.0, 0.0, 1.778, 1.0])] Vec<f64>),
 }
 
 /// The solver: a preset, or its parts.
@@ -178,15 +192,16 @@ pub(in crate::shot) struct RawPinKey {
     /// When.
     #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
     pub(in crate::shot) frame: f64,
-    /// Added to the point's place, in `unit`; default: [0, 0].
-    #[schemars(example = [0.06, 0.03])]
-    pub(in crate::shot) offset: Option<[f64; 2]>,
-    /// Instead of `offset`: a place on the screen, frame heights, y up.
-    #[schemars(example = [0.9, 0.5])]
-    pub(in crate::shot) target: Option<[f64; 2]>,
-    /// Rotation held, degrees counter-clockwise; default: free, or 0 where another key has it.
-    #[schemars(range(min = -36_000.0, max = 36_000.0), example = 20)]
-    pub(in crate::shot) rotate: Option<f64>,
+    /// Added to the point's place, in `unit`; three numbers in world layers: along the scene's axes; default: [0, 0].
+    #[schemars(length(min = 2, max = 3), example = [0.06, 0.03])]
+    pub(in crate::shot) offset: Option<Vec<f64>>,
+    /// Instead of `offset`: a place on the screen, frame heights, y up; three numbers: of the scene, metres.
+    #[schemars(length(min = 2, max = 3), example = [0.9, 0.5])]
+    pub(in crate::shot) target: Option<Vec<f64>>,
+    /// Rotation held, degrees counter-clockwise; three numbers in world layers: about x, then y, then z; default: free,
+    /// or 0 where another key has it.
+    #[schemars(example = 20)]
+    pub(in crate::shot) rotate: Option<RawRotation>,
     /// Scale held; default: free, or 1 where another key has it.
     #[schemars(range(min = 0.001, max = 1000.0), example = 1.2)]
     pub(in crate::shot) scale: Option<f64>,
@@ -196,13 +211,23 @@ pub(in crate::shot) struct RawPinKey {
     pub(in crate::shot) ease: Ease,
 }
 
+/// A rotation as seen, or about three axes.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawRotation {
+    /// As the camera sees it.
+    InView(#[schemars(range(min = -36_000.0, max = 36_000.0))] f64),
+    /// About x, then y, then z.
+    Axes(#[schemars(inner(range(min = -36_000.0, max = 36_000.0)))] [f64; 3]),
+}
+
 /// A handle moved by hand.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawHandle {
-    /// Column and row, from 0 at the lower left.
-    #[schemars(inner(range(min = 0, max = 63)), example = [9, 4])]
-    pub(in crate::shot) index: [usize; 2],
+    /// Column and row, from 0 at the lower left; in world layers three: along x, y and z.
+    #[schemars(length(min = 2, max = 3), inner(range(min = 0, max = 63)), example = [9, 4])]
+    pub(in crate::shot) index: Vec<usize>,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
@@ -217,8 +242,8 @@ pub(in crate::shot) struct RawHandleKey {
     #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
     pub(in crate::shot) frame: f64,
     /// Added to the handle's place at rest, sizes of the lattice's box.
-    #[schemars(example = [0.0, 0.1])]
-    pub(in crate::shot) offset: [f64; 2],
+    #[schemars(length(min = 2, max = 3), example = [0.0, 0.1])]
+    pub(in crate::shot) offset: Vec<f64>,
     /// Shape of the segment that leaves this key; default: linear.
     #[serde(default)]
     #[schemars(example = &"smooth")]
@@ -227,6 +252,6 @@ pub(in crate::shot) struct RawHandleKey {
 
 impl Default for RawLattice {
     fn default() -> Self {
-        Self { dims: [10, 10], basis: Basis::Bspline, bounds: RawBox::Follow }
+        Self { space: RawSpace::Screen, dims: None, basis: Basis::Bspline, bounds: RawBox::Follow }
     }
 }

@@ -1,0 +1,163 @@
+//! Rules of places and rotations: how many numbers, in which unit, one kind a pin.
+//!
+//! In: raw keys, and whether the layer's lattice lies on the screen or in the scene. Out: [`Goal`]s, [`Rotation`]s,
+//! indices and offsets of handles.
+
+use super::{Check, LayerDefaults};
+use crate::shot::raw::{RawHandle, RawPin, RawPinKey, RawRotation, RawSpace};
+use crate::shot::{Goal, OffsetUnit, Rotation};
+use crate::space::{ScreenPoint, ScreenVector};
+
+/// What to write where a screen layer was given three numbers.
+const TO_WORLD: &str = "or move the lattice into the scene: lattice = { space = \"world\", dims = [5, 5, 5] }";
+
+/// What all keys of a pin have in common.
+pub(super) struct PinKind<'a> {
+    pub(super) unit: OffsetUnit,
+    pub(super) shot: &'a LayerDefaults,
+    has_targets: bool,
+    /// Numbers a key.
+    axes: usize,
+    /// Angles a key, where any key has some.
+    angles: Option<usize>,
+}
+
+impl<'a> PinKind<'a> {
+    /// The first key that says something decides.
+    pub(super) fn of(raw: &RawPin, shot: &'a LayerDefaults) -> Self {
+        let written = raw.keys.iter().find_map(|key| key.target.as_ref().or(key.offset.as_ref()));
+        let silent = if shot.space == RawSpace::World { 3 } else { 2 };
+        Self {
+            unit: raw.unit,
+            shot,
+            has_targets: raw.keys.first().is_some_and(|key| key.target.is_some()),
+            axes: written.map_or(silent, Vec::len),
+            angles: raw.keys.iter().find_map(|key| key.rotate).map(angles),
+        }
+    }
+}
+
+const fn angles(rotation: RawRotation) -> usize {
+    match rotation {
+        RawRotation::InView(_) => 1,
+        RawRotation::Axes(_) => 3,
+    }
+}
+
+impl Check<'_> {
+    /// Where a key sends its pin.
+    pub(super) fn goal(&mut self, raw: &RawPinKey, key: &str, kind: &PinKind) -> Goal {
+        let kinds = "give all keys of a pin an `offset`, or all a `target`";
+        match raw.target {
+            Some(_) if raw.offset.is_some() => {
+                self.fault(&format!("{key}.target"), "this key has an offset and a target", kinds);
+            }
+            Some(_) if !kind.has_targets => self.fault(&format!("{key}.target"), "the first key has no target", kinds),
+            None if kind.has_targets => self.fault(key, "the first key has a target, this one has none", kinds),
+            _ => {}
+        }
+        let (name, is_target) = if raw.target.is_some() { ("target", true) } else { ("offset", false) };
+        let numbers = raw.target.as_ref().or(raw.offset.as_ref());
+        if let Some(numbers) = numbers {
+            self.place(numbers, &format!("{key}.{name}"), kind);
+        }
+        let at = |axis: usize| numbers.and_then(|numbers| numbers.get(axis)).copied().unwrap_or(0.0);
+        match (kind.axes, is_target) {
+            (3, true) => Goal::SceneTarget([at(0), at(1), at(2)]),
+            (3, false) => Goal::SceneOffset([at(0), at(1), at(2)]),
+            (_, true) => Goal::Target(ScreenPoint::new(at(0), at(1))),
+            (_, false) => Goal::Offset(ScreenVector::new(at(0), at(1))),
+        }
+    }
+
+    /// Number and size of the coordinates of an offset or target.
+    fn place(&mut self, numbers: &[f64], key: &str, kind: &PinKind) {
+        let is_offset = key.ends_with("offset");
+        match (kind.shot.space, numbers.len()) {
+            (RawSpace::Screen, 3) => {
+                let hint = format!("give [x, y] in frame heights, {TO_WORLD}");
+                self.fault(key, "has three numbers, but the layer's lattice lies on the screen", hint);
+            }
+            (_, count) if count != kind.axes => {
+                let what = format!("has {count} numbers, other keys of the pin have {}", kind.axes);
+                let hint = "give all keys two numbers (dragged on the screen) or all three (along the scene's axes)";
+                self.fault(key, what, hint);
+            }
+            (RawSpace::World, 2) if is_offset && kind.unit == OffsetUnit::Box => {
+                let hint = "give [x, y, z], or unit = \"frame\" to drag it on the screen";
+                self.fault(key, "the box of a world layer has three sizes, found two numbers", hint);
+            }
+            _ if kind.unit == OffsetUnit::Box && is_offset => self.box_unit(numbers, key),
+            (_, 2) => self.screen_unit(numbers, key, kind.shot),
+            _ => {}
+        }
+    }
+
+    /// The rotation a key holds, degrees.
+    pub(super) fn rotation(&mut self, raw: Option<RawRotation>, key: &str, kind: &PinKind) -> Option<Rotation> {
+        let raw = raw?;
+        let key = format!("{key}.rotate");
+        if kind.shot.space == RawSpace::Screen && angles(raw) == 3 {
+            let hint = format!("give one angle, {TO_WORLD}");
+            self.fault(&key, "has three angles, but the layer's lattice lies on the screen", hint);
+        } else if kind.angles.is_some_and(|count| count != angles(raw)) {
+            let hint = "give all keys one angle (as seen) or all three (about x, y and z)";
+            self.fault(&key, "other keys of the pin have another number of angles", hint);
+        }
+        Some(match raw {
+            RawRotation::InView(angle) => Rotation::InView(angle),
+            RawRotation::Axes(angles) => Rotation::Axes(angles),
+        })
+    }
+
+    /// The index of a handle; the layer is 0 on the screen.
+    pub(super) fn handle_index(
+        &mut self,
+        raw: &RawHandle,
+        dims: [usize; 3],
+        key: &str,
+        shot: &LayerDefaults,
+    ) -> [usize; 3] {
+        let key = format!("{key}.index");
+        let axes = shot.space.axes();
+        let at = |axis: usize| raw.index.get(axis).copied().unwrap_or(0);
+        let index = [at(0), at(1), at(2)];
+        let sides = &dims[..axes];
+        if raw.index.len() != axes {
+            let what = format!("has {} numbers, the lattice of this layer has {axes} axes", raw.index.len());
+            self.fault(&key, what, format!("give {axes} whole numbers"));
+        } else if index.iter().zip(dims).any(|(place, count)| *place >= count) {
+            let size: Vec<String> = sides.iter().map(ToString::to_string).collect();
+            let what = format!("there is no handle {:?} in a lattice of {}", raw.index, size.join(" x "));
+            let names = ["columns", "rows", "layers"];
+            let range = |(name, count): (&&str, &usize)| format!("{name} from 0 to {}", count.saturating_sub(1));
+            let ranges: Vec<String> = names.iter().zip(sides).map(range).collect();
+            self.fault(&key, what, format!("there are {}", ranges.join(", ")));
+        }
+        index
+    }
+
+    /// The offset of a handle; its third number is 0 on the screen.
+    pub(super) fn handle_offset(&mut self, raw: &[f64], key: &str, shot: &LayerDefaults) -> [f64; 3] {
+        let key = format!("{key}.offset");
+        let axes = shot.space.axes();
+        if raw.len() == axes {
+            self.box_unit(raw, &key);
+        } else {
+            let what = format!("has {} numbers, the box of this layer's lattice has {axes} sizes", raw.len());
+            self.fault(&key, what, format!("give {axes} numbers"));
+        }
+        let at = |axis: usize| raw.get(axis).copied().unwrap_or(0.0);
+        [at(0), at(1), at(2)]
+    }
+}
+
+impl RawSpace {
+    /// Axes of a lattice.
+    pub(super) const fn axes(self) -> usize {
+        match self {
+            Self::Screen => 2,
+            Self::World => 3,
+        }
+    }
+}
