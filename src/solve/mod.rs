@@ -26,7 +26,7 @@ pub use constraints::Holder;
 pub use error::SolveError;
 pub use iterate::Energies;
 pub use misses::{MissReason, PinMiss};
-pub use settings::{EqualVertices, Lambdas, OutsidePins, PinHold, Sampling, Scaling, Settings, Start};
+pub use settings::{Disc, EqualVertices, Lambdas, OutsidePins, PinHold, Sampling, Scaling, Settings, Start};
 pub use solver::Solver;
 
 use crate::lattice::{Grid, Lattice};

@@ -47,6 +47,15 @@ pub enum PinHold {
     Hard,
 }
 
+/// The disc around every pin that stays smooth, so that a pin pulls a bulge and not a spike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Radius as a part of the box diagonal; 0: pins act on their points alone.
+    pub radius: f64,
+    /// How firmly the disc keeps its shape, as a multiple of the model's own firmness.
+    pub weight: f64,
+}
+
 /// Treatment of vertices at equal places, in energies that look at the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EqualVertices {
@@ -88,6 +97,8 @@ pub struct Settings {
     pub start: Start,
     /// How firmly pins and moved handles hold.
     pub pin_hold: PinHold,
+    /// What stays smooth around a pin.
+    pub disc: Disc,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
     /// Vertices at equal places.
@@ -120,6 +131,7 @@ impl Settings {
             scaling: Scaling::Plain,
             start: Start::Rest,
             pin_hold: PinHold::Soft,
+            disc: Disc { radius: 0.0, weight: 0.0 },
             acceleration: 0,
             ..Self::default()
         }
@@ -153,6 +165,7 @@ impl Default for Settings {
             sampling: Sampling::Subcells,
             start: Start::RigidFit,
             pin_hold: PinHold::Hard,
+            disc: Disc { radius: 0.05, weight: 100.0 },
             outside_pins: OutsidePins::Nearest,
             equal_vertices: EqualVertices::Welded,
             iteration_limit: 200,

@@ -99,7 +99,12 @@ impl<const D: usize> Solver<D> {
         super::check::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
         let parts = Parts {
-            distortion: energy::build(grid, problem.shape, settings),
+            distortion: energy::Patched::around(
+                energy::build(grid, problem.shape, settings),
+                grid,
+                problem.pins,
+                settings,
+            ),
             pin_rows: pins::pin_rows(grid, problem.pins, settings),
             warnings: shape_warnings(problem),
         };

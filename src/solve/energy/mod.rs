@@ -7,12 +7,14 @@ mod edge;
 mod edge_sets;
 mod element;
 mod neighbours;
+mod patches;
 mod rims;
 mod stroke;
 mod vertex;
 mod vertices;
 
 pub(crate) use area::Area;
+pub(crate) use patches::Patched;
 
 use super::matrix::Normal;
 use super::samples::{centroid_samples, subcell_samples};

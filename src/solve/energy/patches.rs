@@ -1,0 +1,285 @@
+//! Neighbourhoods of pins: a disc that stays smooth, so that a pin pulls a bulge and not a spike, and regions that move
+//! with their pin as one piece.
+//!
+//! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a Σ_k ω_k ‖J_k − J̄‖² + g ‖J̄ − R‖²).
+//! J_k is the lattice's gradient at points x_k spread over the disc, J̄ their ω-mean, R the pin's rotation or the best one.
+
+use super::{Distortion, Quality};
+use crate::lattice::Grid;
+use crate::solve::matrix::Normal;
+use crate::solve::packs::span;
+use crate::solve::rows::RowSet;
+use crate::solve::small::{Square, best_rotation};
+use crate::solve::{PointPin, Settings};
+use std::collections::BTreeMap;
+
+/// Radii of the rings (2D: circles, 3D: spheres) as parts of the disc's; they see cubics, the pieces of a B-spline.
+const RINGS: [f64; 3] = [0.3, 0.6, 0.9];
+
+/// How firmly a region with a grip of 1 moves as one piece, as a multiple of the model's own firmness.
+const GRIP: f64 = 300.0;
+
+/// Rows below this part of the largest say nothing that the others do not.
+const LEAST_ROW: f64 = 1e-7;
+
+/// One neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Spec<const D: usize> {
+    at: [f64; D],
+    radius: f64,
+    /// a: how firmly it stays an affine image of itself.
+    affine: f64,
+    /// g: how firmly that image is a rigid one.
+    rigid: f64,
+    /// Rotation (and scale) it has to take; `None`: its own best.
+    gradient: Option<Square<D>>,
+}
+
+/// J̄ of one neighbourhood, with its rotation.
+#[derive(Clone, Debug)]
+struct Piece<const D: usize> {
+    /// Handles and their mean gradients.
+    mean: Vec<(usize, [f64; D])>,
+    weight: f64,
+    gradient: Option<Square<D>>,
+}
+
+/// A distortion with the neighbourhoods of its pins.
+#[derive(Debug)]
+pub(crate) struct Patched<const D: usize> {
+    shape: Box<dyn Distortion<D>>,
+    /// Rows of J_k − J̄; their targets are zero.
+    discs: RowSet<D>,
+    pieces: Vec<Piece<D>>,
+}
+
+impl<const D: usize> Patched<D> {
+    /// Adds the neighbourhoods of the pins, where there are any.
+    pub(crate) fn around(
+        shape: Box<dyn Distortion<D>>,
+        grid: &Grid<D>,
+        pins: &[PointPin<D>],
+        settings: &Settings,
+    ) -> Box<dyn Distortion<D>> {
+        let specs: Vec<_> = pins.iter().flat_map(|pin| Spec::of(grid, pin, settings)).collect();
+        if specs.is_empty() {
+            return shape;
+        }
+        let mass = shape.mass();
+        let mut patched = Self { shape, discs: RowSet::new(), pieces: Vec::new() };
+        for spec in &specs {
+            patched.add(grid, spec, mass * (spec.radius / grid.diagonal()).powi(2));
+        }
+        Box::new(patched)
+    }
+
+    fn add(&mut self, grid: &Grid<D>, spec: &Spec<D>, size: f64) {
+        let Gradients { handles, rows, mean } = Gradients::over(grid, &pattern(grid, spec));
+        for row in independent(rows) {
+            self.discs.push(size * spec.affine, handles.iter().copied().zip(row), [0.0; D]);
+        }
+        if spec.rigid > 0.0 {
+            let mean = handles.into_iter().zip(mean).collect();
+            self.pieces.push(Piece { mean, weight: size * spec.rigid, gradient: spec.gradient });
+        }
+    }
+}
+
+impl<const D: usize> Spec<D> {
+    /// The disc of a pin and the region it grips; both fade with the pin.
+    fn of(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> Vec<Self> {
+        let disc = Self {
+            at: pin.at,
+            radius: settings.disc.radius * grid.diagonal(),
+            affine: settings.disc.weight * pin.weight,
+            rigid: 0.0,
+            gradient: None,
+        };
+        let grip = pin.region.map(|region| {
+            let firmness = GRIP * region.grip * pin.weight;
+            Self { radius: region.radius, affine: firmness, rigid: firmness, gradient: pin.gradient, ..disc }
+        });
+        [Some(disc), grip].into_iter().flatten().filter(|spec| spec.radius > 0.0 && spec.affine > 0.0).collect()
+    }
+}
+
+/// ∇W at the points of a pattern.
+struct Gradients<const D: usize> {
+    /// Handles that act anywhere in it, ascending.
+    handles: Vec<usize>,
+    /// √ω_k (∇_a W(x_k) − mean), a row a point and axis, #handles each.
+    rows: Vec<Vec<f64>>,
+    /// Σ ω_k ∇W(x_k), #handles.
+    mean: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Gradients<D> {
+    fn over(grid: &Grid<D>, points: &[([f64; D], f64)]) -> Self {
+        let mut place_of = BTreeMap::new();
+        for (point, _) in points {
+            grid.visit(*point, |term| {
+                place_of.insert(term.handle, 0);
+            });
+        }
+        place_of.values_mut().enumerate().for_each(|(place, slot)| *slot = place);
+        let mut rows = vec![vec![0.0; place_of.len()]; points.len() * D];
+        let mut mean = vec![[0.0; D]; place_of.len()];
+        for ((point, share), rows) in points.iter().zip(rows.chunks_exact_mut(D)) {
+            grid.visit(*point, |term| {
+                let place = place_of[&term.handle];
+                (0..D).for_each(|axis| rows[axis][place] = term.gradient[axis]);
+                (0..D).for_each(|axis| mean[place][axis] += share * term.gradient[axis]);
+            });
+        }
+        for ((_, share), rows) in points.iter().zip(rows.chunks_exact_mut(D)) {
+            for (axis, row) in rows.iter_mut().enumerate() {
+                row.iter_mut().zip(&mean).for_each(|(x, mean)| *x = share.sqrt() * (*x - mean[axis]));
+            }
+        }
+        Self { handles: place_of.into_keys().collect(), rows, mean }
+    }
+}
+
+impl<const D: usize> Piece<D> {
+    /// J̄.
+    fn gradient_at(&self, handles: &[[f64; D]]) -> Square<D> {
+        let mut gradient = [[0.0; D]; D];
+        for &(handle, mean) in &self.mean {
+            for (row, coordinate) in gradient.iter_mut().zip(handles[handle]) {
+                (0..D).for_each(|axis| row[axis] += coordinate * mean[axis]);
+            }
+        }
+        gradient
+    }
+
+    /// What J̄ has to be, given where it is.
+    fn wanted(&self, gradient: &Square<D>) -> Square<D> {
+        // Wanted gradients come as columns.
+        self.gradient.map_or_else(|| best_rotation(&transpose(gradient)), |columns| transpose(&columns))
+    }
+}
+
+fn transpose<const D: usize>(m: &Square<D>) -> Square<D> {
+    std::array::from_fn(|row| std::array::from_fn(|column| m[column][row]))
+}
+
+fn squared_distance<const D: usize>(a: &Square<D>, b: &Square<D>) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).powi(2)).sum()
+}
+
+impl<const D: usize> Distortion<D> for Patched<D> {
+    fn mass(&self) -> f64 {
+        self.shape.mass()
+    }
+
+    fn reach(&self) -> usize {
+        let pieces = self.pieces.iter().filter_map(|piece| span(piece.mean.iter().map(|entry| entry.0)));
+        pieces.fold(self.shape.reach().max(self.discs.reach()), usize::max)
+    }
+
+    fn add_normal(&self, scale: f64, normal: &mut Normal) {
+        self.shape.add_normal(scale, normal);
+        self.discs.add_normal(scale, normal);
+        for piece in &self.pieces {
+            for axis in 0..D {
+                normal.add_row(scale * piece.weight, piece.mean.iter().map(|(handle, mean)| (*handle, mean[axis])));
+            }
+        }
+    }
+
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
+        let mut energy = self.shape.local_step(handles, scale, right_side) + self.discs.energy(handles);
+        for piece in &self.pieces {
+            let gradient = piece.gradient_at(handles);
+            let wanted = piece.wanted(&gradient);
+            energy += piece.weight * squared_distance(&gradient, &wanted);
+            for (handle, mean) in &piece.mean {
+                for (slot, row) in right_side[*handle].iter_mut().zip(&wanted) {
+                    *slot += scale * piece.weight * (0..D).map(|axis| row[axis] * mean[axis]).sum::<f64>();
+                }
+            }
+        }
+        energy
+    }
+
+    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
+        let pieces = self.pieces.iter().map(|piece| {
+            let wanted = piece.wanted(&piece.gradient_at(turned_at));
+            piece.weight * squared_distance(&piece.gradient_at(handles), &wanted)
+        });
+        self.shape.energy(handles, turned_at) + self.discs.energy(handles) + pieces.sum::<f64>()
+    }
+
+    fn quality(&self, handles: &[[f64; D]]) -> Quality {
+        self.shape.quality(handles)
+    }
+}
+
+/// Points over the disc with shares that add up to 1: ω fades to the rim, times the room a ring has. Points outside the box stand on its border.
+fn pattern<const D: usize>(grid: &Grid<D>, spec: &Spec<D>) -> Vec<([f64; D], f64)> {
+    let mut points = vec![(grid.nearest_in_box(spec.at), 0.1_f64.powi(D as i32))];
+    let directions = directions::<D>();
+    for ring in RINGS {
+        let share = ring.powi(D as i32 - 1) * fade(ring) / directions.len() as f64;
+        for direction in &directions {
+            let at = std::array::from_fn(|d| spec.at[d] + spec.radius * ring * direction[d]);
+            points.push((grid.nearest_in_box(at), share));
+        }
+    }
+    let total: f64 = points.iter().map(|point| point.1).sum();
+    points.iter_mut().for_each(|point| point.1 /= total);
+    points
+}
+
+/// 1 at the pin, 0 at the rim and beyond, C1: (1 − t²)², t the distance in radii.
+pub(crate) fn fade(t: f64) -> f64 {
+    (1.0 - t * t).max(0.0).powi(2)
+}
+
+/// Evenly spread unit vectors: eight around a circle; the corners and face middles of a cube.
+fn directions<const D: usize>() -> Vec<[f64; D]> {
+    if D == 2 {
+        let around = (0..8).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos());
+        return around.map(|(sin, cos)| std::array::from_fn(|d| if d == 0 { cos } else { sin })).collect();
+    }
+    let faces = (0..2 * D).map(|k| {
+        std::array::from_fn(|d| {
+            if k / 2 != d {
+                0.0
+            } else if k % 2 == 0 {
+                1.0
+            } else {
+                -1.0
+            }
+        })
+    });
+    let side = 1.0 / (D as f64).sqrt();
+    let corners = (0..1_usize << D).map(|k| std::array::from_fn(|d| if k >> d & 1 == 0 { side } else { -side }));
+    faces.chain(corners).collect()
+}
+
+/// Rows with the same sum of squares rowᵀrow, but no more than are independent: R of a QR with the largest remaining
+/// column first (G. Golub and C. Van Loan, "Matrix Computations", 2013, section 5.4.2), by Gram and Schmidt.
+fn independent(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let width = rows.first().map_or(0, Vec::len);
+    let norm = |rows: &[Vec<f64>], column: usize| rows.iter().map(|row| row[column] * row[column]).sum::<f64>();
+    let largest = (0..width).map(|column| norm(&rows, column)).fold(0.0, f64::max);
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    while kept.len() < width {
+        let pivot = (0..width).max_by(|&a, &b| norm(&rows, a).total_cmp(&norm(&rows, b)));
+        let Some((pivot, square)) = pivot.map(|pivot| (pivot, norm(&rows, pivot))) else { break };
+        if square.is_nan() || square <= LEAST_ROW * LEAST_ROW * largest {
+            break;
+        }
+        let direction: Vec<f64> = rows.iter().map(|row| row[pivot] / square.sqrt()).collect();
+        let mut along = vec![0.0; width];
+        for (row, share) in rows.iter().zip(&direction) {
+            along.iter_mut().zip(row).for_each(|(sum, x)| *sum += share * x);
+        }
+        for (row, share) in rows.iter_mut().zip(&direction) {
+            row.iter_mut().zip(&along).for_each(|(x, along)| *x -= share * along);
+        }
+        kept.push(along);
+    }
+    kept
+}
