@@ -2,7 +2,7 @@
 //!
 //! In: a problem. Out: the first thing that is wrong with it, in words.
 
-use super::{HandlePin, PointPin, Problem, Shape, SolveError};
+use super::{HandlePin, PointPin, Problem, Region, Shape, SolveError};
 
 /// Checks grid, shape, pins and handles.
 pub(crate) fn problem<const D: usize>(problem: &Problem<D>) -> Result<(), SolveError> {
@@ -41,6 +41,7 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
         ));
     }
     let count = shape.points.len();
+    stiffness(shape)?;
     let is_bad = |triangle: &[u32; 3]| triangle.iter().any(|&corner| corner as usize >= count);
     if let Some(bad) = shape.triangles.iter().position(is_bad) {
         return Err(invalid(
@@ -58,10 +59,41 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     Ok(())
 }
 
+fn stiffness<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
+    let (found, wanted) = (shape.stiffness.len(), shape.triangles.len());
+    if found != 0 && found != wanted {
+        let what = format!("the shape has {wanted} triangles and {found} stiffnesses");
+        return Err(invalid(what, "give one a triangle, or none".into()));
+    }
+    match shape.stiffness.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
+        Some(bad) => Err(invalid(
+            format!("the stiffness of triangle {bad} is {}", shape.stiffness[bad]),
+            "use a finite number from 0; 1 is a triangle's own".into(),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn region(index: usize, region: &Region) -> Result<(), SolveError> {
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    let faults = [
+        (!positive(region.radius), "radius", region.radius, "use a number above 0"),
+        (!(0.0..=1.0).contains(&region.grip), "grip", region.grip, "use a number from 0 to 1"),
+        (!positive(region.starch), "starch", region.starch, "use a number above 0; 1 leaves the shape as it is"),
+    ];
+    match faults.into_iter().find(|fault| fault.0) {
+        Some((_, name, value, hint)) => {
+            Err(invalid(format!("the {name} of the region of pin {index} is {value}"), hint.into()))
+        }
+        None => Ok(()),
+    }
+}
+
 fn pin<const D: usize>(index: usize, pin: &PointPin<D>) -> Result<(), SolveError> {
     finite(&pin.at, || format!("the rest point of pin {index}"))?;
     finite(&pin.target, || format!("the target of pin {index}"))?;
     pin.gradient.iter().flatten().try_for_each(|image| finite(image, || format!("the gradient of pin {index}")))?;
+    pin.region.iter().try_for_each(|one| region(index, one))?;
     if pin.weight >= 0.0 && pin.weight.is_finite() {
         return Ok(());
     }
@@ -73,8 +105,9 @@ pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin
     same_count(known.len(), given.len(), "pins")?;
     for (index, (a, b)) in known.iter().zip(given).enumerate() {
         pin(index, b)?;
-        if a.at != b.at || a.weight != b.weight || a.gradient.is_some() != b.gradient.is_some() {
-            return Err(changed(format!("pin {index} has another rest point, weight or kind")));
+        if a.at != b.at || a.weight != b.weight || a.region != b.region || a.gradient.is_some() != b.gradient.is_some()
+        {
+            return Err(changed(format!("pin {index} has another rest point, weight, region or kind")));
         }
     }
     Ok(())

@@ -20,6 +20,7 @@ mod samples;
 mod settings;
 mod small;
 mod solver;
+mod stiffness;
 mod weld;
 
 pub use constraints::Holder;

@@ -100,7 +100,7 @@ impl<const D: usize> Solver<D> {
         let (grid, settings) = (problem.grid, problem.settings);
         let parts = Parts {
             distortion: energy::Patched::around(
-                energy::build(grid, problem.shape, settings),
+                energy::build(grid, problem.shape, problem.pins, settings),
                 grid,
                 problem.pins,
                 settings,

@@ -1,6 +1,6 @@
 //! Energy `area`: 2 Σ_q a_q ‖J_q − R_q‖², J_q = Σ_h P_h ∇W_h(x_q)ᵀ, the lattice's own gradient at sample points.
 //!
-//! In: samples (place, area). It does not know the mesh, so neither its density nor its flaws matter.
+//! In: samples (place, area, stiffness). It does not know the mesh, so neither its density nor its flaws matter.
 
 use super::{Distortion, Quality};
 use crate::lattice::Grid;
@@ -17,8 +17,10 @@ use pulp::{Simd, WithSimd};
 pub(crate) struct Area<const D: usize> {
     /// Rows of ∇W.
     gradients: Packs<D>,
-    /// Area of each lane's sample; 0 where a lane has none.
+    /// Area times stiffness of each lane's sample; 0 where a lane has none.
     areas: Vec<Lanes>,
+    /// Area alone.
+    plain_areas: Vec<Lanes>,
     total: f64,
 }
 
@@ -26,9 +28,12 @@ impl<const D: usize> Area<D> {
     pub(crate) fn new(grid: &Grid<D>, samples: &[Sample<D>]) -> Self {
         let points: Vec<[f64; D]> = samples.iter().map(|sample| sample.at).collect();
         let gradients = Packs::new(grid, &points, |_, gradient| *gradient);
-        let area_of = |row: usize| samples.get(row).map_or(0.0, |sample| sample.area);
-        let areas: Vec<Lanes> = gradients.order.iter().map(|rows| rows.map(area_of)).collect();
-        Self { gradients, areas, total: samples.iter().map(|sample| sample.area).sum() }
+        let lanes = |of: fn(&Sample<D>) -> f64| -> Vec<Lanes> {
+            let of_row = |row: usize| samples.get(row).map_or(0.0, of);
+            gradients.order.iter().map(|rows| rows.map(of_row)).collect()
+        };
+        let (areas, plain_areas) = (lanes(|sample| sample.area * sample.stiffness), lanes(|sample| sample.area));
+        Self { gradients, areas, plain_areas, total: samples.iter().map(|sample| sample.area).sum() }
     }
 
     /// Gradients at all samples: [pack][row][column][lane].
@@ -106,7 +111,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {
         let mut quality = Quality::new();
-        for (gradients, areas) in self.gradients_at(handles).iter().zip(&self.areas) {
+        for (gradients, areas) in self.gradients_at(handles).iter().zip(&self.plain_areas) {
             for lane in (0..LANES).filter(|&lane| areas[lane] > 0.0) {
                 quality.add(areas[lane], &lane_of(gradients, lane));
             }

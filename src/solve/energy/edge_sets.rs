@@ -38,6 +38,7 @@ pub(crate) struct EdgeSets<const D: usize> {
     /// Set and weight, link after link.
     members: Vec<(usize, f64)>,
     seen: Seen<D>,
+    mean_stiffness: f64,
 }
 
 /// An undirected edge.
@@ -72,7 +73,12 @@ impl<const D: usize> EdgeSets<D> {
                 members: first..members.len(),
             });
         }
-        Self { vertices, set_count, links, members, seen }
+        Self { vertices, set_count, links, members, seen, mean_stiffness: 1.0 }
+    }
+
+    /// The weights carry this stiffness on average: what is stiff does not make the rest soft.
+    pub(crate) fn of_mean_stiffness(self, mean_stiffness: f64) -> Self {
+        Self { mean_stiffness, ..self }
     }
 
     /// S_s = Σ w (v_i − v_j)(v'_i − v'_j)ᵀ of every set, and Σ_s Σ w (‖v'_i − v'_j‖² + ‖v_i − v_j‖²).
@@ -164,7 +170,8 @@ impl<const D: usize> Link<D> {
 impl<const D: usize> Distortion<D> for EdgeSets<D> {
     /// Over the half-edges of a cotangent mesh Σ w ‖e‖² is 4 × its area.
     fn mass(&self) -> f64 {
-        0.5 * self.links.iter().map(|link| link.weight * dot(&link.rest, &link.rest)).sum::<f64>()
+        let sum: f64 = self.links.iter().map(|link| link.weight * dot(&link.rest, &link.rest)).sum();
+        0.5 * sum / self.mean_stiffness
     }
 
     /// Edges join vertices of different cells, however long they are.

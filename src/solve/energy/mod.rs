@@ -14,13 +14,14 @@ mod vertex;
 mod vertices;
 
 pub(crate) use area::Area;
-pub(crate) use patches::Patched;
+pub(crate) use patches::{Patched, fade};
 
 use super::matrix::Normal;
-use super::samples::{centroid_samples, subcell_samples};
+use super::samples::{Sample, centroid_samples, subcell_samples};
 use super::small::{Square, area_of, determinant, dot, minus};
+use super::stiffness::starch_at;
 use super::weld::weld;
-use super::{Energy, EqualVertices, Sampling, Settings, Shape};
+use super::{Energy, EqualVertices, PointPin, Sampling, Settings, Shape};
 use crate::lattice::Grid;
 use edge_sets::{EdgeSets, Seen, SetEdge};
 use vertex::Vertex;
@@ -114,14 +115,23 @@ impl Quality {
 }
 
 /// Builds the measure that the settings ask for, or the one that suits the shape, see [`fitting`].
-pub(crate) fn build<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, settings: &Settings) -> Box<dyn Distortion<D>> {
+pub(crate) fn build<const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape<D>,
+    pins: &[PointPin<D>],
+    settings: &Settings,
+) -> Box<dyn Distortion<D>> {
+    let starched = |mut samples: Vec<Sample<D>>| {
+        samples.iter_mut().for_each(|sample| sample.stiffness *= starch_at(pins, sample.at));
+        samples
+    };
     match (fitting(shape, settings).0, settings.sampling) {
-        (Energy::Area, Sampling::Subcells) => Box::new(Area::new(grid, &subcell_samples(grid, shape))),
-        (Energy::Area, Sampling::Centroids) => Box::new(Area::new(grid, &centroid_samples(grid, shape))),
-        (Energy::Stroke, _) => Box::new(stroke::build(grid, shape, settings)),
+        (Energy::Area, Sampling::Subcells) => Box::new(Area::new(grid, &starched(subcell_samples(grid, shape)))),
+        (Energy::Area, Sampling::Centroids) => Box::new(Area::new(grid, &starched(centroid_samples(grid, shape)))),
+        (Energy::Stroke, _) => Box::new(stroke::build(grid, shape, pins, settings)),
         (of_mesh, _) => match settings.equal_vertices {
-            EqualVertices::Welded => build_of_mesh(grid, weld(shape), of_mesh, settings),
-            EqualVertices::Apart => build_of_mesh(grid, shape.clone(), of_mesh, settings),
+            EqualVertices::Welded => build_of_mesh(grid, weld(&shape.starched(pins)), of_mesh, settings),
+            EqualVertices::Apart => build_of_mesh(grid, shape.starched(pins), of_mesh, settings),
         },
     }
 }
@@ -134,7 +144,9 @@ fn build_of_mesh<const D: usize>(
     settings: &Settings,
 ) -> Box<dyn Distortion<D>> {
     let sets_of = |shape: Shape<D>, edges: Vec<SetEdge>| {
-        EdgeSets::new(Vertices::new(grid, shape.points), edges, Seen::Triangles(shape.triangles))
+        let mean_stiffness = shape.mean_stiffness();
+        let sets = EdgeSets::new(Vertices::new(grid, shape.points), edges, Seen::Triangles(shape.triangles));
+        sets.of_mean_stiffness(mean_stiffness)
     };
     match energy {
         Energy::Element => {

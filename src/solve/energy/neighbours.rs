@@ -45,7 +45,7 @@ pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights)
     for triangle in 0..shape.triangles.len() {
         for ([i, j], cotangent) in triangle_edges(shape, triangle) {
             let weight = match weights {
-                EdgeWeights::Uniform => 1.0,
+                EdgeWeights::Uniform => shape.stiffness_of(triangle),
                 EdgeWeights::Cot => 0.5 * cotangent,
             };
             if i != j {
@@ -58,7 +58,8 @@ pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights)
     for same in found.chunk_by(|a, b| a.0 == b.0) {
         let [i, j] = same[0].0;
         let weight = match weights {
-            EdgeWeights::Uniform => 1.0,
+            // The mean stiffness of its triangles: 1 an edge where nothing is painted.
+            EdgeWeights::Uniform => same.iter().map(|(_, stiffness)| stiffness).sum::<f64>() / same.len() as f64,
             EdgeWeights::Cot => same.iter().map(|(_, weight)| weight).sum(),
         };
         edges.entries.push((j, weight));
@@ -70,13 +71,14 @@ pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights)
     edges
 }
 
-/// The edges of a triangle, each with the cotangent of the angle it faces: 0 where the triangle has no area but the
+/// The edges of a triangle, each with the cotangent of the angle it faces, times its stiffness: 0 where the triangle has no area but the
 /// rounding of its sides.
 pub(crate) fn triangle_edges<const D: usize>(shape: &Shape<D>, triangle: usize) -> [([usize; 2], f64); 3] {
     let corners = shape.triangles[triangle].map(|corner| corner as usize);
+    let stiffness = shape.stiffness_of(triangle);
     std::array::from_fn(|k| {
         let [apex, i, j] = std::array::from_fn(|step| corners[(k + step) % 3]);
-        ([i, j], cotangent(&shape.points[apex], &shape.points[i], &shape.points[j]))
+        ([i, j], stiffness * cotangent(&shape.points[apex], &shape.points[i], &shape.points[j]))
     })
 }
 

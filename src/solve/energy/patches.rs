@@ -2,7 +2,7 @@
 //! with their pin as one piece.
 //!
 //! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a Σ_k ω_k ‖J_k − J̄‖² + g ‖J̄ − R‖²).
-//! J_k is the lattice's gradient at points x_k spread over the disc, J̄ their ω-mean, R the pin's rotation or the best one.
+//! J_k is the lattice's gradient at points x_k spread over the disc, J̄ their ω-mean, R the rotation nearest to it.
 
 use super::{Distortion, Quality};
 use crate::lattice::Grid;
@@ -31,8 +31,6 @@ struct Spec<const D: usize> {
     affine: f64,
     /// g: how firmly that image is a rigid one.
     rigid: f64,
-    /// Rotation (and scale) it has to take; `None`: its own best.
-    gradient: Option<Square<D>>,
 }
 
 /// J̄ of one neighbourhood, with its rotation.
@@ -41,7 +39,6 @@ struct Piece<const D: usize> {
     /// Handles and their mean gradients.
     mean: Vec<(usize, [f64; D])>,
     weight: f64,
-    gradient: Option<Square<D>>,
 }
 
 /// A distortion with the neighbourhoods of its pins.
@@ -80,7 +77,7 @@ impl<const D: usize> Patched<D> {
         }
         if spec.rigid > 0.0 {
             let mean = handles.into_iter().zip(mean).collect();
-            self.pieces.push(Piece { mean, weight: size * spec.rigid, gradient: spec.gradient });
+            self.pieces.push(Piece { mean, weight: size * spec.rigid });
         }
     }
 }
@@ -93,11 +90,12 @@ impl<const D: usize> Spec<D> {
             radius: settings.disc.radius * grid.diagonal(),
             affine: settings.disc.weight * pin.weight,
             rigid: 0.0,
-            gradient: None,
         };
         let grip = pin.region.map(|region| {
             let firmness = GRIP * region.grip * pin.weight;
-            Self { radius: region.radius, affine: firmness, rigid: firmness, gradient: pin.gradient, ..disc }
+            // A pin that holds a gradient gives it to the region: all gradients in it are equal.
+            let rigid = if pin.gradient.is_some() { 0.0 } else { firmness };
+            Self { radius: region.radius, affine: firmness, rigid, ..disc }
         });
         [Some(disc), grip].into_iter().flatten().filter(|spec| spec.radius > 0.0 && spec.affine > 0.0).collect()
     }
@@ -151,16 +149,11 @@ impl<const D: usize> Piece<D> {
         }
         gradient
     }
-
-    /// What J̄ has to be, given where it is.
-    fn wanted(&self, gradient: &Square<D>) -> Square<D> {
-        // Wanted gradients come as columns.
-        self.gradient.map_or_else(|| best_rotation(&transpose(gradient)), |columns| transpose(&columns))
-    }
 }
 
-fn transpose<const D: usize>(m: &Square<D>) -> Square<D> {
-    std::array::from_fn(|row| std::array::from_fn(|column| m[column][row]))
+/// The rotation nearest to a gradient.
+fn rotation_of<const D: usize>(gradient: &Square<D>) -> Square<D> {
+    best_rotation(&std::array::from_fn(|row| std::array::from_fn(|column| gradient[column][row])))
 }
 
 fn squared_distance<const D: usize>(a: &Square<D>, b: &Square<D>) -> f64 {
@@ -191,7 +184,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
         let mut energy = self.shape.local_step(handles, scale, right_side) + self.discs.energy(handles);
         for piece in &self.pieces {
             let gradient = piece.gradient_at(handles);
-            let wanted = piece.wanted(&gradient);
+            let wanted = rotation_of(&gradient);
             energy += piece.weight * squared_distance(&gradient, &wanted);
             for (handle, mean) in &piece.mean {
                 for (slot, row) in right_side[*handle].iter_mut().zip(&wanted) {
@@ -204,7 +197,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
 
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
         let pieces = self.pieces.iter().map(|piece| {
-            let wanted = piece.wanted(&piece.gradient_at(turned_at));
+            let wanted = rotation_of(&piece.gradient_at(turned_at));
             piece.weight * squared_distance(&piece.gradient_at(handles), &wanted)
         });
         self.shape.energy(handles, turned_at) + self.discs.energy(handles) + pieces.sum::<f64>()

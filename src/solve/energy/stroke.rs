@@ -10,7 +10,8 @@ use super::vertices::Vertices;
 use crate::lattice::Grid;
 use crate::solve::samples::{Sample, subcell_dims};
 use crate::solve::small::{dot, minus};
-use crate::solve::{Sampling, Settings, Shape};
+use crate::solve::stiffness::starch_at;
+use crate::solve::{PointPin, Sampling, Settings, Shape};
 
 /// Neighbours on each side.
 const RINGS: usize = 2;
@@ -23,7 +24,12 @@ struct Line<const D: usize> {
 }
 
 /// The energy of the lines of a shape.
-pub(super) fn build<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, settings: &Settings) -> EdgeSets<D> {
+pub(super) fn build<const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape<D>,
+    pins: &[PointPin<D>],
+    settings: &Settings,
+) -> EdgeSets<D> {
     let lines = shape.strokes.iter().map(|stroke| Line::of(shape, stroke));
     let lines: Vec<Line<D>> = match settings.sampling {
         Sampling::Centroids => lines.collect(),
@@ -34,6 +40,10 @@ pub(super) fn build<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, settings: 
         line.add_edges(points.len(), &mut edges);
         samples.extend(line.samples());
         points.extend(line.points);
+    }
+    for SetEdge { ends, weight, .. } in &mut edges {
+        let [a, b] = ends.map(|end| &points[end]);
+        *weight *= starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d])));
     }
     EdgeSets::new(Vertices::new(grid, points), edges, Seen::Samples(Area::new(grid, &samples)))
 }
@@ -132,7 +142,7 @@ impl<const D: usize> Line<D> {
             } else {
                 0.0
             };
-            Sample { at, area: 0.5 * (before + segment(k)) }
+            Sample { at, area: 0.5 * (before + segment(k)), stiffness: 1.0 }
         })
     }
 }

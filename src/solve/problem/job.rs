@@ -164,13 +164,13 @@ fn distortion<const D: usize>(
     problem: &Problem<D>,
 ) -> Result<Box<dyn Distortion<D>>, ProblemError> {
     let Some(raw) = file.samples.as_ref().filter(|_| problem.settings.energy == Energy::Area) else {
-        return Ok(energy::build(problem.grid, problem.shape, problem.settings));
+        return Ok(energy::build(problem.grid, problem.shape, problem.pins, problem.settings));
     };
     let samples = raw.iter().enumerate().map(|(k, values)| {
         let (at, area) = values.split_at(D.min(values.len()));
         let at = point(at, || format!("samples[{k}]"))?;
         match area {
-            &[area] if area >= 0.0 && area.is_finite() => Ok(Sample { at, area }),
+            &[area] if area >= 0.0 && area.is_finite() => Ok(Sample { at, area, stiffness: 1.0 }),
             _ => Err(ProblemError::key(format!("samples[{k}]"), "has no area", "give a place and an area from 0")),
         }
     });

@@ -19,6 +19,8 @@ pub(crate) struct Sample<const D: usize> {
     pub(crate) at: [f64; D],
     /// Area of the piece.
     pub(crate) area: f64,
+    /// How stiff it is.
+    pub(crate) stiffness: f64,
 }
 
 /// Sub-cells a lattice span and axis.
@@ -39,10 +41,11 @@ pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>)
     let samples: Vec<Sample<D>> = shape
         .triangles
         .iter()
-        .map(|triangle| {
+        .enumerate()
+        .map(|(number, triangle)| {
             let [a, b, c] = triangle.map(|corner| &shape.points[corner as usize]);
             let at = std::array::from_fn(|d| (a[d] + b[d] + c[d]) / 3.0);
-            Sample { at, area: 0.5 * area_of(&minus(b, a), &minus(c, a)) }
+            Sample { at, area: 0.5 * area_of(&minus(b, a), &minus(c, a)), stiffness: shape.stiffness_of(number) }
         })
         .filter(|sample| sample.area > 0.0)
         .collect();
@@ -67,5 +70,5 @@ fn even_samples<const D: usize>(grid: &Grid<D>) -> Vec<Sample<D>> {
             grid.lo[axis] + place / dims[axis] as f64 * grid.size(axis)
         })
     };
-    (0..count).map(|number| Sample { at: middle(number), area: 1.0 / count as f64 }).collect()
+    (0..count).map(|number| Sample { at: middle(number), area: 1.0 / count as f64, stiffness: 1.0 }).collect()
 }

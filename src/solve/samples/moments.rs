@@ -17,15 +17,18 @@ const CHUNK: usize = 1 << 15;
 #[derive(Clone, Copy, Debug)]
 struct Moments<const D: usize> {
     area: f64,
+    /// Area times stiffness.
+    stiff: f64,
     first: [f64; D],
     second: [[f64; D]; D],
 }
 
 impl<const D: usize> Moments<D> {
-    const NONE: Self = Self { area: 0.0, first: [0.0; D], second: [[0.0; D]; D] };
+    const NONE: Self = Self { area: 0.0, stiff: 0.0, first: [0.0; D], second: [[0.0; D]; D] };
 
     fn add(&mut self, other: &Self) {
         self.area += other.area;
+        self.stiff += other.stiff;
         for a in 0..D {
             self.first[a] += other.first[a];
             (0..D).for_each(|b| self.second[a][b] += other.second[a][b]);
@@ -33,12 +36,13 @@ impl<const D: usize> Moments<D> {
     }
 
     /// Adds a triangle whose corners are relative to the middle: ∫xxᵀ = A/12 (Σ v vᵀ + 9 c cᵀ).
-    fn add_triangle(&mut self, corners: [[f64; D]; 3]) {
+    fn add_triangle(&mut self, corners: [[f64; D]; 3], stiffness: f64) {
         let [v0, v1, v2] = corners;
         let area = 0.5 * area_of(&minus(&v1, &v0), &minus(&v2, &v0));
         let sum: [f64; D] = std::array::from_fn(|d| v0[d] + v1[d] + v2[d]);
         let (third, twelfth) = (area / 3.0, area / 12.0);
         self.area += area;
+        self.stiff += area * stiffness;
         for a in 0..D {
             self.first[a] += third * sum[a];
             for b in 0..D {
@@ -59,7 +63,7 @@ impl<const D: usize> Moments<D> {
         for column in &root {
             for sign in [-spread, spread] {
                 let at = std::array::from_fn(|d| middle[d] + mean[d] + sign * column[d]);
-                samples.push(Sample { at, area });
+                samples.push(Sample { at, area, stiffness: self.stiff / self.area });
             }
         }
     }
@@ -110,22 +114,27 @@ impl<const D: usize> Layout<D> {
 pub(super) struct Subcells<const D: usize> {
     layout: Layout<D>,
     cells: Vec<Moments<D>>,
+    /// Of the triangle that is being added.
+    stiffness: f64,
 }
 
 impl<const D: usize> Subcells<D> {
     /// Spreads a shape over the sub-cells of a grid; what lies outside the box is left out.
     pub(super) fn of(grid: &Grid<D>, shape: &Shape<D>) -> Self {
         let layout = Layout::of(grid);
-        let empty = Self { layout, cells: vec![Moments::NONE; layout.count()] };
-        let spread = |triangles: &[[u32; 3]]| {
+        let empty = Self { layout, cells: vec![Moments::NONE; layout.count()], stiffness: 1.0 };
+        let spread = |(chunk, triangles): (usize, &[[u32; 3]])| {
             let mut part = empty.clone();
-            triangles.iter().for_each(|t| part.add_triangle(t.map(|corner| shape.points[corner as usize])));
+            for (number, triangle) in triangles.iter().enumerate() {
+                part.stiffness = shape.stiffness_of(chunk * CHUNK + number);
+                part.add_triangle(triangle.map(|corner| shape.points[corner as usize]));
+            }
             part
         };
         if shape.triangles.len() <= CHUNK {
-            return spread(&shape.triangles);
+            return spread((0, &shape.triangles));
         }
-        let parts: Vec<Self> = shape.triangles.par_chunks(CHUNK).map(spread).collect();
+        let parts: Vec<Self> = shape.triangles.par_chunks(CHUNK).enumerate().map(spread).collect();
         let mut total = empty;
         for part in &parts {
             total.cells.iter_mut().zip(&part.cells).for_each(|(cell, other)| cell.add(other));
@@ -153,7 +162,8 @@ impl<const D: usize> Subcells<D> {
 
     fn add_piece(&mut self, corners: [[f64; D]; 3], place: [usize; D]) {
         let middle = self.layout.middle(place);
-        self.cells[self.layout.number(place)].add_triangle(corners.map(|corner| minus(&corner, &middle)));
+        let cell = &mut self.cells[self.layout.number(place)];
+        cell.add_triangle(corners.map(|corner| minus(&corner, &middle)), self.stiffness);
     }
 
     /// Cuts a polygon into the slabs of one axis after the other.
@@ -214,7 +224,7 @@ mod tests {
     /// Area and first and second moments of samples about the origin.
     fn moments_of(samples: impl Iterator<Item = Sample<2>>) -> [f64; 6] {
         let mut sums = [0.0; 6];
-        for Sample { at: [x, y], area } in samples {
+        for Sample { at: [x, y], area, .. } in samples {
             for (sum, value) in sums.iter_mut().zip([1.0, x, y, x * x, x * y, y * y]) {
                 *sum += area * value;
             }
@@ -229,7 +239,7 @@ mod tests {
             let area = 0.5 * area_of(&minus(&corners[1], &corners[0]), &minus(&corners[2], &corners[0]));
             (0..3).map(move |k| {
                 let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                Sample { at: [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], area: area / 3.0 }
+                Sample { at: [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], area: area / 3.0, stiffness: 1.0 }
             })
         })
     }

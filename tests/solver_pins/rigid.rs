@@ -1,0 +1,101 @@
+//! Rigid motions cost nothing: one pin moves everything, more pins turn everything, and a turned problem has the turned
+//! solution; with regions, discs, painted stiffness and every basis, in the plane and in space.
+
+use super::{ball, bases, distance, few, grid, pins_2d, pins_3d, sheet};
+use pinwarp::lattice::{Grid, Lattice};
+use pinwarp::solve::{PointPin, Problem, Region, Settings, Shape, Solution, solve};
+use proptest::prelude::*;
+
+/// Largest distance of a handle from where it should be, parts of the unit box.
+const RIGID: f64 = 1e-6;
+
+/// Iterates until rounding stops it.
+fn exact() -> Settings {
+    Settings { tolerance: 1e-11, iteration_limit: 3000, ..Settings::default() }
+}
+
+fn run<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, pins: &[PointPin<D>], settings: &Settings) -> Solution<D> {
+    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
+}
+
+/// Every other pin takes a region along; the shape is painted in stripes.
+fn decorate<const D: usize>(pins: &mut [PointPin<D>], shape: &mut Shape<D>) {
+    let region = Region { radius: 0.2, grip: 0.7, starch: 4.0 };
+    pins.iter_mut().step_by(2).for_each(|pin| pin.region = Some(region));
+    shape.stiffness = (0..shape.triangles.len()).map(|k| if k % 6 < 3 { 0.3 } else { 5.0 }).collect();
+}
+
+/// x ↦ R x + shift; in space about the axis (1, 2, 2) / 3 (Rodrigues).
+fn motion<const D: usize>(angle: f64, shift: [f64; D]) -> impl Fn([f64; D]) -> [f64; D] {
+    let (sin, cos) = angle.sin_cos();
+    let axis = [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
+    move |p| {
+        if D == 2 {
+            return std::array::from_fn(|d| shift[d] + [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1]][d]);
+        }
+        let along: f64 = (0..D).map(|d| axis[d] * p[d]).sum();
+        let cross = |d: usize| axis[(d + 1) % 3] * p[(d + 2) % 3] - axis[(d + 2) % 3] * p[(d + 1) % 3];
+        std::array::from_fn(|d| shift[d] + cos * p[d] + sin * cross(d) + (1.0 - cos) * along * axis[d])
+    }
+}
+
+/// Largest distance of the handles of a lattice from the images of those of another.
+fn apart<const D: usize>(found: &Lattice<D>, from: &[[f64; D]], image: impl Fn([f64; D]) -> [f64; D]) -> f64 {
+    found.handles.iter().zip(from).map(|(&a, &b)| distance(a, image(b))).fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(few())]
+
+    #[test]
+    fn one_pin_moves_everything(at in [0.1..0.9_f64, 0.1..0.9_f64], to in [-9.0..9.0_f64, -9.0..9.0_f64], basis in bases()) {
+        let (grid, mut shape, mut pins) = (grid(8, basis), sheet(12), [PointPin::new(at, to)]);
+        decorate(&mut pins, &mut shape);
+        let solution = run(&grid, &shape, &pins, &Settings::default());
+        let image = motion(0.0, [to[0] - at[0], to[1] - at[1]]);
+        prop_assert!(apart(&solution.lattice, &grid.rest_handles(), image) < RIGID, "{:?}", solution.report);
+    }
+
+    #[test]
+    fn one_pin_moves_everything_in_space(at in [0.1..0.9_f64, 0.1..0.9_f64, 0.1..0.9_f64], to in -9.0..9.0_f64, basis in bases()) {
+        let (grid, mut shape, mut pins) = (grid::<3>(5, basis), ball(), [PointPin::new(at, [to, 1.0, -to])]);
+        decorate(&mut pins, &mut shape);
+        let solution = run(&grid, &shape, &pins, &Settings::default());
+        let image = motion(0.0, [to - at[0], 1.0 - at[1], -to - at[2]]);
+        prop_assert!(apart(&solution.lattice, &grid.rest_handles(), image) < RIGID, "{:?}", solution.report);
+    }
+
+    #[test]
+    fn pins_that_turn_turn_everything(mut pins in pins_2d(), angle in -3.1..3.1_f64, basis in bases()) {
+        prop_assume!(pins.len() > 1);
+        let (grid, mut shape, image) = (grid(8, basis), sheet(12), motion(angle, [3.0, -2.0]));
+        pins.iter_mut().for_each(|pin| pin.target = image(pin.at));
+        decorate(&mut pins, &mut shape);
+        let solution = run(&grid, &shape, &pins, &Settings::default());
+        prop_assert!(apart(&solution.lattice, &grid.rest_handles(), image) < RIGID, "{:?}", solution.report);
+    }
+
+    #[test]
+    fn pins_that_turn_turn_everything_in_space(mut pins in pins_3d(), angle in -3.1..3.1_f64, basis in bases()) {
+        // Two pins leave the turn about their line open.
+        prop_assume!(pins.len() > 2);
+        let (grid, mut shape, image) = (grid::<3>(5, basis), ball(), motion(angle, [3.0, -2.0, 1.0]));
+        pins.iter_mut().for_each(|pin| pin.target = image(pin.at));
+        decorate(&mut pins, &mut shape);
+        let solution = run(&grid, &shape, &pins, &Settings::default());
+        prop_assert!(apart(&solution.lattice, &grid.rest_handles(), image) < RIGID, "{:?}", solution.report);
+    }
+
+    #[test]
+    fn a_turned_problem_has_the_turned_solution(mut pins in pins_2d(), angle in -3.1..3.1_f64, basis in bases()) {
+        prop_assume!(pins.len() > 1);
+        let (grid, mut shape, image) = (grid(8, basis), sheet(12), motion(angle, [0.3, -0.2]));
+        decorate(&mut pins, &mut shape);
+        let first = run(&grid, &shape, &pins, &exact());
+        pins.iter_mut().for_each(|pin| pin.target = image(pin.target));
+        let turned = run(&grid, &shape, &pins, &exact());
+        prop_assume!(first.report.is_converged && turned.report.is_converged);
+        let gap = apart(&turned.lattice, &first.lattice.handles, image);
+        prop_assert!(gap < RIGID, "{gap} {:?} {:?}", first.report, turned.report);
+    }
+}
