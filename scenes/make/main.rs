@@ -1,4 +1,4 @@
-//! Writes the .glb files of `scenes/`: `cargo run --example make_scenes`.
+//! Writes the .glb files and figures of `scenes/`: `cargo run --example make_scenes`.
 
 #[path = "mod.rs"]
 mod make;
@@ -12,6 +12,11 @@ fn main() -> anyhow::Result<()> {
         let path = folder.join(name);
         std::fs::write(&path, &bytes).with_context(|| format!("writing {}", path.display()))?;
         println!("{name}: {} bytes", bytes.len());
+    }
+    for (name, text) in make::figures::files() {
+        let path = folder.join(&name);
+        std::fs::write(&path, &text).with_context(|| format!("writing {}", path.display()))?;
+        println!("{name}: {} bytes", text.len());
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 //! Out: the bytes of each .glb file, the same on every run. `cargo run --example make_scenes` writes them.
 
 mod fields;
+pub(crate) mod figures;
 pub(crate) mod gingerman;
 mod glb;
 mod gnome;
