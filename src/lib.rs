@@ -37,6 +37,8 @@ pub mod image;
 
 pub mod export;
 
+pub mod compare;
+
 pub mod pipeline;
 
 pub mod cli;

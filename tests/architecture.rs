@@ -15,6 +15,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("image", &["space"]),
     ("solve", &["lattice", "space", "spelling"]),
     ("export", &["image", "lattice"]),
+    ("compare", &["image", "lattice", "solve", "space"]),
     ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
     ("shot", &["image", "lattice", "raster", "solve", "space", "spelling"]),
     (
@@ -24,8 +25,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "export", "image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve", "space",
-            "spelling",
+            "compare", "export", "image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve",
+            "space", "spelling",
         ],
     ),
 ];

@@ -35,6 +35,8 @@ pub(super) enum Command {
     Pick(PickArgs),
     /// Solve a bare lattice problem (JSON in, JSON out).
     Solve(SolveArgs),
+    /// Deform a problem or a shot's layer with several methods, side by side.
+    Compare(CompareArgs),
     /// Write the solved lattices of a shot for other shots and programs.
     Export(ExportArgs),
     /// Give the lattices of a file other dims or another basis, and keep the edit.
@@ -179,6 +181,31 @@ pub(super) struct ResizeArgs {
     /// Replace a file that is already there.
     #[arg(long)]
     pub(super) overwrite: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct CompareArgs {
+    /// A problem (JSON) or a shot (.toml).
+    #[arg(value_name = "PROBLEM-OR-SHOT")]
+    pub(super) input: PathBuf,
+    /// Picture to draw, a panel each method (PNG).
+    #[arg(short, long, value_name = "SHEET")]
+    pub(super) output: Option<PathBuf>,
+    /// Methods, in any order; default: all of hsu, mls, arap, paper, default.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) methods: Vec<String>,
+    /// Pose of a problem that has several; default: its first.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["frame", "layer"])]
+    pub(super) pose: Option<String>,
+    /// Frame of a shot; default: its first.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(super) frame: Option<i32>,
+    /// Layer of a shot; default: its first.
+    #[arg(long, value_name = "NAME")]
+    pub(super) layer: Option<String>,
+    /// Print one JSON object a line and method instead of a table.
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 /// `auto`, `cpu`, anything else by name.

@@ -4,6 +4,7 @@
 
 mod args;
 mod check;
+mod compare;
 mod devices;
 mod export;
 mod frames;
@@ -55,6 +56,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
         Command::Solve(args) => solve::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Resize(args) => resize::run(&args),
         Command::Devices => devices::run(),

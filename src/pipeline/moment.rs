@@ -194,7 +194,7 @@ impl Setup {
     }
 
     /// The layer's triangles on the screen, cut at the near plane.
-    fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
+    pub(super) fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
         let near = moment.camera.near();
         let mut shape = Shape::default();
         for &part in &self.parts_of_layer[index] {

@@ -9,6 +9,7 @@ mod energy;
 mod error;
 mod iterate;
 mod matrix;
+pub mod methods;
 mod misses;
 mod occupied;
 mod packs;

@@ -145,7 +145,7 @@ fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Row
 /// Neighbour offsets of handles: Σ ‖(P'_a − P'_b) − (P⁰_a − P⁰_b)‖² over all grid edges.
 ///
 /// Dimensionless: the mean over edges, each in units of its rest length, which tends to the mean of ‖J − I‖²/D.
-fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D> {
+pub(crate) fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D> {
     let counts = (0..D).map(|axis| grid.handle_count() / grid.dims[axis] * (grid.dims[axis] - 1));
     let edges: usize = counts.sum();
     let mut rows = RowSet::new();

@@ -45,7 +45,12 @@ fn details() -> Vec<Detail> {
     for side in [-1.0, 1.0] {
         let eye = p(0.40 * side, 1.20);
         details.push(Detail::new("eye", "#ffffff", Outline::ellipse(eye, p(0.145, 0.15), 0.0), 12));
-        details.push(Detail::new("pupil", "#20241a", Outline::ellipse(eye + p(-0.02 * side, 0.01), p(0.065, 0.085), 0.0), 8));
+        details.push(Detail::new(
+            "pupil",
+            "#20241a",
+            Outline::ellipse(eye + p(-0.02 * side, 0.01), p(0.065, 0.085), 0.0),
+            8,
+        ));
         details.push(Detail::new("cheek", "#f2a27e", Outline::ellipse(p(0.50 * side, 0.72), p(0.095, 0.06), 0.0), 8));
     }
     let smile = Outline::smile([p(-0.42, 0.82), p(0.0, 0.60), p(0.42, 0.82)], 0.05);
@@ -76,6 +81,10 @@ fn poses() -> Vec<Pose> {
     vec![
         Pose::new("hello", &[("left shoulder", 70.0), ("right hip", -45.0)], &tips),
         Pose::new("kick", &[("left hip", 45.0), ("right shoulder", -60.0), ("neck", -10.0)], &tips),
-        Pose::new("dance", &[("left shoulder", 65.0), ("right shoulder", 35.0), ("left hip", 30.0), ("right hip", 30.0)], &tips),
+        Pose::new(
+            "dance",
+            &[("left shoulder", 65.0), ("right shoulder", 35.0), ("left hip", 30.0), ("right hip", 30.0)],
+            &tips,
+        ),
     ]
 }

@@ -54,6 +54,10 @@ fn poses() -> Vec<Pose> {
         Pose::new("wave", &[("left shoulder", 70.0), ("right thigh", -45.0)], &tips),
         Pose::new("stride", &[("left thigh", 45.0), ("right thigh", -25.0), ("right shoulder", 40.0)], &tips),
         Pose::new("cheer", &[("left shoulder", 70.0), ("right shoulder", -70.0), ("neck", 12.0)], &tips),
-        Pose::new("lean", &[("hip", -12.0), ("left shoulder", -50.0), ("left thigh", 57.0), ("right thigh", 12.0)], &tips),
+        Pose::new(
+            "lean",
+            &[("hip", -12.0), ("left shoulder", -50.0), ("left thigh", 57.0), ("right thigh", 12.0)],
+            &tips,
+        ),
     ]
 }

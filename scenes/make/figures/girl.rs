@@ -118,7 +118,15 @@ fn poses() -> Vec<Pose> {
     let tips = ["head", "waist", "left hand", "right hand", "left foot", "right foot"];
     vec![
         Pose::new("wave", &[("left shoulder", 70.0), ("right hip", -45.0)], &tips),
-        Pose::new("dance", &[("left shoulder", 60.0), ("right shoulder", 30.0), ("left hip", 40.0), ("neck", 10.0)], &tips),
-        Pose::new("hop", &[("left shoulder", 50.0), ("right shoulder", -50.0), ("left hip", 25.0), ("right hip", -25.0)], &tips),
+        Pose::new(
+            "dance",
+            &[("left shoulder", 60.0), ("right shoulder", 30.0), ("left hip", 40.0), ("neck", 10.0)],
+            &tips,
+        ),
+        Pose::new(
+            "hop",
+            &[("left shoulder", 50.0), ("right shoulder", -50.0), ("left hip", 25.0), ("right hip", -25.0)],
+            &tips,
+        ),
     ]
 }

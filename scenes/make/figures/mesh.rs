@@ -109,7 +109,15 @@ fn triangulate(points: &[DVec2], border: usize) -> Vec<[u32; 3]> {
         .inner_faces()
         .map(|face| face.vertices().map(|corner| corner.index() as u32))
         .filter(|corners| is_inside(&points[..border], middle(points, corners)))
-        .map(|[a, b, c]| if a < b && a < c { [a, b, c] } else if b < c { [b, c, a] } else { [c, a, b] })
+        .map(|[a, b, c]| {
+            if a < b && a < c {
+                [a, b, c]
+            } else if b < c {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            }
+        })
         .collect();
     triangles.sort_unstable();
     triangles

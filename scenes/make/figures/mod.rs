@@ -72,14 +72,8 @@ impl Region {
 
 /// File names below `scenes/` and their text.
 pub(crate) fn files() -> Vec<(String, String)> {
-    let figures = [
-        ginger::figure(),
-        frog::figure(),
-        panda::figure(),
-        unicorn::figure(),
-        girl::figure(),
-        dinosaur::figure(),
-    ];
+    let figures =
+        [ginger::figure(), frog::figure(), panda::figure(), unicorn::figure(), girl::figure(), dinosaur::figure()];
     figures.iter().map(|figure| (format!("figures/{}.json", figure.name), write::json(figure))).collect()
 }
 

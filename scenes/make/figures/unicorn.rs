@@ -98,10 +98,13 @@ fn joints() -> Vec<Joint> {
 }
 
 fn poses() -> Vec<Pose> {
-    let tips =
-        ["belly", "nose", "horn", "tail", "hind hoof", "inner hind hoof", "inner fore hoof", "fore hoof"];
+    let tips = ["belly", "nose", "horn", "tail", "hind hoof", "inner hind hoof", "inner fore hoof", "fore hoof"];
     vec![
-        Pose::new("prance", &[("shoulder", 65.0), ("inner shoulder", 15.0), ("rump", -30.0), ("hind hip", -15.0)], &tips),
+        Pose::new(
+            "prance",
+            &[("shoulder", 65.0), ("inner shoulder", 15.0), ("rump", -30.0), ("hind hip", -15.0)],
+            &tips,
+        ),
         Pose::new("graze", &[("withers", -55.0), ("poll", -15.0), ("rump", 20.0), ("inner shoulder", -10.0)], &tips),
         Pose::new("kick", &[("hind hip", -70.0), ("inner hind hip", -20.0), ("withers", 12.0), ("rump", -35.0)], &tips),
     ]

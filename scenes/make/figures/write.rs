@@ -13,11 +13,8 @@ const NOTE: &str = "A layered figure drawn by scenes/make/figures; CC0. Pins of 
 pub(crate) fn json(figure: &Figure) -> String {
     let mesh = mesh(figure);
     let vertices: Vec<String> = mesh.vertices.iter().map(|at| format!("[{},{}]", at.x, at.y)).collect();
-    let triangles: Vec<String> = mesh
-        .parts
-        .iter()
-        .flat_map(|part| part.triangles.iter().map(|[a, b, c]| format!("[{a},{b},{c}]")))
-        .collect();
+    let triangles: Vec<String> =
+        mesh.parts.iter().flat_map(|part| part.triangles.iter().map(|[a, b, c]| format!("[{a},{b},{c}]"))).collect();
     format!(
         "{{\n\"name\": \"{}\",\n\"note\": \"{NOTE}\",\n\"dims\": [10, 10],\n\"parts\": {},\n\"poses\": {},\n\
          \"vertices\": {},\n\"triangles\": {}\n}}\n",
@@ -32,7 +29,12 @@ pub(crate) fn json(figure: &Figure) -> String {
 /// Colours of runs of triangles.
 fn parts(mesh: &Mesh) -> Vec<String> {
     let part = |part: &super::mesh::MeshPart| {
-        format!("{{\"name\": \"{}\", \"color\": \"{}\", \"triangles\": {}}}", part.name, part.color, part.triangles.len())
+        format!(
+            "{{\"name\": \"{}\", \"color\": \"{}\", \"triangles\": {}}}",
+            part.name,
+            part.color,
+            part.triangles.len()
+        )
     };
     mesh.parts.iter().map(part).collect()
 }

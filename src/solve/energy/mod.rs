@@ -14,6 +14,7 @@ mod vertex;
 mod vertices;
 
 pub(crate) use area::Area;
+pub(crate) use neighbours::{HalfEdges, half_edges};
 pub(crate) use patches::{Patched, fade};
 
 use super::matrix::Normal;

@@ -11,9 +11,10 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Keys that say nothing to the solver.
-const SILENT: [&str; 3] = ["name", "note", "expected"];
+const SILENT: [&str; 2] = ["note", "expected"];
 /// Keys that do.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 18] = [
+    "name",
     "dims",
     "bbox",
     "basis",
@@ -25,6 +26,8 @@ const KEYS: [&str; 15] = [
     "vertices",
     "triangles",
     "strokes",
+    "parts",
+    "poses",
     "samples",
     "pins",
     "handles",
@@ -34,6 +37,7 @@ const KEYS: [&str; 15] = [
 /// A problem file.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct ProblemFile {
+    pub(super) name: Option<String>,
     dims: Option<Vec<usize>>,
     pub(super) bbox: Option<[Vec<f64>; 2]>,
     basis: Option<String>,
@@ -54,6 +58,12 @@ pub(super) struct ProblemFile {
     pub(super) pins: Vec<RawPin>,
     #[serde(default)]
     pub(super) handles: Vec<RawHandle>,
+    /// Runs of triangles with their colours, for pictures.
+    #[serde(default)]
+    pub(super) parts: Vec<RawPart>,
+    /// Sets of pins, by name; without `pins` the first one counts.
+    #[serde(default)]
+    pub(super) poses: Vec<RawPose>,
     pub(super) iterations: Option<usize>,
     #[serde(flatten)]
     others: BTreeMap<String, serde_json::Value>,
@@ -80,6 +90,25 @@ pub(super) struct RawPin {
     pub(super) target: Vec<f64>,
 }
 
+/// A run of triangles.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPart {
+    pub(super) name: String,
+    /// `#rrggbb`.
+    pub(super) color: String,
+    /// How many triangles.
+    pub(super) triangles: usize,
+}
+
+/// A set of pins.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPose {
+    pub(super) name: String,
+    pub(super) pins: Vec<RawPin>,
+}
+
 /// A moved handle.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -91,12 +120,15 @@ pub(super) struct RawHandle {
 impl ProblemFile {
     /// Reads the keys.
     pub(super) fn parse(text: &str) -> Result<Self, ProblemError> {
-        let file: Self = serde_json::from_str(text)?;
+        let mut file: Self = serde_json::from_str(text)?;
         for key in file.others.keys().filter(|key| !SILENT.contains(&key.as_str())) {
             let near = KEYS.iter().find(|known| strsim::jaro_winkler(known, key) > 0.85);
             if let Some(near) = near {
                 return Err(ProblemError::key(key, "is no key of a problem file", format!("did you mean `{near}`?")));
             }
+        }
+        if let (true, Some(first)) = (file.pins.is_empty(), file.poses.first()) {
+            file.pins = first.pins.clone();
         }
         Ok(file)
     }

@@ -16,7 +16,7 @@ pub(super) fn run<const D: usize>(file: &ProblemFile) -> Result<ResultFile, Prob
     let settings = file.settings()?;
     let shape = shape::<D>(file)?;
     let grid = grid(file, &shape)?;
-    let (pins, handles) = (point_pins(file, &shape)?, moved_handles(file)?);
+    let (pins, handles) = (point_pins(&file.pins, &shape)?, moved_handles(file)?);
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: &settings };
     check::problem(&problem)?;
     let parts =
@@ -52,7 +52,7 @@ fn moved<const D: usize>(lattice: &Lattice<D>, settings: &Settings, vertex: [f64
     }
 }
 
-fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, ProblemError> {
+pub(super) fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, ProblemError> {
     let points = file.vertices.iter().enumerate();
     let points = points.map(|(k, vertex)| point(vertex, || format!("vertices[{k}]"))).collect::<Result<Vec<_>, _>>()?;
     for (k, triangle) in file.triangles.iter().enumerate() {
@@ -71,7 +71,7 @@ fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, ProblemError> {
 }
 
 /// The grid; without `bbox` over the bounds of the vertices, padded by a tenth.
-fn grid<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Result<Grid<D>, ProblemError> {
+pub(super) fn grid<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Result<Grid<D>, ProblemError> {
     let [lo, hi] = match &file.bbox {
         Some([lo, hi]) => [point(lo, || "bbox[0]".into())?, point(hi, || "bbox[1]".into())?],
         None => padded_bounds(&shape.points),
@@ -90,8 +90,8 @@ fn padded_bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
     [std::array::from_fn(|d| lo[d] - pad[d]), std::array::from_fn(|d| hi[d] + pad[d])]
 }
 
-fn point_pins<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Result<Vec<PointPin<D>>, ProblemError> {
-    let pins = file.pins.iter().enumerate();
+pub(super) fn point_pins<const D: usize>(raw: &[RawPin], shape: &Shape<D>) -> Result<Vec<PointPin<D>>, ProblemError> {
+    let pins = raw.iter().enumerate();
     pins.map(|(k, raw)| {
         let corners = corners(raw, k, shape)?;
         let at = match &raw.point {
@@ -144,7 +144,7 @@ fn pin_rows<const D: usize>(file: &ProblemFile, problem: &Problem<D>) -> RowSet<
     rows
 }
 
-fn moved_handles<const D: usize>(file: &ProblemFile) -> Result<Vec<HandlePin<D>>, ProblemError> {
+pub(super) fn moved_handles<const D: usize>(file: &ProblemFile) -> Result<Vec<HandlePin<D>>, ProblemError> {
     let count: usize = file.dims::<D>().iter().product();
     let handles = file.handles.iter().enumerate();
     handles

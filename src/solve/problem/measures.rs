@@ -52,8 +52,9 @@ struct Element {
 }
 
 impl Measures {
-    /// Measures all triangles of a shape with rest area.
-    pub(super) fn of<const D: usize>(shape: &Shape<D>, moved: &[[f64; D]]) -> Self {
+    /// Measures all triangles of a shape with rest area; `moved` is #vertices.
+    #[must_use]
+    pub fn of<const D: usize>(shape: &Shape<D>, moved: &[[f64; D]]) -> Self {
         let elements: Vec<Element> = shape
             .triangles
             .iter()

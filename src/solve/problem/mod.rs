@@ -4,11 +4,13 @@
 //! Keys left out take the defaults of the program; `lambdas` switch to the paper's plain sums, see [`run_file`].
 
 mod error;
+mod figure;
 mod file;
 mod job;
 mod measures;
 
 pub use error::ProblemError;
+pub use figure::{Figure, FigurePart, FigurePose, Figures, read_figure};
 pub use measures::Measures;
 
 use super::Energies;

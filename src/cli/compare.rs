@@ -1,0 +1,109 @@
+//! `pinwarp compare`.
+
+use super::Outcome;
+use super::args::CompareArgs;
+use crate::compare::{self, Entry, Figure, Ink};
+use crate::image::write_png;
+use crate::pipeline::Setup;
+use crate::shot::Shot;
+use crate::solve::Problem;
+use crate::solve::methods::{self, Deformer};
+use crate::solve::problem::{self, Figures};
+use crate::spelling;
+use anyhow::{Context, bail};
+use std::io::Write;
+use std::path::Path;
+
+pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
+    if args.input.extension().is_some_and(|extension| extension == "toml") {
+        return run_shot(args);
+    }
+    match problem::read_figure(&args.input)? {
+        Figures::Plane(figure) => {
+            let inks: Vec<Ink> = figure.parts.iter().map(|part| (part.triangles, part.color)).collect();
+            let pose = pose(args, &figure)?;
+            let (problem, title) = (figure.problem(pose), titled(&figure.name, &pose.name));
+            run_plane(args, &Figure { problem: &problem, inks: &inks, title: &title })
+        }
+        Figures::Space(figure) => {
+            if let Some(path) = &args.output {
+                bail!("{}: sheets show problems in the plane; leave out -o to get the table", path.display());
+            }
+            print(args, &entries(args, &figure.problem(pose(args, &figure)?))?)
+        }
+    }
+}
+
+/// The layer's shape on the screen at the frame asked for.
+fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
+    let shot = Shot::read(&args.input)?;
+    let frame = args.frame.unwrap_or(shot.frames.first);
+    let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();
+    let layer = match &args.layer {
+        None => 0,
+        Some(name) => {
+            let found = names.iter().position(|known| known == name);
+            found.with_context(|| format!("there is no layer '{name}'; {}", spelling::list(names.iter().copied())))?
+        }
+    };
+    let title = names.get(layer).map(|name| titled(name, &format!("frame {frame}"))).unwrap_or_default();
+    let Some(posed) = Setup::new(shot)?.layer_problem(layer, f64::from(frame))? else {
+        bail!("layer {layer} has nothing to solve in frame {frame}: it is out of sight or has no pins that act");
+    };
+    run_plane(args, &Figure { problem: &posed.problem(), inks: &[], title: &title })
+}
+
+fn run_plane(args: &CompareArgs, figure: &Figure) -> anyhow::Result<Outcome> {
+    let entries = entries(args, figure.problem)?;
+    if let Some(path) = &args.output {
+        write_png(path, &compare::sheet(figure, &entries))?;
+    }
+    print(args, &entries)
+}
+
+fn entries<const D: usize>(args: &CompareArgs, problem: &Problem<D>) -> anyhow::Result<Vec<Entry<D>>> {
+    let known = methods::all::<D>();
+    let chosen =
+        |method: &&Box<dyn Deformer<D>>| args.methods.is_empty() || args.methods.iter().any(|key| key == method.key());
+    let keys: Vec<&str> = known.iter().map(|method| method.key()).collect();
+    if let Some(wrong) = args.methods.iter().find(|key| !keys.contains(&key.as_str())) {
+        bail!("there is no method '{wrong}'; {}", spelling::list(keys.iter().copied()));
+    }
+    let run = |method: &Box<dyn Deformer<D>>| {
+        compare::run(method.as_ref(), problem).with_context(|| format!("method '{}'", method.key()))
+    };
+    known.iter().filter(chosen).map(run).collect()
+}
+
+fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Result<Outcome> {
+    let mut out = std::io::stdout();
+    if args.json {
+        for entry in entries {
+            let line = serde_json::json!({"method": entry.method, "figures": entry.figures});
+            writeln!(out, "{line}")?;
+        }
+    } else {
+        write!(out, "{}", compare::table(entries))?;
+    }
+    Ok(Outcome::Complete)
+}
+
+/// The pose asked for, else the first.
+fn pose<'a, const D: usize>(
+    args: &CompareArgs,
+    figure: &'a problem::Figure<D>,
+) -> anyhow::Result<&'a problem::FigurePose<D>> {
+    let Some(name) = &args.pose else { return Ok(&figure.poses[0]) };
+    let names = figure.poses.iter().map(|pose| pose.name.as_str());
+    let hint = spelling::list(names);
+    let found = figure.poses.iter().find(|pose| pose.name == *name);
+    found.with_context(|| format!("{}: there is no pose '{name}'; {hint}", file_name(&args.input)))
+}
+
+fn titled(name: &str, pose: &str) -> String {
+    [name, pose].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(": ")
+}
+
+fn file_name(path: &Path) -> String {
+    path.display().to_string()
+}

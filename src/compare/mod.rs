@@ -1,0 +1,108 @@
+//! All methods on one problem: the same pins, the same grid, one table and one picture.
+//!
+//! In: a problem and methods. Out: [`Entry`]s, a table, a [`sheet`].
+
+mod sheet;
+mod table;
+
+pub use sheet::{Figure, Ink, sheet};
+pub use table::table;
+
+use crate::lattice::{Grid, Lattice};
+use crate::solve::methods::{Deformed, Deformer};
+use crate::solve::problem::Measures;
+use crate::solve::{PointPin, Problem, SolveError};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Runs of which the fastest counts: other work on the machine only adds.
+const RUNS: usize = 3;
+
+/// What one method made of the problem.
+#[derive(Clone, Debug)]
+pub struct Entry<const D: usize> {
+    /// The method's name.
+    pub method: &'static str,
+    /// Its figures.
+    pub figures: Figures,
+    /// Its lattice.
+    pub lattice: Lattice<D>,
+    /// Moved vertices, #vertices.
+    pub points: Vec<[f64; D]>,
+}
+
+/// How good a result is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Mean change of a triangle's corner, radians.
+    pub angle: f64,
+    /// Mean of |σ1σ2 − 1|, weighted by rest area.
+    pub area: f64,
+    /// Largest distance of a pin from its target, in diagonals of the rest box.
+    pub pin_error: f64,
+    /// Triangles that turn over.
+    pub flips: usize,
+    /// Lattice cells that turn over.
+    pub folded_cells: usize,
+    /// Largest distance of a handle from the rest box, in diagonals of that box.
+    pub stray: f64,
+    /// Iterations.
+    pub iterations: usize,
+    /// Milliseconds of the fastest of three cold runs.
+    pub ms: f64,
+}
+
+/// Runs a method on a problem.
+///
+/// # Errors
+/// [`SolveError`] where the method cannot solve it.
+pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Result<Entry<D>, SolveError> {
+    let grid = Grid { basis: method.basis().unwrap_or(problem.grid.basis), ..problem.grid.clone() };
+    let problem = Problem { grid: &grid, ..*problem };
+    let mut ms = f64::INFINITY;
+    let mut deformed = timed(method, &problem, &mut ms)?;
+    for _ in 1..RUNS {
+        deformed = timed(method, &problem, &mut ms)?;
+    }
+    let Deformed { lattice, iterations } = deformed;
+    let points: Vec<[f64; D]> = problem.shape.points.iter().map(|&point| lattice.displace(point)).collect();
+    let measures = Measures::of(problem.shape, &points);
+    let figures = Figures {
+        angle: measures.ang_rad,
+        area: measures.area_abs,
+        pin_error: largest_miss(&lattice, problem.pins) / grid.diagonal(),
+        flips: measures.flips,
+        folded_cells: lattice.folded_cells().len(),
+        stray: stray(&lattice),
+        iterations,
+        ms,
+    };
+    Ok(Entry { method: method.name(), figures, lattice, points })
+}
+
+fn timed<const D: usize>(
+    method: &dyn Deformer<D>,
+    problem: &Problem<D>,
+    ms: &mut f64,
+) -> Result<Deformed<D>, SolveError> {
+    let start = Instant::now();
+    let deformed = method.deform(problem)?;
+    *ms = ms.min(start.elapsed().as_secs_f64() * 1e3);
+    Ok(deformed)
+}
+
+fn largest_miss<const D: usize>(lattice: &Lattice<D>, pins: &[PointPin<D>]) -> f64 {
+    let misses = pins.iter().map(|pin| distance(&lattice.displace(pin.at), &pin.target));
+    misses.fold(0.0, f64::max)
+}
+
+/// How far handles leave the rest box, in its diagonals.
+fn stray<const D: usize>(lattice: &Lattice<D>) -> f64 {
+    let grid = &lattice.grid;
+    let away = lattice.handles.iter().map(|&handle| distance(&grid.nearest_in_box(handle), &handle));
+    away.fold(0.0, f64::max) / grid.diagonal()
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}

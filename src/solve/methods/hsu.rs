@@ -1,0 +1,48 @@
+//! Direct manipulation: the least change of the handles that brings the pins to their targets.
+//!
+//! W. M. Hsu, J. F. Hughes, H. Kaufman, "Direct manipulation of free-form deformations", SIGGRAPH 1992,
+//! <https://doi.org/10.1145/133994.134036>. As lp-FFD's authors compare it: as least squares, with their E_gr (equation 8).
+//!
+//! In: grid and pins; the shape plays no part. Out: handles.
+
+use super::{Deformed, Deformer, held, least_squares};
+use crate::solve::rows::RowSet;
+use crate::solve::{Lambdas, Problem, Settings, SolveError, check};
+
+/// min λmp Σ ‖W_p P − c‖² + λgp Σ ‖P − d‖² + λgr Σ ‖P − P⁰‖², the last over handles not moved by hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Hsu {
+    /// λ; the paper's unless said otherwise. The weight of the shape is not used.
+    pub lambdas: Lambdas,
+}
+
+impl Default for Hsu {
+    fn default() -> Self {
+        Self { lambdas: Settings::paper().lambdas }
+    }
+}
+
+impl<const D: usize> Deformer<D> for Hsu {
+    fn key(&self) -> &'static str {
+        "hsu"
+    }
+
+    fn name(&self) -> &'static str {
+        "Hsu 1992 + E_gr"
+    }
+
+    fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
+        check::problem(problem)?;
+        let [pins, moved] = held(problem);
+        let mut rest = RowSet::new();
+        for index in 0..problem.grid.handle_count() {
+            if problem.handles.iter().all(|handle| handle.index != index) {
+                rest.push(1.0, [(index, 1.0)], problem.grid.rest_handle(index));
+            }
+        }
+        let Lambdas { pins: pin, handles: hand, regularizer, .. } = self.lambdas;
+        let terms = [(pin, &pins), (hand, &moved), (regularizer, &rest)];
+        let lattice = least_squares(problem.grid, &terms, "direct manipulation")?;
+        Ok(Deformed { lattice, iterations: 1 })
+    }
+}

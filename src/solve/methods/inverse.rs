@@ -1,0 +1,65 @@
+//! Inverse free-form deformation of a mesh that another method has moved.
+//!
+//! Noh et al. 2021 (`noh2021inverse` of <https://arxiv.org/abs/2405.07450v1>), as lp-FFD's authors describe and compare
+//! it: least squares to the moved vertices and a smoothing term over neighbouring handles.
+//!
+//! In: grid, rest and moved vertices. Out: handles.
+
+use super::{Arap, Deformed, Deformer, least_squares};
+use crate::lattice::{Grid, Lattice};
+use crate::solve::rows::RowSet;
+use crate::solve::{Problem, Scaling, SolveError, check, regularizer};
+
+/// As-rigid-as-possible deformation of the mesh, then the lattice that follows it best.
+#[derive(Clone, Copy, Debug)]
+pub struct ArapAndInverse {
+    /// The first step.
+    pub arap: Arap,
+    /// Weight of the smoothing term; lp-FFD's λgr, since none is printed.
+    pub smoothing: f64,
+}
+
+impl Default for ArapAndInverse {
+    fn default() -> Self {
+        Self { arap: Arap::default(), smoothing: 1e-2 }
+    }
+}
+
+impl<const D: usize> Deformer<D> for ArapAndInverse {
+    fn key(&self) -> &'static str {
+        "arap"
+    }
+
+    fn name(&self) -> &'static str {
+        "ARAP + inverse FFD"
+    }
+
+    fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
+        check::problem(problem)?;
+        let (moved, iterations) = self.arap.deform(problem.shape, problem.pins)?;
+        let lattice = inverse_ffd(problem.grid, &problem.shape.points, &moved, self.smoothing)?;
+        Ok(Deformed { lattice, iterations })
+    }
+}
+
+/// min Σ ‖W_i P − v'_i‖² + λ Σ ‖(P_a − P_b) − (P⁰_a − P⁰_b)‖², the second sum over the edges of the grid.
+///
+/// `rest` and `moved` are #vertices.
+///
+/// # Errors
+/// [`SolveError::Singular`] where vertices and smoothing leave handles undecided.
+pub fn inverse_ffd<const D: usize>(
+    grid: &Grid<D>,
+    rest: &[[f64; D]],
+    moved: &[[f64; D]],
+    smoothing: f64,
+) -> Result<Lattice<D>, SolveError> {
+    assert_eq!(rest.len(), moved.len(), "as many moved vertices as at rest");
+    let mut vertices = RowSet::new();
+    for (rest, moved) in rest.iter().zip(moved) {
+        let held = grid.nearest_in_box(*rest);
+        vertices.push(1.0, grid.weights(held), std::array::from_fn(|d| moved[d] + held[d] - rest[d]));
+    }
+    let neighbours = regularizer::noh(grid, Scaling::Plain);
+    least_squares(grid, &[(1.0, &vertices), (smoothing, &neighbours)], "inverse FFD")
+}

@@ -1,0 +1,81 @@
+//! Rigid moving least squares on the handles of the grid.
+//!
+//! S. Schaefer, T. McPhail, J. Warren, "Image deformation using moving least squares", SIGGRAPH 2006,
+//! <https://doi.org/10.1145/1179352.1141920>; in space: Y. Zhu, S. J. Gortler, "3D deformation using moving least
+//! squares", 2007. As in lp-FFD's comparison each handle is a point that MLS moves; the shape plays no part.
+//!
+//! In: grid and pins. Out: handles.
+
+use super::{Deformed, Deformer};
+use crate::lattice::Lattice;
+use crate::solve::small::{apply, best_rotation, dot, minus};
+use crate::solve::{Problem, SolveError, check};
+
+/// f(v) = R (v − p*) + q*, R the best rotation under the weights 1/|p − v|^2α.
+#[derive(Clone, Copy, Debug)]
+pub struct Mls {
+    /// α; the authors' pictures have 1.
+    pub alpha: f64,
+}
+
+impl Default for Mls {
+    fn default() -> Self {
+        Self { alpha: 1.0 }
+    }
+}
+
+/// Rest point and target of a pin or moved handle.
+type Control<const D: usize> = ([f64; D], [f64; D]);
+
+impl<const D: usize> Deformer<D> for Mls {
+    fn key(&self) -> &'static str {
+        "mls"
+    }
+
+    fn name(&self) -> &'static str {
+        "Rigid MLS on the grid"
+    }
+
+    fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
+        check::problem(problem)?;
+        let grid = problem.grid;
+        let moved = problem.handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target));
+        let controls: Vec<Control<D>> = problem.pins.iter().map(|pin| (pin.at, pin.target)).chain(moved).collect();
+        let handles = grid.rest_handles().iter().map(|handle| self.image(handle, &controls)).collect();
+        Ok(Deformed { lattice: Lattice { grid: grid.clone(), handles }, iterations: 1 })
+    }
+}
+
+impl Mls {
+    /// Where a point goes (their equations 5 to 8; R by the polar decomposition, which is the same in the plane).
+    fn image<const D: usize>(&self, point: &[f64; D], controls: &[Control<D>]) -> [f64; D] {
+        let mut weights = Vec::with_capacity(controls.len());
+        for (rest, target) in controls {
+            let gap = minus(rest, point);
+            let square = dot(&gap, &gap);
+            if square == 0.0 {
+                return *target;
+            }
+            weights.push(square.powf(-self.alpha));
+        }
+        let total: f64 = weights.iter().sum();
+        if total <= 0.0 {
+            return *point;
+        }
+        let mean = |pick: fn(&Control<D>) -> &[f64; D]| -> [f64; D] {
+            let weighted =
+                |d: usize| weights.iter().zip(controls).map(|(w, control)| w * pick(control)[d]).sum::<f64>();
+            std::array::from_fn(|d| weighted(d) / total)
+        };
+        let (from, to) = (mean(|control| &control.0), mean(|control| &control.1));
+        let mut s = [[0.0; D]; D];
+        for (weight, (rest, target)) in weights.iter().zip(controls) {
+            let (rest, target) = (minus(rest, &from), minus(target, &to));
+            for a in 0..D {
+                (0..D).for_each(|b| s[a][b] += weight / total * rest[a] * target[b]);
+            }
+        }
+        let turned = apply(&best_rotation(&s), &minus(point, &from));
+        std::array::from_fn(|d| turned[d] + to[d])
+    }
+}
