@@ -19,6 +19,34 @@ fn code_makes_the_stored_files() {
 }
 
 #[test]
+fn code_makes_the_stored_figures() {
+    for (name, text) in make::figures::files() {
+        let stored = std::fs::read_to_string(scenes().join(&name)).unwrap_or_default();
+        assert!(stored == text, "scenes/{name} differs from what code makes: run `cargo run --example make_scenes`");
+        assert!(text.len() < 40_000, "scenes/{name} has {} bytes", text.len());
+    }
+}
+
+#[test]
+fn figures_have_as_many_vertices_as_in_the_paper() {
+    for (name, count) in
+        [("ginger", 225), ("frog", 315), ("panda", 444), ("unicorn", 549), ("girl", 637), ("dinosaur", 734)]
+    {
+        let read = pinwarp::solve::problem::read_figure(&scenes().join(format!("figures/{name}.json")));
+        let Ok(pinwarp::solve::problem::Figures::Plane(figure)) = read else { panic!("{name}: {read:?}") };
+        let mut is_used = vec![false; figure.shape.points.len()];
+        for corners in &figure.shape.triangles {
+            let [a, b, c] = corners.map(|corner| figure.shape.points[corner as usize]);
+            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            assert!(doubled > 0.0, "{name}: triangle {corners:?} is turned over");
+            corners.iter().for_each(|&corner| is_used[corner as usize] = true);
+        }
+        assert_eq!(is_used.iter().filter(|is_used| **is_used).count(), count, "{name}");
+        assert!(figure.poses.len() >= 3 && figure.poses.iter().all(|pose| pose.pins.len() >= 6), "{name}");
+    }
+}
+
+#[test]
 fn teapot_has_as_many_vertices_as_in_the_paper() {
     let teapot = make::teapot::teapot();
     assert_eq!(teapot.positions.len(), 530);

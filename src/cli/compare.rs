@@ -48,7 +48,9 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
     };
     let title = names.get(layer).map(|name| titled(name, &format!("frame {frame}"))).unwrap_or_default();
     let Some(posed) = Setup::new(shot)?.layer_problem(layer, f64::from(frame))? else {
-        bail!("layer {layer} has nothing to solve in frame {frame}: it is out of sight or has no pins that act");
+        bail!(
+            "layer {layer} has nothing to solve in frame {frame}: it is out of sight, has no pins that act, or lives in the world"
+        );
     };
     run_plane(args, &Figure { problem: &posed.problem(), inks: &[], title: &title })
 }
@@ -63,16 +65,15 @@ fn run_plane(args: &CompareArgs, figure: &Figure) -> anyhow::Result<Outcome> {
 
 fn entries<const D: usize>(args: &CompareArgs, problem: &Problem<D>) -> anyhow::Result<Vec<Entry<D>>> {
     let known = methods::all::<D>();
-    let chosen =
-        |method: &&Box<dyn Deformer<D>>| args.methods.is_empty() || args.methods.iter().any(|key| key == method.key());
     let keys: Vec<&str> = known.iter().map(|method| method.key()).collect();
     if let Some(wrong) = args.methods.iter().find(|key| !keys.contains(&key.as_str())) {
         bail!("there is no method '{wrong}'; {}", spelling::list(keys.iter().copied()));
     }
-    let run = |method: &Box<dyn Deformer<D>>| {
-        compare::run(method.as_ref(), problem).with_context(|| format!("method '{}'", method.key()))
-    };
-    known.iter().filter(chosen).map(run).collect()
+    let is_chosen =
+        |method: &dyn Deformer<D>| args.methods.is_empty() || args.methods.iter().any(|key| key == method.key());
+    let run =
+        |method: &dyn Deformer<D>| compare::run(method, problem).with_context(|| format!("method '{}'", method.key()));
+    known.iter().map(AsRef::as_ref).filter(|method| is_chosen(*method)).map(run).collect()
 }
 
 fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Result<Outcome> {

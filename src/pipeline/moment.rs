@@ -11,7 +11,6 @@ use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, re
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation};
 use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, SolveReport, Solver};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
-use glam::DVec2;
 
 /// A pin that fades has ten to this power of its weight at the end.
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
@@ -116,16 +115,10 @@ impl Setup {
         let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
         let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
         let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
-        let rest_handles = grid.at_rest().handles;
         if pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
-        let handle = |(track, &[x, y, _]): (&crate::shot::HandleTrack, &[f64; 3])| {
-            let index = track.index[0] + dims[0] * track.index[1];
-            let moved = DVec2::from_array(rest_handles[index]) + DVec2::new(x, y) * rest_box.size();
-            HandlePin { index, target: moved.to_array() }
-        };
-        let handles: Vec<_> = layer.handles.iter().zip(&targets.handles).map(handle).collect();
+        let handles = moved_handles(layer, &grid, &targets);
         let shape = self.shape(moment, index);
         let problem =
             Problem { grid: &grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
@@ -255,6 +248,16 @@ pub(super) fn faded_weight(presence: f64) -> f64 {
 /// Lower left and upper right corner.
 pub(super) fn corners(bounds: ScreenBox) -> [[f64; 2]; 2] {
     [bounds.min.0.to_array(), bounds.max.0.to_array()]
+}
+
+/// Where the layer's keys move handles of its grid.
+pub(super) fn moved_handles(layer: &Layer, grid: &Grid<2>, targets: &PinTargets) -> Vec<HandlePin<2>> {
+    let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 3])| {
+        let index = track.index[0] + grid.dims[0] * track.index[1];
+        let rest = grid.rest_handle(index);
+        HandlePin { index, target: [0, 1].map(|d| rest[d] + offset[d] * grid.size(d)) }
+    };
+    layer.handles.iter().zip(&targets.handles).map(handle).collect()
 }
 
 /// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump

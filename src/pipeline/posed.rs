@@ -2,6 +2,7 @@
 //!
 //! In: a [`Setup`], a layer, a frame. Out: [`PosedLayer`]: grid, shape and pins on the screen.
 
+use super::moment::moved_handles;
 use super::{PipelineError, Setup};
 use crate::lattice::Grid;
 use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
@@ -26,7 +27,7 @@ impl PosedLayer {
 }
 
 impl Setup {
-    /// A layer's shape, pins and moved handles on the screen at a frame; `None` where nothing is solved there. Of the pins
+    /// A layer's shape, pins and moved handles on the screen at a frame; `None` where nothing is solved there, or in the world. Of the pins
     /// only points and targets are taken: no other method holds rotations.
     ///
     /// # Errors
@@ -42,12 +43,7 @@ impl Setup {
         let pins: Vec<_> =
             state.pins.iter().map(|pin| PointPin::new(pin.rest.0.to_array(), pin.target.0.to_array())).collect();
         let targets = self.shot.pin_targets(index, self.key_frame(layer, frame));
-        let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 2])| {
-            let index = track.index[0] + layer.dims[0] * track.index[1];
-            let rest = grid.rest_handle(index);
-            HandlePin { index, target: [0, 1].map(|d| rest[d] + offset[d] * grid.size(d)) }
-        };
-        let handles: Vec<_> = layer.handles.iter().zip(&targets.handles).map(handle).collect();
+        let handles = moved_handles(layer, &grid, &targets);
         let is_empty = pins.is_empty() && handles.is_empty();
         let shape = self.shape(&moment, index);
         let settings = layer.settings.clone();

@@ -3,6 +3,7 @@
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+mod compare;
 mod disks;
 mod existing;
 mod lattices;

@@ -92,7 +92,7 @@ impl Outline {
     pub(crate) fn star(center: DVec2, radius: f64, rays: usize) -> Self {
         let corner = |k: usize| {
             let angle = std::f64::consts::TAU * (0.25 + k as f64 / (2 * rays) as f64);
-            center + DVec2::from_angle(angle) * if k % 2 == 0 { radius } else { 0.48 * radius }
+            center + DVec2::from_angle(angle) * if k.is_multiple_of(2) { radius } else { 0.48 * radius }
         };
         Self((0..2 * rays).map(corner).collect())
     }
