@@ -76,7 +76,8 @@ fn fill(body: &Body, curve: &[DVec2], spacing: f64) -> Vec<DVec2> {
     let mut points = Vec::new();
     for row in 0..rows {
         for column in 0..=columns {
-            let shift = column as f64 - 0.5 * columns as f64 + if (row + columns).is_multiple_of(2) { 0.0 } else { 0.5 };
+            let shift =
+                column as f64 - 0.5 * columns as f64 + if (row + columns).is_multiple_of(2) { 0.0 } else { 0.5 };
             let at = DVec2::new(middle + shift * spacing, low.y + 0.866 * spacing * row as f64);
             if (body.field)(at) < -0.55 * spacing {
                 points.push(drawn_to_region(body, at, spacing));
