@@ -18,6 +18,7 @@ mod produce;
 mod render;
 mod report;
 mod setup;
+mod strokes;
 mod transfer;
 mod world;
 mod write;

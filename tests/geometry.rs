@@ -12,6 +12,9 @@ use std::collections::HashMap;
 
 const FRAME: FrameSize = FrameSize::new(1600, 1000);
 
+/// Of lines, frame heights.
+const WIDTH: f64 = 0.002;
+
 /// A scene of one node a primitive.
 fn scene_of(primitives: Vec<Primitive>, materials: Vec<Material>) -> Scene {
     let node = |mesh: usize| Node {
@@ -78,7 +81,15 @@ fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometr
     let lattices = vec![lattice; pose.parts.len()];
     let now = Moment { pose, mesh: &mesh, camera: &camera, lattices: &lattices };
     let layer_ids = vec![1; pose.parts.len()];
-    assemble(&Assembly { scene, now, neighbours: None, layer_ids: &layer_ids, lights: &[], environment: 1.0 })
+    assemble(&Assembly {
+        scene,
+        now,
+        neighbours: None,
+        layer_ids: &layer_ids,
+        lights: &[],
+        environment: 1.0,
+        line_width: WIDTH,
+    })
 }
 
 fn place(geometry: &Geometry, vertex: u32) -> DVec2 {
@@ -207,5 +218,69 @@ fn a_fold_keeps_facing_the_viewer() {
             let [a, b, c] = corners.map(|corner| place(&geometry, corner));
             assert!((b - a).perp_dot(c - a) > 0.0, "front faces stay counter-clockwise");
         }
+    }
+}
+
+/// A polyline of one primitive.
+fn line(points: &[[f32; 3]]) -> Scene {
+    let primitive = Primitive {
+        positions: points.iter().map(|&point| Vec3::from_array(point)).collect(),
+        normals: vec![Vec3::Z; points.len()],
+        lines: vec![(0..points.len() as u32).collect()],
+        ..Primitive::default()
+    };
+    scene_of(vec![primitive], vec![Material { unlit: true, double_sided: true, ..Material::default() }])
+}
+
+/// Middles and widths of a ribbon.
+fn across(geometry: &Geometry) -> Vec<(DVec2, f64)> {
+    let pairs = (0..geometry.vertices.len() as u32 / 2).map(|k| [2 * k, 2 * k + 1].map(|v| place(geometry, v)));
+    pairs.map(|[left, right]| ((left + right) * 0.5, left.distance(right))).collect()
+}
+
+#[test]
+fn lines_are_ribbons_of_one_width_however_far_they_are() {
+    let scene = line(&[[-1.0, 0.0, -3.0], [0.0, 0.0, -6.0], [2.0, 0.0, -9.0]]);
+    let geometry = build(&scene, &still(&scene), None);
+    assert_eq!((geometry.vertices.len(), geometry.indices.len()), (6, 12));
+    let middle = camera().project(ScenePoint(Vec3::new(0.0, 0.0, -6.0))).point().0;
+    let across = across(&geometry);
+    assert!(across.iter().all(|(_, width)| (width - WIDTH).abs() < 1e-6), "{across:?}");
+    assert!(across[1].0.distance(middle) < 1e-6);
+}
+
+#[test]
+fn lines_bend_with_the_warp_and_keep_their_width() {
+    let scene = line(&[[-1.4, -0.5, -3.0], [1.4, 0.7, -3.0]]);
+    let lattice = bulge();
+    let geometry = build(&scene, &still(&scene), Some(&lattice));
+    let across = across(&geometry);
+    assert!(across.len() > 10, "{}", across.len());
+    let [from, to] = [[-1.4, -0.5, -3.0], [1.4, 0.7, -3.0]].map(Vec3::from_array);
+    for (k, (middle, width)) in across.iter().enumerate().skip(1).take(across.len() - 2) {
+        assert!((width - WIDTH).abs() < 0.02 * WIDTH, "{width}");
+        let position = Vec3::from_array(geometry.vertices[2 * k].position);
+        assert!((position - from).cross(to - from).length() < 1e-5, "the scene's line stays");
+        let wanted = lattice.warp(camera().project(ScenePoint(position)).point()).0;
+        assert!(middle.distance(wanted) < 1e-6, "{middle} is not {wanted}");
+    }
+}
+
+#[test]
+fn lines_end_at_the_near_plane() {
+    let scene = line(&[[0.1, 0.0, -3.0], [0.1, 0.1, 2.0], [0.2, 0.2, 3.0], [0.3, 0.0, -4.0]]);
+    let geometry = build(&scene, &still(&scene), None);
+    assert_eq!((geometry.vertices.len(), geometry.indices.len()), (8, 12), "two lines of one segment");
+    assert!(geometry.vertices.iter().all(|vertex| f64::from(vertex.depth) >= 0.1 - 1e-6));
+}
+
+#[test]
+fn closed_lines_close_without_a_notch() {
+    let mut scene = line(&[[-0.5, -0.5, -3.0], [0.5, -0.5, -3.0], [0.0, 0.5, -3.0]]);
+    scene.meshes[0].primitives[0].lines = vec![vec![0, 1, 2, 0]];
+    let geometry = build(&scene, &still(&scene), None);
+    assert_eq!(geometry.vertices.len(), 8);
+    for side in 0..2 {
+        assert_eq!(geometry.vertices[side].screen, geometry.vertices[6 + side].screen);
     }
 }

@@ -109,7 +109,8 @@ pub(super) fn find(
         return Err(fault((format!("there is no node '{node}' in the scene"), hint)));
     }
     // Names need not be unique: the first node of that name that carries the primitive is meant.
-    let is_named = |part: &&PosedPart| scene.nodes[part.node].name == *node;
+    let is_named =
+        |part: &&PosedPart| scene.nodes[part.node].name == *node && !primitive(scene, part).triangles.is_empty();
     let Some(part) = parts.iter().position(|part| is_named(&part) && part.primitive == *wanted) else {
         let count = parts.iter().filter(is_named).count();
         let what = format!("node '{node}' has no primitive {wanted} with triangles");

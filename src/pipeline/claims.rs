@@ -21,7 +21,7 @@ pub(super) fn claim(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<V
             }
         }
         if !owners.contains(&Some(index)) {
-            let what = format!("layer '{}': none of its nodes has triangles", layer.name);
+            let what = format!("layer '{}': none of its nodes has triangles or lines", layer.name);
             let hint = "name nodes that carry a mesh in `nodes`, or leave `nodes` out for all";
             return Err(PipelineError::mismatch(shot, &key(index), what, hint));
         }

@@ -4,7 +4,7 @@
 
 use super::follow::{FollowWindow, thickened};
 use super::passes::mid_shutter;
-use super::{PipelineError, Setup, WorldSolution};
+use super::{PipelineError, Setup, WorldSolution, strokes};
 use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
@@ -186,7 +186,7 @@ impl Setup {
         (states, points)
     }
 
-    /// The layer's triangles on the screen, cut at the near plane.
+    /// The layer's triangles and lines on the screen, cut at the near plane.
     pub(super) fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
         let near = moment.camera.near();
         let mut shape = Shape::default();
@@ -197,7 +197,9 @@ impl Setup {
             let place =
                 |vertex: &crate::screen::Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
             shape.points.extend(vertices.iter().map(place));
-            for corners in &primitive(&self.scene, &moment.pose.parts[part]).triangles {
+            let source = primitive(&self.scene, &moment.pose.parts[part]);
+            source.lines.iter().for_each(|line| strokes::add(&mut shape, line, (vertices, base), near));
+            for corners in &source.triangles {
                 let ends = corners.map(|corner| vertices[corner as usize]);
                 if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
                     shape.triangles.push(corners.map(|corner| corner + base));

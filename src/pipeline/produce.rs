@@ -16,6 +16,9 @@ use std::time::Instant;
 /// Passes that may wait to be drawn.
 const QUEUED_PASSES: usize = 2;
 
+/// Width of lines, frame heights: two pixels at 1080 lines; proxies draw them a pixel wide.
+const LINE_WIDTH: f64 = 1.0 / 540.0;
+
 /// One frame to draw.
 pub(super) struct Job {
     /// Number of the frame.
@@ -128,6 +131,7 @@ impl Producer<'_> {
             layer_ids: &layer_ids,
             lights: &lighting::lights(&setup.shot, &now.pose, &setup.rig),
             environment: lighting::environment(&setup.shot, &now.pose),
+            line_width: LINE_WIDTH.max(1.0 / f64::from(setup.shot.size.height)),
         }))
     }
 }

@@ -70,7 +70,7 @@ impl Setup {
         let clip = choose_clip(&shot, &scene, &mut notes)?;
         let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
         if first.parts.is_empty() {
-            let what = "the scene has no triangles";
+            let what = "the scene has no triangles and no lines";
             return Err(PipelineError::mismatch(&shot, "scene", what, "export meshes with it"));
         }
         let camera = choose_camera(&shot, &scene, clip, &mut notes)?;

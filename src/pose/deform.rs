@@ -69,7 +69,7 @@ fn jobs<'a>(scene: &'a Scene, node: usize, moved: &'a Moved, scene_from_node: &[
     let Some(index) = scene.nodes[node].mesh else { return Vec::new() };
     let skin = scene.nodes[node].skin.map(|skin| joint_matrices(&scene.skins[skin], scene_from_node));
     let primitives = scene.meshes[index].primitives.iter().enumerate();
-    let visible = primitives.filter(|(_, primitive)| !primitive.triangles.is_empty());
+    let visible = primitives.filter(|(_, primitive)| primitive.is_visible());
     let job = |(number, primitive): (usize, &'a Primitive)| Job {
         node,
         mesh: index,

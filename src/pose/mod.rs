@@ -15,7 +15,7 @@ use glam::{DMat4, Mat4, Vec3, Vec4};
 pub struct Pose {
     /// scene_from_node, one a scene node.
     pub scene_from_node: Vec<Mat4>,
-    /// One a (node, primitive) that has triangles, in node order then primitive order: the same list at every time.
+    /// One a (node, primitive) that has triangles or lines, in node order then primitive order: the same list at every time.
     pub parts: Vec<PosedPart>,
     /// The scene's lights, placed.
     pub lights: Vec<PosedLight>,

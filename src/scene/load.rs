@@ -5,7 +5,7 @@
 
 use super::file::File;
 use super::nodes::References;
-use super::{Mesh, Scene, SceneError, animation, json, material, mesh, nodes, skin};
+use super::{Mesh, Primitive, Scene, SceneError, animation, json, material, mesh, nodes, skin};
 use std::path::Path;
 
 /// Loads a glTF 2.0 file with all buffers and images it refers to.
@@ -25,9 +25,9 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let file = File::resolve(path, parsed.root, bytes, parsed.binary)?;
     let mut scene = build(&file, &mut warnings)?;
     scene.path = path.to_owned();
-    let has_triangles = scene.meshes.iter().flat_map(|mesh| &mesh.primitives).any(|one| !one.triangles.is_empty());
-    if !has_triangles {
-        warnings.push("the scene has no triangles: nothing of it can be seen".to_owned());
+    let is_visible = scene.meshes.iter().flat_map(|mesh| &mesh.primitives).any(Primitive::is_visible);
+    if !is_visible {
+        warnings.push("the scene has no triangles and no lines: nothing of it can be seen".to_owned());
     }
     scene.warnings = warnings;
     Ok(scene)

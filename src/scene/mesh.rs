@@ -1,18 +1,19 @@
-//! Meshes: triangles of every mode, and what is made of their attributes.
+//! Meshes: triangles and lines of every mode, and what is made of their attributes.
 //!
 //! In: the JSON's meshes and the materials. Out: primitives with normals (and tangents where a normal map needs them).
-//! A primitive keeps its number in the file; points and lines leave an empty one behind, with a warning.
+//! A primitive keeps its number in the file; points leave an empty one behind, with a warning.
 
 use super::accessor::Integers;
 use super::attributes::{Attributes, Label};
 use super::file::File;
 use super::nodes::Used;
-use super::{Material, Mesh, MorphTarget, Primitive, SceneError, geometry};
+use super::{Material, Mesh, MorphTarget, Primitive, SceneError, geometry, lines};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Accessor, Index};
+use std::collections::HashMap;
 
 /// A mesh with the rest weights of its morph targets.
 pub(super) struct Loaded {
@@ -34,13 +35,33 @@ pub(super) fn load(
     if of_file == 0 || used.file_from_scene.iter().any(lacks_material) {
         materials.push(Material::default());
     }
-    let mut loader = Loader { file, materials, of_file, warnings };
+    let unlit = line_materials(file, used, materials, of_file);
+    let mut loader = Loader { file, materials, unlit, of_file, warnings };
     used.file_from_scene.iter().map(|&index| loader.mesh(index)).collect()
+}
+
+/// Adds to `materials` the look of every line: base colour only, from all sides. Gives its index by that of the file.
+fn line_materials(file: &File, used: &Used, materials: &mut Vec<Material>, of_file: usize) -> HashMap<usize, usize> {
+    let meshes = used.file_from_scene.iter().map(|&index| &file.root.meshes[index]);
+    let mut unlit = HashMap::new();
+    for primitive in meshes.flat_map(|mesh| &mesh.primitives).filter(|primitive| is_line(primitive.mode)) {
+        let index = primitive.material.map_or(of_file, |index| index.value());
+        let Some(material) = materials.get(index).filter(|_| !unlit.contains_key(&index)) else { continue };
+        unlit.insert(index, materials.len());
+        materials.push(Material { unlit: true, double_sided: true, normal_texture: None, ..material.clone() });
+    }
+    unlit
+}
+
+fn is_line(mode: Checked<Mode>) -> bool {
+    matches!(mode, Checked::Valid(Mode::Lines | Mode::LineLoop | Mode::LineStrip))
 }
 
 struct Loader<'a> {
     file: &'a File,
     materials: &'a [Material],
+    /// Index of the look of lines by the index of their material.
+    unlit: HashMap<usize, usize>,
     /// Number of materials in the file; the default one stands behind them.
     of_file: usize,
     warnings: &'a mut Vec<String>,
@@ -61,8 +82,8 @@ impl Loader<'_> {
         let Checked::Valid(mode) = json.mode else {
             return Err(self.file.invalid(format!("{label} has an unknown mode")));
         };
-        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            self.warnings.push(format!("{label} consists of points or lines and is not drawn"));
+        if mode == Mode::Points {
+            self.warnings.push(format!("{label} consists of points and is not drawn"));
             return Ok(Primitive::default());
         }
         let Some(&position) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
@@ -70,6 +91,7 @@ impl Loader<'_> {
             return Ok(Primitive::default());
         };
         let material = self.material(json, label)?;
+        let material = self.unlit.get(&material).copied().filter(|_| is_line(json.mode)).unwrap_or(material);
         let positions = positions(self.file, position, label)?;
         let corners = corners(self.file, json, positions.len(), label)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
@@ -82,7 +104,8 @@ impl Loader<'_> {
             colors: attributes.colors()?,
             influences: attributes.influences(self.warnings)?,
             targets: attributes.targets()?,
-            triangles: triangles(mode, &corners),
+            triangles: if is_line(json.mode) { Vec::new() } else { triangles(mode, &corners) },
+            lines: if is_line(json.mode) { lines::polylines(mode, &corners) } else { Vec::new() },
             material,
             positions,
             ..Primitive::default()
@@ -182,6 +205,11 @@ fn complete_normals(primitive: &mut Primitive, stored: Option<Vec<Vec3>>) {
     if let Some(mut normals) = stored {
         geometry::repair_normals(&primitive.positions, &primitive.triangles, &mut normals);
         primitive.normals = normals;
+        return;
+    }
+    if !primitive.lines.is_empty() {
+        // Lines are not shaded; what draws them turns them to the viewer.
+        primitive.normals = vec![Vec3::Z; primitive.positions.len()];
         return;
     }
     unshare(primitive);

@@ -11,6 +11,7 @@ mod file;
 mod find;
 mod geometry;
 mod json;
+mod lines;
 mod load;
 mod look;
 mod material;
@@ -100,7 +101,7 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
-/// Triangles of one material, in the space of their node. All per-vertex arrays are empty or #vertices long.
+/// Triangles or lines of one material, in the space of their node. All per-vertex arrays are empty or #vertices long.
 #[derive(Clone, Debug, Default)]
 pub struct Primitive {
     /// #vertices.
@@ -119,8 +120,23 @@ pub struct Primitive {
     pub targets: Vec<MorphTarget>,
     /// Corner indices, counter-clockwise seen from the front. Triangle order is the file's (strips and fans unrolled).
     pub triangles: Vec<[u32; 3]>,
-    /// Index into [`Scene::materials`].
+    /// Polylines: vertices one after the other; a closed one repeats its first. A primitive has triangles or lines.
+    pub lines: Vec<Vec<u32>>,
+    /// Index into [`Scene::materials`]; lines have unlit ones of their own.
     pub material: usize,
+}
+
+impl Primitive {
+    /// There is something to draw.
+    #[must_use]
+    pub fn is_visible(&self) -> bool {
+        !(self.triangles.is_empty() && self.lines.is_empty())
+    }
+
+    /// Ends of the segments of all lines.
+    pub fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.lines.iter().flat_map(|line| line.windows(2).map(|ends| [ends[0], ends[1]]))
+    }
 }
 
 /// A joint's share in a vertex.

@@ -39,9 +39,10 @@ pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> 
     let Extent { parts, near, reach } = extent;
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
-        // Corners of triangles only: other vertices may belong to other parts.
-        let triangles = &primitive(scene, &pose.parts[part]).triangles;
-        ScreenBox::around(triangles.iter().flat_map(|corners| {
+        // Corners of triangles and lines only: other vertices may belong to other parts.
+        let source = primitive(scene, &pose.parts[part]);
+        let segments = source.segments().map(|[a, b]| [a, b, b]);
+        ScreenBox::around(source.triangles.iter().copied().chain(segments).flat_map(|corners| {
             let corners = corners.map(|corner| vertices[corner as usize]);
             let (cut, count) = clip_near(corners, near);
             let place =

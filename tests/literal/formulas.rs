@@ -4,19 +4,19 @@ use crate::problem::Problem;
 use std::array::from_fn;
 
 /// Rows of a matrix.
-pub type Square<const D: usize> = [[f64; D]; D];
+pub(crate) type Square<const D: usize> = [[f64; D]; D];
 type Point<const D: usize> = [f64; D];
 
 /// Unweighted terms.
-pub struct Terms {
-    pub ml: f64,
-    pub mp: f64,
-    pub gp: f64,
-    pub gr: f64,
+pub(crate) struct Terms {
+    pub(crate) ml: f64,
+    pub(crate) mp: f64,
+    pub(crate) gp: f64,
+    pub(crate) gr: f64,
 }
 
 impl Terms {
-    pub fn pairs(&self, other: &Self) -> [(&'static str, f64, f64); 4] {
+    pub(crate) fn pairs(&self, other: &Self) -> [(&'static str, f64, f64); 4] {
         [("ml", self.ml, other.ml), ("mp", self.mp, other.mp), ("gp", self.gp, other.gp), ("gr", self.gr, other.gr)]
     }
 }
@@ -111,7 +111,7 @@ impl<const D: usize> Element<D> {
         let first: Point<D> = u.map(|x| x / square(u).sqrt());
         let across: Point<D> = from_fn(|d| v[d] - dot(v, first) * first[d]);
         let height = square(across).sqrt();
-        if !(height > 1e-12) {
+        if height.is_nan() || height <= 1e-12 {
             return None;
         }
         // u = |u| f1 and v = (v·f1) f1 + height f2, so J f1 = a / |u| and J f2 = (b − (v·f1) J f1) / height.
@@ -188,7 +188,7 @@ fn gradient<const D: usize>(problem: &Problem<D>, at: Point<D>, handles: &[Point
 }
 
 /// One rotation a vertex, triangle, sample or point of a line, in the order the form goes through them.
-pub fn rotations_at<const D: usize>(problem: &Problem<D>, handles: &[Point<D>]) -> Vec<Square<D>> {
+pub(crate) fn rotations_at<const D: usize>(problem: &Problem<D>, handles: &[Point<D>]) -> Vec<Square<D>> {
     let moved: Vec<Point<D>> = problem.weights.iter().map(|row| carried(row, handles)).collect();
     let rest = &problem.vertices;
     let maps: Vec<Square<D>> = match problem.form.as_str() {
@@ -230,7 +230,7 @@ fn stroke_maps<const D: usize>(problem: &Problem<D>, stroke: &[usize], moved: &[
 }
 
 /// The terms at `handles` with the rotations held.
-pub fn terms<const D: usize>(problem: &Problem<D>, handles: &[Point<D>], rotations: &[Square<D>]) -> Terms {
+pub(crate) fn terms<const D: usize>(problem: &Problem<D>, handles: &[Point<D>], rotations: &[Square<D>]) -> Terms {
     let moved: Vec<Point<D>> = problem.weights.iter().map(|row| carried(row, handles)).collect();
     Terms {
         ml: distortion(problem, handles, &moved, rotations),

@@ -4,30 +4,30 @@ use crate::formulas::Terms;
 use serde_json::Value;
 
 /// What the formulas need of a problem.
-pub struct Problem<const D: usize> {
-    pub form: String,
-    pub basis: String,
-    pub regulariser: String,
-    pub is_cotangent: bool,
-    pub dims: [usize; D],
-    pub lo: [f64; D],
-    pub hi: [f64; D],
-    pub vertices: Vec<[f64; D]>,
+pub(crate) struct Problem<const D: usize> {
+    pub(crate) form: String,
+    pub(crate) basis: String,
+    pub(crate) regulariser: String,
+    pub(crate) is_cotangent: bool,
+    pub(crate) dims: [usize; D],
+    pub(crate) lo: [f64; D],
+    pub(crate) hi: [f64; D],
+    pub(crate) vertices: Vec<[f64; D]>,
     /// Rows of W of the vertices, dense.
-    pub weights: Vec<Vec<f64>>,
-    pub triangles: Vec<[usize; 3]>,
-    pub strokes: Vec<Vec<usize>>,
+    pub(crate) weights: Vec<Vec<f64>>,
+    pub(crate) triangles: Vec<[usize; 3]>,
+    pub(crate) strokes: Vec<Vec<usize>>,
     /// Places and areas.
-    pub samples: Option<Vec<([f64; D], f64)>>,
+    pub(crate) samples: Option<Vec<([f64; D], f64)>>,
     /// Rows of W and targets.
-    pub pins: Vec<(Vec<f64>, [f64; D])>,
-    pub handles: Vec<(usize, [f64; D])>,
+    pub(crate) pins: Vec<(Vec<f64>, [f64; D])>,
+    pub(crate) handles: Vec<(usize, [f64; D])>,
     /// ml, mp, gp, gr.
-    pub lambdas: [f64; 4],
+    pub(crate) lambdas: [f64; 4],
 }
 
 /// Lists as points.
-pub fn points<const D: usize>(lists: &[Vec<f64>]) -> Vec<[f64; D]> {
+pub(crate) fn points<const D: usize>(lists: &[Vec<f64>]) -> Vec<[f64; D]> {
     lists.iter().map(|list| list.as_slice().try_into().expect("D coordinates")).collect()
 }
 
@@ -36,7 +36,7 @@ fn parse<T: serde::de::DeserializeOwned>(value: &Value) -> T {
 }
 
 impl<const D: usize> Problem<D> {
-    pub fn read(file: &Value) -> Self {
+    pub(crate) fn read(file: &Value) -> Self {
         let word = |key: &str| file[key].as_str().expect("a word").to_owned();
         let bbox: Vec<[f64; D]> = points(&parse::<Vec<Vec<f64>>>(&file["bbox"]));
         let dims: Vec<usize> = parse(&file["dims"]);
@@ -78,21 +78,21 @@ impl<const D: usize> Problem<D> {
         (0..self.handle_count()).map(weight).collect()
     }
 
-    pub fn total(&self, terms: &Terms) -> f64 {
+    pub(crate) fn total(&self, terms: &Terms) -> f64 {
         let [ml, mp, gp, gr] = self.lambdas;
         ml * terms.ml + mp * terms.mp + gp * terms.gp + gr * terms.gr
     }
 
-    pub fn diagonal(&self) -> f64 {
+    pub(crate) fn diagonal(&self) -> f64 {
         (0..D).map(|d| (self.hi[d] - self.lo[d]).powi(2)).sum::<f64>().sqrt()
     }
 
-    pub fn handle_count(&self) -> usize {
+    pub(crate) fn handle_count(&self) -> usize {
         self.dims.iter().product()
     }
 
     /// Place of a handle: h = i + nx (j + ny k).
-    pub fn place(&self, handle: usize) -> [usize; D] {
+    pub(crate) fn place(&self, handle: usize) -> [usize; D] {
         let mut left = handle;
         self.dims.map(|count| {
             let place = left % count;
@@ -101,11 +101,11 @@ impl<const D: usize> Problem<D> {
         })
     }
 
-    pub fn handle_at(&self, place: [usize; D]) -> usize {
+    pub(crate) fn handle_at(&self, place: [usize; D]) -> usize {
         (0..D).rev().fold(0, |index, d| index * self.dims[d] + place[d])
     }
 
-    pub fn rest_handles(&self) -> Vec<[f64; D]> {
+    pub(crate) fn rest_handles(&self) -> Vec<[f64; D]> {
         let coordinate = |place: [usize; D], d: usize| {
             let (i, n, size) = (place[d] as f64, self.dims[d] as f64, self.hi[d] - self.lo[d]);
             if self.basis == "bspline" {
@@ -118,7 +118,7 @@ impl<const D: usize> Problem<D> {
     }
 
     /// W at a point, all handles.
-    pub fn row(&self, point: [f64; D]) -> Vec<f64> {
+    pub(crate) fn row(&self, point: [f64; D]) -> Vec<f64> {
         let t: [f64; D] = std::array::from_fn(|d| (point[d] - self.lo[d]) / (self.hi[d] - self.lo[d]));
         if self.basis == "barytri" {
             return self.simplex_row(t);

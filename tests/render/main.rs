@@ -8,6 +8,7 @@ mod boxes;
 mod cameras;
 mod faults;
 mod layers;
+mod lines;
 mod motion;
 mod pins;
 mod repeat;

@@ -32,8 +32,13 @@ pub(crate) fn write_scene(tiny: &Tiny, path: &Path) {
 impl Studio {
     /// A tiny scene at 64 x 40 pixels: a tenth of the frame's height is four pixels.
     pub(crate) fn tiny(tiny: &Tiny, layers: &str) -> Self {
+        Self::of_json(&tiny.json(), layers)
+    }
+
+    /// The same from a scene's JSON.
+    pub(crate) fn of_json(scene: &serde_json::Value, layers: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        write_scene(tiny, &folder.path().join("tiny.gltf"));
+        std::fs::write(folder.path().join("tiny.gltf"), scene.to_string()).expect("the folder can be written to");
         let text = format!(
             "version = 1\nscene = \"tiny.gltf\"\nframes = {{ first = 1, last = 9, rate = 24 }}\nsize = [64, 40]\n\
              samples = 1\n{layers}"

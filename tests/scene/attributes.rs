@@ -39,19 +39,37 @@ fn strips_and_fans_unroll_with_the_winding_of_the_format() {
 }
 
 #[test]
-fn points_and_lines_leave_an_empty_primitive_and_a_warning() {
-    for mode in 0..=3 {
+fn points_leave_an_empty_primitive_and_a_warning() {
+    let mut doc = Doc::square();
+    doc.primitive()["mode"] = json!(0);
+    let scene = doc.scene();
+    assert!(!primitive(&scene).is_visible());
+    let has_warning = |part: &str| scene.warnings.iter().any(|warning| warning.contains(part));
+    assert!(has_warning("\"Shape\", primitive 0") && has_warning("no triangles"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn lines_of_every_mode_become_polylines_of_an_unlit_material() {
+    for (mode, wanted) in [(2, vec![0, 1, 2, 0, 2, 3, 0]), (3, vec![0, 1, 2, 0, 2, 3])] {
         let mut doc = Doc::square();
         doc.primitive()["mode"] = json!(mode);
         let scene = doc.scene();
-        assert!(primitive(&scene).triangles.is_empty());
-        assert!(
-            scene.warnings.iter().any(|warning| warning.contains("\"Shape\", primitive 0")),
-            "{:?}",
-            scene.warnings
-        );
-        assert!(scene.warnings.iter().any(|warning| warning.contains("no triangles")), "{:?}", scene.warnings);
+        let found = primitive(&scene);
+        assert_eq!(found.lines, [wanted]);
+        assert!(found.triangles.is_empty() && found.is_visible());
+        let material = &scene.materials[found.material];
+        assert!(material.unlit && material.double_sided);
+        assert_eq!((found.normals.len(), &scene.warnings), (4, &Vec::new()));
     }
+}
+
+#[test]
+fn segments_join_where_two_of_them_meet() {
+    let mut doc = Doc::square();
+    let indices = doc.accessor(&[2, 3, 0, 1, 1, 2], U8, "SCALAR", 6);
+    doc.primitive()["indices"] = json!(indices);
+    doc.primitive()["mode"] = json!(1);
+    assert_eq!(primitive(&doc.scene()).lines, [[0, 1, 2, 3]]);
 }
 
 #[test]

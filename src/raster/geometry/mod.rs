@@ -4,6 +4,7 @@
 //! Out: what a raster draws. Only places on the screen are warped; depth, normals and lighting stay the scene's own.
 
 mod curvature;
+mod lines;
 mod sort;
 mod split;
 mod vertex;
@@ -11,10 +12,11 @@ mod vertex;
 use super::{Draw, Geometry, RasterVertex};
 use crate::lattice::ScreenLattice;
 use crate::pose::{Pose, PosedLight};
-use crate::scene::{AlphaMode, Scene};
+use crate::scene::{AlphaMode, Primitive, Scene};
 use crate::screen::{Camera, ScreenMesh, primitive};
 use curvature::Curvature;
 use glam::DVec2;
+use lines::Cutter;
 use rayon::prelude::*;
 use split::Splitter;
 use vertex::{DepthRange, Loose};
@@ -47,6 +49,8 @@ pub struct Assembly<'a> {
     pub lights: &'a [PosedLight],
     /// Strength of the neutral surroundings.
     pub environment: f32,
+    /// Width of lines, frame heights.
+    pub line_width: f64,
 }
 
 /// One part, ready to be joined with the others.
@@ -83,19 +87,17 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let source = primitive(scene, posed);
     let lattice = now.lattices[part];
     let curvature = lattice.map(Curvature::of);
-    let mut splitter = Splitter::new(vertex::gather(assembly, part), curvature.as_ref());
-    for corners in &source.triangles {
-        splitter.add(*corners, now.camera.near());
-    }
-    let (loose, mut triangles) = splitter.finish();
     let lattices =
         [lattice, neighbours.and_then(|n| n[0].lattices[part]), neighbours.and_then(|n| n[1].lattices[part])];
     let warped = |loose: &Loose| loose.warped(lattices, range);
     let material = &scene.materials[source.material];
-    let vertices: Vec<RasterVertex> = loose.par_iter().with_min_len(2048).map(warped).collect();
-    if lattice.is_some() {
-        keep_facing(&mut triangles, &loose, &vertices);
-    }
+    let loose = vertex::gather(assembly, part);
+    let (vertices, triangles) = if source.lines.is_empty() {
+        faces(source, Splitter::new(loose, curvature.as_ref()), (now, part), warped)
+    } else {
+        let cutter = Cutter { vertices: &loose, near: now.camera.near(), curvature: curvature.as_ref() };
+        ribbons(source, &cutter, (now.camera, assembly.line_width), warped)
+    };
     BuiltPart {
         vertices,
         triangles,
@@ -108,6 +110,39 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
         },
         is_blended: material.alpha == AlphaMode::Blend,
     }
+}
+
+/// Vertices and triangles of a surface.
+fn faces(
+    source: &Primitive,
+    mut splitter: Splitter,
+    (now, part): (Moment, usize),
+    warped: impl Fn(&Loose) -> RasterVertex + Send + Sync,
+) -> (Vec<RasterVertex>, Vec<[u32; 3]>) {
+    for corners in &source.triangles {
+        splitter.add(*corners, now.camera.near());
+    }
+    let (loose, mut triangles) = splitter.finish();
+    let vertices: Vec<RasterVertex> = loose.par_iter().with_min_len(2048).map(warped).collect();
+    if now.lattices[part].is_some() {
+        keep_facing(&mut triangles, &loose, &vertices);
+    }
+    (vertices, triangles)
+}
+
+/// Vertices and triangles of lines.
+fn ribbons(
+    source: &Primitive,
+    cutter: &Cutter,
+    (camera, width): (&Camera, f64),
+    warped: impl Fn(&Loose) -> RasterVertex,
+) -> (Vec<RasterVertex>, Vec<[u32; 3]>) {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for run in source.lines.iter().flat_map(|line| cutter.runs(line)) {
+        let points: Vec<RasterVertex> = run.iter().map(&warped).collect();
+        lines::add_ribbon(&points, (camera, width), (&mut vertices, &mut triangles));
+    }
+    (vertices, triangles)
 }
 
 /// Turns triangles that the warp turned over, so that they face the viewer if they did before it: a fold shows the
