@@ -74,6 +74,38 @@ fn gingerman_is_about_as_fine_as_in_the_paper() {
     }
 }
 
+#[test]
+fn hare_is_closed_and_about_as_fine_as_the_bunny_of_the_paper() {
+    let hare = make::hare::body(0);
+    assert!((485..=520).contains(&hare.positions.len()), "{}", hare.positions.len());
+    let mut sides = std::collections::HashMap::new();
+    for [a, b, c] in &hare.triangles {
+        [(a, b), (b, c), (c, a)].iter().for_each(|&side| *sides.entry(side).or_insert(0) += 1);
+    }
+    // Surface nets may touch themselves along an edge; they are closed all the same.
+    let is_closed = |(&(from, to), count): (&(&u32, &u32), &i32)| sides.get(&(to, from)) == Some(count);
+    assert!(sides.iter().all(is_closed), "every side has a neighbour that runs the other way");
+}
+
+#[test]
+fn hare_turns_with_its_lattice() {
+    let shot = pinwarp::shot::Shot::read(&scenes().join("hare/shot.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let setup = pinwarp::pipeline::Setup::new(shot).unwrap_or_else(|error| panic!("{error}"));
+    // Offsets are in box sizes and equal in both frames; the hare faces left in one and right in the other.
+    let handles = [8.0, 24.0].map(|frame| {
+        let moment = setup.moment(frame).unwrap_or_else(|error| panic!("{error}"));
+        let world = moment.layers[0].world.as_ref().expect("the layer is warped");
+        assert!(world.report.is_converged && world.report.pin_errors.iter().all(|error| *error < 1e-5));
+        (world.lattice.lattice.handles.clone(), world.lattice.frame)
+    });
+    let apart = handles[0].0.iter().flatten().zip(handles[1].0.iter().flatten()).map(|(a, b)| (a - b).abs());
+    let apart = apart.fold(0.0, f64::max);
+    assert!(apart < 1e-5, "handles are {apart} m apart in the frame of the box");
+    let turned = handles[0].1.axes().x_axis.angle_between(handles[1].1.axes().x_axis).to_degrees();
+    // 16 of 24 frames of 130 degrees a second.
+    assert!((turned - 130.0 * 16.0 / 24.0).abs() < 0.1, "{turned}");
+}
+
 /// The shot files of all scenes.
 fn shots() -> Vec<PathBuf> {
     let folders = std::fs::read_dir(scenes()).expect("the folder exists").flatten().map(|entry| entry.path());

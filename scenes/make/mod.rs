@@ -7,6 +7,7 @@ pub(crate) mod figures;
 pub(crate) mod gingerman;
 mod glb;
 mod gnome;
+pub(crate) mod hare;
 mod meadow;
 mod nets;
 mod outline;
@@ -28,5 +29,6 @@ pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
         ("teapot/teapot.glb", teapot::scene()?),
         ("gingerman/gingerman.glb", gingerman::scene()?),
         ("walker/walker.glb", walker::scene()?),
+        ("hare/hare.glb", hare::scene()),
     ])
 }
