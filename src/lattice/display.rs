@@ -12,8 +12,6 @@ use rayon::prelude::*;
 const CHUNK: usize = 1 << 13;
 /// Floats of a vector register; rows of handles are padded to it.
 const LANES: usize = 8;
-/// Floats of the longest row.
-const LONGEST: usize = 2 * MAX_HANDLES;
 
 /// A lattice made ready to warp many points.
 ///
@@ -77,7 +75,7 @@ impl DisplayWarp {
         match self.lattice.grid.basis {
             Basis::Bspline => points.iter_mut().for_each(|point| self.warp_local(point, cubic)),
             Basis::Bilinear => points.iter_mut().for_each(|point| self.warp_local(point, hat)),
-            Basis::Bernstein => points.iter_mut().for_each(|point| self.warp_dense(point)),
+            Basis::Bernstein => self.warp_dense(points),
             Basis::Barytri => points.iter_mut().for_each(|point| {
                 let warped = self.lattice.warp(ScreenPoint::new(point[0].into(), point[1].into()));
                 *point = warped.0.as_vec2().to_array();
@@ -109,22 +107,34 @@ impl DisplayWarp {
         }
     }
 
-    /// All handles.
+    /// All handles: points side by side in a register, one handle at a time.
     #[inline(always)]
-    fn warp_dense(&self, point: &mut [f32; 2]) {
+    fn warp_dense(&self, points: &mut [[f32; 2]]) {
         let [nx, ny] = self.lattice.grid.dims;
-        let (mut x, mut y) = ([0.0; MAX_HANDLES], [0.0; MAX_HANDLES]);
-        bernstein(&self.binomials[0], self.unit(*point, 0), &mut x[..nx]);
-        bernstein(&self.binomials[1], self.unit(*point, 1), &mut y[..ny]);
-        let mut sums = [0.0; LONGEST];
-        let width = self.stride - LANES;
-        for (row, weight) in self.rows.chunks_exact(self.stride).zip(&y[..ny]) {
-            let packs = sums[..width].as_chunks_mut::<LANES>().0.iter_mut().zip(row.as_chunks::<LANES>().0);
-            packs.for_each(|(sum, handles)| (0..LANES).for_each(|k| sum[k] += weight * handles[k]));
-        }
-        for (column, weight) in x[..nx].iter().enumerate() {
-            point[0] += weight * sums[2 * column];
-            point[1] += weight * sums[2 * column + 1];
+        let mut values = [[[0.0; LANES]; MAX_HANDLES]; 2];
+        for pack in points.chunks_mut(LANES) {
+            for (axis, values) in values.iter_mut().enumerate() {
+                let unit = std::array::from_fn(|lane| pack.get(lane).map_or(0.0, |point| self.unit(*point, axis)));
+                bernstein(&self.binomials[axis], &unit, values);
+            }
+            let [x, y] = &values;
+            let mut moved = [[0.0; LANES]; 2];
+            for (handles, weights) in self.rows.chunks_exact(self.stride).zip(&y[..ny]) {
+                let mut sums = [[0.0; LANES]; 2];
+                for (handle, weights) in handles.as_chunks::<2>().0[..nx].iter().zip(x) {
+                    for lane in 0..LANES {
+                        sums[0][lane] += handle[0] * weights[lane];
+                        sums[1][lane] += handle[1] * weights[lane];
+                    }
+                }
+                for lane in 0..LANES {
+                    moved[0][lane] += sums[0][lane] * weights[lane];
+                    moved[1][lane] += sums[1][lane] * weights[lane];
+                }
+            }
+            for (lane, point) in pack.iter_mut().enumerate() {
+                *point = [point[0] + moved[0][lane], point[1] + moved[1][lane]];
+            }
         }
     }
 }
@@ -190,18 +200,22 @@ fn binomials(count: usize) -> Vec<f32> {
     row.into_iter().map(|x| x as f32).collect()
 }
 
-/// Bernstein polynomials: powers of t upwards, of 1 − t downwards.
+/// Bernstein polynomials at eight places: powers of t upwards, of 1 − t downwards.
 #[inline(always)]
-fn bernstein(binomials: &[f32], t: f32, values: &mut [f32]) {
-    let mut power = 1.0;
+fn bernstein(binomials: &[f32], t: &[f32; LANES], values: &mut [[f32; LANES]; MAX_HANDLES]) {
+    let mut power = [1.0; LANES];
     for (value, binomial) in values.iter_mut().zip(binomials) {
-        *value = binomial * power;
-        power *= t;
+        for lane in 0..LANES {
+            value[lane] = binomial * power[lane];
+            power[lane] *= t[lane];
+        }
     }
-    power = 1.0;
-    for value in values.iter_mut().rev() {
-        *value *= power;
-        power *= 1.0 - t;
+    power = [1.0; LANES];
+    for value in values[..binomials.len()].iter_mut().rev() {
+        for lane in 0..LANES {
+            value[lane] *= power[lane];
+            power[lane] *= 1.0 - t[lane];
+        }
     }
 }
 
