@@ -18,6 +18,7 @@ mod produce;
 mod render;
 mod report;
 mod setup;
+mod stiffness;
 mod strokes;
 mod transfer;
 mod world;

@@ -8,8 +8,8 @@ use super::{PipelineError, Setup, WorldSolution, strokes};
 use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation};
-use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Shape, Solution, SolveReport, Solver};
+use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, Pin, PinTargets, Rotation};
+use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Region, Shape, Solution, SolveReport, Solver};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
 /// A pin that fades has ten to this power of its weight at the end.
@@ -180,7 +180,7 @@ impl Setup {
                 target: goal.0.to_array(),
                 weight: faded_weight(rest.presence),
                 gradient,
-                region: None,
+                region: region(&layer.pins[pin], rest_box.size().length()),
             });
         }
         (states, points)
@@ -199,10 +199,11 @@ impl Setup {
             shape.points.extend(vertices.iter().map(place));
             let source = primitive(&self.scene, &moment.pose.parts[part]);
             source.lines.iter().for_each(|line| strokes::add(&mut shape, line, (vertices, base), near));
-            for corners in &source.triangles {
+            for (number, corners) in source.triangles.iter().enumerate() {
                 let ends = corners.map(|corner| vertices[corner as usize]);
                 if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
                     shape.triangles.push(corners.map(|corner| corner + base));
+                    self.paint(index, (part, number), &mut shape);
                     continue;
                 }
                 let (cut, count) = clip_near(ends, near);
@@ -213,6 +214,7 @@ impl Setup {
                     shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
                     shape.triangles.push([first, first + 1, first + 2]);
                 }
+                self.paint(index, (part, number), &mut shape);
             }
         }
         shape
@@ -240,6 +242,15 @@ impl Setup {
         let extent = Extent { parts: &self.parts_of_layer[layer], near: camera.near(), reach };
         bounds(&self.scene, pose, mesh, extent)
     }
+}
+
+/// What a pin takes along; `diagonal` of the lattice's box.
+pub(super) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
+    let unit = match pin.unit {
+        OffsetUnit::Frame => 1.0,
+        OffsetUnit::Box => diagonal,
+    };
+    pin.region.map(|region| Region { radius: region.radius * unit, grip: region.grip, starch: region.starch })
 }
 
 /// Weight of a pin that fades: in powers of ten, down to where the shape holds the pin and not the pin the shape.

@@ -2,6 +2,7 @@
 //!
 //! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
+use super::moment::region;
 use super::{LayerState, Moment, PinState, Setup};
 use crate::image::{Canvas, Preview, Rgba8};
 use crate::lattice::{Basis, SceneLattice, ScreenLattice};
@@ -15,6 +16,7 @@ const PIECES: usize = 8;
 const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
 const HANDLE: Rgba8 = Rgba8([64, 200, 255, 220]);
 const FOLDED: Rgba8 = Rgba8([255, 40, 40, 110]);
+const REGION: Rgba8 = Rgba8([255, 200, 40, 90]);
 const REST: Rgba8 = Rgba8([255, 255, 255, 230]);
 const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
 const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
@@ -30,7 +32,15 @@ pub(super) struct Picture {
 #[derive(Clone, Debug)]
 struct LayerPicture {
     lattice: SolvedLattice,
-    pins: Vec<(PinState, String)>,
+    pins: Vec<PinPicture>,
+}
+
+#[derive(Clone, Debug)]
+struct PinPicture {
+    state: PinState,
+    name: String,
+    /// Radius of its region on the screen, frame heights; `None`: none, or one of a lattice of the scene.
+    radius: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -52,7 +62,12 @@ impl Picture {
     pub(super) fn of(setup: &Setup, moment: &Moment) -> Self {
         let layers = setup.shot.layers.iter().zip(&moment.layers).filter_map(|(layer, state)| {
             let lattice = SolvedLattice::of(state)?;
-            let named = |pin: &PinState| (*pin, layer.pins[pin.pin].name.clone());
+            let diagonal = state.solution.as_ref().map(|solution| solution.lattice.grid.diagonal());
+            let named = |pin: &PinState| PinPicture {
+                state: *pin,
+                name: layer.pins[pin.pin].name.clone(),
+                radius: diagonal.and_then(|diagonal| region(&layer.pins[pin.pin], diagonal)).map(|one| one.radius),
+            };
             let seen = state.pins.iter().filter(|pin| pin.is_in_view);
             Some(LayerPicture { lattice, pins: seen.map(named).collect() })
         });
@@ -69,8 +84,11 @@ impl Picture {
                 SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, lattice, unit_px),
                 SolvedLattice::World(lattice) => self.draw_scene_lattice(&mut canvas, lattice, unit_px),
             }
-            for (pin, name) in &layer.pins {
-                self.draw_pin(&mut canvas, (pin, name), unit_px);
+            for pin in &layer.pins {
+                if let (SolvedLattice::Screen(lattice), Some(radius)) = (&layer.lattice, pin.radius) {
+                    self.draw_region(&mut canvas, lattice, (pin.state.rest, radius), unit_px);
+                }
+                self.draw_pin(&mut canvas, (&pin.state, &pin.name), unit_px);
             }
         }
     }
@@ -145,6 +163,22 @@ impl Picture {
         for handle in lattice.handles.iter().filter_map(|&handle| seen(frame.scene_from_box(handle.into()))) {
             canvas.disc(handle, 1.5 * unit_px, HANDLE);
         }
+    }
+
+    /// The rim of a pin's region, as the lattice warps it.
+    fn draw_region(
+        &self,
+        canvas: &mut Canvas,
+        lattice: &ScreenLattice,
+        (rest, radius): (ScreenPoint, f64),
+        unit_px: f64,
+    ) {
+        let count = 8 * PIECES;
+        let rim = |k: usize| {
+            let turn = k as f64 / count as f64 * std::f64::consts::TAU;
+            self.px(lattice.warp(ScreenPoint(rest.0 + radius * DVec2::from_angle(turn))))
+        };
+        (0..count).for_each(|k| canvas.line(rim(k), rim(k + 1), unit_px, REGION));
     }
 
     /// A ring at rest, a line to the target, a disc there, the pin's name beside it.

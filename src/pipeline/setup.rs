@@ -6,7 +6,7 @@ use super::follow::{Bounds, KeptBounds};
 use super::moment::corners;
 use super::passes::mid_shutter;
 use super::transfer::{self, Loaded};
-use super::{Moment, Pinned, PipelineError, anchors, claims, lighting};
+use super::{Moment, Pinned, PipelineError, anchors, claims, lighting, stiffness};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
@@ -43,6 +43,8 @@ pub struct Setup {
     pub owners: Vec<Option<usize>>,
     /// One a layer: the parts it claims.
     pub(super) parts_of_layer: Vec<Vec<usize>>,
+    /// One a part: stiffness of its triangles; empty: 1 everywhere.
+    pub(super) stiffness: Vec<Vec<f64>>,
     /// One a layer: the node that carries all of it.
     pub(super) carriers: Vec<Option<usize>>,
     /// One a layer and pin.
@@ -78,6 +80,7 @@ impl Setup {
         let loaded = transfer::load(&shot, &mut notes)?;
         let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
         let parts_of_layer: Vec<Vec<usize>> = (0..shot.layers.len()).map(of_layer).collect();
+        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &parts_of_layer))?;
         let carriers = parts_of_layer.iter().map(|parts| claims::carrier(&scene, &first.parts, parts)).collect();
         let mut setup = Self {
             shot,
@@ -85,6 +88,7 @@ impl Setup {
             notes,
             owners,
             parts_of_layer,
+            stiffness,
             carriers,
             anchors: Vec::new(),
             rig: Vec::new(),

@@ -4,7 +4,7 @@
 
 use super::anchors::presence;
 use super::follow::{Bounds, FollowWindow, thickened, union};
-use super::moment::{fade, faded_weight};
+use super::moment::{fade, faded_weight, region};
 use super::{LayerState, PinState, PipelineError, Setup};
 use crate::lattice::{BoxFrame, Grid, SceneLattice};
 use crate::pose::{Pose, PosedPart};
@@ -230,7 +230,10 @@ impl WorldLayer<'_> {
             let place = |point: &ScenePoint| self.frame.box_from_scene(point.0.as_dvec3()).to_array();
             shape.points.extend(posed.positions.iter().map(place));
             let triangles = &primitive(&self.setup.scene, posed).triangles;
-            shape.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| corner + base)));
+            for (number, corners) in triangles.iter().enumerate() {
+                shape.triangles.push(corners.map(|corner| corner + base));
+                self.setup.paint(self.index, (part, number), &mut shape);
+            }
         }
         shape
     }
@@ -266,8 +269,10 @@ impl WorldLayer<'_> {
         let reached = self.camera.project_exact(goal);
         let is_in_view = [seen, reached].iter().all(|place| place.w > 0.0 && place.depth >= self.camera.near());
         let [at, to] = [rest, goal].map(|place| self.frame.box_from_scene(place).to_array());
-        let point =
-            PointPin { weight: faded_weight(presence), gradient: self.gradient(pin, target), ..PointPin::new(at, to) };
+        let layer = &self.setup.shot.layers[self.index];
+        let region = region(&layer.pins[pin], self.grid.diagonal());
+        let (weight, gradient) = (faded_weight(presence), self.gradient(pin, target));
+        let point = PointPin { weight, gradient, region, ..PointPin::new(at, to) };
         let [from, towards] =
             [seen, reached].map(|place| if is_in_view { place.point() } else { ScreenPoint::default() });
         let state = PinState { pin, rest: from, target: towards, presence, is_in_view };

@@ -29,6 +29,10 @@ const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("preset", "it belongs into solve: solve = { preset = \"paper\" }"),
     ("channels", "it belongs into [output]"),
     ("compression", "it belongs into [output]"),
+    ("region", "it belongs to a pin: region = { radius = 0.1, grip = 1.0 }"),
+    ("starch", "it belongs into region of a pin: region = { radius = 0.1, starch = 5.0 }"),
+    ("grip", "it belongs into region of a pin: region = { radius = 0.1, grip = 1.0 }"),
+    ("stiffness", "it belongs to a layer: [[layer]], then [[layer.stiffness]]"),
     ("weight", "pins have no weight; `strength` of the layer scales them all"),
 ];
 

@@ -107,6 +107,8 @@ pub struct Layer {
     pub step: u32,
     /// Scales offsets, rotations and log-scales (shot's strength times layer's).
     pub strength: f64,
+    /// Parts that are stiffer or softer than the rest.
+    pub stiffness: Vec<StiffnessRule>,
     /// Pins.
     pub pins: Vec<Pin>,
     /// Moved handles.
@@ -198,8 +200,56 @@ pub struct Pin {
     pub anchor: Anchor,
     /// Unit of the offsets.
     pub unit: OffsetUnit,
+    /// What it takes along; `None`: its point alone.
+    pub region: Option<PinRegion>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
+}
+
+/// The neighbourhood that a pin takes along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinRegion {
+    /// Distance of its rim from the pin: frame heights (world layers: metres), with [`OffsetUnit::Box`] diagonals of the
+    /// lattice's box.
+    pub radius: f64,
+    /// How firmly it moves as one piece, 0..=1.
+    pub grip: f64,
+    /// How stiff it is at the pin; 1 at the rim.
+    pub starch: f64,
+}
+
+/// An entry of `[[layer.stiffness]]`; entries that meet multiply.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StiffnessRule {
+    /// What is stiff.
+    pub part: StiffPart,
+    /// How stiff it is, above 0; 1 is as everything else.
+    pub value: f64,
+}
+
+/// What a layer is stiff in.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StiffPart {
+    /// Patterns of node names, each with its subtree.
+    Nodes(Vec<String>),
+    /// Everything of a material.
+    Material(String),
+    /// Where a channel of the vertex colours is 1; 0 is not stiff, in between it mixes.
+    VertexColor(ColorChannel),
+}
+
+/// A channel of the vertex colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ColorChannel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Alpha.
+    A,
 }
 
 /// What a pin is attached to.

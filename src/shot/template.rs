@@ -125,7 +125,13 @@ lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
   # name   = \"pin1\"
   # anchor = {{ screen = [{center:?}, 0.5], frame = {first} }}      # follows the surface seen there in frame {first}
   # unit   = \"frame\"                         # or \"box\": offsets in sizes of the lattice's box
+  # region = {{ radius = 0.1, grip = 1.0, starch = 1.0 }}          # takes what is around it along as one piece, stiffens it
   # keys   = [ {{ frame = {first}, offset = [0.0, 0.0], ease = {{ bezier = [0.4, 0.0, 0.2, 1.0] }} }},{later} ]
+
+  ## Parts that keep their shape more than the rest: nodes, a material, or a channel of the vertex colours (\"r\").
+  # [[layer.stiffness]]
+  # nodes = [{node}]
+  # value = 4.0
 
   ## A handle of the lattice moved by hand, in sizes of its box:
   # [[layer.handle]]

@@ -12,5 +12,6 @@ mod lines;
 mod motion;
 mod pins;
 mod repeat;
+mod stiffness;
 mod support;
 mod world;

@@ -136,6 +136,39 @@ fn layers() {
 }
 
 #[test]
+fn stiff_parts() {
+    const TWO: &str = "[[layer.stiffness]]\nnodes = [\"a\"]\nmaterial = \"b\"\nvalue = 4\n[output]";
+    const NONE: &str = "[[layer.stiffness]]\nmaterial = \"b\"\nvalue = 0\n[output]";
+    const RED: &str = "[[layer.stiffness]]\nvertex_color = \"red\"\nvalue = 2\n[output]";
+    check(&[
+        case(
+            ["[output]", "[[layer.stiffness]]\nvalue = 4\n[output]"],
+            (32, "layer[0].stiffness[0]"),
+            &["does not say what is stiff", "nodes = [\"Head*\"]"],
+        ),
+        case(["[output]", TWO], (32, "layer[0].stiffness[0]"), &["or two of them", "their values multiply"]),
+        case(["[output]", NONE], (34, "layer[0].stiffness[0].value"), &["from 0.001 to 1000"]),
+        case(["[output]", RED], (33, "layer[0].stiffness[0].vertex_color"), &["\"r\""]),
+        case(
+            ["name   = \"spout\"", "region = { radius = 0.1 }"],
+            (19, "layer[0].pin[0].region"),
+            &["does nothing", "grip = 1.0", "starch = 5.0"],
+        ),
+        case(
+            ["name   = \"spout\"", "region = { radius = 108, grip = 1 }"],
+            (19, "layer[0].pin[0].region.radius"),
+            &["look like pixels", "108 px of 1080 is 0.1"],
+        ),
+        case(
+            ["name   = \"spout\"", "region = { radius = 0.1, grip = 2 }"],
+            (19, "layer[0].pin[0].region.grip"),
+            &["from 0 to 1"],
+        ),
+        case(["name   = \"spout\"", "starch = 5"], (19, "layer[0].pin[0].starch"), &["it belongs into region"]),
+    ]);
+}
+
+#[test]
 fn pins() {
     const UNIT: [&str; 2] = ["unit = \"box\"", "name = \"spout\""];
     check(&[

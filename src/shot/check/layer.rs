@@ -34,6 +34,7 @@ impl Check<'_> {
             settings: self.settings(&raw.solve, &format!("{key}.solve")),
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
+            stiffness: self.stiffness(raw.stiffness, &key),
             pins: self.pins(raw.pin, &key, shot),
             handles: self.handles(raw.handle, &key, space.dims(), shot),
         }

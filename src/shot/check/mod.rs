@@ -6,6 +6,7 @@ mod layer;
 mod output;
 mod pin;
 mod place;
+mod stiffness;
 mod transfer;
 
 use super::document::{Document, syntax_error};

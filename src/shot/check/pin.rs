@@ -23,6 +23,9 @@ impl Check<'_> {
             .map(|(index, raw)| Pin {
                 anchor: self.anchor(&raw.anchor, &format!("{}.anchor", key(index)), shot),
                 unit: raw.unit,
+                region: raw
+                    .region
+                    .map(|region| self.region(&region, &format!("{}.region", key(index)), (raw.unit, shot))),
                 keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
                 name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
             })

@@ -11,7 +11,7 @@ use std::path::Path;
 impl Check<'_> {
     /// `layer` is the key of the layer.
     pub(super) fn transfer(&mut self, raw: &RawTransfer, layer: &str, shot: &LayerDefaults) -> Transfer {
-        for key in ["pin", "handle", "solve"].map(|other| format!("{layer}.{other}")) {
+        for key in ["pin", "handle", "solve", "stiffness"].map(|other| format!("{layer}.{other}")) {
             if self.document.has(&key) {
                 let what = "a layer with `transfer` takes its lattices from a file and solves nothing";
                 self.fault(&key, what, "remove it or `transfer`");

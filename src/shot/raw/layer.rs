@@ -3,7 +3,7 @@
 //! In: checked TOML. Out: raw values; see [`super`].
 
 use crate::lattice::Basis;
-use crate::shot::model::{Ease, OffsetUnit};
+use crate::shot::model::{ColorChannel, Ease, OffsetUnit};
 use crate::solve::{EdgeWeights, Energy, Regularizer};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -33,12 +33,33 @@ pub(in crate::shot) struct RawLayer {
     #[serde(default = "super::default_one")]
     #[schemars(range(min = -100.0, max = 100.0))]
     pub(in crate::shot) strength: f64,
+    /// Parts that keep their shape more, or less, than the rest.
+    #[serde(default)]
+    pub(in crate::shot) stiffness: Vec<RawStiffness>,
     /// Points and where they go.
     #[serde(default)]
     pub(in crate::shot) pin: Vec<RawPin>,
     /// Handles moved by hand.
     #[serde(default)]
     pub(in crate::shot) handle: Vec<RawHandle>,
+}
+
+/// Parts that keep their shape more, or less, than the rest: one of nodes, material and vertex_color.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawStiffness {
+    /// Patterns of node names with * and ?; each means its subtree.
+    #[schemars(length(min = 1), inner(length(min = 1)), example = ["Head*"])]
+    pub(in crate::shot) nodes: Option<Vec<String>>,
+    /// Name of a material.
+    #[schemars(length(min = 1), example = &"Metal")]
+    pub(in crate::shot) material: Option<String>,
+    /// Channel of the vertex colours: `value` where it is 1, as the rest where it is 0.
+    #[schemars(example = &"r")]
+    pub(in crate::shot) vertex_color: Option<ColorChannel>,
+    /// How stiff, 1 is as the rest; where entries meet, their values multiply.
+    #[schemars(range(min = 0.001, max = 1000.0), example = 4.0)]
+    pub(in crate::shot) value: f64,
 }
 
 /// Lattices solved for another shot, laid over this layer.
@@ -152,10 +173,30 @@ pub(in crate::shot) struct RawPin {
     /// Unit of the offsets.
     #[serde(default)]
     pub(in crate::shot) unit: OffsetUnit,
+    /// The neighbourhood it takes along; default: its point alone.
+    #[schemars(example = serde_json::json!({ "radius": 0.1, "grip": 1.0, "starch": 5.0 }))]
+    pub(in crate::shot) region: Option<RawRegion>,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
     pub(in crate::shot) keys: Vec<RawPinKey>,
+}
+
+/// The neighbourhood that a pin takes along, fading out to its rim.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawRegion {
+    /// Distance of the rim from the pin, frame heights (world layers: metres); with unit = "box" diagonals of the box.
+    #[schemars(range(min = 0.00001, max = 100_000.0), example = 0.1)]
+    pub(in crate::shot) radius: f64,
+    /// How firmly it moves with the pin as one piece: 0 not at all, 1 rigidly.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.0), example = 1.0)]
+    pub(in crate::shot) grip: f64,
+    /// How stiff it is at the pin, 1 is as the rest.
+    #[serde(default = "super::default_one")]
+    #[schemars(range(min = 0.001, max = 1000.0), example = 5.0)]
+    pub(in crate::shot) starch: f64,
 }
 
 /// A point of a surface (node, triangle, barycentric) or of the screen (screen).

@@ -1,0 +1,90 @@
+//! Stiffness painted in a shot, and regions of pins, in the solved lattice.
+
+use crate::support::Studio;
+use crate::tiny::{Tiny, grid};
+use pinwarp::pipeline::{PipelineError, Setup};
+use pinwarp::shot::{ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
+use pinwarp::space::ScreenPoint;
+use std::path::Path;
+
+/// Two sheets side by side, pulled apart at their outer corners.
+fn sheets() -> Studio {
+    let parts = vec![grid("Left", [-0.4, -0.2, 0.0, 0.2], 6), grid("Right", [0.0, -0.2, 0.4, 0.2], 6)];
+    let pin = |name: &str, x: f64, y: f64, by: f64| {
+        format!(
+            "[[layer.pin]]\nname = \"{name}\"\nanchor = {{ screen = [{x}, {y}], frame = 1 }}\n\
+             keys = [{{ frame = 1, offset = [{by}, 0.0] }}]\n"
+        )
+    };
+    let pins =
+        [pin("a", 0.42, 0.32, -0.1), pin("b", 0.42, 0.68, -0.1), pin("c", 1.18, 0.32, 0.1), pin("d", 1.18, 0.68, 0.1)];
+    Studio::tiny(&Tiny::of(parts), &format!("[[layer]]\nname = \"all\"\n{}", pins.concat()))
+}
+
+/// How far a horizontal piece of the frame is stretched.
+fn stretch(setup: &Setup, x: f64) -> f64 {
+    let moment = setup.moment(1.0).expect("a solvable frame");
+    let lattice = &moment.layers[0].solution.as_ref().expect("a warped layer").lattice;
+    let [a, b] = [-0.05, 0.05].map(|by| lattice.warp(ScreenPoint::new(x + by, 0.5)).0.x);
+    (b - a) / 0.1 - 1.0
+}
+
+fn rule(part: StiffPart, value: f64) -> StiffnessRule {
+    StiffnessRule { part, value }
+}
+
+#[test]
+fn a_stiff_node_stretches_less() {
+    let mut studio = sheets();
+    let share = |studio: &Studio| stretch(&studio.setup(), 0.6) / stretch(&studio.setup(), 1.0);
+    assert!((share(&studio) - 1.0).abs() < 0.02, "{}", share(&studio));
+    studio.shot.layers[0].stiffness = vec![rule(StiffPart::Nodes(vec!["Le*".into()]), 8.0)];
+    assert!(share(&studio) < 0.4, "{}", share(&studio));
+    studio.shot.layers[0].stiffness.push(rule(StiffPart::Nodes(vec!["Left".into()]), 0.125));
+    assert!((share(&studio) - 1.0).abs() < 0.02, "values multiply: {}", share(&studio));
+}
+
+#[test]
+fn a_region_keeps_its_shape_and_goes_with_its_pin() {
+    let mut studio = sheets();
+    let plain = stretch(&studio.setup(), 0.47);
+    studio.shot.layers[0].pins[0].region = Some(PinRegion { radius: 0.45, grip: 1.0, starch: 1.0 });
+    assert!(stretch(&studio.setup(), 0.47).abs() < 0.7 * plain, "{} {plain}", stretch(&studio.setup(), 0.47));
+}
+
+fn refusal(part: StiffPart) -> String {
+    let mut studio = Studio::teapot(64, 36);
+    studio.shot.layers[0].stiffness = vec![rule(part, 2.0)];
+    match Setup::new(studio.shot.clone()) {
+        Err(error @ PipelineError::Mismatch { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_the_scene_does_not_have_is_named() {
+    let text = refusal(StiffPart::Nodes(vec!["Taepot".into()]));
+    assert!(text.contains("no node matches 'Taepot'") && text.contains("Teapot"), "{text}");
+    let text = refusal(StiffPart::Nodes(vec!["Table".into()]));
+    assert!(text.contains("it has no meshes of Table"), "{text}");
+    let text = refusal(StiffPart::Material("Glase".into()));
+    assert!(text.contains("none of its meshes has the material 'Glase'") && text.contains("\"Glaze\""), "{text}");
+    let text = refusal(StiffPart::VertexColor(ColorChannel::R));
+    assert!(text.contains("none of its meshes has vertex colours"), "{text}");
+}
+
+#[test]
+fn materials_and_vertex_colours_count() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/gingerman/shot.toml");
+    let solved = |rules: Vec<StiffnessRule>| {
+        let mut shot = Shot::read(&path).expect("a right shot");
+        shot.layers[0].stiffness = rules;
+        let middle = f64::from(shot.frames.first.midpoint(shot.frames.last));
+        let moment = Setup::new(shot).expect("it fits its scene").moment(middle).expect("a solvable frame");
+        moment.layers[0].solution.as_ref().expect("a warped layer").lattice.clone()
+    };
+    let plain = solved(Vec::new());
+    assert_eq!(solved(vec![rule(StiffPart::Material("Dough".into()), 1.0)]), plain);
+    assert_ne!(solved(vec![rule(StiffPart::Material("Dough".into()), 9.0)]), plain);
+    assert_ne!(solved(vec![rule(StiffPart::VertexColor(ColorChannel::R), 9.0)]), plain);
+}
