@@ -109,12 +109,13 @@ impl Setup {
         carrier.map_or(BoxFrame::SCENE, BoxFrame::of)
     }
 
-    /// Bounds of a layer's triangles in the frame of its box.
+    /// Bounds of a layer's triangles and lines in the frame of its box.
     pub(super) fn world_bounds_of(&self, index: usize, pose: &Pose) -> Option<Bounds<3>> {
         let frame = self.box_frame(index, pose);
         let of_part = |&part: &usize| {
             let posed = &pose.parts[part];
-            let corners = primitive(&self.scene, posed).triangles.iter().flatten();
+            let source = primitive(&self.scene, posed);
+            let corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
             let places = corners.map(|&corner| posed.positions[corner as usize].0.as_dvec3());
             let places = places.filter(|place| place.is_finite()).map(|place| frame.box_from_scene(place).to_array());
             places.map(|place| [place; 2]).reduce(union)
@@ -158,8 +159,9 @@ impl Setup {
             let edge = frame.axes().transpose() * (to - from);
             (0..3).map(|axis| edge[axis].abs() / grid.pitch(axis)).fold(0.0, f64::max)
         };
-        let triangles = primitive(&self.scene, part).triangles.iter();
-        triangles.flat_map(|&[a, b, c]| [cells(a, b), cells(b, c), cells(c, a)]).fold(0.0, f64::max)
+        let source = primitive(&self.scene, part);
+        let edges = source.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        edges.chain(source.segments()).map(|[from, to]| cells(from, to)).fold(0.0, f64::max)
     }
 }
 
@@ -221,7 +223,7 @@ impl WorldLayer<'_> {
         Ok(LayerState { solution: None, world, pins: pins.into_iter().map(|pin| pin.state).collect() })
     }
 
-    /// The layer's triangles in the frame of the box.
+    /// The layer's triangles and lines in the frame of the box.
     fn shape(&self) -> Shape<3> {
         let mut shape = Shape::default();
         for &part in &self.setup.parts_of_layer[self.index] {
@@ -229,11 +231,13 @@ impl WorldLayer<'_> {
             let base = shape.points.len() as u32;
             let place = |point: &ScenePoint| self.frame.box_from_scene(point.0.as_dvec3()).to_array();
             shape.points.extend(posed.positions.iter().map(place));
-            let triangles = &primitive(&self.setup.scene, posed).triangles;
-            for (number, corners) in triangles.iter().enumerate() {
+            let source = primitive(&self.setup.scene, posed);
+            for (number, corners) in source.triangles.iter().enumerate() {
                 shape.triangles.push(corners.map(|corner| corner + base));
                 self.setup.paint(self.index, (part, number), &mut shape);
             }
+            let lines = source.lines.iter().map(|line| line.iter().map(|vertex| vertex + base).collect());
+            shape.strokes.extend(lines);
         }
         shape
     }

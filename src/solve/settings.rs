@@ -117,7 +117,7 @@ impl Settings {
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
     pub const REST: f64 = 5.3;
     /// λgr of [`Regularizer::Noh`] in dimensionless units: 1e-2 of the plain sum at 10 x 10.
-    pub const NOH: f64 = 0.12;
+    pub const NOH: f64 = 0.2;
     /// λgr of [`Regularizer::Affine`] in dimensionless units: 1e-3 of the plain sum at 10 x 10.
     pub const AFFINE: f64 = 1.1;
 
