@@ -15,3 +15,4 @@ mod stopping;
 mod support;
 mod tools;
 mod words;
+mod worlds;
