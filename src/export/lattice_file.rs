@@ -5,7 +5,8 @@
 use super::ExportError;
 use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
 use crate::image::replace_text;
-use crate::lattice::{Grid, Lattice};
+use crate::lattice::{BoxFrame, Grid, Lattice};
+use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -30,6 +31,8 @@ pub struct LatticeTrack {
     pub name: String,
     /// By frame, never empty.
     pub track: Track,
+    /// Tracks in the scene: the rigid frame that box and handles of a frame stand in; left out: the scene's own.
+    pub placements: BTreeMap<i32, BoxFrame>,
 }
 
 /// Lattices by frame, all with the same dims and basis.
@@ -59,8 +62,8 @@ impl LatticeFile {
     /// [`ExportError::Write`] where the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
         let layers = self.layers.iter().map(|layer| match &layer.track {
-            Track::Screen(lattices) => raw_track(&layer.name, RawSpace::Screen, lattices),
-            Track::World(lattices) => raw_track(&layer.name, RawSpace::World, lattices),
+            Track::Screen(lattices) => raw_track(layer, RawSpace::Screen, lattices),
+            Track::World(lattices) => raw_track(layer, RawSpace::World, lattices),
         });
         let raw = RawFile {
             pinwarp_lattice: VERSION,
@@ -114,7 +117,7 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
             RawSpace::Screen => Track::Screen(lattices(&layer, &key)?),
             RawSpace::World => Track::World(lattices(&layer, &key)?),
         };
-        layers.push(LatticeTrack { name: layer.name, track });
+        layers.push(LatticeTrack { placements: placements(&layer, &key)?, name: layer.name, track });
     }
     if layers.is_empty() {
         return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
@@ -149,6 +152,22 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
     Ok(found)
 }
 
+/// Where the boxes of a track stand.
+fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Fault> {
+    let placed =
+        raw.frames.iter().enumerate().filter_map(|(number, frame)| Some((number, frame.frame, frame.placement?)));
+    let frames = placed.map(|(number, frame, [x, y, z, origin])| {
+        let key = || format!("{key}.frames[{number}].placement");
+        if raw.space == RawSpace::Screen {
+            return Err(fault(key(), "stands in a track of the screen".to_owned(), "remove it"));
+        }
+        let placement = BoxFrame::new(DMat3::from_cols_array_2d(&[x, y, z]), origin.into());
+        let hint = "give three perpendicular axes of length 1, right-handed, and an origin";
+        Ok((frame, placement.ok_or_else(|| fault(key(), "is not a rigid frame".to_owned(), hint))?))
+    });
+    frames.collect()
+}
+
 fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], Fault> {
     match <[f64; D]>::try_from(values) {
         Ok(point) if point.iter().all(|x| x.is_finite()) => Ok(point),
@@ -156,15 +175,19 @@ fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f6
     }
 }
 
-fn raw_track<const D: usize>(name: &str, space: RawSpace, lattices: &BTreeMap<i32, Lattice<D>>) -> RawTrack {
+fn raw_track<const D: usize>(layer: &LatticeTrack, space: RawSpace, lattices: &BTreeMap<i32, Lattice<D>>) -> RawTrack {
     let frames = lattices.iter().map(|(&frame, lattice)| RawFrame {
         frame,
         bounds: [lattice.grid.lo.to_vec(), lattice.grid.hi.to_vec()],
+        placement: layer.placements.get(&frame).map(|placed| {
+            let DMat3 { x_axis, y_axis, z_axis } = placed.axes();
+            [x_axis, y_axis, z_axis, placed.origin()].map(|column| column.to_array())
+        }),
         handles: lattice.handles.iter().map(|handle| handle.to_vec()).collect(),
     });
     let first = lattices.values().next().expect("a track has frames");
     RawTrack {
-        name: name.to_owned(),
+        name: layer.name.clone(),
         space,
         basis: first.grid.basis,
         dims: first.grid.dims.to_vec(),
@@ -176,6 +199,7 @@ fn raw_track<const D: usize>(name: &str, space: RawSpace, lattices: &BTreeMap<i3
 mod tests {
     use super::*;
     use crate::lattice::Basis;
+    use glam::DVec3;
 
     fn grid<const D: usize>(shift: f64) -> Grid<D> {
         Grid { dims: [4; D], basis: Basis::Bspline, lo: [shift; D], hi: [1.0 + shift; D] }
@@ -184,8 +208,10 @@ mod tests {
     fn file() -> LatticeFile {
         let screen = [(1, grid(0.0).at_rest()), (3, grid(0.5).at_rest())].into();
         let world = [(-2, grid(0.1).at_rest())].into();
-        let track = |name: &str, track| LatticeTrack { name: name.to_owned(), track };
-        let layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];
+        let track = |name: &str, track| LatticeTrack { name: name.to_owned(), track, placements: BTreeMap::new() };
+        let mut layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];
+        let turned = glam::DMat4::from_rotation_y(0.3);
+        layers[1].placements.insert(-2, BoxFrame::of(glam::DMat4::from_translation(DVec3::ONE) * turned));
         LatticeFile { frame_aspect: 16.0 / 9.0, rate: 24.0, layers }
     }
 

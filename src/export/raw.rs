@@ -54,6 +54,9 @@ pub(super) struct RawFrame {
     /// Lower and upper corner of the rest box.
     #[serde(rename = "box")]
     pub(super) bounds: [Vec<f64>; 2],
+    /// In the world: x, y and z axis and origin of the box's own frame, scene units; left out: the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) placement: Option<[[f64; 3]; 4]>,
     /// Moved handles, x fastest.
     pub(super) handles: Vec<Vec<f64>>,
 }

@@ -17,6 +17,13 @@ impl BoxFrame {
     /// The scene's own axes and origin.
     pub const SCENE: Self = Self { axes: DMat3::IDENTITY, origin: DVec3::ZERO };
 
+    /// A frame of orthonormal axes at an origin; `None` where the axes are not, to 1e-6, or left-handed.
+    #[must_use]
+    pub fn new(axes: DMat3, origin: DVec3) -> Option<Self> {
+        let is_rigid = (axes * axes.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
+        (is_rigid && origin.is_finite()).then_some(Self { axes, origin })
+    }
+
     /// The rigid part of a placement: axes made square in the order x, y, z (Gram and Schmidt); scale and reflection
     /// are left out, and an axis without length takes the scene's.
     #[must_use]
@@ -32,6 +39,12 @@ impl BoxFrame {
     #[must_use]
     pub const fn axes(&self) -> DMat3 {
         self.axes
+    }
+
+    /// Where the frame's origin stands, scene space.
+    #[must_use]
+    pub const fn origin(&self) -> DVec3 {
+        self.origin
     }
 
     /// A point of the box frame in scene space.

@@ -4,7 +4,7 @@
 
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
-use crate::lattice::{Fit, Lattice};
+use crate::lattice::{BoxFrame, Fit, Lattice};
 use crate::shot::{BoxRule, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
 use crate::spelling;
@@ -94,24 +94,50 @@ impl Setup {
     }
 }
 
+/// The lattices of a layer, by frame: on the screen or in the scene.
+#[derive(Clone, Default)]
+struct Solved {
+    screen: BTreeMap<i32, Lattice<2>>,
+    world: BTreeMap<i32, Lattice<3>>,
+    placements: BTreeMap<i32, BoxFrame>,
+}
+
+impl Solved {
+    fn add(&mut self, frame: i32, state: &LayerState) {
+        self.screen.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
+        let world = state.world.as_ref().map(|world| &world.lattice);
+        self.world.extend(world.map(|placed| (frame, placed.lattice.clone())));
+        self.placements.extend(world.map(|placed| (frame, placed.frame)));
+    }
+
+    /// `None` where the layer is never warped.
+    fn track(self, name: &str) -> Option<LatticeTrack> {
+        let Self { screen, world, placements } = self;
+        let track = match (screen.is_empty(), world.is_empty()) {
+            (true, true) => return None,
+            (_, true) => Track::Screen(screen),
+            (_, false) => Track::World(world),
+        };
+        Some(LatticeTrack { name: name.to_owned(), track, placements })
+    }
+}
+
 /// The solved lattices of some frames, for other shots and programs; layers that are never warped are left out.
 ///
 /// # Errors
 /// [`PipelineError::Solve`] where a layer cannot be solved; where no layer is warped at all, a mismatch.
 pub fn lattices(setup: &Setup, frames: &[i32], mut tell: impl FnMut(i32)) -> Result<LatticeFile, PipelineError> {
     let shot = &setup.shot;
-    let mut tracks: Vec<BTreeMap<i32, Lattice<2>>> = vec![BTreeMap::new(); shot.layers.len()];
+    let mut solved = vec![Solved::default(); shot.layers.len()];
     for &frame in frames {
         let moment = setup.exposed(frame)?;
-        for (track, state) in tracks.iter_mut().zip(&moment.layers) {
-            track.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
+        for (solved, state) in solved.iter_mut().zip(&moment.layers) {
+            solved.add(frame, state);
         }
         tell(frame);
     }
-    let solved = shot.layers.iter().zip(tracks).filter(|(_, lattices)| !lattices.is_empty());
-    let layers: Vec<LatticeTrack> = solved
-        .map(|(layer, lattices)| LatticeTrack { name: layer.name.clone(), track: Track::Screen(lattices) })
-        .collect();
+    let tracks = shot.layers.iter().zip(solved);
+    let layers: Vec<LatticeTrack> = tracks.filter_map(|(layer, solved)| solved.track(&layer.name)).collect();
     if layers.is_empty() {
         let what = "no layer is warped in these frames: there is nothing to export";
         return Err(PipelineError::mismatch(shot, "layer", what, "add pins, or choose other frames"));
