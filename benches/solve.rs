@@ -1,7 +1,7 @@
 //! Time of solves, printed as tables: `cargo bench --bench solve`.
 //!
 //! In: generated blobs with the vertex counts of the paper's time table. Out: milliseconds beside the paper's
-//! (column "Ours", a 1.5 GHz laptop), cold solves on one thread; drag updates; a model of a million vertices.
+//! (column "Ours", a 1.5 GHz laptop): cold solves and single steps on one thread; drag updates; a million vertices.
 
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solver};
@@ -91,43 +91,73 @@ fn cold_table(title: &str, settings: &Settings, basis: Basis) {
     }
 }
 
-/// Set-up and drag updates at 15 x 15.
-fn drag_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis) {
-    let (grid, rest) = (grid(15, basis), pins(shape, 0.6));
-    let problem = Problem { grid: &grid, shape, pins: &rest, handles: &[], settings };
-    let (cold, solver) = fastest(|| Solver::new(&problem));
-    let Ok(solver) = solver else { return println!("{name}: no solver") };
-    let swing: Vec<_> = (0..DRAG_MOVES).map(|k| pins(shape, 0.6 + 0.01 * k as f64)).collect();
-    let timed = |run: &mut dyn FnMut(&[PointPin<2>])| {
-        let time = |pins: &Vec<PointPin<2>>| {
-            let start = Instant::now();
-            run(pins);
-            start.elapsed().as_secs_f64() * 1e3
+/// Steps that the time of one is taken from.
+const STEPS: usize = 40;
+
+/// One local-global step of a prefactored problem: the time of many steps less the time of one.
+fn step_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis, paper: [f64; 3]) {
+    print!("{name:9} {:4}", shape.points.len());
+    for (dims, paper) in DIMS.into_iter().zip(paper) {
+        let (grid, pins) = (grid(dims, basis), pins(shape, 0.6));
+        let of = |limit: usize| {
+            let settings = Settings { iteration_limit: limit, tolerance: -1.0, acceleration: 0, ..settings.clone() };
+            let problem = Problem { grid: &grid, shape, pins: &pins, handles: &[], settings: &settings };
+            let solver = Solver::new(&problem);
+            fastest(|| solver.as_ref().map(Solver::solve).ok()).0
         };
-        median(swing.iter().map(time).collect())
+        let ms = (of(STEPS + 1) - of(1)) / STEPS as f64;
+        print!(" | {:7.2} us {:5.0}x", 1e3 * ms, paper / ms);
+    }
+    println!();
+}
+
+fn step_table(title: &str, settings: &Settings, basis: Basis) {
+    println!("\n{title}: one local-global step, prefactored, us | paper's whole solve / step");
+    println!("model       #V |      5 x 5       |     10 x 10      |     15 x 15");
+    for (name, count, paper) in PAPER {
+        step_row(name, &blob(count), settings, basis, paper);
+    }
+}
+
+/// Converged updates of a drag, with report: medians over its moves.
+fn update_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis) {
+    print!("{name:9} {:7}", shape.points.len());
+    for dims in DIMS {
+        let (grid, rest) = (grid(dims, basis), pins(shape, 0.6));
+        let problem = Problem { grid: &grid, shape, pins: &rest, handles: &[], settings };
+        let (cold, solver) = fastest(|| Solver::new(&problem));
+        let Ok(solver) = solver else { return println!("{name}: no solver") };
+        let swing: Vec<_> = (0..DRAG_MOVES).map(|k| pins(shape, 0.6 + 0.01 * k as f64)).collect();
+        let mut iterations = Vec::new();
+        let updates = swing.iter().map(|pins| {
+            fastest_of(5, || {
+                let solution = solver.update(pins, &[]);
+                iterations.push(solution.map_or(f64::NAN, |solution| solution.report.iterations as f64));
+            })
+        });
+        let update = median(updates.collect());
+        let mut lattice = solver.solve().lattice;
+        let drags = swing.iter().map(|pins| {
+            fastest_of(1, || {
+                if let Ok(next) = solver.drag(pins, &[], &lattice) {
+                    lattice = next;
+                }
+            })
+        });
+        let drag = median(drags.collect());
+        print!(" | {cold:7.3} {update:6.3} {:3} {drag:6.3}", median(iterations));
+    }
+    println!();
+}
+
+/// Least time of a few runs, in milliseconds.
+fn fastest_of(runs: usize, mut run: impl FnMut()) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64() * 1e3
     };
-    let mut iterations = Vec::new();
-    let update_ms = timed(&mut |pins| {
-        iterations.push(solver.update(pins, &[]).map_or(0.0, |solution| solution.report.iterations as f64));
-    });
-    let mut lattice = solver.solve().lattice;
-    let drag_ms = timed(&mut |pins| {
-        if let Ok(next) = solver.drag(pins, &[], &lattice) {
-            lattice = next;
-        }
-    });
-    let settled = solver.update(&swing[DRAG_MOVES - 1], &[]).map(|solution| solution.lattice.handles);
-    let gap = |other: Vec<[f64; 2]>| {
-        let gaps = lattice.handles.iter().zip(other).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-        gaps.fold(0.0, f64::max)
-    };
-    println!(
-        "{name:22} {:8} vertices: set-up {cold:8.3} ms, update {update_ms:6.3} ms ({:3} iterations), drag {drag_ms:6.3} ms \
-         ({:.0e} behind)",
-        shape.points.len(),
-        median(iterations),
-        settled.map_or(f64::NAN, gap)
-    );
+    (0..runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
 /// The middle value.
@@ -143,11 +173,13 @@ fn main() {
     cold_table("default (area, B-spline, bend), to convergence", &usual, Basis::Bspline);
     cold_table("paper preset (edge, Bernstein, rest), 10 iterations", &ten, Basis::Bernstein);
     cold_table("paper preset, to convergence", &paper, Basis::Bernstein);
-    println!("\n15 x 15, prefactored (rayon threads: {})", rayon::current_num_threads());
+    step_table("default", &usual, Basis::Bspline);
+    step_table("paper preset", &paper, Basis::Bernstein);
+    println!("\ndefault: set-up ms, converged update with report ms, iterations, drag ms");
+    println!("model          #V |      5 x 5                |       10 x 10             |       15 x 15");
     for (name, count, _) in PAPER {
-        drag_row(&format!("default {name}"), &blob(count), &usual, Basis::Bspline);
+        update_row(name, &blob(count), &usual, Basis::Bspline);
     }
-    drag_row("paper, 10 iterations", &blob(734), &ten, Basis::Bernstein);
-    drag_row("paper, converged", &blob(734), &paper, Basis::Bernstein);
-    drag_row("default", &blob(1_000_000), &usual, Basis::Bspline);
+    println!("rayon threads: {}", rayon::current_num_threads());
+    update_row("million", &blob(1_000_000), &usual, Basis::Bspline);
 }

@@ -1,4 +1,4 @@
-//! The local-global iteration: best rotations, then one linear solve, until the handles rest.
+//! The local-global iteration: best rotations, then one linear solve, until the handles rest or Newton takes over.
 //!
 //! In: a factored problem and a first state. Out: handles, and how the iteration ended.
 
@@ -6,15 +6,18 @@ use super::Settings;
 use super::anderson::Anderson;
 use super::constraints::Constraints;
 use super::energy::Distortion;
-use super::matrix::Factor;
+use super::matrix::{Factor, Normal};
+use super::newton::Progress;
 use super::solver::{Scales, Terms};
 
 /// Part by which the energy may rise: below it rounding decides, and rejecting good steps costs more than it saves.
-const SAFEGUARD: f64 = 1e-8;
+pub(crate) const SAFEGUARD: f64 = 1e-8;
 
 /// All that an iteration needs.
 pub(crate) struct Iteration<'a, const D: usize> {
     pub(crate) distortion: &'a dyn Distortion<D>,
+    /// The constant matrix of a coordinate.
+    pub(crate) normal: &'a Normal,
     pub(crate) factor: &'a Factor,
     pub(crate) constraints: &'a Constraints,
     pub(crate) scales: Scales,
@@ -81,6 +84,9 @@ impl<const D: usize> Iteration<'_, D> {
                 observe(self.energies(&next, &state));
             }
             let step = largest_step(&state, &next);
+            if let Some(run) = self.newton(&next, Progress { iteration, step }) {
+                return run;
+            }
             if step <= self.settings.tolerance * self.diagonal {
                 return Run { handles: next, iterations: iteration, is_converged: true };
             }
@@ -107,7 +113,7 @@ impl<const D: usize> Iteration<'_, D> {
     }
 
     /// Local step: adds its right side and gives the total energy at `state`.
-    fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
+    pub(crate) fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
         let ml = self.distortion.local_step(state, self.scales.shape, right_side);
         if self.settings.acceleration == 0 {
             return 0.0;
@@ -116,10 +122,11 @@ impl<const D: usize> Iteration<'_, D> {
             + self.scales.pins * self.terms.pins.energy(state)
             + self.scales.handles * self.terms.handles.energy(state)
             + self.scales.regularizer * self.terms.regularizer.energy(state)
+            + self.scales.hold * state.iter().zip(&self.start).map(|(x, start)| squared_gap(x, start)).sum::<f64>()
     }
 
     /// The part of the right side that no rotation changes.
-    fn constant_right_side(&self) -> Vec<[f64; D]> {
+    pub(crate) fn constant_right_side(&self) -> Vec<[f64; D]> {
         let mut right_side: Vec<[f64; D]> = self.start.iter().map(|x| x.map(|x| x * self.scales.hold)).collect();
         self.terms.pins.add_right_side(self.scales.pins, &mut right_side);
         self.terms.handles.add_right_side(self.scales.handles, &mut right_side);
@@ -129,7 +136,11 @@ impl<const D: usize> Iteration<'_, D> {
 }
 
 /// Largest distance a handle moves.
-fn largest_step<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
-    let squares = from.iter().zip(to).map(|(a, b)| (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>());
+pub(crate) fn largest_step<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
+    let squares = from.iter().zip(to).map(|(a, b)| squared_gap(a, b));
     squares.fold(0.0, |most: f64, square| if square <= most { most } else { square }).sqrt()
+}
+
+fn squared_gap<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum()
 }

@@ -2,14 +2,14 @@
 //!
 //! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
 
-use super::packs::dispatch;
+use super::cholesky::{Cholesky, stride};
+use super::gram::Gram;
 use super::small::{Square, identity, symmetric_eigen};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
-use pulp::{Simd, WithSimd};
 
-/// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band.
+/// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band, then zeros.
 #[derive(Clone, Debug)]
 pub(crate) struct Normal {
     size: usize,
@@ -23,7 +23,7 @@ impl Normal {
     /// A zero matrix in which handles farther than `band` apart never meet.
     pub(crate) fn zero(size: usize, band: usize) -> Self {
         let band = band.min(size.saturating_sub(1));
-        Self { size, band, columns: vec![0.0; size * (band + 1)], squares: Vec::new() }
+        Self { size, band, columns: vec![0.0; size * stride(band)], squares: Vec::new() }
     }
 
     /// Every handle may meet every other.
@@ -36,7 +36,7 @@ impl Normal {
     pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
         let (high, low) = (row.max(column), row.min(column));
         debug_assert!(high - low <= self.band, "entry outside the band");
-        self.columns[low * (self.band + 1) + high - low] += value;
+        self.columns[low * stride(self.band) + high - low] += value;
     }
 
     /// Adds weight · row rowᵀ.
@@ -46,6 +46,17 @@ impl Normal {
             self.add(handle, handle, weight * coefficient * coefficient);
             for (other, factor) in rest.clone() {
                 self.add(handle, other, weight * coefficient * factor);
+            }
+        }
+    }
+
+    /// Adds scale times a Gram matrix; `rows`: where its columns belong, ascending.
+    pub(crate) fn add_gram(&mut self, scale: f64, rows: &[usize], gram: &Gram) {
+        let stride = stride(self.band);
+        for (b, &column) in rows.iter().enumerate() {
+            let slots = &mut self.columns[column * stride..][..stride];
+            for (&row, sum) in rows[b..].iter().zip(gram.below(b)) {
+                slots[row - column] += scale * sum;
             }
         }
     }
@@ -71,23 +82,63 @@ impl Normal {
             scale,
             Par::Seq,
         );
-        let stride = self.band + 1;
-        for (j, column) in self.columns.chunks_exact_mut(stride).enumerate() {
+        for (j, column) in self.columns.chunks_exact_mut(stride(self.band)).enumerate() {
             let below = &product.col_as_slice(j)[j..];
             column.iter_mut().zip(below).for_each(|(slot, x)| *slot += x);
         }
     }
 
+    /// The matrix that does the same to every one of D coordinates; rows are D·handle + coordinate. `memory` is used
+    /// again: fresh pages cost as much as the factorisation.
+    pub(crate) fn repeated<const D: usize>(&self, mut memory: Vec<f64>) -> Self {
+        let (size, band) = (D * self.size, D * (self.band + 1) - 1);
+        let wide = stride(band);
+        memory.clear();
+        memory.resize(size * wide, 0.0);
+        let mut repeated = Self { size, band, columns: memory, squares: Vec::new() };
+        for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
+            for d in 0..D {
+                let slots = repeated.columns[(D * j + d) * wide..][..D * self.band + 1].iter_mut().step_by(D);
+                slots.zip(column).for_each(|(slot, x)| *slot = *x);
+            }
+        }
+        for (weight, square) in &self.squares {
+            repeated.squares.extend((0..D).map(|d| {
+                let spread = square.iter().flat_map(|&x| (0..D).map(move |other| if other == d { x } else { 0.0 }));
+                (*weight, spread.collect())
+            }));
+        }
+        repeated
+    }
+
+    /// Takes the product with `x` off `y`.
+    pub(crate) fn subtract_product<const D: usize>(&self, x: &[[f64; D]], y: &mut [[f64; D]]) {
+        for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
+            let mut sum = x[j].map(|x| column[0] * x);
+            let reach = self.band.min(self.size - 1 - j);
+            let (values, targets) = (&x[j + 1..][..reach], &mut y[j + 1..][..reach]);
+            for ((entry, value), target) in column[1..].iter().zip(values).zip(targets) {
+                (0..D).for_each(|d| sum[d] += entry * value[d]);
+                (0..D).for_each(|d| target[d] -= entry * x[j][d]);
+            }
+            (0..D).for_each(|d| y[j][d] -= sum[d]);
+        }
+        for (weight, square) in &self.squares {
+            let mut share = [0.0; D];
+            square.iter().zip(x).for_each(|(c, x)| (0..D).for_each(|d| share[d] += weight * c * x[d]));
+            square.iter().zip(&mut *y).for_each(|(c, y)| (0..D).for_each(|d| y[d] += c * share[d]));
+        }
+    }
+
     /// Mean of the diagonal.
     pub(crate) fn mean_diagonal(&self) -> f64 {
-        (0..self.size).map(|j| self.columns[j * (self.band + 1)]).sum::<f64>() / self.size.max(1) as f64
+        (0..self.size).map(|j| self.columns[j * stride(self.band)]).sum::<f64>() / self.size.max(1) as f64
     }
 
     /// The lower half in faer's storage; zero above the diagonal.
     fn full(&self) -> Mat<f64> {
-        let stride = self.band + 1;
         let mut full = Mat::zeros(self.size, self.size);
-        for (j, column) in self.columns.chunks_exact(stride).enumerate() {
+        for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
             let below = &mut full.col_as_slice_mut(j)[j..];
             below.iter_mut().zip(column).for_each(|(slot, x)| *slot = *x);
         }
@@ -133,32 +184,13 @@ pub(crate) enum Factor {
     Lu(Box<PartialPivLu<f64>>),
 }
 
-/// L, by columns and by rows, so that both substitutions run over contiguous numbers.
-#[derive(Debug)]
-pub(crate) struct Cholesky {
-    size: usize,
-    band: usize,
-    /// L[j+k][j] at j·(band+1) + k; the diagonal holds 1/L[j][j].
-    columns: Vec<f64>,
-    /// L[i][i−k] at i·(band+1) + band − k.
-    rows: Vec<f64>,
-}
-
 impl Factor {
     /// Factors a matrix; `None` where it is singular or holds a NaN.
-    pub(crate) fn new(normal: Normal) -> Option<Self> {
-        if let Some(corrected) = Corrected::new(&normal) {
-            return Some(Self::Corrected(corrected));
+    pub(crate) fn new(normal: &Normal) -> Option<Self> {
+        if let Some(factor) = Self::of_positive(normal.clone()) {
+            return Some(factor);
         }
-        let full = (!normal.is_banded_enough() || !normal.squares.is_empty()).then(|| normal.full());
-        let columns = match &full {
-            None => dispatch(Banded(&normal)),
-            Some(full) => dense_cholesky(full),
-        };
-        if let Some(columns) = columns {
-            return Some(Self::Cholesky(Cholesky::new(normal.size, normal.band, columns)));
-        }
-        let mut full = full.unwrap_or_else(|| normal.full());
+        let mut full = normal.full();
         for j in 0..normal.size {
             (j + 1..normal.size).for_each(|i| full[(j, i)] = full[(i, j)]);
         }
@@ -168,10 +200,30 @@ impl Factor {
         (least > 1e-15 * most && most.is_finite()).then(|| Self::Lu(Box::new(lu)))
     }
 
+    /// Factors a positive definite matrix; `None` where it is not.
+    pub(crate) fn of_positive(normal: Normal) -> Option<Self> {
+        if let Some(corrected) = Corrected::new(&normal) {
+            return Some(Self::Corrected(corrected));
+        }
+        if normal.is_banded_enough() && normal.squares.is_empty() {
+            return Cholesky::new(normal.band, normal.columns).map(Self::Cholesky);
+        }
+        let columns = dense_cholesky(&normal.full())?;
+        Some(Self::Cholesky(Cholesky::known(normal.size.saturating_sub(1), columns)))
+    }
+
+    /// The memory of a factor nobody needs any more.
+    pub(crate) fn into_memory(self) -> Vec<f64> {
+        match self {
+            Self::Cholesky(cholesky) => cholesky.into_memory(),
+            Self::Corrected(_) | Self::Lu(_) => Vec::new(),
+        }
+    }
+
     /// Solves in place for D right sides.
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         match self {
-            Self::Cholesky(cholesky) => dispatch(Substitution { cholesky, x }),
+            Self::Cholesky(cholesky) => cholesky.solve(x),
             Self::Corrected(corrected) => corrected.solve(x),
             Self::Lu(lu) => {
                 let solved = lu.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
@@ -185,7 +237,7 @@ impl Factor {
 
 impl Normal {
     /// Banded storage pays where the band is well below the size; else faer's dense kernels win.
-    fn is_banded_enough(&self) -> bool {
+    pub(crate) fn is_banded_enough(&self) -> bool {
         self.size < SMALL || self.band * 2 < self.size
     }
 }
@@ -199,8 +251,8 @@ pub(crate) struct Corrected {
     pairs: Vec<[Vec<f64>; 2]>,
 }
 
-/// Most columns of U: as many as an affine map of space has coefficients a coordinate.
-const MOST_SQUARES: usize = 4;
+/// Most columns of U: an affine map of the plane has six coefficients, one coordinate of space four.
+const MOST_SQUARES: usize = 8;
 
 /// Least eigenvalue of I − UᵀN⁻¹U, which lie in 0..=1: below it cancellation eats digits, and a dense factor is used.
 const LEAST_LEFT: f64 = 1e-3;
@@ -210,8 +262,7 @@ impl Corrected {
     fn new(normal: &Normal) -> Option<Self> {
         let count = normal.squares.len();
         let fits = (1..=MOST_SQUARES).contains(&count) && normal.size >= SMALL && normal.is_banded_enough();
-        let columns = if fits { dispatch(Banded(normal)) } else { None }?;
-        let banded = Cholesky::new(normal.size, normal.band, columns);
+        let banded = if fits { Cholesky::new(normal.band, normal.columns.clone()) } else { None }?;
         let roots = |(weight, square): &(f64, Vec<f64>)| square.iter().map(|x| weight.sqrt() * x).collect();
         let u: Vec<Vec<f64>> = normal.squares.iter().map(roots).collect();
         let solved: Vec<Vec<[f64; 1]>> = u.iter().map(|column| banded.solved(column)).collect();
@@ -230,7 +281,7 @@ impl Corrected {
     }
 
     fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
-        dispatch(Substitution { cholesky: &self.banded, x });
+        self.banded.solve(x);
         let share = |u: &Vec<f64>| -> [f64; D] {
             let mut sum = [0.0; D];
             u.iter().zip(x.iter()).for_each(|(u, x)| (0..D).for_each(|d| sum[d] += u * x[d]));
@@ -251,116 +302,15 @@ fn inverse_of_positive<const N: usize>(m: &Square<N>) -> Option<Square<N>> {
     values.iter().all(|&value| value > LEAST_LEFT).then_some(inverse)
 }
 
-/// Right-looking Cholesky inside the band; columns as in [`Cholesky`].
-#[inline(always)]
-fn banded_cholesky(normal: &Normal) -> Option<Vec<f64>> {
-    let (size, stride) = (normal.size, normal.band + 1);
-    let mut columns = normal.columns.clone();
-    for j in 0..size {
-        let (done, below) = columns.split_at_mut((j + 1) * stride);
-        let column = &mut done[j * stride..];
-        // `!(>)` also catches NaN.
-        if !(column[0] > 0.0 && column[0].is_finite()) {
-            return None;
-        }
-        let inverse = 1.0 / column[0].sqrt();
-        column[0] = inverse;
-        column[1..].iter_mut().for_each(|x| *x *= inverse);
-        let reach = normal.band.min(size - 1 - j);
-        for k in 1..=reach {
-            let factor = column[k];
-            let target = &mut below[(k - 1) * stride..][..reach + 1 - k];
-            for (slot, x) in target.iter_mut().zip(&column[k..=reach]) {
-                *slot -= factor * x;
-            }
-        }
-    }
-    Some(columns)
-}
-
-/// faer's dense Cholesky; columns as in [`Cholesky`] with band = size − 1.
+/// faer's dense Cholesky; columns as in [`Cholesky`], the band as wide as the matrix.
 fn dense_cholesky(full: &Mat<f64>) -> Option<Vec<f64>> {
     let size = full.nrows();
     let llt = Llt::new(full.as_ref(), Side::Lower).ok()?;
     let lower = llt.L();
-    let mut columns = vec![0.0; size * size];
-    for j in 0..size {
-        let column = &mut columns[j * size..(j + 1) * size - j];
+    let mut columns = vec![0.0; size * stride(size - 1)];
+    for (j, column) in columns.chunks_exact_mut(stride(size - 1)).enumerate() {
         (0..size - j).for_each(|k| column[k] = lower[(j + k, j)]);
         column[0] = 1.0 / column[0];
     }
     columns.iter().all(|x| x.is_finite()).then_some(columns)
-}
-
-/// Kernel of [`Factor::solve`].
-struct Substitution<'a, const D: usize> {
-    cholesky: &'a Cholesky,
-    x: &'a mut [[f64; D]],
-}
-
-impl<const D: usize> WithSimd for Substitution<'_, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        self.cholesky.solve(self.x);
-    }
-}
-
-/// Kernel of the banded factorisation.
-struct Banded<'a>(&'a Normal);
-
-impl WithSimd for Banded<'_> {
-    type Output = Option<Vec<f64>>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        banded_cholesky(self.0)
-    }
-}
-
-impl Cholesky {
-    fn new(size: usize, band: usize, columns: Vec<f64>) -> Self {
-        // The dense path returns full columns whatever the band was.
-        let band = if columns.len() == size * size { size.saturating_sub(1) } else { band };
-        let stride = band + 1;
-        let mut rows = vec![0.0; size * stride];
-        for j in 0..size {
-            for k in 1..=band.min(size - 1 - j) {
-                rows[(j + k) * stride + band - k] = columns[j * stride + k];
-            }
-        }
-        Self { size, band, columns, rows }
-    }
-
-    /// The solution for one right side.
-    fn solved(&self, right_side: &[f64]) -> Vec<[f64; 1]> {
-        let mut x: Vec<[f64; 1]> = right_side.iter().map(|&value| [value]).collect();
-        dispatch(Substitution { cholesky: self, x: &mut x });
-        x
-    }
-
-    /// L y = b, then Lᵀ x = y; both by subtracting multiples of contiguous columns.
-    #[inline(always)]
-    fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
-        let stride = self.band + 1;
-        for j in 0..self.size {
-            let (done, below) = x.split_at_mut(j + 1);
-            let pivot = &mut done[j];
-            pivot.iter_mut().for_each(|value| *value *= self.columns[j * stride]);
-            for (target, factor) in below.iter_mut().zip(&self.columns[j * stride + 1..(j + 1) * stride]) {
-                (0..D).for_each(|d| target[d] -= factor * pivot[d]);
-            }
-        }
-        for i in (0..self.size).rev() {
-            let (above, done) = x.split_at_mut(i);
-            let pivot = &mut done[0];
-            pivot.iter_mut().for_each(|value| *value *= self.columns[i * stride]);
-            let reach = self.band.min(i);
-            let factors = &self.rows[i * stride + self.band - reach..i * stride + self.band];
-            for (target, factor) in above[i - reach..].iter_mut().zip(factors) {
-                (0..D).for_each(|d| target[d] -= factor * pivot[d]);
-            }
-        }
-    }
 }

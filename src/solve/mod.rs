@@ -4,13 +4,16 @@
 
 mod anderson;
 mod check;
+mod cholesky;
 mod constraints;
 mod energy;
 mod error;
+mod gram;
 mod iterate;
 mod matrix;
 pub mod methods;
 mod misses;
+mod newton;
 mod occupied;
 mod packs;
 mod pins;
@@ -161,7 +164,7 @@ pub struct SolveReport {
     pub angular: f64,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
     pub area: f64,
-    /// Local-global iterations run.
+    /// Linear solves: local-global and Newton steps, those taken back included.
     pub iterations: usize,
     /// The last step was below the tolerance.
     pub is_converged: bool,

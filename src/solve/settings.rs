@@ -103,11 +103,12 @@ pub struct Settings {
     pub outside_pins: OutsidePins,
     /// Vertices at equal places.
     pub equal_vertices: EqualVertices,
-    /// Most local-global iterations.
+    /// Most linear solves.
     pub iteration_limit: usize,
     /// Stop when no handle moves farther than this part of the box diagonal; 0 runs to the limit.
     pub tolerance: f64,
-    /// Previous steps that Anderson acceleration looks at; 0 switches it off.
+    /// Previous steps that Anderson acceleration looks at, up to the Newton steps at the end (docs/METHOD.md, "Convergence");
+    /// 0: the plain local-global iteration, without either.
     pub acceleration: usize,
 }
 

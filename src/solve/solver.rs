@@ -36,6 +36,7 @@ pub struct Solver<const D: usize> {
     grid: Grid<D>,
     settings: Settings,
     distortion: Box<dyn Distortion<D>>,
+    normal: Normal,
     factor: Factor,
     constraints: Constraints,
     scales: Scales,
@@ -80,7 +81,7 @@ pub(crate) struct Parts<const D: usize> {
     pub(crate) warnings: Vec<String>,
 }
 
-/// Part of the mean diagonal with which handles hold on to the rigid fit: it decides what nothing else decides, and
+/// Part of the mean diagonal of shape and regulariser with which handles hold on to the rigid fit: it decides what nothing else decides, and
 /// moves what something else decides by less than the tolerance.
 const HOLD: f64 = 1e-9;
 
@@ -126,14 +127,14 @@ impl<const D: usize> Solver<D> {
         let reach = terms.pins.reach().max(terms.regularizer.reach()).max(distortion.reach());
         let mut normal = Normal::zero(grid.handle_count(), reach);
         distortion.add_normal(scales.shape, &mut normal);
-        terms.pins.add_normal(scales.pins, &mut normal);
-        terms.handles.add_normal(scales.handles, &mut normal);
         terms.regularizer.add_normal(scales.regularizer, &mut normal);
         if settings.scaling == Scaling::Dimensionless {
             scales.hold = HOLD * normal.mean_diagonal();
             (0..grid.handle_count()).for_each(|handle| normal.add(handle, handle, scales.hold));
         }
-        let factor = Factor::new(normal).ok_or_else(|| SolveError::Singular {
+        terms.pins.add_normal(scales.pins, &mut normal);
+        terms.handles.add_normal(scales.handles, &mut normal);
+        let factor = Factor::new(&normal).ok_or_else(|| SolveError::Singular {
             what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
             hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
         })?;
@@ -142,6 +143,7 @@ impl<const D: usize> Solver<D> {
             grid: grid.clone(),
             settings: settings.clone(),
             distortion,
+            normal,
             factor,
             constraints,
             scales,
@@ -248,6 +250,7 @@ impl<const D: usize> Solver<D> {
         };
         Iteration {
             distortion: self.distortion.as_ref(),
+            normal: &self.normal,
             factor: &self.factor,
             constraints: &self.constraints,
             scales: self.scales,

@@ -2,11 +2,12 @@
 //!
 //! In: samples (place, area, stiffness). It does not know the mesh, so neither its density nor its flaws matter.
 
-use super::{Distortion, Quality};
+use super::{Distortion, Quality, Turns};
 use crate::lattice::Grid;
+use crate::solve::gram::{Gram, Sum};
 use crate::solve::matrix::Normal;
 use crate::solve::packs::{
-    LANES, Lanes, Packs, add_sums, dispatch, gather, load, local_handles, multiply_add, scatter, store,
+    LANES, Lanes, Packs, dispatch, gather, gather_pair, load, local_handles, multiply_add, store,
 };
 use crate::solve::samples::Sample;
 use crate::solve::small::{Square, best_rotation};
@@ -41,18 +42,23 @@ impl<const D: usize> Area<D> {
         dispatch(Gradients { energy: self, handles })
     }
 
-    /// Gram blocks entry by entry; for local bases.
+    /// Gram blocks; for local bases.
     fn add_sparse_normal(&self, scale: f64, normal: &mut Normal) {
+        let mut gram = Gram::default();
         for block in &self.gradients.blocks {
-            let count = block.handles.len();
-            let mut sums = vec![[0.0; LANES]; count * count];
-            dispatch(Gram { energy: self, block, sums: &mut sums });
-            for a in 0..count {
-                for b in 0..=a {
-                    let sum: f64 = sums[a * count + b].iter().sum();
-                    normal.add(block.handles[a], block.handles[b], scale * sum);
+            gram.clear(block.handles.len());
+            for pack in block.packs.clone() {
+                let coefficients = self.gradients.pack(block, pack);
+                for lane in (0..LANES).filter(|&lane| self.areas[pack][lane] > 0.0) {
+                    let root = self.areas[pack][lane].sqrt();
+                    for axis in 0..D {
+                        let row = gram.push().iter_mut().zip(coefficients);
+                        row.for_each(|(slot, lanes)| *slot = root * lanes[axis][lane]);
+                    }
                 }
             }
+            dispatch(Sum(&mut gram));
+            normal.add_gram(scale, &block.handles, &gram);
         }
     }
 
@@ -97,6 +103,34 @@ impl<const D: usize> Distortion<D> for Area<D> {
         dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side })
     }
 
+    fn knows_turns(&self) -> bool {
+        D == 2
+    }
+
+    /// With along = J00 + J11, across = J10 − J01 and ρ = ‖(along, across)‖ = s1 + s2, R turns by
+    /// dθ = (cos·d across − sin·d along)/ρ, and the second derivative of ‖J − R‖² is 2‖dJ‖² − 2ρ dθ².
+    fn subtract_turns(&self, handles: &[[f64; D]], turns: Turns, normal: &mut Normal) {
+        let gradients = self.gradients_at(handles);
+        let (mut gram, mut rows) = (Gram::default(), Vec::new());
+        for block in &self.gradients.blocks {
+            rows.clear();
+            rows.extend(block.handles.iter().flat_map(|&handle| [2 * handle, 2 * handle + 1]));
+            gram.clear(rows.len());
+            for pack in block.packs.clone() {
+                let coefficients = self.gradients.pack(block, pack);
+                for lane in (0..LANES).filter(|&lane| self.areas[pack][lane] > 0.0) {
+                    let root = self.areas[pack][lane].sqrt();
+                    let turn = turn(&lane_of(&gradients[pack], lane), turns.limit).map(|x| root * x);
+                    for (slots, lanes) in gram.push().as_chunks_mut::<2>().0.iter_mut().zip(coefficients) {
+                        *slots = turned_row(turn, [lanes[0][lane], lanes[1][lane]]);
+                    }
+                }
+            }
+            dispatch(Sum(&mut gram));
+            normal.add_gram(-2.0 * turns.scale, &rows, &gram);
+        }
+    }
+
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
         let (gradients, turned) = (self.gradients_at(handles), self.gradients_at(turned_at));
         let packs = self.areas.iter().zip(gradients.iter().zip(&turned));
@@ -118,6 +152,22 @@ impl<const D: usize> Distortion<D> for Area<D> {
         }
         quality
     }
+}
+
+/// Sine and cosine of the turn nearest to a plane gradient, over √ρ; 1/ρ is at most `limit`.
+pub(super) fn turn<const D: usize>(gradient: &Square<D>, limit: f64) -> [f64; 2] {
+    let (along, across) = (gradient[0][0] + gradient[1][1], gradient[1][0] - gradient[0][1]);
+    let spread = (along * along + across * across).sqrt();
+    // Without a direction there is nothing that could turn.
+    let inverse = if spread > 0.0 { 1.0 / spread } else { 0.0 };
+    let factor = inverse * inverse.min(limit).sqrt();
+    [across * factor, along * factor]
+}
+
+/// What a handle with gradient (x, y) adds to √ρ·dθ, a coordinate of it each.
+#[inline(always)]
+pub(super) fn turned_row([sin, cos]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [-sin * x - cos * y, cos * x - sin * y]
 }
 
 /// Kernel of [`Area::gradients_at`].
@@ -144,35 +194,6 @@ impl<const D: usize> WithSimd for Gradients<'_, D> {
     }
 }
 
-/// Kernel of [`Area::add_sparse_normal`]: Σ area · ∇W_a · ∇W_b for all pairs a ≥ b of a block's handles.
-struct Gram<'a, const D: usize> {
-    energy: &'a Area<D>,
-    block: &'a crate::solve::packs::Block,
-    sums: &'a mut [Lanes],
-}
-
-impl<const D: usize> WithSimd for Gram<'_, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let count = self.block.handles.len();
-        for pack in self.block.packs.clone() {
-            let (coefficients, areas) =
-                (self.energy.gradients.pack(self.block, pack), load::<S>(&self.energy.areas[pack]));
-            for (a, one) in coefficients.iter().enumerate() {
-                let one: [S::f64s; D] = std::array::from_fn(|axis| simd.mul_f64s(areas, load::<S>(&one[axis])));
-                for (sum, other) in self.sums[a * count..].iter_mut().zip(&coefficients[..=a]) {
-                    let slot = &mut S::as_mut_simd_f64s(sum).0[0];
-                    for axis in 0..D {
-                        *slot = multiply_add(simd, one[axis], load::<S>(&other[axis]), *slot);
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Kernel of the local step: rotations, their right side and the energy in one pass.
 struct LocalStep<'a, const D: usize> {
     energy: &'a Area<D>,
@@ -187,24 +208,29 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Area { gradients, areas, .. } = self.energy;
-        let (mut local, mut sums) = (Vec::new(), Vec::new());
+        let (mut local, mut turned) = (Vec::new(), Vec::new());
+        let mut sums = vec![[[0.0; LANES]; D]; self.handles.len()];
         let mut energy = simd.splat_f64s(0.0);
         for block in &gradients.blocks {
             local_handles(block, self.handles, &mut local);
-            sums.clear();
-            sums.resize(block.handles.len(), [[0.0; LANES]; D]);
-            for pack in block.packs.clone() {
-                let coefficients = gradients.pack(block, pack);
-                let mut values = gather(simd, coefficients, &local);
-                let part = if D == 2 {
-                    fit_plane(simd, &mut values, load::<S>(&areas[pack]))
-                } else {
-                    fit_each::<S, D>(&mut values, &areas[pack])
-                };
-                energy = simd.add_f64s(energy, part);
-                scatter(simd, coefficients, &values, &mut sums);
+            turned.clear();
+            for pair in areas[block.packs.clone()].chunks(2).zip(block.packs.clone().step_by(2)) {
+                let (areas, first) = pair;
+                let packs = [first, first + areas.len() - 1].map(|pack| gradients.pack(block, pack));
+                for (areas, mut values) in areas.iter().zip(gather_pair(simd, packs, &local)) {
+                    let part = if D == 2 {
+                        fit_plane(simd, &mut values, load::<S>(areas))
+                    } else {
+                        fit_each::<S, D>(&mut values, areas)
+                    };
+                    energy = simd.add_f64s(energy, part);
+                    turned.push(values);
+                }
             }
-            add_sums(block, &sums, self.scale, self.right_side);
+            gradients.scatter_block(simd, block, &turned, &mut sums);
+        }
+        for (slots, sum) in self.right_side.iter_mut().zip(&sums) {
+            (0..D).for_each(|d| slots[d] += self.scale * sum[d].iter().sum::<f64>());
         }
         2.0 * store::<S>(energy).iter().sum::<f64>()
     }

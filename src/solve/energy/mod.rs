@@ -42,11 +42,29 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Local step: the best rotations at `handles`. Adds their right side, times `scale`; gives the energy there.
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64;
 
+    /// Whether [`Self::subtract_turns`] is known.
+    fn knows_turns(&self) -> bool {
+        false
+    }
+
+    /// Takes off the matrix of all coordinates (rows D·handle + coordinate) what is less because rotations follow: with
+    /// that it is the second derivative at `handles`.
+    fn subtract_turns(&self, _handles: &[[f64; D]], _turns: Turns, _normal: &mut Normal) {}
+
     /// The energy at `handles` under the rotations that are best at `turned_at`.
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64;
 
     /// How the shape fares at `handles`.
     fn quality(&self, handles: &[[f64; D]]) -> Quality;
+}
+
+/// What rotations that follow take off the second derivative.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turns {
+    /// Factor of the energy.
+    pub(crate) scale: f64,
+    /// Most of 1/(s1 + s2), s1 and s2 the singular values of a sample: up to ½ every sample stays convex.
+    pub(crate) limit: f64,
 }
 
 /// Area-weighted sums over samples.

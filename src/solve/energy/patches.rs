@@ -4,23 +4,20 @@
 //! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a Σ_k ω_k ‖J_k − J̄‖² + g ‖J̄ − R‖²).
 //! J_k is the lattice's gradient at points x_k spread over the disc, J̄ their ω-mean, R the rotation nearest to it.
 
-use super::{Distortion, Quality};
+use super::area::{turn, turned_row};
+use super::{Distortion, Quality, Turns};
 use crate::lattice::Grid;
+use crate::solve::gram::{Gram, Sum};
 use crate::solve::matrix::Normal;
-use crate::solve::packs::span;
-use crate::solve::rows::RowSet;
-use crate::solve::small::{Square, best_rotation};
+use crate::solve::packs::{dispatch, span};
+use crate::solve::small::{Square, best_rotation, minus};
 use crate::solve::{PointPin, Settings};
-use std::collections::BTreeMap;
 
 /// Radii of the rings (2D: circles, 3D: spheres) as parts of the disc's; they see cubics, the pieces of a B-spline.
 const RINGS: [f64; 3] = [0.3, 0.6, 0.9];
 
 /// How firmly a region with a grip of 1 moves as one piece, as a multiple of the model's own firmness.
 const GRIP: f64 = 300.0;
-
-/// Rows below this part of the largest say nothing that the others do not.
-const LEAST_ROW: f64 = 1e-7;
 
 /// One neighbourhood.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +38,20 @@ struct Piece<const D: usize> {
     weight: f64,
 }
 
+/// Σ_k ω_k ‖J_k − J̄‖² of one neighbourhood as a quadratic form.
+#[derive(Clone, Debug)]
+struct Disc {
+    /// Ascending.
+    handles: Vec<usize>,
+    form: Gram,
+    weight: f64,
+}
+
 /// A distortion with the neighbourhoods of its pins.
 #[derive(Debug)]
 pub(crate) struct Patched<const D: usize> {
     shape: Box<dyn Distortion<D>>,
-    /// Rows of J_k − J̄; their targets are zero.
-    discs: RowSet<D>,
+    discs: Vec<Disc>,
     pieces: Vec<Piece<D>>,
 }
 
@@ -63,22 +68,24 @@ impl<const D: usize> Patched<D> {
             return shape;
         }
         let mass = shape.mass();
-        let mut patched = Self { shape, discs: RowSet::new(), pieces: Vec::new() };
+        let mut patched = Self { shape, discs: Vec::new(), pieces: Vec::new() };
         for spec in &specs {
             patched.add(grid, spec, mass * (spec.radius / grid.diagonal()).powi(2));
         }
         Box::new(patched)
     }
 
+    fn disc_energy(&self, handles: &[[f64; D]]) -> f64 {
+        self.discs.iter().map(|disc| disc.energy(handles)).sum()
+    }
+
     fn add(&mut self, grid: &Grid<D>, spec: &Spec<D>, size: f64) {
-        let Gradients { handles, rows, mean } = Gradients::over(grid, &pattern(grid, spec));
-        for row in independent(rows) {
-            self.discs.push(size * spec.affine, handles.iter().copied().zip(row), [0.0; D]);
-        }
+        let Gradients { handles, form, mean } = Gradients::over(grid, &pattern(grid, spec));
         if spec.rigid > 0.0 {
-            let mean = handles.into_iter().zip(mean).collect();
+            let mean = handles.iter().copied().zip(mean).collect();
             self.pieces.push(Piece { mean, weight: size * spec.rigid });
         }
+        self.discs.push(Disc { handles, form, weight: size * spec.affine });
     }
 }
 
@@ -105,36 +112,48 @@ impl<const D: usize> Spec<D> {
 struct Gradients<const D: usize> {
     /// Handles that act anywhere in it, ascending.
     handles: Vec<usize>,
-    /// √ω_k (∇_a W(x_k) − mean), a row a point and axis, #handles each.
-    rows: Vec<Vec<f64>>,
+    /// Gram matrix of √ω_k (∇_a W(x_k) − mean), a row a point and axis, #handles each.
+    form: Gram,
     /// Σ ω_k ∇W(x_k), #handles.
     mean: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Gradients<D> {
     fn over(grid: &Grid<D>, points: &[([f64; D], f64)]) -> Self {
-        let mut place_of = BTreeMap::new();
-        for (point, _) in points {
-            grid.visit(*point, |term| {
-                place_of.insert(term.handle, 0);
-            });
+        let mut terms = Vec::new();
+        for (number, (point, _)) in points.iter().enumerate() {
+            grid.visit(*point, |term| terms.push((number, term.handle, term.gradient)));
         }
-        place_of.values_mut().enumerate().for_each(|(place, slot)| *slot = place);
-        let mut rows = vec![vec![0.0; place_of.len()]; points.len() * D];
-        let mut mean = vec![[0.0; D]; place_of.len()];
-        for ((point, share), rows) in points.iter().zip(rows.chunks_exact_mut(D)) {
-            grid.visit(*point, |term| {
-                let place = place_of[&term.handle];
-                (0..D).for_each(|axis| rows[axis][place] = term.gradient[axis]);
-                (0..D).for_each(|axis| mean[place][axis] += share * term.gradient[axis]);
-            });
+        let mut places = vec![usize::MAX; grid.handle_count()];
+        terms.iter().for_each(|term| places[term.1] = 0);
+        let handles: Vec<usize> = (0..places.len()).filter(|&handle| places[handle] == 0).collect();
+        handles.iter().enumerate().for_each(|(place, &handle)| places[handle] = place);
+        let mut mean = vec![[0.0; D]; handles.len()];
+        for (number, handle, gradient) in &terms {
+            let slots = mean[places[*handle]].iter_mut().zip(gradient);
+            slots.for_each(|(slot, x)| *slot += points[*number].1 * x);
         }
-        for ((_, share), rows) in points.iter().zip(rows.chunks_exact_mut(D)) {
-            for (axis, row) in rows.iter_mut().enumerate() {
-                row.iter_mut().zip(&mean).for_each(|(x, mean)| *x = share.sqrt() * (*x - mean[axis]));
+        let mut form = Gram::default();
+        form.clear(handles.len());
+        for terms in terms.chunk_by(|a, b| a.0 == b.0) {
+            let root = points[terms[0].0].1.sqrt();
+            for axis in 0..D {
+                let row = form.push();
+                row.iter_mut().zip(&mean).for_each(|(slot, mean)| *slot = -root * mean[axis]);
+                terms.iter().for_each(|(_, handle, gradient)| row[places[*handle]] += root * gradient[axis]);
             }
         }
-        Self { handles: place_of.into_keys().collect(), rows, mean }
+        dispatch(Sum(&mut form));
+        Self { handles, form, mean }
+    }
+}
+
+impl Disc {
+    fn energy<const D: usize>(&self, handles: &[[f64; D]]) -> f64 {
+        // From one of them on: the form does not see a shift, but rounding would.
+        let first = handles[self.handles[0]];
+        let local: Vec<[f64; D]> = self.handles.iter().map(|&handle| minus(&handles[handle], &first)).collect();
+        self.weight * self.form.energy(&local)
     }
 }
 
@@ -167,12 +186,17 @@ impl<const D: usize> Distortion<D> for Patched<D> {
 
     fn reach(&self) -> usize {
         let pieces = self.pieces.iter().filter_map(|piece| span(piece.mean.iter().map(|entry| entry.0)));
-        pieces.fold(self.shape.reach().max(self.discs.reach()), usize::max)
+        pieces.fold(
+            self.shape
+                .reach()
+                .max(self.discs.iter().filter_map(|disc| span(disc.handles.iter().copied())).max().unwrap_or(0)),
+            usize::max,
+        )
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
         self.shape.add_normal(scale, normal);
-        self.discs.add_normal(scale, normal);
+        self.discs.iter().for_each(|disc| normal.add_gram(scale * disc.weight, &disc.handles, &disc.form));
         for piece in &self.pieces {
             for axis in 0..D {
                 normal.add_row(scale * piece.weight, piece.mean.iter().map(|(handle, mean)| (*handle, mean[axis])));
@@ -181,7 +205,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
     }
 
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
-        let mut energy = self.shape.local_step(handles, scale, right_side) + self.discs.energy(handles);
+        let mut energy = self.shape.local_step(handles, scale, right_side) + self.disc_energy(handles);
         for piece in &self.pieces {
             let gradient = piece.gradient_at(handles);
             let wanted = rotation_of(&gradient);
@@ -195,12 +219,28 @@ impl<const D: usize> Distortion<D> for Patched<D> {
         energy
     }
 
+    fn knows_turns(&self) -> bool {
+        self.shape.knows_turns()
+    }
+
+    fn subtract_turns(&self, handles: &[[f64; D]], turns: Turns, normal: &mut Normal) {
+        self.shape.subtract_turns(handles, turns, normal);
+        for piece in &self.pieces {
+            let turn = turn(&piece.gradient_at(handles), turns.limit);
+            let row = piece.mean.iter().flat_map(|(handle, mean)| {
+                let [x, y] = turned_row(turn, [mean[0], mean[1]]);
+                [(2 * handle, x), (2 * handle + 1, y)]
+            });
+            normal.add_row(-turns.scale * piece.weight, row);
+        }
+    }
+
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
         let pieces = self.pieces.iter().map(|piece| {
             let wanted = rotation_of(&piece.gradient_at(turned_at));
             piece.weight * squared_distance(&piece.gradient_at(handles), &wanted)
         });
-        self.shape.energy(handles, turned_at) + self.discs.energy(handles) + pieces.sum::<f64>()
+        self.shape.energy(handles, turned_at) + self.disc_energy(handles) + pieces.sum::<f64>()
     }
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {
@@ -249,30 +289,4 @@ fn directions<const D: usize>() -> Vec<[f64; D]> {
     let side = 1.0 / (D as f64).sqrt();
     let corners = (0..1_usize << D).map(|k| std::array::from_fn(|d| if k >> d & 1 == 0 { side } else { -side }));
     faces.chain(corners).collect()
-}
-
-/// Rows with the same sum of squares rowᵀrow, but no more than are independent: R of a QR with the largest remaining
-/// column first (G. Golub and C. Van Loan, "Matrix Computations", 2013, section 5.4.2), by Gram and Schmidt.
-fn independent(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let width = rows.first().map_or(0, Vec::len);
-    let norm = |rows: &[Vec<f64>], column: usize| rows.iter().map(|row| row[column] * row[column]).sum::<f64>();
-    let largest = (0..width).map(|column| norm(&rows, column)).fold(0.0, f64::max);
-    let mut kept: Vec<Vec<f64>> = Vec::new();
-    while kept.len() < width {
-        let pivot = (0..width).max_by(|&a, &b| norm(&rows, a).total_cmp(&norm(&rows, b)));
-        let Some((pivot, square)) = pivot.map(|pivot| (pivot, norm(&rows, pivot))) else { break };
-        if square.is_nan() || square <= LEAST_ROW * LEAST_ROW * largest {
-            break;
-        }
-        let direction: Vec<f64> = rows.iter().map(|row| row[pivot] / square.sqrt()).collect();
-        let mut along = vec![0.0; width];
-        for (row, share) in rows.iter().zip(&direction) {
-            along.iter_mut().zip(row).for_each(|(sum, x)| *sum += share * x);
-        }
-        for (row, share) in rows.iter_mut().zip(&direction) {
-            row.iter_mut().zip(&along).for_each(|(x, along)| *x -= share * along);
-        }
-        kept.push(along);
-    }
-    kept
 }

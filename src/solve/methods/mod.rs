@@ -74,7 +74,7 @@ fn least_squares<const D: usize>(
         rows.add_normal(*weight, &mut normal);
         rows.add_right_side(*weight, &mut handles);
     }
-    let factor = Factor::new(normal).ok_or_else(|| SolveError::Singular {
+    let factor = Factor::new(&normal).ok_or_else(|| SolveError::Singular {
         what: what.to_owned(),
         hint: "add pins, or raise the weight of its regulariser".into(),
     })?;

@@ -13,6 +13,8 @@ pub(super) struct Polygon<const D: usize> {
 }
 
 impl<const D: usize> Polygon<D> {
+    const NONE: Self = Self { corners: [[0.0; D]; MOST_CORNERS], count: 0 };
+
     pub(super) fn triangle(corners: [[f64; D]; 3]) -> Self {
         let mut polygon = Self { corners: [[0.0; D]; MOST_CORNERS], count: 3 };
         polygon.corners[..3].copy_from_slice(&corners);
@@ -38,12 +40,11 @@ impl<const D: usize> Polygon<D> {
         }
     }
 
-    /// The parts with coordinate ≤ `at` and ≥ `at` on an axis; either may be empty.
-    pub(super) fn split(&self, axis: usize, at: f64) -> [Self; 2] {
-        let empty = Self { corners: [[0.0; D]; MOST_CORNERS], count: 0 };
-        let [mut below, mut above] = [empty, empty];
+    /// Cuts off the part with coordinate ≤ `at` on an axis and keeps the part ≥ `at`; either may be empty.
+    pub(super) fn split_off(&mut self, axis: usize, at: f64) -> Self {
+        let (mut below, mut above) = (Self::NONE, Self::NONE);
         for k in 0..self.count {
-            let (from, to) = (self.corners[k], self.corners[(k + 1) % self.count]);
+            let (from, to) = (self.corners[k], self.corners[if k + 1 < self.count { k + 1 } else { 0 }]);
             let (height, next) = (from[axis] - at, to[axis] - at);
             if height <= 0.0 {
                 below.push(from);
@@ -59,6 +60,7 @@ impl<const D: usize> Polygon<D> {
                 above.push(crossing);
             }
         }
-        [below, above]
+        *self = above;
+        below
     }
 }

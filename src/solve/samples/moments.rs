@@ -153,7 +153,7 @@ impl<const D: usize> Subcells<D> {
                 return;
             }
             if low != high || low < 0.0 || low >= most {
-                return self.cut(Polygon::triangle(corners), 0, [0; D]);
+                return self.cut(&mut Polygon::triangle(corners), 0, [0; D]);
             }
             place[axis] = low as usize;
         }
@@ -167,7 +167,7 @@ impl<const D: usize> Subcells<D> {
     }
 
     /// Cuts a polygon into the slabs of one axis after the other.
-    fn cut(&mut self, polygon: Polygon<D>, axis: usize, mut place: [usize; D]) {
+    fn cut(&mut self, polygon: &mut Polygon<D>, axis: usize, mut place: [usize; D]) {
         if axis == D {
             let corners = polygon.corners();
             for k in 2..corners.len() {
@@ -180,19 +180,17 @@ impl<const D: usize> Subcells<D> {
         if high < 0.0 || low > most {
             return;
         }
-        let mut rest = polygon;
         if low < 0.0 {
-            rest = rest.split(axis, self.layout.lo[axis])[1];
+            polygon.split_off(axis, self.layout.lo[axis]);
         }
         let last = high.min(most - 1.0) as usize;
         for cell in low.max(0.0) as usize..=last {
             place[axis] = cell;
             if cell as f64 == high {
-                return self.cut(rest, axis + 1, place);
+                return self.cut(polygon, axis + 1, place);
             }
-            let [below, above] = rest.split(axis, self.layout.border(axis, cell + 1));
-            self.cut(below, axis + 1, place);
-            rest = above;
+            let mut below = polygon.split_off(axis, self.layout.border(axis, cell + 1));
+            self.cut(&mut below, axis + 1, place);
         }
     }
 

@@ -1,0 +1,102 @@
+//! Gram matrices of small blocks: products of all pairs of columns of a tall matrix, in register tiles.
+//!
+//! In: rows that the same handles act on. Out: sums for the normal matrix.
+
+use super::packs::{LANES, load};
+use pulp::{Simd, WithSimd};
+
+/// Columns of a tile, and rows of its result.
+const TILE: [usize; 2] = [LANES, 2 * LANES];
+
+/// Rows of equal width, one after the other, and their Gram matrix.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gram {
+    count: usize,
+    /// `count`, rounded up to whole tiles; the rest of a row is zero.
+    width: usize,
+    rows: Vec<f64>,
+    /// Column b holds Σ row_a row_b at b·width + a, for a from b on.
+    sums: Vec<f64>,
+}
+
+impl Gram {
+    /// Starts anew with rows of `count` numbers.
+    pub(crate) fn clear(&mut self, count: usize) {
+        self.count = count;
+        self.width = count.next_multiple_of(TILE[1]);
+        self.rows.clear();
+    }
+
+    /// Adds a row of zeros and hands it out.
+    #[inline(always)]
+    pub(crate) fn push(&mut self) -> &mut [f64] {
+        let start = self.rows.len();
+        self.rows.resize(start + self.width, 0.0);
+        &mut self.rows[start..start + self.count]
+    }
+
+    /// Σ ‖row · P‖² over all rows; `values`: P, as many as columns.
+    pub(crate) fn energy<const D: usize>(&self, values: &[[f64; D]]) -> f64 {
+        let column = |(b, own): (usize, &[f64; D])| {
+            let below = self.below(b);
+            let mut sum = own.map(|x| 0.5 * below[0] * x);
+            for (factor, other) in below[1..].iter().zip(&values[b + 1..]) {
+                (0..D).for_each(|d| sum[d] += factor * other[d]);
+            }
+            2.0 * (0..D).map(|d| sum[d] * own[d]).sum::<f64>()
+        };
+        values.iter().enumerate().map(column).sum()
+    }
+
+    /// Column b of the Gram matrix, from its diagonal on.
+    pub(crate) fn below(&self, b: usize) -> &[f64] {
+        &self.sums[b * self.width + b..b * self.width + self.count]
+    }
+}
+
+/// Kernel that computes the sums.
+pub(crate) struct Sum<'a>(pub(crate) &'a mut Gram);
+
+impl WithSimd for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Gram { width, rows, sums, .. } = self.0;
+        let width = *width;
+        sums.clear();
+        sums.resize(width * width, 0.0);
+        for b in (0..width).step_by(TILE[0]) {
+            for a in (b / TILE[1] * TILE[1]..width).step_by(TILE[1]) {
+                tile(simd, rows, [a, b], Target { sums, width });
+            }
+        }
+    }
+}
+
+/// Where a tile belongs.
+struct Target<'a> {
+    sums: &'a mut [f64],
+    width: usize,
+}
+
+/// Products of eight columns from `a` on with four from `b` on.
+#[inline(always)]
+fn tile<S: Simd>(simd: S, rows: &[f64], [a, b]: [usize; 2], target: Target) {
+    let mut sums = [[simd.splat_f64s(0.0); 2]; LANES];
+    for row in rows.chunks_exact(target.width) {
+        let (heads, factors) = (row[a..a + TILE[1]].as_chunks::<LANES>().0, &row[b..b + TILE[0]]);
+        let [low, high] = [load::<S>(&heads[0]), load::<S>(&heads[1])];
+        for (sum, &factor) in sums.iter_mut().zip(factors) {
+            let factor = simd.splat_f64s(factor);
+            sum[0] = simd.mul_add_f64s(low, factor, sum[0]);
+            sum[1] = simd.mul_add_f64s(high, factor, sum[1]);
+        }
+    }
+    for (k, sum) in sums.iter().enumerate() {
+        let slots = &mut target.sums[(b + k) * target.width + a..][..TILE[1]];
+        let slots = S::as_mut_simd_f64s(slots).0;
+        slots[0] = sum[0];
+        slots[1] = sum[1];
+    }
+}
