@@ -16,7 +16,8 @@ const PATIENT_STEPS: usize = 40;
 /// A local-global step this small (in box diagonals) needs no more of them.
 const NEAR: f64 = 1e-2;
 
-/// A first step this small (in box diagonals) is rounding: the state rests, however flat the energy is there.
+/// A step this small (in box diagonals) is rounding: the state rests, however flat the energy is there. The first step
+/// from the rigid fit may be as large as the tolerance: where all pins move as one, so do the parts that nearly nothing holds.
 const AT_REST: f64 = 1e-10;
 
 /// A factor is used again while steps shrink to this part.
@@ -40,7 +41,8 @@ impl<const D: usize> Iteration<'_, D> {
     /// as an iteration.
     pub(crate) fn newton(&self, handles: &[[f64; D]], progress: Progress) -> Option<Run<D>> {
         let knows = self.settings.acceleration > 0 && self.distortion.knows_turns();
-        if !knows || !self.is_time(progress) || progress.step <= AT_REST * self.diagonal {
+        let rest = if progress.iteration == 1 { self.settings.tolerance } else { AT_REST };
+        if !knows || !self.is_time(progress) || progress.step <= rest * self.diagonal {
             return None;
         }
         let mut descent = Descent::new(self, handles);
