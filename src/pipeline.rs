@@ -5,6 +5,7 @@
 
 mod anchors;
 mod claims;
+mod coarse;
 mod draw;
 mod error;
 mod follow;
