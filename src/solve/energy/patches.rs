@@ -95,7 +95,7 @@ impl<const D: usize> Spec<D> {
         let disc = Self {
             at: pin.at,
             radius: settings.disc.radius * grid.diagonal(),
-            affine: settings.disc.weight * pin.weight,
+            affine: settings.disc.weight * pin.weight * share_of_disc(grid, settings),
             rigid: 0.0,
         };
         let grip = pin.region.map(|region| {
@@ -106,6 +106,13 @@ impl<const D: usize> Spec<D> {
         });
         [Some(disc), grip].into_iter().flatten().filter(|spec| spec.radius > 0.0 && spec.affine > 0.0).collect()
     }
+}
+
+/// How much of a disc's weight is needed: a lattice whose handles are farther apart than the radius has nothing to make a
+/// spike of, and there the disc would only stiffen limbs (docs/METHOD.md has what it costs).
+fn share_of_disc<const D: usize>(grid: &Grid<D>, settings: &Settings) -> f64 {
+    let pitch = (0..D).map(|axis| grid.pitch(axis)).fold(0.0, f64::max);
+    (settings.disc.radius * grid.diagonal() / pitch).min(1.0).powi(6)
 }
 
 /// ∇W at the points of a pattern.

@@ -8,6 +8,7 @@
 use super::{Arap, Deformed, Deformer, least_squares};
 use crate::lattice::{Grid, Lattice};
 use crate::solve::rows::RowSet;
+use crate::solve::weld::weld;
 use crate::solve::{Problem, Scaling, SolveError, check, regularizer};
 
 /// As-rigid-as-possible deformation of the mesh, then the lattice that follows it best.
@@ -36,8 +37,10 @@ impl<const D: usize> Deformer<D> for ArapAndInverse {
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
         check::problem(problem)?;
-        let (moved, iterations) = self.arap.deform(problem.shape, problem.pins)?;
-        let lattice = inverse_ffd(problem.grid, &problem.shape.points, &moved, self.smoothing)?;
+        // Seams of texture coordinates would tear the mesh apart.
+        let shape = weld(problem.shape);
+        let (moved, iterations) = self.arap.deform(&shape, problem.pins)?;
+        let lattice = inverse_ffd(problem.grid, &shape.points, &moved, self.smoothing)?;
         Ok(Deformed { lattice, iterations })
     }
 }
