@@ -9,6 +9,7 @@ mod coarse;
 mod draw;
 mod error;
 mod follow;
+mod jerk;
 mod lighting;
 mod moment;
 mod options;
@@ -27,6 +28,7 @@ mod write;
 
 pub use anchors::{Pinned, Rest};
 pub use error::PipelineError;
+pub use jerk::{Jerk, JerkMeter};
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
 pub use passes::{PassPlan, plan_passes};

@@ -3,10 +3,35 @@
 use super::Outcome;
 use super::args::CheckArgs;
 use crate::image::SequencePath;
-use crate::pipeline::{Setup, report};
+use crate::pipeline::{Jerk, JerkMeter, LayerReport, Setup, report};
 use crate::shot::Shot;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+
+/// What was worst in a layer over all frames.
+#[derive(Default)]
+struct Peaks {
+    iterations: usize,
+    /// Jerk of the warp, and in which frame.
+    jerk: Option<(Jerk, i32)>,
+}
+
+impl Peaks {
+    fn add(&mut self, frame: i32, layer: &LayerReport) {
+        self.iterations = self.iterations.max(layer.solve.iterations);
+        let highest = self.jerk.map_or(f64::NEG_INFINITY, |(jerk, _)| jerk.warp_px);
+        self.jerk = layer.jerk.filter(|jerk| jerk.warp_px > highest).map(|jerk| (jerk, frame)).or(self.jerk);
+    }
+
+    fn words(&self) -> String {
+        let jerk = |(jerk, frame): &(Jerk, i32)| {
+            let Jerk { warp_px, input_px } = jerk;
+            format!("; its warp jerks by at most {warp_px:.1} px, in frame {frame} (model and keys: {input_px:.1} px)")
+        };
+        let jerk = self.jerk.as_ref().map(jerk).unwrap_or_default();
+        format!("solved in at most {} iterations a frame{jerk}", self.iterations)
+    }
+}
 
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let setup = Setup::new(Shot::read(&args.shot)?)?;
@@ -23,17 +48,18 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
         writeln!(out, "note: {there} of the frames exist already; render with --resume or --overwrite")?;
     }
     let mut is_solved = true;
-    let mut iterations: BTreeMap<String, usize> = BTreeMap::new();
+    let mut peaks: BTreeMap<String, Peaks> = BTreeMap::new();
+    let mut jerk = JerkMeter::default();
     for &frame in &frames {
         match setup.exposed(frame) {
             Ok(moment) => {
-                let report = report(&setup, frame, &moment);
+                let mut report = report(&setup, frame, &moment);
+                jerk.watch(&setup, &moment, &mut report);
                 for warning in &report.warnings {
                     writeln!(out, "warning: frame {frame}: {warning}")?;
                 }
                 for layer in report.layers {
-                    let most = iterations.entry(layer.layer).or_default();
-                    *most = layer.solve.iterations.max(*most);
+                    peaks.entry(layer.layer.clone()).or_default().add(frame, &layer);
                 }
             }
             Err(error) => {
@@ -51,8 +77,8 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
         shot.layers.len(),
         setup.scene.nodes.len()
     )?;
-    for (layer, most) in iterations {
-        writeln!(out, "layer '{layer}': solved in at most {most} iterations a frame")?;
+    for (layer, peaks) in peaks {
+        writeln!(out, "layer '{layer}': {}", peaks.words())?;
     }
     Ok(if is_solved { Outcome::Complete } else { Outcome::Partial })
 }

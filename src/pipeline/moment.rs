@@ -9,7 +9,9 @@ use crate::lattice::{Grid, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, Pin, PinTargets, Rotation};
-use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Problem, Region, Shape, Solution, SolveReport, Solver};
+use crate::solve::{
+    HandlePin, MissReason, PinMiss, PointPin, Problem, Region, Shape, Solution, SolveReport, Solver, Waypoint,
+};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
 /// A pin that fades has ten to this power of its weight at the end.
@@ -112,22 +114,24 @@ impl Setup {
             return Ok(LayerState::default());
         };
         let grid = Grid::over(rest_box, dims, layer.basis);
-        let targets = self.shot.pin_targets(index, self.key_frame(layer, moment.frame));
-        let (pins, points) = self.point_pins(moment, index, (rest_box, &targets));
-        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
-        if pins.is_empty() && layer.handles.is_empty() {
+        // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
+        let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
+        let waypoint = |targets: &PinTargets| {
+            let (states, pins) = self.point_pins(moment, index, (rest_box, targets));
+            (states, Waypoint { pins, handles: moved_handles(layer, &grid, targets) })
+        };
+        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(waypoint).unzip();
+        let pins = states.pop().unwrap_or_default();
+        let Some(Waypoint { pins: points, handles }) = way.last() else { return Ok(LayerState::default()) };
+        if points.is_empty() && handles.is_empty() {
             return Ok(LayerState::default());
         }
-        let handles = moved_handles(layer, &grid, &targets);
+        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
         let shape = self.shape(moment, index);
-        let problem =
-            Problem { grid: &grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
-        let solver = Solver::new(&problem).map_err(|source| PipelineError::Solve {
-            layer: layer.name.clone(),
-            frame: moment.frame,
-            source,
-        })?;
-        let mut solution = solver.solve();
+        let problem = Problem { grid: &grid, shape: &shape, pins: points, handles, settings: &layer.settings };
+        let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: moment.frame, source };
+        let solver = Solver::new(&problem).map_err(fault)?;
+        let mut solution = solver.follow(&way).map_err(fault)?;
         if handles.is_empty() && presence < 1.0 {
             let targets: Vec<_> = points.iter().map(|pin| [pin.at, pin.target]).collect();
             fade(&mut solution, (&solver, &targets), presence);

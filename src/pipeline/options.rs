@@ -1,5 +1,6 @@
 //! What a render is asked to do, and what it tells while it does.
 
+use super::Jerk;
 use crate::raster::DeviceChoice;
 use crate::solve::SolveReport;
 use serde::Serialize;
@@ -92,6 +93,8 @@ pub struct LayerReport {
     /// The same in scene space, metres; world layers only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pin_error_metres: Option<f64>,
+    /// How unevenly it moves, of layers on the screen; `None` in the first three frames of a run, and after gaps.
+    pub jerk: Option<Jerk>,
     /// The solver's own report.
     pub solve: SolveReport,
 }

@@ -2,7 +2,7 @@
 //!
 //! In: frame numbers. Out: a [`Job`] a frame, whose passes arrive while it is drawn.
 
-use super::{FrameReport, Moment, PipelineError, Setup, lighting, overlay, plan_passes, report};
+use super::{FrameReport, JerkMeter, Moment, PipelineError, Setup, lighting, overlay, plan_passes, report};
 use crate::image::CameraMatrices;
 use crate::lattice::ScreenLattice;
 use crate::raster::geometry::{self, Assembly, assemble};
@@ -49,11 +49,12 @@ pub(super) struct Producer<'a> {
     pub(super) tile_count: usize,
     pub(super) has_overlay: bool,
     pub(super) cancel: &'a AtomicBool,
+    pub(super) jerk: JerkMeter,
 }
 
 impl Producer<'_> {
     /// Makes the jobs of all frames; ends early when cancelled or when nobody draws any more.
-    pub(super) fn run(&self, frames: &[i32], jobs: &SyncSender<Job>) {
+    pub(super) fn run(&mut self, frames: &[i32], jobs: &SyncSender<Job>) {
         for &frame in frames {
             let (pass, passes) = sync_channel(QUEUED_PASSES);
             let (fact, facts) = sync_channel(1);
@@ -69,7 +70,7 @@ impl Producer<'_> {
     }
 
     fn frame(
-        &self,
+        &mut self,
         frame: i32,
         (pass, fact): (&SyncSender<Result<BuiltPass, PipelineError>>, &SyncSender<Facts>),
     ) -> Result<(), PipelineError> {
@@ -101,9 +102,11 @@ impl Producer<'_> {
         Ok(())
     }
 
-    fn facts(&self, frame: i32, middle: &Moment) -> Facts {
+    fn facts(&mut self, frame: i32, middle: &Moment) -> Facts {
+        let mut report = report(self.setup, frame, middle);
+        self.jerk.watch(self.setup, middle, &mut report);
         Facts {
-            report: report(self.setup, frame, middle),
+            report,
             picture: self.has_overlay.then(|| overlay::Picture::of(self.setup, middle)),
             camera: CameraMatrices {
                 camera_from_scene: middle.camera.view_from_scene(),

@@ -8,7 +8,7 @@
 use super::draw::{draw_all, tiles};
 use super::produce::Producer;
 use super::write::Writer;
-use super::{Event, Existing, PipelineError, RenderOptions, Setup, Summary};
+use super::{Event, Existing, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
 use crate::image::{ImageError, SequencePath, is_complete, read_metadata};
 use crate::raster::{self, Raster};
 use std::path::{Path, PathBuf};
@@ -97,7 +97,8 @@ impl<'a> Work<'a> {
         std::thread::scope(|scope| {
             let (job, jobs) = sync_channel(QUEUED_FRAMES);
             let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
-            let producer = Producer { setup, tile_count: tiles.len(), has_overlay: options.has_overlay, cancel };
+            let (tile_count, has_overlay) = (tiles.len(), options.has_overlay);
+            let mut producer = Producer { setup, tile_count, has_overlay, cancel, jerk: JerkMeter::default() };
             scope.spawn(move || producer.run(&frames, &job));
             let writing = scope.spawn(|| writer.run(drawns, tell));
             raster_ms = draw_all(device, setup, &tiles, (jobs, drawn));

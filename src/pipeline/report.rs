@@ -3,8 +3,8 @@
 //! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry a solved layer and warnings in words.
 
 use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
-use crate::shot::Layer;
-use crate::solve::SolveReport;
+use crate::shot::{Layer, LayerSpace};
+use crate::solve::{MissReason, SolveReport};
 
 /// A pin further than this from its target is told to the user, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
@@ -26,12 +26,14 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
         let Some(solve) = state.report().cloned() else { continue };
         let errors_px = pin_errors_px(moment, state, height_px);
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
+        report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
             pin_error_px: greatest(&errors_px),
             pin_error_metres: state.world.is_some().then(|| greatest(&solve.pin_errors)),
+            jerk: None,
             solve,
         });
     }
@@ -72,8 +74,41 @@ fn pin_warnings(
     let missed = solve.pin_misses.iter().filter(|miss| errors_px[miss.pin] > PIN_TOLERANCE_PX);
     let missed = missed.filter(|miss| !is_told(miss.pin)).map(|miss| {
         let (name, off_px) = (name_of(miss.pin), errors_px[miss.pin]);
+        if miss.reason == MissReason::Guard {
+            return guarded(layer, solve, &format!("pin '{name}'"), &format!("{off_px:.1} px"));
+        }
         let why = miss.reason.words(|pin| format!("'{}'", name_of(pin)));
         format!("layer '{}': pin '{name}' is {off_px:.2} px off its target: {why}", layer.name)
     });
     solve.conflicts.iter().map(contradiction).chain(missed).collect()
+}
+
+/// Moved handles that the guard stopped.
+fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<String> {
+    if solve.stopped_at.is_none() {
+        return Vec::new();
+    }
+    let told = |(index, error): (&[usize; 3], f64)| match layer.space {
+        LayerSpace::Screen { .. } if error * height_px > PIN_TOLERANCE_PX => {
+            let [column, row, _] = index;
+            let distance = format!("{:.1} px", error * height_px);
+            Some(guarded(layer, solve, &format!("handle [{column}, {row}]"), &distance))
+        }
+        LayerSpace::World { .. } if error > 0.0 => {
+            Some(guarded(layer, solve, &format!("handle {index:?}"), &format!("{error:.4} m")))
+        }
+        _ => None,
+    };
+    let handles = layer.handles.iter().map(|track| &track.index);
+    handles.zip(solve.handle_errors.iter().copied()).filter_map(told).collect()
+}
+
+/// What the guard held back, and how far from its target.
+fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> String {
+    let why = if solve.folded_model_cells == 0 {
+        "nothing folds".to_owned()
+    } else {
+        format!("{} cells fold all the same, even where pins and handles only move rigidly", solve.folded_model_cells)
+    };
+    format!("layer '{}': guard: {what} stops {distance} before its target, {why}", layer.name)
 }

@@ -28,11 +28,59 @@ impl Shot {
     #[must_use]
     pub fn pin_targets(&self, layer: usize, frame: f64) -> PinTargets {
         let Some(layer) = self.layers.get(layer) else { return PinTargets::default() };
-        let frame = held_frame(&self.frames, layer.step, frame);
-        PinTargets {
-            pins: layer.pins.iter().map(|pin| pin_at(pin, frame, layer.strength)).collect(),
-            handles: layer.handles.iter().map(|handle| handle_at(handle, layer, frame)).collect(),
+        targets_at(layer, held_frame(&self.frames, layer.step, frame))
+    }
+}
+
+/// Places on a path between two key times, without those in which a pin turns far.
+const PATH_STEPS: usize = 8;
+
+/// Most turn of a pin between two places of a path, radians: 30 degrees.
+const PATH_TURN: f64 = 0.524;
+
+impl Shot {
+    /// The way that the keys of layer `layer` lead to a (fractional) frame: what they say from the first key on, at every
+    /// key and between, strength applied; the last is [`Self::pin_targets`]. Empty where there is no such layer.
+    ///
+    /// A step holds only the last: pins on twos have come the same way.
+    #[must_use]
+    pub fn pin_path(&self, layer: usize, frame: f64) -> Vec<PinTargets> {
+        let Some(index) = self.layers.get(layer) else { return Vec::new() };
+        let held = held_frame(&self.frames, index.step, frame);
+        let mut times: Vec<f64> = index.pins.iter().flat_map(|pin| pin.keys.iter().map(|key| key.frame)).collect();
+        times.extend(index.handles.iter().flat_map(|handle| handle.keys.iter().map(|key| key.frame)));
+        times.retain(|&time| time < held);
+        times.push(held);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let mut path = Vec::new();
+        for ends in times.windows(2) {
+            let count = path_steps(index, [ends[0], ends[1]]);
+            let time = |step: usize| ends[0] + (ends[1] - ends[0]) * step as f64 / count as f64;
+            path.extend((0..count).map(|step| targets_at(index, time(step))));
         }
+        path.push(targets_at(index, held));
+        path
+    }
+}
+
+/// How many places a path has between two key times.
+fn path_steps(layer: &Layer, [from, to]: [f64; 2]) -> usize {
+    let angle = |pin: &Pin, time| match pin_at(pin, time, layer.strength).rotation {
+        Some(Rotation::InView(angle)) => angle,
+        // Nothing winds in space.
+        Some(Rotation::Axes(_)) | None => 0.0,
+    };
+    let turns = layer.pins.iter().map(|pin| (angle(pin, to) - angle(pin, from)).abs());
+    let most = turns.fold(0.0, f64::max);
+    PATH_STEPS.max((most / PATH_TURN).ceil() as usize)
+}
+
+/// What all keys of a layer say at a frame.
+fn targets_at(layer: &Layer, frame: f64) -> PinTargets {
+    PinTargets {
+        pins: layer.pins.iter().map(|pin| pin_at(pin, frame, layer.strength)).collect(),
+        handles: layer.handles.iter().map(|handle| handle_at(handle, layer, frame)).collect(),
     }
 }
 

@@ -25,14 +25,17 @@ mod settings;
 mod small;
 mod solver;
 mod stiffness;
+mod walk;
+mod waypoint;
 mod weld;
 
 pub use constraints::Holder;
 pub use error::SolveError;
 pub use iterate::Energies;
 pub use misses::{MissReason, PinMiss};
-pub use settings::{Disc, EqualVertices, Lambdas, OutsidePins, PinHold, Sampling, Scaling, Settings, Start};
+pub use settings::{Disc, EqualVertices, Guard, Lambdas, OutsidePins, PinHold, Sampling, Scaling, Settings, Start};
 pub use solver::Solver;
+pub use waypoint::Waypoint;
 
 use crate::lattice::{Grid, Lattice};
 use schemars::JsonSchema;
@@ -164,7 +167,11 @@ pub struct SolveReport {
     pub angular: f64,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
     pub area: f64,
-    /// Linear solves: local-global and Newton steps, those taken back included.
+    /// Where the guard stopped pins and handles, as a share of their way; `None`: they went all the way.
+    pub stopped_at: Option<f64>,
+    /// Distance of each moved handle from its target, in units of the space.
+    pub handle_errors: Vec<f64>,
+    /// Linear solves: local-global and Newton steps, those taken back and those on the way included.
     pub iterations: usize,
     /// The last step was below the tolerance.
     pub is_converged: bool,

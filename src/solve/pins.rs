@@ -22,6 +22,11 @@ impl<const D: usize> Rigid<D> {
         std::array::from_fn(|d| turned[d] + self.to[d])
     }
 
+    /// Its rotation.
+    pub(crate) fn rotation(&self) -> Square<D> {
+        self.rotation
+    }
+
     /// The motion that brings pins and moved handles nearest to their targets.
     pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
         let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));

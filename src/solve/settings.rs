@@ -1,6 +1,8 @@
 //! Settings of a solve: what is minimised, in which units, and when to stop.
 
 use super::{EdgeWeights, Energy, Regularizer};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// Units of the four terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +58,17 @@ pub struct Disc {
     pub weight: f64,
 }
 
+/// What happens where a lattice would fold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Guard {
+    /// The report tells.
+    #[default]
+    Report,
+    /// Pins and handles stop on their way, before a cell that holds some of the shape folds.
+    Limit,
+}
+
 /// Treatment of vertices at equal places, in energies that look at the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EqualVertices {
@@ -101,6 +114,8 @@ pub struct Settings {
     pub disc: Disc,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
+    /// Folds.
+    pub guard: Guard,
     /// Vertices at equal places.
     pub equal_vertices: EqualVertices,
     /// Most linear solves.
@@ -168,6 +183,7 @@ impl Default for Settings {
             pin_hold: PinHold::Hard,
             disc: Disc { radius: 0.05, weight: 100.0 },
             outside_pins: OutsidePins::Nearest,
+            guard: Guard::Report,
             equal_vertices: EqualVertices::Welded,
             iteration_limit: 200,
             tolerance: 1e-6,

@@ -15,6 +15,16 @@ pub(crate) fn apply<const N: usize>(m: &Square<N>, x: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|row| dot(&m[row], x))
 }
 
+/// a·b of matrices.
+pub(crate) fn times<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
+    std::array::from_fn(|row| std::array::from_fn(|column| (0..N).map(|k| a[row][k] * b[k][column]).sum()))
+}
+
+/// mᵀ.
+pub(crate) fn transpose<const N: usize>(m: &Square<N>) -> Square<N> {
+    std::array::from_fn(|row| std::array::from_fn(|column| m[column][row]))
+}
+
 /// a·b of vectors.
 pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     (0..N).map(|k| a[k] * b[k]).sum()
@@ -139,6 +149,41 @@ fn from_quaternion<const D: usize>([w, x, y, z]: [f64; 4]) -> Square<D> {
         [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z],
     ];
     std::array::from_fn(|row| std::array::from_fn(|column| rows[row][column]))
+}
+
+/// A part of a rotation: the same axis, `share` of the angle, which lies within ±π.
+pub(crate) fn rotation_part<const D: usize>(rotation: &Square<D>, share: f64) -> Square<D> {
+    if D == 2 {
+        let (sin, cos) = (share * rotation[1][0].atan2(rotation[0][0])).sin_cos();
+        return std::array::from_fn(|row| {
+            std::array::from_fn(|column| if row == column { cos } else { sin * (row as f64 - column as f64) })
+        });
+    }
+    let [w, axis @ ..] = quaternion(rotation);
+    let length = dot(&axis, &axis).sqrt();
+    if length <= 0.0 {
+        return identity();
+    }
+    let (sin, cos) = (share * length.atan2(w)).sin_cos();
+    let [x, y, z] = axis.map(|x| x * sin / length);
+    from_quaternion([cos, x, y, z])
+}
+
+/// The unit quaternion (w, x, y, z) of a rotation in space, w ≥ 0: the best of the four columns of 4 q qᵀ.
+fn quaternion<const D: usize>(m: &Square<D>) -> [f64; 4] {
+    let (x, y, z) = (m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]);
+    let (xy, yz, zx) = (m[1][0] + m[0][1], m[2][1] + m[1][2], m[0][2] + m[2][0]);
+    let (xx, yy, zz) = (m[0][0], m[1][1], m[2][2]);
+    let columns = [
+        [1.0 + xx + yy + zz, x, y, z],
+        [x, 1.0 + xx - yy - zz, xy, zx],
+        [y, xy, 1.0 - xx + yy - zz, yz],
+        [z, zx, yz, 1.0 - xx - yy + zz],
+    ];
+    let best = (1..4).fold(0, |best, k| if columns[k][k] > columns[best][best] { k } else { best });
+    let column = columns[best];
+    let length = dot(&column, &column).sqrt();
+    column.map(|x| x / if column[0] < 0.0 { -length } else { length })
 }
 
 /// Largest and smallest singular value of the 2-column matrix [u v], and nothing else of it.

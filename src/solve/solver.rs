@@ -11,7 +11,8 @@ use super::occupied;
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
 use super::rows::RowSet;
-use super::{HandlePin, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
+use super::waypoint::Waypoint;
+use super::{Guard, HandlePin, MissReason, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
 use crate::lattice::{Folds, Grid, Lattice};
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
@@ -224,18 +225,59 @@ impl<const D: usize> Solver<D> {
 
     fn run(&self, targets: &Targets<D>, observe: Option<&mut dyn FnMut(Energies)>) -> Solution<D> {
         let Targets { pins, handles, .. } = *targets;
-        let mut warnings = self.warnings.clone();
-        warnings.extend(pins::handle_conflicts(&self.grid, handles));
         if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
+            let mut warnings = self.warnings.clone();
             warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
             let run = Run { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
-            return self.report(pins, run, warnings);
+            return self.report(&Waypoint { pins: pins.to_vec(), handles: Vec::new() }, run, warnings);
         }
         let run = self.iteration(targets).run(observe);
+        let goal = || Waypoint { pins: pins.to_vec(), handles: handles.to_vec() };
+        if self.settings.guard == Guard::Limit
+            && !self.is_safe(&run.handles)
+            && let Ok((run, stopped_at)) = self.walk_straight(&goal())
+        {
+            return self.finish(&goal(), run, stopped_at);
+        }
+        self.finish(&goal(), run, None)
+    }
+
+    /// Solves for a waypoint, from given handles on.
+    pub(crate) fn settle(
+        &self,
+        waypoint: &Waypoint<D>,
+        first: Option<&[[f64; D]]>,
+        settings: &Settings,
+    ) -> Result<Run<D>, SolveError> {
+        let Waypoint { pins, handles } = waypoint;
+        let terms = self.retargeted(pins, handles)?;
+        let iteration = self.iteration(&Targets { pins, handles, terms: &terms });
+        Ok(Iteration { first, settings, ..iteration }.run(None))
+    }
+
+    /// The grid at rest.
+    pub(crate) fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    /// The settings.
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The solution that a run ended with, on its way to `goal`.
+    pub(crate) fn finish(&self, goal: &Waypoint<D>, run: Run<D>, stopped_at: Option<f64>) -> Solution<D> {
+        let mut warnings = self.warnings.clone();
+        warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
         if !run.is_converged && self.settings.tolerance > 0.0 {
             warnings.push(format!("not converged after {} iterations; the result may still move", run.iterations));
         }
-        self.report(pins, run, warnings)
+        let mut solution = self.report(goal, run, warnings);
+        solution.report.stopped_at = stopped_at;
+        if stopped_at.is_some() {
+            solution.report.pin_misses.iter_mut().for_each(|miss| miss.reason = MissReason::Guard);
+        }
+        solution
     }
 
     /// The iteration for given targets.
@@ -262,7 +304,8 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    fn report(&self, pins: &[PointPin<D>], run: Run<D>, warnings: Vec<String>) -> Solution<D> {
+    fn report(&self, goal: &Waypoint<D>, run: Run<D>, warnings: Vec<String>) -> Solution<D> {
+        let Waypoint { pins, handles } = goal;
         let quality = self.distortion.quality(&run.handles);
         let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
         let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
@@ -283,6 +326,8 @@ impl<const D: usize> Solver<D> {
             least_det: quality.least_det(),
             angular: quality.angular(),
             area: quality.area(),
+            handle_errors: handles.iter().map(|held| distance(&lattice.handles[held.index], &held.target)).collect(),
+            stopped_at: None,
             iterations: run.iterations,
             is_converged: run.is_converged,
             conflicts: pins::conflicts(&self.grid, pins),
@@ -294,9 +339,13 @@ impl<const D: usize> Solver<D> {
     fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
         let target = pins::held_target(&self.grid, pin, &self.settings);
         let held = pins::held_point(&self.grid, pin, &self.settings);
-        let miss = super::small::minus(&lattice.carry(held), &target);
-        super::small::dot(&miss, &miss).sqrt()
+        distance(&lattice.carry(held), &target)
     }
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    let miss = super::small::minus(a, b);
+    super::small::dot(&miss, &miss).sqrt()
 }
 
 impl Scales {

@@ -14,4 +14,6 @@ mod pins;
 mod repeat;
 mod stiffness;
 mod support;
+mod temporal;
+mod winding;
 mod world;

@@ -148,6 +148,7 @@ impl Check<'_> {
             settings = settings.with_regularizer(regularizer);
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
+        settings.guard = raw.guard.unwrap_or(settings.guard);
         if raw.weights.is_some() && !matches!(settings.energy, Energy::Edge | Energy::Vertex) {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);

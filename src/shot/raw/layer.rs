@@ -4,7 +4,7 @@
 
 use crate::lattice::Basis;
 use crate::shot::model::{ColorChannel, Ease, OffsetUnit};
-use crate::solve::{EdgeWeights, Energy, Regularizer};
+use crate::solve::{EdgeWeights, Energy, Guard, Regularizer};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -148,6 +148,10 @@ pub(in crate::shot) struct RawSolve {
     pub(in crate::shot) regularizer: Option<Regularizer>,
     /// Weights of the edges, with energy = "edge" or "vertex"; default: uniform.
     pub(in crate::shot) weights: Option<EdgeWeights>,
+    /// What happens where the lattice would fold: "report" tells, "limit" stops pins and handles on their way before
+    /// anything of the layer folds; default: report.
+    #[schemars(example = &"limit")]
+    pub(in crate::shot) guard: Option<Guard>,
 }
 
 /// Settings by name.

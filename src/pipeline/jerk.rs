@@ -1,0 +1,171 @@
+//! Jerk: how unevenly a layer moves over four frames, before the warp and by it.
+//!
+//! In: the solved frames of a run, as they pass. Out: third differences in pixels, and a warning where the warp jerks and
+//! nothing that it follows does. It looks and never changes a picture.
+
+use super::{FrameReport, Moment, Setup};
+use crate::lattice::ScreenLattice;
+use crate::shot::Rotation;
+use crate::space::{ScreenPoint, ScreenVector};
+use serde::Serialize;
+use std::collections::VecDeque;
+
+/// Points of a layer's surface that are looked at, beside its pins.
+const SURFACE_POINTS: usize = 64;
+
+/// Jerk of the warp below this is not seen, pixels: an eighth of it is the flicker of a single frame.
+const VISIBLE_PX: f64 = 2.0;
+
+/// The warp may jerk this many times as much as what it follows: far from the pins it swings farther than they move.
+const AMPLIFIED: f64 = 6.0;
+
+/// A turn of a pin moves its surroundings by this part of the lattice's diagonal a radian.
+const LEVER: f64 = 0.25;
+
+/// |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, the greatest of all points, pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Jerk {
+    /// Of the displacement that the warp makes.
+    pub warp_px: f64,
+    /// Of what it follows: the model's points on the screen before the warp, and what the keys ask of pins and handles.
+    pub input_px: f64,
+}
+
+/// Watches the frames of a run.
+#[derive(Debug, Default)]
+pub struct JerkMeter {
+    /// The last frames, at most three, each the one after the other.
+    past: VecDeque<(i32, Vec<Option<Places>>)>,
+}
+
+/// A layer in one frame; points out of sight are `None`.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    /// Before the warp.
+    points: Vec<Option<ScreenVector>>,
+    /// By the warp.
+    displacements: Vec<Option<ScreenVector>>,
+    /// What the keys ask for.
+    wanted: Vec<Option<ScreenVector>>,
+}
+
+impl JerkMeter {
+    /// Adds the jerk of every layer to a frame's report, and a warning where it is bad. A frame whose three predecessors
+    /// did not pass right before it has none.
+    pub fn watch(&mut self, setup: &Setup, moment: &Moment, report: &mut FrameReport) {
+        let follows = |&(frame, _): &(i32, _)| frame + 1 == report.frame;
+        if !self.past.back().is_some_and(follows) {
+            self.past.clear();
+        }
+        let now: Vec<Option<Places>> =
+            (0..setup.shot.layers.len()).map(|layer| Places::of(setup, moment, layer)).collect();
+        for (index, layer) in setup.shot.layers.iter().enumerate() {
+            let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(setup.shot.size.height)) else { continue };
+            report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
+            if jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px) {
+                report.warnings.push(format!(
+                    "layer '{}': the warp jerks by {:.1} px where model and keys jerk by {:.1} px: it may flicker here; \
+                     look for pins that are nearly on one point, or for parts that no pin holds",
+                    layer.name, jerk.warp_px, jerk.input_px
+                ));
+            }
+        }
+        self.past.push_back((report.frame, now));
+        if self.past.len() > 3 {
+            self.past.pop_front();
+        }
+    }
+
+    /// The jerk of a layer; and the unrest of what its warp follows, pixels, in which jerks of both signs do not cancel.
+    fn jerk(&self, now: &[Option<Places>], layer: usize, height_px: f64) -> Option<(Jerk, f64)> {
+        let mut frames: Vec<&Places> = Vec::with_capacity(4);
+        for (_, past) in &self.past {
+            frames.push(past[layer].as_ref()?);
+        }
+        frames.push(now[layer].as_ref()?);
+        let [a, b, c, d] = <[&Places; 4]>::try_from(frames).ok()?;
+        let most = |of: fn(&Places) -> &[Option<ScreenVector>]| {
+            unevenness([of(a), of(b), of(c), of(d)]).map(|length| length * height_px)
+        };
+        let [points, wanted, warp] =
+            [most(|places| &places.points), most(|places| &places.wanted), most(|places| &places.displacements)];
+        let jerk = Jerk { warp_px: warp[0], input_px: points[0].max(wanted[0]) };
+        Some((jerk, points[1].max(wanted[1])))
+    }
+}
+
+/// Of points that are in sight in all four frames, the greatest third difference, and the greatest sum of the lengths of
+/// both second differences. The former may vanish at an extreme of a key on twos, the latter cannot.
+fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
+    let frames = a.iter().zip(b).zip(c.iter().zip(d));
+    let bends = frames.filter_map(|((a, b), (c, d))| {
+        let [a, b, c, d] = [a.as_ref()?.0, b.as_ref()?.0, c.as_ref()?.0, d.as_ref()?.0];
+        Some([a - 2.0 * b + c, b - 2.0 * c + d])
+    });
+    bends.fold([0.0_f64; 2], |[jerk, unrest], [first, second]| {
+        [jerk.max((second - first).length()), unrest.max(first.length() + second.length())]
+    })
+}
+
+impl Places {
+    fn of(setup: &Setup, moment: &Moment, layer: usize) -> Option<Self> {
+        let lattice = &moment.layers[layer].solution.as_ref()?.lattice;
+        let mut places = Self::default();
+        setup.surface_points(moment, layer).for_each(|point| places.add(point, lattice));
+        let state = &moment.layers[layer];
+        for pin in 0..setup.shot.layers[layer].pins.len() {
+            let pin = state.pins.iter().find(|state| state.pin == pin);
+            places.add(pin.map(|pin| pin.rest), lattice);
+            places.wanted.push(pin.map(|pin| pin.target - pin.rest));
+        }
+        places.add_keys(setup, moment, (layer, lattice));
+        Some(places)
+    }
+
+    fn add(&mut self, point: Option<ScreenPoint>, lattice: &ScreenLattice) {
+        self.points.push(point.map(|point| ScreenVector(point.0)));
+        self.displacements.push(point.map(|point| lattice.warp(point) - point));
+    }
+
+    /// Turns and stretches of pins, and offsets of handles, as lengths.
+    fn add_keys(&mut self, setup: &Setup, moment: &Moment, (layer, lattice): (usize, &ScreenLattice)) {
+        let targets = setup.shot.pin_targets(layer, setup.key_frame(&setup.shot.layers[layer], moment.frame));
+        let lever = LEVER * lattice.grid.diagonal();
+        let turns = targets.pins.iter().map(|pin| match pin.rotation {
+            Some(Rotation::InView(turn)) => [turn, pin.log_scale.unwrap_or(0.0)],
+            _ => [0.0, pin.log_scale.unwrap_or(0.0)],
+        });
+        self.wanted.extend(turns.map(|[turn, stretch]| Some(ScreenVector::new(lever * turn, lever * stretch))));
+        let size = [lattice.grid.size(0), lattice.grid.size(1)];
+        let offsets = targets.handles.iter().map(|offset| ScreenVector::new(offset[0] * size[0], offset[1] * size[1]));
+        self.wanted.extend(offsets.map(Some));
+    }
+}
+
+impl Setup {
+    /// The same points of a layer's surface in every frame, spread over its vertices; `None` where they are out of sight.
+    fn surface_points<'a>(
+        &'a self,
+        moment: &'a Moment,
+        layer: usize,
+    ) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
+        let parts = || self.parts_of_layer[layer].iter().map(|&part| &moment.mesh.parts[part].vertices);
+        let step = parts().map(Vec::len).sum::<usize>().div_ceil(SURFACE_POINTS).max(1);
+        parts().flatten().step_by(step).map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_third_difference_of_a_cubic_is_six_and_of_a_parabola_nothing() {
+        let frame = |t: f64| [Some(ScreenVector::new(t * t * t, 0.0)), Some(ScreenVector::new(0.0, 5.0 * t * t - t))];
+        let frames = [1.0, 2.0, 3.0, 4.0].map(frame);
+        let of = |point: usize| unevenness(frames.each_ref().map(|frame| &frame[point..=point]));
+        assert!((of(0)[0] - 6.0).abs() < 1e-12 && of(1)[0].abs() < 1e-12);
+        assert!((of(0)[1] - 30.0).abs() < 1e-12 && (of(1)[1] - 20.0).abs() < 1e-12);
+        assert_eq!(unevenness([&frames[0], &frames[1], &frames[2], &[None, None]]), [0.0; 2]);
+    }
+}

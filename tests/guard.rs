@@ -1,0 +1,170 @@
+//! The guard against folds, and parts that are wound up: what stops where, and which way things turn.
+
+#[path = "support/figure.rs"]
+mod figure;
+
+use figure::{Pose, around, figure, posed};
+use pinwarp::lattice::{Basis, Grid, Lattice};
+use pinwarp::solve::{
+    Guard, HandlePin, MissReason, PointPin, Problem, Settings, Shape, Solution, Solver, Waypoint, solve,
+};
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn limit() -> Settings {
+    Settings { guard: Guard::Limit, ..Settings::default() }
+}
+
+fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
+    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
+}
+
+/// The head pushed `down` into the body.
+fn squashed(down: f64) -> Vec<PointPin<2>> {
+    let mut pins = posed(Pose::default());
+    pins[4].target[1] -= down;
+    pins
+}
+
+#[test]
+fn a_head_pushed_through_the_body_stops_before_anything_folds() {
+    let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
+    let pins = squashed(0.9);
+    let free = run(&grid, &shape, &pins, &Settings::default());
+    assert!(free.report.folded_model_cells > 0 && free.report.least_cell_det <= 0.0, "{:?}", free.report);
+    assert!(free.report.stopped_at.is_none());
+    let held = run(&grid, &shape, &pins, &limit());
+    assert_eq!(held.report.folded_model_cells, 0, "{:?}", held.report);
+    assert!(held.report.least_cell_det >= 0.0099 && held.report.least_det > 0.0, "{:?}", held.report);
+    let share = held.report.stopped_at.expect("it was stopped");
+    assert!(share > 0.2 && share < 1.0, "{share}");
+    // The report says how far each pin is from its target, and why.
+    for (pin, error) in pins.iter().zip(&held.report.pin_errors) {
+        assert!((distance(held.lattice.carry(pin.at), pin.target) - error).abs() < 1e-12);
+    }
+    assert!(held.report.pin_errors[4] > 0.05);
+    assert!(held.report.pin_misses.iter().all(|miss| miss.reason == MissReason::Guard));
+    // A little farther it would fold: little is given away.
+    assert!(held.report.least_cell_det < 0.1, "{:?}", held.report);
+}
+
+#[test]
+fn what_does_not_fold_is_left_alone() {
+    let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
+    let pins = posed(Pose { limbs: [0.6, -0.3, 0.2, 0.0], shift: [0.1, 0.0] });
+    assert_eq!(run(&grid, &shape, &pins, &limit()), run(&grid, &shape, &pins, &Settings::default()));
+}
+
+#[test]
+fn the_guard_gives_way_bit_by_bit() {
+    // Pushing on and on moves the result less and less, without a jump where the guard takes over.
+    let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
+    let heads: Vec<f64> = (0..30)
+        .map(|k| run(&grid, &shape, &squashed(0.03 * f64::from(k)), &limit()).lattice.carry([0.0, 0.75])[1])
+        .collect();
+    let steps: Vec<f64> = heads.windows(2).map(|pair| (pair[0] - pair[1]).abs()).collect();
+    assert!(steps.iter().all(|&step| step < 0.033), "{steps:?}");
+    assert!(steps[29 - 1] < 0.02, "{steps:?}");
+}
+
+#[test]
+fn a_half_turn_and_a_crossing_are_walked_back_from_the_rigid_fit() {
+    let (grid, shape) = (around(8, Basis::Bspline), figure(0.1));
+    let settings = limit();
+    for degrees in [100.0_f64, 135.0, 180.0, 225.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+        let mut pins = squashed(0.9);
+        pins.iter_mut().for_each(|pin| pin.target = turned(pin.target));
+        pins[0].gradient = Some([turned([1.0, 0.0]), turned([0.0, 1.0])]);
+        let held = run(&grid, &shape, &pins, &settings);
+        assert!(held.report.folded_model_cells == 0 && held.report.least_cell_det > 0.0, "{:?}", held.report);
+        // The same as without the turn.
+        let share = held.report.stopped_at.expect("it was stopped");
+        assert!((0.1..1.0).contains(&share), "{degrees} {share}");
+    }
+}
+
+#[test]
+fn handles_are_walked_back_too() {
+    let (grid, shape, settings) = (around(6, Basis::Bspline), figure(0.1), limit());
+    let handle = HandlePin { index: 2 + 6 * 2, target: [1.1, 0.9] };
+    let pins = posed(Pose::default());
+    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
+    let held = solve(&problem).expect("a valid problem");
+    assert_eq!(held.report.folded_model_cells, 0);
+    assert!(held.report.stopped_at.is_some() && held.report.handle_errors[0] > 0.05, "{:?}", held.report);
+    assert!(held.report.handle_errors[0] < distance(grid.rest_handle(14), handle.target));
+}
+
+#[test]
+fn a_box_of_space_is_guarded() {
+    let grid = Grid { dims: [5, 5, 5], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3] };
+    let flat = figure(0.12);
+    let shape = Shape::of_triangles(flat.points.iter().map(|&[x, y]| [x, y, 0.3 * x * y]).collect(), flat.triangles);
+    let pins: Vec<_> = squashed(1.6)
+        .iter()
+        .map(|pin| PointPin::new([pin.at[0], pin.at[1], 0.0], [pin.target[0], pin.target[1], 0.0]))
+        .collect();
+    let [free, held] = [Settings::default(), limit()].map(|settings| {
+        solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings }).expect("valid")
+    });
+    assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
+    assert!(held.report.folded_model_cells == 0 && held.report.stopped_at.is_some(), "{:?}", held.report);
+}
+
+/// The figure stands, head and hands wind about the neck.
+fn wound(degrees: f64) -> Waypoint<2> {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let still = [[-0.32, -0.9], [0.32, -0.9], [-0.17, -0.4], [0.17, -0.4]].map(|at| PointPin::new(at, at));
+    let turned = [[-0.2, 0.66], [0.2, 0.66]];
+    let turned = turned.map(|at| PointPin::new(at, [cos * at[0], 0.66 + sin * at[0]]));
+    Waypoint { pins: still.into_iter().chain(turned).collect(), handles: Vec::new() }
+}
+
+fn largest_move(a: &Lattice<2>, b: &Lattice<2>, grid: &Grid<2>) -> f64 {
+    let moves = a.handles.iter().zip(&b.handles).map(|(&a, &b)| distance(a, b));
+    moves.fold(0.0, f64::max) / grid.pitch(0)
+}
+
+#[test]
+fn a_head_winds_past_half_a_turn_without_a_jump() {
+    let (grid, shape, settings) = (around(10, Basis::Bspline), figure(0.08), Settings::default());
+    let path: Vec<_> = (0..=72).map(|k| wound(5.0 * f64::from(k))).collect();
+    let goal = &path[0];
+    let problem = Problem { grid: &grid, shape: &shape, pins: &goal.pins, handles: &[], settings: &settings };
+    let solver = Solver::new(&problem).expect("a valid problem");
+    let followed: Vec<_> = (1..=path.len()).map(|end| solver.follow(&path[..end]).expect("valid")).collect();
+    let steps: Vec<f64> =
+        followed.windows(2).map(|pair| largest_move(&pair[0].lattice, &pair[1].lattice, &grid)).collect();
+    // 130 to 200 degrees. Far beyond, the short neck cannot hold the twist and snaps back within a few steps.
+    assert!(steps[26..40].iter().all(|&step| step < 0.5), "{steps:?}");
+    // The other way round is the mirror image.
+    let back: Vec<_> = (0..=40).map(|k| wound(-5.0 * f64::from(k))).collect();
+    let back = solver.follow(&back).expect("valid").lattice;
+    let there = followed[40].lattice.carry([0.0, 0.4]);
+    let back = back.carry([0.0, 0.4]);
+    assert!((there[0] + back[0]).abs() < 0.02 && (there[1] - back[1]).abs() < 0.02, "{there:?} {back:?}");
+    // With coarse steps the same.
+    let coarse: Vec<_> = path[..=40].iter().step_by(8).cloned().collect();
+    let coarse = solver.follow(&coarse).expect("valid");
+    assert!(largest_move(&coarse.lattice, &followed[40].lattice, &grid) < 0.01);
+}
+
+#[test]
+fn the_guard_stops_a_winding_on_its_way() {
+    let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
+    let settings = limit();
+    let path: Vec<_> = (0..=25).map(|k| wound(10.0 * f64::from(k))).collect();
+    let problem = Problem { grid: &grid, shape: &shape, pins: &path[0].pins, handles: &[], settings: &settings };
+    let solver = Solver::new(&problem).expect("a valid problem");
+    let solutions: Vec<_> = (1..=path.len()).map(|end| solver.follow(&path[..end]).expect("valid")).collect();
+    assert!(solutions.iter().all(|solution| solution.report.folded_model_cells == 0));
+    assert!(solutions[20].report.stopped_at.is_some());
+    let moves = solutions.windows(2).map(|pair| largest_move(&pair[0].lattice, &pair[1].lattice, &grid));
+    let moves: Vec<f64> = moves.collect();
+    // 0.4 a step as long as nothing stops; as the neck snaps and the guard takes over, not much more.
+    assert!(moves.iter().all(|&step| step < 1.5), "{moves:?}");
+}

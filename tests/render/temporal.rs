@@ -1,0 +1,114 @@
+//! What moves evenly is warped evenly: rigid motion, and jerk against the input's own.
+
+use crate::support::{Studio, hold, pinned_layer};
+use crate::tiny::{Tiny, grid};
+use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, Setup, report};
+use pinwarp::shot::Shot;
+use pinwarp::space::FrameSize;
+use std::path::Path;
+
+fn reports(setup: &Setup, frames: impl IntoIterator<Item = i32>) -> Vec<FrameReport> {
+    let mut meter = JerkMeter::default();
+    let watched = |frame| {
+        let moment = setup.exposed(frame).expect("it is solved");
+        let mut report = report(setup, frame, &moment);
+        meter.watch(setup, &moment, &mut report);
+        report
+    };
+    frames.into_iter().map(watched).collect()
+}
+
+fn jerks(reports: &[FrameReport]) -> Vec<Option<Jerk>> {
+    reports.iter().flat_map(|report| &report.layers).map(|layer| layer.jerk).collect()
+}
+
+#[test]
+fn a_rigidly_moving_model_whose_pins_move_along_is_warped_the_same_in_every_frame() {
+    // The square drifts; one corner is pulled by the same offset at all times.
+    let mut quad = grid("Quad", [-0.2, -0.2, 0.2, 0.2], 6);
+    quad.velocity = [0.03 * 24.0, 0.01 * 24.0, 0.0];
+    let layer = pinned_layer("{ frame = 1, offset = [0.08, -0.05] }")
+        + "[[layer.pin]]\nanchor = { node = \"Quad\", triangle = 71, barycentric = [0.0, 1.0, 0.0] }\n";
+    let studio = Studio::tiny(&Tiny::of(vec![quad]), &layer);
+    let setup = studio.setup();
+    let lattices: Vec<_> = (5..=10)
+        .map(|frame| setup.moment(f64::from(frame)).expect("solved").layers[0].solution.clone().expect("pins").lattice)
+        .collect();
+    let warped = lattices[0].handles[0][0] - lattices[0].grid.rest_handle(0)[0];
+    assert!(warped.abs() > 0.01, "{warped}");
+    for pair in lattices.windows(2) {
+        for (a, b) in pair[0].handles.iter().zip(&pair[1].handles) {
+            assert!((b[0] - a[0] - 0.03).abs() < 1e-5 && (b[1] - a[1] - 0.01).abs() < 1e-5, "{a:?} {b:?}");
+        }
+    }
+    let jerks = jerks(&reports(&setup, 5..=10));
+    assert!(jerks[..3].iter().all(Option::is_none));
+    assert!(jerks[3..].iter().all(|jerk| jerk.is_some_and(|jerk| jerk.warp_px < 2e-3)), "{jerks:?}");
+}
+
+#[test]
+fn gaps_in_a_run_have_no_jerk() {
+    let studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(""));
+    let found = jerks(&reports(&studio.setup(), [1, 2, 3, 4, 5, 7, 8]));
+    assert_eq!(found.iter().map(Option::is_some).collect::<Vec<_>>(), [false, false, false, true, true, false, false]);
+}
+
+#[test]
+fn jerk_of_keys_is_told_as_the_inputs() {
+    // A jump of 0.25 frame heights: |1 − 3 + ...| gives 1, 2 and 1 times 10 px, twice as much in the middle.
+    let studio = |last: &str| {
+        let keys = format!("{{ frame = 1, offset = [0.0, 0.0] }}, {{ frame = 5, offset = [0.0, 0.0] }}, {last}");
+        Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(&keys))
+    };
+    let reports = reports(&studio("{ frame = 6, offset = [0.25, 0.0] }").setup(), 1..=9);
+    let found: Vec<[f64; 2]> =
+        jerks(&reports).into_iter().flatten().map(|jerk| [jerk.warp_px, jerk.input_px]).collect();
+    let expected = [0.0, 0.0, 10.0, 20.0, 10.0, 0.0];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(found.iter().all(|px| (px - expected).abs() < 0.05), "{found:?} {expected}");
+    }
+    assert!(reports.iter().all(|report| report.warnings.is_empty()), "the keys wanted it");
+}
+
+#[test]
+fn a_warp_that_jerks_by_itself_is_told() {
+    // Two pins all but on one point, the model turning under them a little: what they hold far away flickers.
+    let mut studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(""));
+    let mut near = studio.shot.layers[0].pins[0].clone();
+    near.name = "near".into();
+    if let pinwarp::shot::Anchor::Surface { barycentric, .. } = &mut near.anchor {
+        *barycentric = [0.995, 0.005, 0.0];
+    }
+    studio.shot.layers[0].pins.push(near);
+    studio.shot.size = FrameSize::new(640, 400);
+    let setup = |frame: i32| {
+        let mut shot = studio.shot.clone();
+        let flick = if frame == 5 { 0.0008 } else { 0.0 };
+        hold(&mut shot.layers[0].pins[1], [0.0, flick]);
+        Setup::new(shot).expect("the scene fits")
+    };
+    let mut meter = JerkMeter::default();
+    let mut told = Vec::new();
+    for frame in 1..=6 {
+        let setup = setup(frame);
+        let moment = setup.exposed(frame).expect("it is solved");
+        let mut report = report(&setup, frame, &moment);
+        meter.watch(&setup, &moment, &mut report);
+        told.extend(report.warnings);
+    }
+    assert!(told.iter().any(|text| text.contains("the warp jerks by")), "{told:?}");
+}
+
+#[test]
+fn the_walkers_warp_jerks_no_more_than_what_it_follows() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/shot.toml");
+    let setup = Setup::new(Shot::read(&path).expect("a right shot")).expect("the scene fits");
+    let reports = reports(&setup, 1..=48);
+    let found: Vec<Jerk> = jerks(&reports).into_iter().flatten().collect();
+    assert_eq!(found.len(), 3 * 45);
+    let peak = |of: fn(&Jerk) -> f64| found.iter().map(of).fold(0.0, f64::max);
+    let [warp, input] = [peak(|jerk| jerk.warp_px), peak(|jerk| jerk.input_px)];
+    eprintln!("walker: the warp jerks by at most {warp:.1} px, model and keys by {input:.1} px");
+    assert!(input > 1.0 && warp <= 1.5 * input, "{warp} {input}");
+    assert!(!reports.iter().flat_map(|report| &report.warnings).any(|text| text.contains("jerks")));
+}

@@ -1,0 +1,95 @@
+//! Pins that wind a part up: frames do not jump at half a turn, and each is the same alone and among others.
+
+use crate::support::Studio;
+use crate::tiny::{Tiny, grid};
+use pinwarp::lattice::ScreenLattice;
+use std::fmt::Write;
+
+/// A tall strip; its lower end is held, its upper end turns by `degrees` in 8 keys, 5 frames apart.
+fn strip(degrees: f64, solve: &str) -> Studio {
+    let strip = grid("Strip", [-0.06, -0.42, 0.06, 0.42], 8);
+    let mut pins = String::new();
+    let mut pin = |triangle: usize, barycentric: &str, keys: &str| {
+        let anchor = format!("{{ node = \"Strip\", triangle = {triangle}, barycentric = {barycentric} }}");
+        writeln!(pins, "[[layer.pin]]\nanchor = {anchor}\nkeys = [{keys}]").expect("text can be written");
+    };
+    pin(0, "[1, 0, 0]", "");
+    pin(14, "[0, 1, 0]", "");
+    for (triangle, barycentric, side) in [(113, "[0, 0, 1]", -0.06), (126, "[0, 0, 1]", 0.06)] {
+        let key = |k: u32| {
+            let (sin, cos) = (degrees / 8.0 * f64::from(k)).to_radians().sin_cos();
+            // Around the strip's upper end, which comes down to leave room for the loop.
+            let sink = 0.02 * f64::from(k.min(4));
+            let (frame, x, y) = (1 + 5 * k, side * (cos - 1.0), side * sin - sink);
+            format!("{{ frame = {frame}, offset = [{x:?}, {y:?}] }},")
+        };
+        pin(triangle, barycentric, &(0..=8).map(key).collect::<String>());
+    }
+    let layer = format!(
+        "[[layer]]\nname = \"all\"\nlattice = {{ dims = [5, 14], box = {{ fixed = [0.7, 0.04, 0.9, 0.96] }} }}\n{solve}\n{pins}"
+    );
+    let mut studio = Studio::tiny(&Tiny::of(vec![strip]), &layer);
+    studio.shot.frames.last = 41;
+    studio
+}
+
+fn lattices(studio: &Studio, frames: std::ops::RangeInclusive<i32>) -> Vec<ScreenLattice> {
+    let setup = studio.setup();
+    let lattice = |frame| {
+        let moment = setup.moment(f64::from(frame)).expect("it is solved");
+        moment.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
+    };
+    frames.map(lattice).collect()
+}
+
+/// Greatest move of a point of the strip between frames, frame heights.
+fn moves(lattices: &[ScreenLattice]) -> Vec<f64> {
+    let points: Vec<[f64; 2]> =
+        (0..33).map(|k| [0.74 + 0.06 * f64::from(k % 3), 0.08 + 0.84 * f64::from(k / 3) / 10.0]).collect();
+    let moved = |pair: &[ScreenLattice], at: &[f64; 2]| {
+        let [a, b] = [&pair[0], &pair[1]].map(|lattice| lattice.carry(*at));
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    };
+    lattices.windows(2).map(|pair| points.iter().map(|at| moved(pair, at)).fold(0.0, f64::max)).collect()
+}
+
+#[test]
+fn a_whole_turn_does_not_jump() {
+    for degrees in [360.0, -360.0] {
+        let steps = moves(&lattices(&strip(degrees, ""), 1..=41));
+        // 9 degrees a frame; the loop's far side swings by its diameter a radian, about 0.3 frame heights.
+        assert!(steps.iter().all(|&step| step < 0.12), "{degrees}: {steps:?}");
+        let total: f64 = steps.iter().sum();
+        assert!(total > 0.5, "{total}");
+    }
+    // Both ways end at the same targets and at mirrored loops.
+    let [left, right] = [360.0, -360.0].map(|degrees| lattices(&strip(degrees, ""), 41..=41).remove(0));
+    let [a, b] = [left.carry([0.8, 0.5]), right.carry([0.8, 0.5])];
+    assert!((a[0] + b[0] - 2.0 * 0.8).abs() < 0.02 && (a[0] - b[0]).abs() > 0.05, "{a:?} {b:?}");
+}
+
+#[test]
+fn a_frame_alone_is_the_frame_in_sequence() {
+    let studio = strip(360.0, "");
+    let sequence = studio.files(&[36, 37, 38, 39, 40]);
+    let alone = studio.files(&[40]);
+    let bytes = |path: &std::path::PathBuf| std::fs::read(path).expect("the frame is there");
+    assert!(bytes(&alone[0]) == bytes(&sequence[4]), "frame 40 depends on its neighbours");
+    assert!(bytes(&sequence[3]) != bytes(&sequence[4]), "frames differ, or nothing was compared");
+}
+
+#[test]
+fn the_guard_of_a_shot_says_what_stops() {
+    let mut studio = strip(360.0, "solve = { guard = \"limit\" }");
+    studio.shot.size.height *= 10;
+    studio.shot.size.width *= 10;
+    let setup = studio.setup();
+    let mut stopped = Vec::new();
+    for frame in [1, 6, 11, 21, 31, 41] {
+        let moment = setup.moment(f64::from(frame)).expect("it is solved");
+        let report = pinwarp::pipeline::report(&setup, frame, &moment);
+        assert_eq!(report.layers[0].solve.folded_model_cells, 0, "{frame}: {report:?}");
+        stopped.extend(report.warnings);
+    }
+    assert!(stopped.iter().all(|text| text.contains("guard: pin '") && text.contains("nothing folds")), "{stopped:?}");
+}
