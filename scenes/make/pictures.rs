@@ -1,11 +1,12 @@
-//! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`.
-//! Names of scenes as arguments: only theirs.
+//! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
+//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it. Names as arguments: only theirs.
 
 use anyhow::{Context as _, bail};
 use image::{RgbImage, imageops};
 use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
+use pinwarp::solve::{Disc, Settings};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -47,22 +48,50 @@ fn main() -> anyhow::Result<()> {
         }
         both.save(place.join("picture.png")).with_context(|| format!("writing the picture of {}", picture.scene))?;
     }
+    if wanted.is_empty() || wanted.iter().any(|name| name == "bulge") {
+        bulge(&folder)?;
+    }
     Ok(())
+}
+
+/// Belly of the teapot, pulled down at 30 x 30 handles: the paper's preset, pins that act on points, pins with discs.
+fn bulge(folder: &Path) -> anyhow::Result<()> {
+    const SIDE: u32 = 300;
+    let read = || Shot::read(&folder.join("teapot/bulge.toml"));
+    let (mut paper, mut point) = (read()?, read()?);
+    paper.layers[0].settings = Settings::paper();
+    point.layers[0].settings.disc = Disc { radius: 0.0, weight: 0.0 };
+    let mut strip = RgbImage::from_pixel(3 * SIDE + 2 * GAP, SIDE, image::Rgb([255; 3]));
+    for (shot, column) in [paper, point, read()?].into_iter().zip(0..) {
+        let whole = rendered(shot, 540, 12)?;
+        let left = whole.width().saturating_sub(SIDE) / 2 - 40;
+        let part = imageops::crop_imm(&whole, left, whole.height() - SIDE, SIDE, SIDE).to_image();
+        imageops::replace(&mut strip, &part, column * i64::from(SIDE + GAP), 0);
+    }
+    strip.save(folder.join("../docs/bulge.png")).context("writing docs/bulge.png")
 }
 
 /// The frame with the warp at `strength`, cut to the picture's half.
 fn half(picture: &Picture, place: &Path, strength: f64) -> anyhow::Result<RgbImage> {
-    let scratch = tempfile::tempdir()?;
     let mut shot = Shot::read(&place.join("shot.toml"))?;
     for layer in &mut shot.layers {
         layer.strength *= strength;
     }
-    let columns = (shot.size.aspect() * f64::from(picture.height)).round();
-    shot.size = FrameSize::new(columns as u32, picture.height);
+    let whole = rendered(shot, picture.height, picture.frame)?;
+    let left = (i64::from(whole.width()) - i64::from(picture.width)) / 2 + picture.shift;
+    Ok(imageops::crop_imm(&whole, left.max(0) as u32, 0, picture.width, picture.height).to_image())
+}
+
+/// One frame of a shot at another height.
+fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage> {
+    let scratch = tempfile::tempdir()?;
+    let columns = (shot.size.aspect() * f64::from(height)).round();
+    shot.size = FrameSize::new(columns as u32, height);
     shot.samples = 64;
     shot.output.path = scratch.path().join("frame.####.exr");
+    let path = shot.path.display().to_string();
     let options = RenderOptions {
-        frames: vec![picture.frame],
+        frames: vec![frame],
         device: DeviceChoice::Cpu,
         existing: Existing::Overwrite,
         has_preview: true,
@@ -70,14 +99,12 @@ fn half(picture: &Picture, place: &Path, strength: f64) -> anyhow::Result<RgbIma
     };
     let tell = |event: Event| {
         if let Event::FrameDone(report) = event {
-            println!("{}: {:?}", picture.scene, report.warnings);
+            println!("{path}: {:?}", report.warnings);
         }
     };
     let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
     if summary.rendered != 1 {
-        bail!("frame {} of {} was not rendered", picture.frame, picture.scene);
+        bail!("frame {frame} of {path} was not rendered");
     }
-    let whole = image::open(scratch.path().join(format!("frame.{:04}.png", picture.frame)))?.into_rgb8();
-    let left = (i64::from(whole.width()) - i64::from(picture.width)) / 2 + picture.shift;
-    Ok(imageops::crop_imm(&whole, left.max(0) as u32, 0, picture.width, picture.height).to_image())
+    Ok(image::open(scratch.path().join(format!("frame.{frame:04}.png")))?.into_rgb8())
 }

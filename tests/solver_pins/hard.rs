@@ -131,3 +131,19 @@ fn other_reasons_are_told_apart() {
     let rivals = [1, 0].map(|pin| MissReason::Outside(Holder::Pin(pin)));
     assert_eq!(reasons(&outside, &Settings::default()), rivals);
 }
+
+#[test]
+fn rotation_and_scale_are_exact_too() {
+    let (sin, cos) = 0.8_f64.sin_cos();
+    let gradient = [[1.2 * cos, 1.2 * sin], [-1.2 * sin, 1.2 * cos]];
+    let turned = PointPin { gradient: Some(gradient), ..PointPin::new([0.5, 0.5], [0.55, 0.5]) };
+    let held = [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]].map(|at| PointPin::new(at, at));
+    for basis in [Basis::Bspline, Basis::Bernstein] {
+        let solution = run(&grid(10, basis), &sheet(12), &[held[0], turned, held[1], held[2]], &[]);
+        let found = solution.lattice.carry_with_gradient(turned.at).gradient;
+        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            assert!((found[row][column] - gradient[column][row]).abs() < 1e-8, "{found:?} {:?}", solution.report);
+        }
+        assert!(solution.report.pin_misses.is_empty());
+    }
+}
