@@ -201,6 +201,7 @@ impl ProblemFile {
             settings.sampling = Sampling::Centroids;
             settings.start = Start::Rest;
             settings.pin_hold = PinHold::Soft;
+            settings.disc = Settings::paper().disc;
             settings.outside_pins = OutsidePins::Extended;
             settings.lambdas = Settings::paper().lambdas;
         }

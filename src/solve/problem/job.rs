@@ -5,7 +5,7 @@
 use super::file::{ProblemFile, RawPin, point};
 use super::{Measures, ProblemError, ResultFile};
 use crate::lattice::{Grid, Lattice};
-use crate::solve::energy::{self, Area, Distortion};
+use crate::solve::energy::{self, Area, Distortion, Patched};
 use crate::solve::rows::RowSet;
 use crate::solve::samples::Sample;
 use crate::solve::solver::Parts;
@@ -19,8 +19,8 @@ pub(super) fn run<const D: usize>(file: &ProblemFile) -> Result<ResultFile, Prob
     let (pins, handles) = (point_pins(&file.pins, &shape)?, moved_handles(file)?);
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: &settings };
     check::problem(&problem)?;
-    let parts =
-        Parts { distortion: distortion(file, &problem)?, pin_rows: pin_rows(file, &problem), warnings: Vec::new() };
+    let distortion = Patched::around(distortion(file, &problem)?, &grid, &pins, &settings);
+    let parts = Parts { distortion, pin_rows: pin_rows(file, &problem), warnings: Vec::new() };
     let solver = Solver::assemble(&problem, parts)?;
     let mut energies = Vec::new();
     let solution = solver.solve_observed(|energy| energies.push(energy));
