@@ -257,6 +257,25 @@ fn equal_problems_give_equal_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn isolated_parts_come_to_rest() {
+    let (grid, shape) = (grid(15, Basis::Bspline), strip(20));
+    let pins = [pin([0.1, 0.45], [0.1, 0.45]), pin([0.5, 0.5], [0.5, 0.5]), pin([0.9, 0.4], [0.55, 0.9])];
+    let first = run(&grid, &shape, &pins, &Settings::default());
+    assert!(first.report.is_converged && first.report.iterations <= 40, "{:?}", first.report);
+    let mut moved = shape.clone();
+    for (k, point) in moved.points.iter_mut().enumerate() {
+        let angle = 2.4 * k as f64;
+        *point = [point[0] + 1e-7 * angle.cos(), point[1] + 1e-7 * angle.sin()];
+    }
+    let second = run(&grid, &moved, &pins, &Settings::default());
+    // The island far from all pins included.
+    for point in &shape.points {
+        let gap = distance(first.lattice.carry(*point), second.lattice.carry(*point));
+        assert!(gap < 1e-5 * grid.pitch(0), "{point:?} moves by {gap:e}");
+    }
+}
+
+#[test]
 fn contradicting_pins_meet_in_the_middle_and_are_named() {
     let pins = [pin([0.5, 0.5], [0.4, 0.5]), pin([0.2, 0.5], [0.2, 0.5]), pin([0.5, 0.5], [0.6, 0.5])];
     let solution = run(&grid(8, Basis::Bspline), &strip(20), &pins, &Settings::default());
