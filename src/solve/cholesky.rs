@@ -265,8 +265,8 @@ mod tests {
     fn solve_one(size: usize, band: usize, holds: impl Fn(usize, usize) -> bool) {
         let entry = |i: usize, j: usize| if holds(i, j) { entry(i, j) } else { 0.0 };
         let mut columns = vec![0.0; size * stride(band)];
-        for j in 0..size {
-            (j..size.min(j + band + 1)).for_each(|i| columns[j * stride(band) + i - j] = entry(i, j));
+        for (j, column) in columns.chunks_exact_mut(stride(band)).enumerate() {
+            (j..size.min(j + band + 1)).for_each(|i| column[i - j] = entry(i, j));
         }
         let factor = Cholesky::new(band, columns).expect("a positive definite matrix");
         let wanted: Vec<[f64; 2]> = (0..size).map(|k| [(k as f64).cos(), k as f64]).collect();

@@ -11,7 +11,7 @@ const RIGID: f64 = 1e-6;
 
 /// Iterates until rounding stops it.
 fn exact() -> Settings {
-    Settings { tolerance: 1e-11, iteration_limit: 3000, ..Settings::default() }
+    Settings { tolerance: 1e-11, iteration_limit: 300, ..Settings::default() }
 }
 
 fn run<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, pins: &[PointPin<D>], settings: &Settings) -> Solution<D> {
