@@ -271,9 +271,9 @@ mod tests {
         let factor = Cholesky::new(band, columns).expect("a positive definite matrix");
         let wanted: Vec<[f64; 2]> = (0..size).map(|k| [(k as f64).cos(), k as f64]).collect();
         let mut x = vec![[0.0; 2]; size];
-        for i in 0..size {
+        for (i, x) in x.iter_mut().enumerate() {
             for j in (0..size).filter(|&j| i.abs_diff(j) <= band) {
-                (0..2).for_each(|d| x[i][d] += entry(i.max(j), i.min(j)) * wanted[j][d]);
+                (0..2).for_each(|d| x[d] += entry(i.max(j), i.min(j)) * wanted[j][d]);
             }
         }
         factor.solve(&mut x);
