@@ -122,7 +122,8 @@ impl Solved {
     }
 }
 
-/// The solved lattices of some frames, for other shots and programs; layers that are never warped are left out.
+/// The solved lattices of some frames, each at the frame's own time, for other shots and programs; layers that are never
+/// warped are left out.
 ///
 /// # Errors
 /// [`PipelineError::Solve`] where a layer cannot be solved; where no layer is warped at all, a mismatch.
@@ -130,7 +131,8 @@ pub fn lattices(setup: &Setup, frames: &[i32], mut tell: impl FnMut(i32)) -> Res
     let shot = &setup.shot;
     let mut solved = vec![Solved::default(); shot.layers.len()];
     for &frame in frames {
-        let moment = setup.exposed(frame)?;
+        // Not in the middle of its exposure: whoever lays a lattice over a moment asks for the time of that moment.
+        let moment = setup.moment(f64::from(frame))?;
         for (solved, state) in solved.iter_mut().zip(&moment.layers) {
             solved.add(frame, state);
         }

@@ -10,6 +10,30 @@ fn transferred(fit: &str) -> String {
     format!("{HEAD}{transfer}{OUTPUT}").replace("out/f", "out/t")
 }
 
+/// Greatest difference of a sample between the frame of the pins and that of the file.
+fn greatest_gap(bench: &Bench, frame: &str) -> f32 {
+    let [a, b] = ["f", "t"].map(|name| read_exr(&bench.path(&format!("out/{name}.{frame}.exr"))).expect("a frame"));
+    assert_eq!(a.data_window, b.data_window);
+    let samples = |frame: &pinwarp::image::Frame| -> Vec<f32> {
+        frame.channels.iter().flat_map(|channel| channel.samples.clone()).collect()
+    };
+    samples(&a).iter().zip(samples(&b)).map(|(a, b)| (a - b).abs() / a.abs().max(1.0)).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_transfer_keeps_time_where_the_shutter_opens_late() {
+    let late = |shot: String| shot.replace("samples = 1", "samples = 4\nshutter = { angle = 180, phase = 0 }");
+    let bench = Bench::with_shot(&late(format!("{HEAD}{PIN}{OUTPUT}")));
+    bench.run("export shot.toml --to lattice-json").says(0, &[]);
+    bench.render("").says(0, &[]);
+    bench.write("other.toml", late(transferred("\"as-is\"")).as_bytes());
+    bench.run("render other.toml --device cpu").says(0, &[]);
+    for frame in ["0001", "0002"] {
+        let gap = greatest_gap(&bench, frame);
+        assert!(gap < 1e-4, "frame {frame}: {gap}");
+    }
+}
+
 #[test]
 fn an_exported_lattice_warps_another_shot_alike() {
     let bench = Bench::new();
@@ -20,15 +44,8 @@ fn an_exported_lattice_warps_another_shot_alike() {
         bench.write("other.toml", transferred(fit).as_bytes());
         bench.run("render other.toml --device cpu --overwrite").says(0, &[]);
         for frame in ["0001", "0002"] {
-            let [a, b] =
-                ["f", "t"].map(|name| read_exr(&bench.path(&format!("out/{name}.{frame}.exr"))).expect("a frame"));
-            assert_eq!(a.data_window, b.data_window, "{fit}");
-            let samples = |frame: &pinwarp::image::Frame| -> Vec<f32> {
-                frame.channels.iter().flat_map(|channel| channel.samples.clone()).collect()
-            };
-            let gaps =
-                samples(&a).iter().zip(samples(&b)).map(|(a, b)| (a - b).abs() / a.abs().max(1.0)).fold(0.0, f32::max);
-            assert!(gaps < 1e-4, "{fit}, frame {frame}: {gaps}");
+            let gap = greatest_gap(&bench, frame);
+            assert!(gap < 1e-4, "{fit}, frame {frame}: {gap}");
         }
     }
     // A scale of one half about the middle of the frame halves the motion of the pinned corner.
