@@ -56,18 +56,20 @@ struct Brush<'a> {
 }
 
 impl Brush<'_> {
-    /// Multiplies what the rule names; `false` where the layer has nothing of it.
+    /// Multiplies what the rule names; `false` where the layer has no triangles of it.
     fn paint(&self, painted: &mut [Vec<f64>]) -> bool {
         let met: Vec<usize> = self.own.iter().copied().filter(|&part| self.meets(part)).collect();
+        let mut is_met = false;
         for &part in &met {
             let source = primitive(self.scene, &self.parts[part]);
             let stiffness = &mut painted[part];
+            is_met |= !source.triangles.is_empty();
             stiffness.resize(source.triangles.len(), 1.0);
             for (slot, corners) in stiffness.iter_mut().zip(&source.triangles) {
                 *slot *= 1.0 + (self.rule.value - 1.0) * self.share(source, corners);
             }
         }
-        !met.is_empty()
+        is_met
     }
 
     fn meets(&self, part: usize) -> bool {
@@ -91,6 +93,15 @@ impl Brush<'_> {
 
     /// Key, fault and remedy of a rule that meets nothing.
     fn fault(&self) -> (&'static str, String, String) {
+        if self.own.iter().any(|&part| self.meets(part)) {
+            let key = match self.rule.part {
+                StiffPart::Nodes(_) => "nodes",
+                StiffPart::Material(_) => "material",
+                StiffPart::VertexColor(_) => "vertex_color",
+            };
+            let what = "what it names is drawn by lines only, and stiffness is a matter of triangles";
+            return (key, what.into(), "remove the entry, or name meshes with triangles".into());
+        }
         match &self.rule.part {
             StiffPart::Nodes(patterns) => {
                 let names = self.scene.nodes.iter().map(|node| node.name.as_str());

@@ -1,7 +1,7 @@
 //! Stiffness painted in a shot, and regions of pins, in the solved lattice.
 
 use crate::support::Studio;
-use crate::tiny::{Tiny, grid};
+use crate::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::{PipelineError, Setup};
 use pinwarp::shot::{ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
 use pinwarp::space::ScreenPoint;
@@ -73,6 +73,21 @@ fn what_the_scene_does_not_have_is_named() {
     assert!(text.contains("none of its meshes has the material 'Glase'") && text.contains("\"Glaze\""), "{text}");
     let text = refusal(StiffPart::VertexColor(ColorChannel::R));
     assert!(text.contains("none of its meshes has vertex colours"), "{text}");
+}
+
+#[test]
+fn lines_cannot_be_stiff() {
+    let line = Part { triangles: vec![[0, 1, 2]], ..grid("Line", [-0.2, -0.2, 0.2, 0.2], 1) };
+    let mut scene = Tiny::of(vec![line, grid("Quad", [0.2, -0.2, 0.6, 0.2], 1)]).json();
+    scene["meshes"][0]["primitives"][0]["mode"] = serde_json::json!(3);
+    let mut studio = Studio::of_json(&scene, "[[layer]]\nname = \"all\"\n");
+    let mut refused = |name: &str| {
+        studio.shot.layers[0].stiffness = vec![rule(StiffPart::Nodes(vec![name.into()]), 2.0)];
+        Setup::new(studio.shot.clone()).err().map(|error| error.to_string())
+    };
+    let text = refused("Line").expect("nothing of it can be stiff");
+    assert!(text.contains("layer[0].stiffness[0].nodes") && text.contains("lines only"), "{text}");
+    assert_eq!(refused("*"), None, "some of it has triangles");
 }
 
 #[test]
