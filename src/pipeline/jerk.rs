@@ -62,7 +62,9 @@ impl JerkMeter {
         for (index, layer) in setup.shot.layers.iter().enumerate() {
             let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(setup.shot.size.height)) else { continue };
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
-            if jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px) {
+            // What a transferred lattice follows lies in another shot: nothing here to blame it by.
+            let is_followed = layer.transfer.is_none();
+            if is_followed && jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px) {
                 report.warnings.push(format!(
                     "layer '{}': the warp jerks by {:.1} px where model and keys jerk by {:.1} px: it may flicker here; \
                      look for pins that are nearly on one point, or for parts that no pin holds",
