@@ -1,4 +1,4 @@
-//! Symmetric matrices over handles: built term by term, factored once, solved often. The only place that knows faer.
+//! Symmetric matrices over handles: built term by term, factored once, solved often. Crate faer.
 //!
 //! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
 

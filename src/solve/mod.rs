@@ -167,7 +167,7 @@ pub struct SolveReport {
     pub angular: f64,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
     pub area: f64,
-    /// Where the guard stopped pins and handles, as a share of their way; `None`: they went all the way.
+    /// Where the guard stopped pins and handles, as a share of the (uneven) steps of their way; `None`: they went all the way.
     pub stopped_at: Option<f64>,
     /// Distance of each moved handle from its target, in units of the space.
     pub handle_errors: Vec<f64>,
