@@ -301,4 +301,10 @@ pub(super) fn fade<const D: usize>(
     report.folded_cells = folds.cells.len();
     report.folded_model_cells = folds.occupied_count;
     report.least_cell_det = folds.least_det;
+    *report = unmeasured(std::mem::take(report));
+}
+
+/// A report whose distortion says "not measured", not "none".
+pub(super) fn unmeasured(report: SolveReport) -> SolveReport {
+    SolveReport { least_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
 }

@@ -95,7 +95,8 @@ pub struct LayerReport {
     pub pin_error_metres: Option<f64>,
     /// How unevenly it moves, of layers on the screen; `None` in the first three frames of a run, and after gaps.
     pub jerk: Option<Jerk>,
-    /// The solver's own report.
+    /// The solver's own report. `angular`, `area` and `least_det` are NaN (in JSON null) where they are not measured: in
+    /// lattices from a file, and while the last pin of a layer fades out.
     pub solve: SolveReport,
 }
 

@@ -2,6 +2,7 @@
 //!
 //! In: lattice files that layers name; or a [`Setup`] and frames. Out: layer states; or a [`LatticeFile`].
 
+use super::moment::unmeasured;
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
 use crate::lattice::{BoxFrame, Fit, Lattice};
@@ -81,16 +82,26 @@ impl Setup {
         };
         let fitted = source.transferred(&fit);
         let lattice = fitted.lattice.with_strength(layer.strength);
-        let mut report = SolveReport { is_converged: true, ..SolveReport::default() };
-        let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
-        report.folded_cells = folds.cells.len();
-        (report.least_cell_det, report.least_det) = (folds.least_det, folds.least_det);
+        let mut report = report_of(&lattice);
         let error_px = fitted.error * f64::from(self.shot.size.height);
         if error_px > TURNED_TOLERANCE_PX {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
             report.warnings.push(text);
         }
         LayerState { solution: Some(Solution { lattice, report }), ..LayerState::default() }
+    }
+}
+
+/// What can be said of a lattice that nobody solved here: every cell counts as holding some of the model, and distortion
+/// is not measured.
+fn report_of(lattice: &Lattice<2>) -> SolveReport {
+    let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+    SolveReport {
+        folded_cells: folds.cells.len(),
+        folded_model_cells: folds.occupied_count,
+        least_cell_det: folds.least_det,
+        is_converged: true,
+        ..unmeasured(SolveReport::default())
     }
 }
 

@@ -27,7 +27,10 @@ fn a_transfer_keeps_time_where_the_shutter_opens_late() {
     bench.run("export shot.toml --to lattice-json").says(0, &[]);
     bench.render("").says(0, &[]);
     bench.write("other.toml", late(transferred("\"as-is\"")).as_bytes());
-    bench.run("render other.toml --device cpu").says(0, &[]);
+    let ended = bench.run("render other.toml --device cpu --json").says(0, &[]);
+    let told: Vec<_> = ended.events().into_iter().filter(|event| !event["layers"].is_null()).collect();
+    assert_eq!(told.len(), 2, "{ended:?}");
+    assert!(told.iter().all(|event| event["layers"][0]["solve"]["angular"].is_null()), "distortion is not measured");
     for frame in ["0001", "0002"] {
         let gap = greatest_gap(&bench, frame);
         assert!(gap < 1e-4, "frame {frame}: {gap}");
