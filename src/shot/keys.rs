@@ -32,8 +32,8 @@ impl Shot {
     }
 }
 
-/// Places on a path between two key times, without those in which a pin turns far.
-const PATH_STEPS: usize = 8;
+/// Most places on a path between two key times, one a frame; where a pin turns far there are more.
+const PATH_STEPS: f64 = 8.0;
 
 /// Most turn of a pin between two places of a path, radians: 30 degrees.
 const PATH_TURN: f64 = 0.524;
@@ -64,7 +64,8 @@ impl Shot {
     }
 }
 
-/// How many places a path has between two key times.
+/// How many places a path has between two key times. Within a frame pins go all but straight, and on straight ways no pair
+/// of them turns by half a turn: baked keys, one a frame, need no places between.
 fn path_steps(layer: &Layer, [from, to]: [f64; 2]) -> usize {
     let angle = |pin: &Pin, time| match pin_at(pin, time, layer.strength).rotation {
         Some(Rotation::InView(angle)) => angle,
@@ -73,7 +74,7 @@ fn path_steps(layer: &Layer, [from, to]: [f64; 2]) -> usize {
     };
     let turns = layer.pins.iter().map(|pin| (angle(pin, to) - angle(pin, from)).abs());
     let most = turns.fold(0.0, f64::max);
-    PATH_STEPS.max((most / PATH_TURN).ceil() as usize)
+    (to - from).clamp(1.0, PATH_STEPS).max(most / PATH_TURN).ceil() as usize
 }
 
 /// What all keys of a layer say at a frame.

@@ -111,3 +111,24 @@ fn a_layer_that_is_not_there_has_no_pins() {
     let shot = parse("scene = 'a.glb'\nframes = { first = 1, last = 2 }").unwrap();
     assert_eq!(shot.pin_targets(0, 1.0), PinTargets::default());
 }
+
+#[test]
+fn a_way_has_a_place_a_frame_and_more_where_a_pin_turns_far() {
+    let places = |keys: &str, frame: f64| {
+        let text = format!(
+            "scene = 'a.glb'\nframes = {{ first = 1, last = 99 }}\n[[layer]]\n[[layer.pin]]\n\
+             anchor = {{ screen = [0, 0] }}\nkeys = [{keys}]"
+        );
+        let shot = parse(&text).unwrap();
+        let path = shot.pin_path(0, frame);
+        assert_eq!(path.last(), Some(&shot.pin_targets(0, frame)));
+        path.len()
+    };
+    let baked: String = (1..=40).map(|frame| format!("{{ frame = {frame}, offset = [0.0, 0.1] }},")).collect();
+    assert_eq!(places(&baked, 40.0), 40);
+    assert_eq!((places(MOVE, 7.0), places(MOVE, 5.5), places(MOVE, 3.0)), (5, 4, 1));
+    let far = "{ frame = 1, offset = [0, 0] }, { frame = 60, offset = [1, 0] }";
+    assert_eq!(places(far, 60.0), 9);
+    let turned = "{ frame = 1, rotate = 0 }, { frame = 2, rotate = 720 }";
+    assert_eq!(places(turned, 2.0), 25);
+}
