@@ -88,6 +88,26 @@ fn a_half_turn_and_a_crossing_are_walked_back_from_the_rigid_fit() {
 }
 
 #[test]
+fn a_first_key_that_folds_is_walked_back_to_where_nothing_does() {
+    let (grid, shape) = (around(8, Basis::Bspline), figure(0.1));
+    let settings = limit();
+    // An arm turned by 90 degrees, the head pushed in.
+    let mut pins = posed(Pose { limbs: [std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0], ..Pose::default() });
+    pins[4].target[1] -= 0.9;
+    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
+    let solver = Solver::new(&problem).expect("a valid problem");
+    let key = Waypoint { pins: pins.clone(), handles: Vec::new() };
+    let free = run(&grid, &shape, &pins, &Settings::default());
+    assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
+    for keys in [1, 2, 3] {
+        let held = solver.follow(&vec![key.clone(); keys]).expect("a valid path");
+        assert!(held.report.folded_model_cells == 0 && held.report.least_cell_det > 0.0, "{keys}: {:?}", held.report);
+        let share = held.report.stopped_at.expect("it was stopped");
+        assert!(share > 0.1 && share < 1.0 && held.report.pin_errors[4] > 0.05, "{keys}: {:?}", held.report);
+    }
+}
+
+#[test]
 fn handles_are_walked_back_too() {
     let (grid, shape, settings) = (around(6, Basis::Bspline), figure(0.1), limit());
     let handle = HandlePin { index: 2 + 6 * 2, target: [1.1, 0.9] };

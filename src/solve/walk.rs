@@ -35,7 +35,8 @@ const COARSE: (f64, usize) = (1e-4, 40);
 impl<const D: usize> Solver<D> {
     /// Solves for the last waypoint of a path. Where pins and handles wind parts of the shape up on the way (in the plane,
     /// pairs of them against each other by more than 150 degrees), the path decides in which direction and how often:
-    /// every step is solved from the last. Elsewhere this is [`Self::update`], and the path does not matter.
+    /// every step is solved from the last. Elsewhere this is [`Self::update`], and the path does not matter. With the
+    /// guard the way begins at the rigid fit of the first waypoint, where nothing folds.
     ///
     /// # Errors
     /// As [`Self::update`], for any waypoint.
@@ -47,18 +48,26 @@ impl<const D: usize> Solver<D> {
         if !is_wound || self.settings().start == Start::Rest {
             return self.update(&goal.pins, &goal.handles);
         }
-        let steps = waypoint::steps(path, &turns, STEP);
+        let mut steps = match self.settings().guard {
+            Guard::Limit => self.approach(&path[0]),
+            Guard::Report => Vec::new(),
+        };
+        steps.extend(waypoint::steps(path, &turns, STEP));
         let (run, stopped_at) = self.walk(&steps)?;
         Ok(self.finish(goal, run, stopped_at))
     }
 
     /// From the rigid fit straight to the targets, as far as nothing folds. `None` where the way ends unfolded.
     pub(crate) fn walk_straight(&self, goal: &Waypoint<D>) -> Result<(Run<D>, Option<f64>), SolveError> {
-        let rigid = goal.rigid(self.grid());
-        let between = |step| rigid.towards(goal, step as f64 / STRAIGHT_STEPS as f64);
-        let mut path: Vec<_> = (0..STRAIGHT_STEPS).map(between).collect();
+        let mut path = self.approach(goal);
         path.push(goal.clone());
         self.walk(&path)
+    }
+
+    /// The way from the rigid fit to a waypoint, without its end.
+    fn approach(&self, goal: &Waypoint<D>) -> Vec<Waypoint<D>> {
+        let rigid = goal.rigid(self.grid());
+        (0..STRAIGHT_STEPS).map(|step| rigid.towards(goal, step as f64 / STRAIGHT_STEPS as f64)).collect()
     }
 
     /// Solves every waypoint from the last; with the guard, goes back from the end to where nothing folds, and tells at
@@ -79,7 +88,7 @@ impl<const D: usize> Solver<D> {
         }
         let last = path.len() - 1;
         let is_limited = self.settings().guard == Guard::Limit && !self.is_safe(&states[last].handles);
-        if !is_limited {
+        if !is_limited || last == 0 {
             return Ok((Run { iterations, ..states.swap_remove(last) }, None));
         }
         let mut from = last;

@@ -91,5 +91,6 @@ fn the_guard_of_a_shot_says_what_stops() {
         assert_eq!(report.layers[0].solve.folded_model_cells, 0, "{frame}: {report:?}");
         stopped.extend(report.warnings);
     }
+    assert!(!stopped.is_empty());
     assert!(stopped.iter().all(|text| text.contains("guard: pin '") && text.contains("nothing folds")), "{stopped:?}");
 }
