@@ -26,9 +26,10 @@ impl Normal {
         Self { size, band, columns: vec![0.0; size * stride(band)], squares: Vec::new() }
     }
 
-    /// Every handle may meet every other.
-    pub(crate) fn is_dense(&self) -> bool {
-        self.band + 1 >= self.size
+    /// Every handle may meet every other, and rows on `shared` handles each are rows on all of them: what
+    /// [`Self::add_product`] asks for. A model within one cell shares a few handles only.
+    pub(crate) fn is_full(&self, shared: usize) -> bool {
+        self.band + 1 >= self.size && shared == self.size
     }
 
     /// Adds to one entry of the symmetric matrix.

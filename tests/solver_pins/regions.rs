@@ -2,7 +2,7 @@
 
 use super::{distance, grid, run, sheet};
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{Disc, PointPin, Problem, Region, Settings, Shape, Solution, solve};
+use pinwarp::solve::{Disc, Energy, PointPin, Problem, Region, Settings, Shape, Solution, solve};
 use std::f64::consts::{PI, TAU};
 
 /// Radius of the belly in the unit box; its height is twice that.
@@ -68,6 +68,26 @@ fn unrest(lattice: &Lattice<2>, pin: &PointPin<2>, radius: f64) -> f64 {
     let moved: Vec<[f64; 2]> = ring.iter().map(|&at| lattice.carry(at)).collect();
     let pairs = (0..12).flat_map(|a| (0..a).map(move |b| (a, b)));
     pairs.map(|(a, b)| (distance(moved[a], moved[b]) - distance(ring[a], ring[b])).abs() / radius).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_model_within_one_cell_keeps_its_shape_in_a_region_as_wide_as_the_lattice() {
+    let grid = Grid { dims: [4, 5], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+    // The cells are 1 x 1/2: everything lies in the lower one.
+    let mut shape = sheet::<2>(6);
+    shape.points.iter_mut().for_each(|point| *point = [0.2 + 0.5 * point[0], 0.05 + 0.4 * point[1]]);
+    shape.strokes = vec![vec![0, 6, 48, 42, 0]];
+    let region = Region { radius: 3.0, grip: 0.5, starch: 2.0 };
+    let turned = |[x, y]: [f64; 2]| [0.8 - y, 0.3 + x];
+    let pins = [[0.3, 0.1], [0.6, 0.3]].map(|at| PointPin { region: Some(region), ..PointPin::new(at, turned(at)) });
+    for energy in [Energy::Area, Energy::Edge, Energy::Vertex, Energy::Element, Energy::Rims, Energy::Stroke] {
+        let settings = Settings { energy, ..Settings::default() };
+        let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
+        let solution = solve(&problem).expect("a valid problem");
+        let misses = shape.points.iter().map(|&at| distance(solution.lattice.carry(at), turned(at)));
+        let worst = misses.fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{energy:?}: {worst:e} {:?}", solution.report);
+    }
 }
 
 #[test]

@@ -92,7 +92,9 @@ impl<const D: usize> Distortion<D> for Area<D> {
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        if normal.is_dense() && self.gradients.blocks.len() == 1 {
+        if let [block] = &self.gradients.blocks[..]
+            && normal.is_full(block.handles.len())
+        {
             self.add_dense_normal(2.0 * scale, normal);
         } else {
             self.add_sparse_normal(2.0 * scale, normal);

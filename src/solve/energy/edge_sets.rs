@@ -188,7 +188,7 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        match self.vertices.shared_handles().filter(|_| normal.is_dense()) {
+        match self.vertices.shared_handles().filter(|&shared| normal.is_full(shared)) {
             Some(size) => self.add_dense_normal(scale, size, normal),
             None => self.add_sparse_normal(scale, normal),
         }

@@ -86,7 +86,7 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        match self.sets.vertices.shared_handles().filter(|_| normal.is_dense()) {
+        match self.sets.vertices.shared_handles().filter(|&shared| normal.is_full(shared)) {
             Some(size) => {
                 let rows = self.dense_rows(size);
                 normal.add_product(scale, &rows, &rows);
