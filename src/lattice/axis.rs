@@ -8,6 +8,9 @@ use super::Basis;
 /// Most handles an axis may have.
 pub const MAX_HANDLES: usize = 64;
 
+/// Handles of the largest lattice: 64 x 64 in the plane, 16 x 16 x 16 in space. Solves factor a matrix of that size.
+pub const MAX_HANDLES_IN_ALL: usize = 4096;
+
 /// C(n, i) for n < 64: exact up to 2^53, within an ulp or two beyond.
 static BINOMIALS: [[f64; MAX_HANDLES]; MAX_HANDLES] = binomials();
 

@@ -20,6 +20,16 @@ pub enum LatticeError {
         /// The basis.
         basis: super::Basis,
     },
+    /// Too many handles on all axes together.
+    #[error(
+        "the lattice has {found} handles in all, too many to solve; change `dims` so that their product is at most {most}"
+    )]
+    Size {
+        /// Product of the dims.
+        found: usize,
+        /// Most that are supported.
+        most: usize,
+    },
     /// The box has no extent, or a corner is not a number.
     #[error("the lattice box spans {lo} to {hi} on axis {axis}; give it a finite size above zero")]
     Box {

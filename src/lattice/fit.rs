@@ -11,8 +11,10 @@ use faer::linalg::solvers::SolveLstsq;
 
 /// Sites a handle and axis at which a map is looked at.
 const SITES: usize = 6;
-/// Probes a handle and axis at which a lattice is compared with its map.
+/// Probes a handle and axis at which a lattice is compared with its map, at most.
 const PROBES: usize = 3;
+/// Probes in all, at most: fewer an axis where lattices of space would need more.
+const MOST_PROBES: usize = 40_000;
 /// Pull of Bernstein handles towards rest: polynomials of high degree are nearly dependent, and without it handles
 /// would fly off to gain a digit.
 const PULL: f64 = 1e-5;
@@ -57,7 +59,7 @@ impl<const D: usize> Lattice<D> {
     /// The lattice with its distance from a map.
     fn compared(self, map: &impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
         let grid = &self.grid;
-        let counts = grid.dims.map(|count| PROBES * count + 1);
+        let counts = probe_counts(grid.dims);
         let miss = |number: usize| {
             let place = place(number, counts);
             let unit = std::array::from_fn(|axis| (place[axis] as f64 + 0.5) / counts[axis] as f64);
@@ -106,6 +108,13 @@ impl<const D: usize> Grid<D> {
         let moved = handles.iter().zip(&values).map(|(rest, by)| std::array::from_fn(|axis| rest[axis] + by[axis]));
         Lattice { grid: self.clone(), handles: moved.collect() }
     }
+}
+
+/// Probes along each axis.
+fn probe_counts<const D: usize>(dims: [usize; D]) -> [usize; D] {
+    let counts = |probes: usize| dims.map(|count| probes * count + 1);
+    let fits = |probes: &usize| counts(*probes).iter().product::<usize>() <= MOST_PROBES;
+    counts((1..=PROBES).rev().find(fits).unwrap_or(1))
 }
 
 /// Sites lie denser towards the ends, where high polynomials need them (Chebyshev).
@@ -217,6 +226,13 @@ mod tests {
             assert!(error(fine, basis) < 0.2 * error(coarse, basis), "{basis:?}");
         }
         assert!(lattice.resized([3, 8], Basis::Bspline).is_err());
+    }
+
+    #[test]
+    fn lattices_of_space_stay_within_memory() {
+        let error = bent(Basis::Bspline, [4; 3]).resized([64; 3], Basis::Bspline).expect_err("too large").to_string();
+        assert!(error.contains("262144 handles in all") && error.contains("at most 4096"), "{error}");
+        assert_eq!((probe_counts([64; 2]), probe_counts([16; 3]), probe_counts([4; 3])), ([193; 2], [33; 3], [13; 3]));
     }
 
     #[test]

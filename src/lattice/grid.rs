@@ -2,7 +2,7 @@
 //!
 //! In: dims, basis, box. Out: rows of W and ∇W (sparse where the basis is local).
 
-use super::axis::{self, AxisTerms, MAX_HANDLES, MOST_LOCAL};
+use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MOST_LOCAL};
 use super::{Basis, Grid, Lattice, LatticeError};
 
 /// What one handle contributes at a point.
@@ -37,7 +37,7 @@ impl Basis {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Checks dims and box.
+    /// Checks dims, their product and the box.
     ///
     /// # Errors
     /// [`LatticeError`], naming the axis.
@@ -53,7 +53,10 @@ impl<const D: usize> Grid<D> {
                 return Err(LatticeError::Box { axis, lo, hi });
             }
         }
-        Ok(())
+        match self.handle_count() {
+            found if found > MAX_HANDLES_IN_ALL => Err(LatticeError::Size { found, most: MAX_HANDLES_IN_ALL }),
+            _ => Ok(()),
+        }
     }
 
     /// Number of handles.

@@ -13,7 +13,7 @@ mod patch;
 mod placed;
 mod transfer;
 
-pub use axis::{AxisTerms, MAX_HANDLES};
+pub use axis::{AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL};
 pub use display::DisplayWarp;
 pub use error::LatticeError;
 pub use fit::Fitted;

@@ -3,14 +3,11 @@
 //! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
 
 use super::{Check, LayerDefaults};
-use crate::lattice::Basis;
+use crate::lattice::{Basis, MAX_HANDLES_IN_ALL};
 use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve, RawSpace};
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
 use crate::solve::{Energy, Settings};
 use crate::space::{ScreenBox, ScreenPoint};
-
-/// Handles of the largest lattice: 64 x 64 on the screen, 16 x 16 x 16 in the scene.
-const MAX_HANDLES: usize = 4096;
 
 impl Check<'_> {
     pub(super) fn layers(&mut self, raw: Vec<RawLayer>, shot: &LayerDefaults) -> Vec<Layer> {
@@ -74,9 +71,9 @@ impl Check<'_> {
             self.fault(key, what, "give 4 or more, or basis = \"bernstein\"");
         }
         let count = given.iter().copied().fold(1, usize::saturating_mul);
-        if count > MAX_HANDLES {
+        if count > MAX_HANDLES_IN_ALL {
             let what = format!("a lattice of {count} handles is too large to solve");
-            self.fault(key, what, format!("keep the product of all sides within {MAX_HANDLES}"));
+            self.fault(key, what, format!("keep the product of all sides within {MAX_HANDLES_IN_ALL}"));
         }
         std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(1))
     }
