@@ -13,6 +13,9 @@ use std::path::Path;
 /// Version that is written.
 const VERSION: u32 = 1;
 
+/// Frames lie between minus this and this, as in shots.
+const MAX_FRAME: i32 = 1_000_000;
+
 /// The solved lattices of a shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LatticeFile {
@@ -136,6 +139,10 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
     for (number, frame) in raw.frames.iter().enumerate() {
         let key = format!("{key}.frames[{number}]");
         let corner = |side: usize| point(&frame.bounds[side], || format!("{key}.box[{side}]"));
+        if !(-MAX_FRAME..=MAX_FRAME).contains(&frame.frame) {
+            let hint = format!("give a whole number from -{MAX_FRAME} to {MAX_FRAME}");
+            return Err(fault(format!("{key}.frame"), format!("is {}", frame.frame), hint));
+        }
         let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)? };
         grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
         if frame.handles.len() != grid.handle_count() {
@@ -242,6 +249,8 @@ mod tests {
             ("\"dims\":[4,4]", "\"dims\":[4,5]", "layers[0].frames[0].handles: 16 handles"),
             ("\"dims\":[4,4]", "\"dims\":[4]", "layers[0].dims"),
             ("\"frame\":3", "\"frame\":1", "frame 1 is there already"),
+            ("\"frame\":3", "\"frame\":2147483647", "layers[0].frames[1].frame: is 2147483647"),
+            ("\"frame\":-2", "\"frame\":-1000001", "layers[1].frames[0].frame"),
             ("\"name\":\"head\"", "\"name\":\"body\"", "layers[1].name"),
             ("\"box\":[[0.0,0.0]", "\"box\":[[2.0,0.0]", "layers[0].frames[0]"),
             ("\"rate\"", "\"pace\"", "lattice-json"),
