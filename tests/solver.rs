@@ -350,5 +350,10 @@ fn malformed_problems_are_refused_in_words() {
     let loose = Shape::of_triangles(vec![[0.0, 0.0]], vec![[0, 0, 7]]);
     assert!(refuse(&grid, &loose, &[], &[]).contains("triangle 0"));
     assert!(refuse(&grid, &shape, &[pin([0.5, 0.5], [f64::INFINITY, 0.0])], &[]).contains("target of pin 0"));
+    let heavy = PointPin { weight: 1.5, ..pin([0.5, 0.5], [0.5, 0.5]) };
+    assert!(refuse(&grid, &shape, &[heavy], &[]).contains("pin 0 has weight 1.5; use a weight from 0 to 1"));
+    let space = r#"{"dims": [64, 64, 64], "bbox": [[0, 0, 0], [1, 1, 1]], "vertices": [[0, 0, 0]]}"#;
+    let error = pinwarp::solve::problem::run_text(space).expect_err("too large").to_string();
+    assert!(error.contains("262144 handles in all") && error.contains("at most 4096"), "{error}");
     assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));
 }

@@ -94,7 +94,7 @@ fn pin<const D: usize>(index: usize, pin: &PointPin<D>) -> Result<(), SolveError
     finite(&pin.target, || format!("the target of pin {index}"))?;
     pin.gradient.iter().flatten().try_for_each(|image| finite(image, || format!("the gradient of pin {index}")))?;
     pin.region.iter().try_for_each(|one| region(index, one))?;
-    if pin.weight >= 0.0 && pin.weight.is_finite() {
+    if (0.0..=1.0).contains(&pin.weight) {
         return Ok(());
     }
     Err(invalid(format!("pin {index} has weight {}", pin.weight), "use a weight from 0 to 1".into()))
