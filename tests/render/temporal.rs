@@ -2,8 +2,8 @@
 
 use crate::support::{Studio, hold, pinned_layer};
 use crate::tiny::{Tiny, grid};
-use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, Setup, report};
-use pinwarp::shot::Shot;
+use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, Setup, lattices, report};
+use pinwarp::shot::{Shot, Transfer, TransferFit};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 
@@ -97,6 +97,26 @@ fn a_warp_that_jerks_by_itself_is_told() {
         told.extend(report.warnings);
     }
     assert!(told.iter().any(|text| text.contains("the warp jerks by")), "{told:?}");
+}
+
+#[test]
+fn a_lattice_from_a_file_is_not_blamed_for_its_jerk() {
+    let keys = "{ frame = 5, offset = [0.0, 0.0] }, { frame = 6, offset = [0.25, 0.0] }";
+    let mut studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(keys));
+    let frames: Vec<i32> = (1..=9).collect();
+    let file = studio.shot.scene.with_file_name("jump.lattice.json");
+    lattices(&studio.setup(), &frames, |_| {})
+        .expect("it is warped")
+        .write(&file)
+        .expect("the folder can be written to");
+    let layer = &mut studio.shot.layers[0];
+    layer.pins.clear();
+    layer.transfer = Some(Transfer { file, layer: None, fit: TransferFit::AsIs, start: None });
+    let reports = reports(&studio.setup(), frames);
+    let found = jerks(&reports);
+    assert!(found.iter().flatten().any(|jerk| jerk.warp_px > 10.0 && jerk.input_px < 1e-6), "{found:?}");
+    assert!(reports.iter().all(|report| report.warnings.is_empty()), "{reports:?}");
+    assert!(reports.iter().all(|report| report.layers[0].solve.angular.is_nan()), "nobody measured it");
 }
 
 #[test]
