@@ -2,23 +2,14 @@
 //!
 //! In: a [`Setup`] and a (fractional) frame. Out: a [`Moment`]: world layers first, because they move what is projected.
 
-use super::follow::{FollowWindow, thickened};
 use super::passes::mid_shutter;
-use super::{PipelineError, Setup, WorldSolution, strokes};
-use crate::lattice::{Grid, ScreenLattice};
+use super::{PipelineError, Setup, WorldSolution};
+use crate::lattice::ScreenLattice;
 use crate::pose::Pose;
-use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, Pin, PinTargets, Rotation};
-use crate::solve::{
-    HandlePin, MissReason, PinMiss, PointPin, Problem, Region, Shape, Solution, SolveReport, Solver, Waypoint,
-};
-use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
-
-/// A pin that fades has ten to this power of its weight at the end.
-const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
-
-/// A lattice box is never thinner than this, in frame heights.
-const MIN_SIDE: f64 = 0.01;
+use crate::screen::{Camera, ScreenMesh};
+use crate::shot::{Layer, LayerSpace};
+use crate::solve::{Solution, SolveReport};
+use crate::space::ScreenPoint;
 
 /// The scene at one time.
 #[derive(Clone, Debug)]
@@ -97,214 +88,9 @@ impl Setup {
         Ok(moment)
     }
 
-    fn solve_layer(
-        &self,
-        moment: &Moment,
-        index: usize,
-        (dims, bounds): ([usize; 2], BoxRule),
-    ) -> Result<LayerState, PipelineError> {
-        let layer = &self.shot.layers[index];
-        if let Some(loaded) = &self.loaded[index] {
-            return Ok(self.transferred(moment, (index, bounds), loaded));
-        }
-        if layer.pins.is_empty() && layer.handles.is_empty() {
-            return Ok(LayerState::default());
-        }
-        let Some(rest_box) = self.lattice_box(moment, index, bounds) else {
-            return Ok(LayerState::default());
-        };
-        let grid = Grid::over(rest_box, dims, layer.basis);
-        // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
-        let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
-        let waypoint = |targets: &PinTargets| {
-            let (states, pins) = self.point_pins(moment, index, (rest_box, targets));
-            (states, Waypoint { pins, handles: moved_handles(layer, &grid, targets) })
-        };
-        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(waypoint).unzip();
-        let pins = states.pop().unwrap_or_default();
-        let Some(Waypoint { pins: points, handles }) = way.last() else { return Ok(LayerState::default()) };
-        if points.is_empty() && handles.is_empty() {
-            return Ok(LayerState::default());
-        }
-        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
-        let shape = self.shape(moment, index);
-        let problem = Problem { grid: &grid, shape: &shape, pins: points, handles, settings: &layer.settings };
-        let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: moment.frame, source };
-        let solver = Solver::new(&problem).map_err(fault)?;
-        let mut solution = solver.follow(&way).map_err(fault)?;
-        if handles.is_empty() && presence < 1.0 {
-            let targets: Vec<_> = points.iter().map(|pin| [pin.at, pin.target]).collect();
-            fade(&mut solution, (&solver, &targets), presence);
-        }
-        Ok(LayerState { solution: Some(solution), pins, world: None })
-    }
-
     /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
     /// of a frame, so its keys are read at the frame that is exposed, not at the moment within the exposure.
     pub(super) fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
         if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
     }
-
-    /// The pins that act, as the overlay and the solver want them.
-    fn point_pins(
-        &self,
-        moment: &Moment,
-        index: usize,
-        (rest_box, targets): (ScreenBox, &PinTargets),
-    ) -> (Vec<PinState>, Vec<PointPin<2>>) {
-        let layer = &self.shot.layers[index];
-        let mut states = Vec::new();
-        let mut points = Vec::new();
-        for (pin, (pinned, target)) in self.anchors[index].iter().zip(&targets.pins).enumerate() {
-            let rest = pinned.rest(&moment.mesh, &moment.camera);
-            if rest.presence <= 0.0 {
-                continue;
-            }
-            let goal = match target.goal {
-                Goal::Offset(offset) => match layer.pins[pin].unit {
-                    OffsetUnit::Frame => rest.point + offset,
-                    OffsetUnit::Box => rest.point + ScreenVector(offset.0 * rest_box.size()),
-                },
-                Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
-                // Those are of world layers; on the screen the checks refuse them.
-                Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
-            };
-            let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
-                let angle = match target.rotation {
-                    Some(Rotation::InView(angle)) => angle,
-                    _ => 0.0,
-                };
-                let (sin, cos) = angle.sin_cos();
-                let scale = target.log_scale.unwrap_or(0.0).exp();
-                [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
-            });
-            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence, is_in_view: true });
-            points.push(PointPin {
-                at: rest.point.0.to_array(),
-                target: goal.0.to_array(),
-                weight: faded_weight(rest.presence),
-                gradient,
-                region: region(&layer.pins[pin], rest_box.size().length()),
-            });
-        }
-        (states, points)
-    }
-
-    /// The layer's triangles and lines on the screen, cut at the near plane.
-    pub(super) fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
-        let near = moment.camera.near();
-        let mut shape = Shape::default();
-        for &part in &self.parts_of_layer[index] {
-            let vertices = &moment.mesh.parts[part].vertices;
-            let base = shape.points.len() as u32;
-            // Hidden vertices keep their index; no triangle that is left uses them.
-            let place =
-                |vertex: &crate::screen::Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
-            shape.points.extend(vertices.iter().map(place));
-            let source = primitive(&self.scene, &moment.pose.parts[part]);
-            source.lines.iter().for_each(|line| strokes::add(&mut shape, line, (vertices, base), near));
-            for (number, corners) in source.triangles.iter().enumerate() {
-                let ends = corners.map(|corner| vertices[corner as usize]);
-                if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
-                    shape.triangles.push(corners.map(|corner| corner + base));
-                    self.paint(index, (part, number), &mut shape);
-                    continue;
-                }
-                let (cut, count) = clip_near(ends, near);
-                for cut in &cut[..count] {
-                    let first = shape.points.len() as u32;
-                    let point =
-                        |corner: &crate::screen::Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
-                    shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
-                    shape.triangles.push([first, first + 1, first + 2]);
-                }
-                self.paint(index, (part, number), &mut shape);
-            }
-        }
-        shape
-    }
-
-    /// The rest box of a layer's lattice; `None` where nothing of the layer is in reach.
-    pub(super) fn lattice_box(&self, moment: &Moment, index: usize, rule: BoxRule) -> Option<ScreenBox> {
-        match rule {
-            BoxRule::Fixed(fixed) => Some(fixed),
-            BoxRule::Frame => {
-                Some(ScreenBox::new(ScreenPoint::default(), ScreenPoint::new(self.shot.size.aspect(), 1.0)))
-            }
-            BoxRule::Follow => {
-                let now = self.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).map(corners);
-                let window = FollowWindow::new(moment.frame);
-                let neighbours: Vec<_> = window.frames().map(|frame| (frame, self.bounds_at(index, frame))).collect();
-                let [min, max] = thickened(window.smooth(&neighbours, now)?, MIN_SIDE);
-                Some(ScreenBox::new(ScreenPoint(min.into()), ScreenPoint(max.into())))
-            }
-        }
-    }
-
-    pub(super) fn bounds_of(&self, layer: usize, pose: &Pose, mesh: &ScreenMesh, camera: &Camera) -> Option<ScreenBox> {
-        let reach = reach_of_frame(self.shot.size);
-        let extent = Extent { parts: &self.parts_of_layer[layer], near: camera.near(), reach };
-        bounds(&self.scene, pose, mesh, extent)
-    }
-}
-
-/// What a pin takes along; `diagonal` of the lattice's box.
-pub(super) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
-    let unit = match pin.unit {
-        OffsetUnit::Frame => 1.0,
-        OffsetUnit::Box => diagonal,
-    };
-    pin.region.map(|region| Region { radius: region.radius * unit, grip: region.grip, starch: region.starch })
-}
-
-/// Weight of a pin that fades: in powers of ten, down to where the shape holds the pin and not the pin the shape.
-pub(super) fn faded_weight(presence: f64) -> f64 {
-    10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - presence))
-}
-
-/// Lower left and upper right corner.
-pub(super) fn corners(bounds: ScreenBox) -> [[f64; 2]; 2] {
-    [bounds.min.0.to_array(), bounds.max.0.to_array()]
-}
-
-/// Where the layer's keys move handles of its grid.
-pub(super) fn moved_handles(layer: &Layer, grid: &Grid<2>, targets: &PinTargets) -> Vec<HandlePin<2>> {
-    let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 3])| {
-        let index = track.index[0] + grid.dims[0] * track.index[1];
-        let rest = grid.rest_handle(index);
-        HandlePin { index, target: [0, 1].map(|d| rest[d] + offset[d] * grid.size(d)) }
-    };
-    layer.handles.iter().zip(&targets.handles).map(handle).collect()
-}
-
-/// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
-/// before. The report tells what is left of the warp; `pins` are rest points and targets.
-pub(super) fn fade<const D: usize>(
-    solution: &mut Solution<D>,
-    (solver, pins): (&Solver<D>, &[[[f64; D]; 2]]),
-    presence: f64,
-) {
-    let Solution { lattice, report } = solution;
-    let rest = lattice.grid.rest_handles();
-    for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
-        *handle = std::array::from_fn(|axis| rest[axis] + (handle[axis] - rest[axis]) * presence);
-    }
-    let off_by = |[at, target]: &[[f64; D]; 2]| {
-        let image = lattice.displace(*at);
-        (0..D).map(|axis| (image[axis] - target[axis]).powi(2)).sum::<f64>().sqrt()
-    };
-    report.pin_errors = pins.iter().map(off_by).collect();
-    let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
-    let miss = |(pin, &distance): (usize, &f64)| PinMiss { pin, distance, reason: MissReason::Fading };
-    report.pin_misses = off.map(miss).collect();
-    let folds = solver.folds(lattice);
-    report.folded_cells = folds.cells.len();
-    report.folded_model_cells = folds.occupied_count;
-    report.least_cell_det = folds.least_det;
-    *report = unmeasured(std::mem::take(report));
-}
-
-/// A report whose distortion says "not measured", not "none".
-pub(super) fn unmeasured(report: SolveReport) -> SolveReport {
-    SolveReport { least_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
 }

@@ -3,8 +3,8 @@
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
 use super::follow::{Bounds, KeptBounds};
-use super::moment::corners;
 use super::passes::mid_shutter;
+use super::screen_layer::corners;
 use super::transfer::{self, Loaded};
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting, stiffness};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};

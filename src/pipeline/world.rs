@@ -3,8 +3,8 @@
 //! In: a pose and its camera. Out: the lattice of each world layer, and the pose with its meshes moved.
 
 use super::anchors::presence;
+use super::fading::{fade, faded_weight, region};
 use super::follow::{Bounds, FollowWindow, thickened, union};
-use super::moment::{fade, faded_weight, region};
 use super::{LayerState, PinState, PipelineError, Setup};
 use crate::lattice::{BoxFrame, Grid, SceneLattice};
 use crate::pose::{Pose, PosedPart};
