@@ -35,19 +35,6 @@ impl Gram {
         &mut self.rows[start..start + self.count]
     }
 
-    /// Σ ‖row · P‖² over all rows; `values`: P, as many as columns.
-    pub(crate) fn energy<const D: usize>(&self, values: &[[f64; D]]) -> f64 {
-        let column = |(b, own): (usize, &[f64; D])| {
-            let below = self.below(b);
-            let mut sum = own.map(|x| 0.5 * below[0] * x);
-            for (factor, other) in below[1..].iter().zip(&values[b + 1..]) {
-                (0..D).for_each(|d| sum[d] += factor * other[d]);
-            }
-            2.0 * (0..D).map(|d| sum[d] * own[d]).sum::<f64>()
-        };
-        values.iter().enumerate().map(column).sum()
-    }
-
     /// Column b of the Gram matrix, from its diagonal on.
     pub(crate) fn below(&self, b: usize) -> &[f64] {
         &self.sums[b * self.width + b..b * self.width + self.count]

@@ -3,6 +3,7 @@
 //! lp-FFD: Fukusato, Maejima and Igarashi 2024, <https://arxiv.org/abs/2405.07450>.
 
 mod anderson;
+mod bend;
 mod check;
 mod cholesky;
 mod constraints;

@@ -8,13 +8,13 @@ use super::iterate::{Iteration, Run, SAFEGUARD, largest_step};
 use super::matrix::Factor;
 
 /// Local-global steps before Newton's, at most: they turn parts as far as no tangent reaches.
-const FIRST_STEPS: usize = 6;
+const FIRST_STEPS: usize = 12;
 
 /// The same where matrices are dense: a factorisation costs as much as a hundred local-global steps there.
 const PATIENT_STEPS: usize = 40;
 
 /// A local-global step this small (in box diagonals) needs no more of them.
-const NEAR: f64 = 1e-2;
+const NEAR: f64 = 1e-3;
 
 /// A step this small (in box diagonals) is rounding: the state rests, however flat the energy is there. The first step
 /// from the rigid fit may be as large as the tolerance: where all pins move as one, so do the parts that nearly nothing holds.

@@ -2,6 +2,7 @@
 //!
 //! In: the grid and the handles that are moved by hand. Out: least-squares rows, and for `affine` a projector.
 
+use super::bend::bend;
 use super::matrix::Normal;
 use super::rows::RowSet;
 use super::{Regularizer, Scaling};
@@ -158,43 +159,4 @@ pub(crate) fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D>
         }
     }
     rows
-}
-
-/// Σ |Δaa|² + 2 Σ |Δab|²: second differences along axes, mixed ones for every pair of axes.
-///
-/// Dimensionless: s²·(mean |Δaa|²/ha⁴ + 2 mean |Δab|²/(ha²hb²)), s the box diagonal, ha the handle distance,
-/// which tends to s² times the mean squared second derivative whatever the dims.
-fn bend<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D> {
-    let mut rows = RowSet::new();
-    for a in 0..D {
-        for b in a..D {
-            let stencil = stencil(grid, a, b);
-            let reach: [usize; D] = std::array::from_fn(|axis| usize::from(axis == a) + usize::from(axis == b));
-            let starts: Vec<usize> = (0..grid.handle_count())
-                .filter(|&index| (0..D).all(|axis| grid.place(index)[axis] + reach[axis] < grid.dims[axis]))
-                .collect();
-            let share = if a == b { 1.0 } else { 2.0 };
-            let weight = match scaling {
-                Scaling::Plain => share,
-                Scaling::Dimensionless => {
-                    let cell = grid.pitch(a) * grid.pitch(b);
-                    share * (grid.diagonal() / cell).powi(2) / starts.len().max(1) as f64
-                }
-            };
-            for start in starts {
-                rows.push(weight, stencil.iter().map(|&(step, c)| (start + step, c)), [0.0; D]);
-            }
-        }
-    }
-    rows
-}
-
-/// Index steps and coefficients of one second difference.
-fn stencil<const D: usize>(grid: &Grid<D>, a: usize, b: usize) -> Vec<(usize, f64)> {
-    let (along, across) = (grid.stride(a), grid.stride(b));
-    if a == b {
-        vec![(0, 1.0), (along, -2.0), (2 * along, 1.0)]
-    } else {
-        vec![(0, 1.0), (along, -1.0), (across, -1.0), (along + across, 1.0)]
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a shape, pins with regions. Out: multiples of the stiffness 1 that everything has by itself.
 
-use super::energy::fade;
+use super::bend::fade;
 use super::small::{area_of, dot, minus};
 use super::{PointPin, Shape};
 

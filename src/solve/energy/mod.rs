@@ -15,7 +15,7 @@ mod vertices;
 
 pub(crate) use area::Area;
 pub(crate) use neighbours::{HalfEdges, half_edges};
-pub(crate) use patches::{Patched, fade};
+pub(crate) use patches::Patched;
 
 use super::matrix::Normal;
 use super::samples::{Sample, centroid_samples, subcell_samples};

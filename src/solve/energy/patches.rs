@@ -1,16 +1,17 @@
 //! Neighbourhoods of pins: a disc that stays smooth, so that a pin pulls a bulge and not a spike, and regions that move
 //! with their pin as one piece.
 //!
-//! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a Σ_k ω_k ‖J_k − J̄‖² + g ‖J̄ − R‖²).
-//! J_k is the lattice's gradient at points x_k spread over the disc, J̄ their ω-mean, R the rotation nearest to it.
+//! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²).
+//! H is the second derivative around the pin, J̄ the mean gradient over the region, R the rotation nearest to it.
 
 use super::area::{turn, turned_row};
 use super::{Distortion, Quality, Turns};
 use crate::lattice::Grid;
-use crate::solve::gram::{Gram, Sum};
+use crate::solve::bend::{SecondDifferences, bend_around, fade};
 use crate::solve::matrix::Normal;
-use crate::solve::packs::{dispatch, span};
-use crate::solve::small::{Square, best_rotation, minus};
+use crate::solve::packs::span;
+use crate::solve::rows::RowSet;
+use crate::solve::small::{Square, best_rotation};
 use crate::solve::{PointPin, Settings};
 
 /// Radii of the rings (2D: circles, 3D: spheres) as parts of the disc's; they see cubics, the pieces of a B-spline.
@@ -38,20 +39,12 @@ struct Piece<const D: usize> {
     weight: f64,
 }
 
-/// Σ_k ω_k ‖J_k − J̄‖² of one neighbourhood as a quadratic form.
-#[derive(Clone, Debug)]
-struct Disc {
-    /// Ascending.
-    handles: Vec<usize>,
-    form: Gram,
-    weight: f64,
-}
-
 /// A distortion with the neighbourhoods of its pins.
 #[derive(Debug)]
 pub(crate) struct Patched<const D: usize> {
     shape: Box<dyn Distortion<D>>,
-    discs: Vec<Disc>,
+    /// Each with its weight.
+    discs: Vec<(f64, RowSet<D>)>,
     pieces: Vec<Piece<D>>,
 }
 
@@ -69,23 +62,24 @@ impl<const D: usize> Patched<D> {
         }
         let mass = shape.mass();
         let mut patched = Self { shape, discs: Vec::new(), pieces: Vec::new() };
+        let kinds = SecondDifferences::of(grid);
         for spec in &specs {
-            patched.add(grid, spec, mass * (spec.radius / grid.diagonal()).powi(2));
+            patched.add((grid, &kinds), spec, mass * (spec.radius / grid.diagonal()).powi(2));
         }
         Box::new(patched)
     }
 
     fn disc_energy(&self, handles: &[[f64; D]]) -> f64 {
-        self.discs.iter().map(|disc| disc.energy(handles)).sum()
+        self.discs.iter().map(|(weight, rows)| weight * rows.energy(handles)).sum()
     }
 
-    fn add(&mut self, grid: &Grid<D>, spec: &Spec<D>, size: f64) {
-        let Gradients { handles, form, mean } = Gradients::over(grid, &pattern(grid, spec));
+    fn add(&mut self, (grid, kinds): (&Grid<D>, &[SecondDifferences<D>]), spec: &Spec<D>, size: f64) {
         if spec.rigid > 0.0 {
-            let mean = handles.iter().copied().zip(mean).collect();
-            self.pieces.push(Piece { mean, weight: size * spec.rigid });
+            self.pieces.push(Piece { mean: mean_gradient(grid, &pattern(grid, spec)), weight: size * spec.rigid });
         }
-        self.discs.push(Disc { handles, form, weight: size * spec.affine });
+        // Of a field with one second derivative H all over, Σ_k ω_k ‖J_k − J̄‖² is ‖H‖² r² / (D + 6) for this fade.
+        let spread = spec.radius.powi(2) / (D + 6) as f64;
+        self.discs.push((size * spec.affine * spread, bend_around(kinds, grid, (spec.at, spec.radius))));
     }
 }
 
@@ -115,53 +109,16 @@ fn share_of_disc<const D: usize>(grid: &Grid<D>, settings: &Settings) -> f64 {
     (settings.disc.radius * grid.diagonal() / pitch).min(1.0).powi(6)
 }
 
-/// ∇W at the points of a pattern.
-struct Gradients<const D: usize> {
-    /// Handles that act anywhere in it, ascending.
-    handles: Vec<usize>,
-    /// Gram matrix of √ω_k (∇_a W(x_k) − mean), a row a point and axis, #handles each.
-    form: Gram,
-    /// Σ ω_k ∇W(x_k), #handles.
-    mean: Vec<[f64; D]>,
-}
-
-impl<const D: usize> Gradients<D> {
-    fn over(grid: &Grid<D>, points: &[([f64; D], f64)]) -> Self {
-        let mut terms = Vec::new();
-        for (number, (point, _)) in points.iter().enumerate() {
-            grid.visit(*point, |term| terms.push((number, term.handle, term.gradient)));
-        }
-        let mut places = vec![usize::MAX; grid.handle_count()];
-        terms.iter().for_each(|term| places[term.1] = 0);
-        let handles: Vec<usize> = (0..places.len()).filter(|&handle| places[handle] == 0).collect();
-        handles.iter().enumerate().for_each(|(place, &handle)| places[handle] = place);
-        let mut mean = vec![[0.0; D]; handles.len()];
-        for (number, handle, gradient) in &terms {
-            let slots = mean[places[*handle]].iter_mut().zip(gradient);
-            slots.for_each(|(slot, x)| *slot += points[*number].1 * x);
-        }
-        let mut form = Gram::default();
-        form.clear(handles.len());
-        for terms in terms.chunk_by(|a, b| a.0 == b.0) {
-            let root = points[terms[0].0].1.sqrt();
-            for axis in 0..D {
-                let row = form.push();
-                row.iter_mut().zip(&mean).for_each(|(slot, mean)| *slot = -root * mean[axis]);
-                terms.iter().for_each(|(_, handle, gradient)| row[places[*handle]] += root * gradient[axis]);
-            }
-        }
-        dispatch(Sum(&mut form));
-        Self { handles, form, mean }
+/// Σ ω_k ∇W(x_k) over the points of a pattern: handles, ascending, and their gradients.
+fn mean_gradient<const D: usize>(grid: &Grid<D>, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])> {
+    let mut mean = std::collections::BTreeMap::new();
+    for (point, share) in points {
+        grid.visit(*point, |term| {
+            let slot = mean.entry(term.handle).or_insert([0.0; D]);
+            (0..D).for_each(|axis| slot[axis] += share * term.gradient[axis]);
+        });
     }
-}
-
-impl Disc {
-    fn energy<const D: usize>(&self, handles: &[[f64; D]]) -> f64 {
-        // From one of them on: the form does not see a shift, but rounding would.
-        let first = handles[self.handles[0]];
-        let local: Vec<[f64; D]> = self.handles.iter().map(|&handle| minus(&handles[handle], &first)).collect();
-        self.weight * self.form.energy(&local)
-    }
+    mean.into_iter().collect()
 }
 
 impl<const D: usize> Piece<D> {
@@ -193,17 +150,13 @@ impl<const D: usize> Distortion<D> for Patched<D> {
 
     fn reach(&self) -> usize {
         let pieces = self.pieces.iter().filter_map(|piece| span(piece.mean.iter().map(|entry| entry.0)));
-        pieces.fold(
-            self.shape
-                .reach()
-                .max(self.discs.iter().filter_map(|disc| span(disc.handles.iter().copied())).max().unwrap_or(0)),
-            usize::max,
-        )
+        let discs = self.discs.iter().map(|(_, rows)| rows.reach());
+        pieces.chain(discs).fold(self.shape.reach(), usize::max)
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
         self.shape.add_normal(scale, normal);
-        self.discs.iter().for_each(|disc| normal.add_gram(scale * disc.weight, &disc.handles, &disc.form));
+        self.discs.iter().for_each(|(weight, rows)| rows.add_normal(scale * weight, normal));
         for piece in &self.pieces {
             for axis in 0..D {
                 normal.add_row(scale * piece.weight, piece.mean.iter().map(|(handle, mean)| (*handle, mean[axis])));
@@ -269,11 +222,6 @@ fn pattern<const D: usize>(grid: &Grid<D>, spec: &Spec<D>) -> Vec<([f64; D], f64
     let total: f64 = points.iter().map(|point| point.1).sum();
     points.iter_mut().for_each(|point| point.1 /= total);
     points
-}
-
-/// 1 at the pin, 0 at the rim and beyond, C1: (1 − t²)², t the distance in radii.
-pub(crate) fn fade(t: f64) -> f64 {
-    (1.0 - t * t).max(0.0).powi(2)
 }
 
 /// Evenly spread unit vectors: eight around a circle; the corners and face middles of a cube.
