@@ -33,7 +33,7 @@ pub(super) fn build<const D: usize>(
     let lines = shape.strokes.iter().map(|stroke| Line::of(shape, stroke));
     let lines: Vec<Line<D>> = match settings.sampling {
         Sampling::Centroids => lines.collect(),
-        Sampling::Subcells => lines.flat_map(|line| line.resampled(spacing(grid)).inside(grid)).collect(),
+        Sampling::Subcells => lines.flat_map(|line| line.resampled(spacing(grid), grid)).collect(),
     };
     let (mut points, mut edges, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for line in lines {
@@ -41,11 +41,17 @@ pub(super) fn build<const D: usize>(
         samples.extend(line.samples());
         points.extend(line.points);
     }
+    let (mut plain, mut starched) = (0.0, 0.0);
     for SetEdge { ends, weight, .. } in &mut edges {
         let [a, b] = ends.map(|end| &points[end]);
-        *weight *= starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d])));
+        let (edge, starch) = (minus(a, b), starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d]))));
+        plain += *weight * dot(&edge, &edge);
+        *weight *= starch;
+        starched += *weight * dot(&edge, &edge);
     }
-    EdgeSets::new(Vertices::new(grid, points), edges, Seen::Samples(Area::new(grid, &samples)))
+    let mean_stiffness = if plain > 0.0 && starched > 0.0 { starched / plain } else { 1.0 };
+    let sets = EdgeSets::new(Vertices::new(grid, points), edges, Seen::Samples(Area::new(grid, &samples)));
+    sets.of_mean_stiffness(mean_stiffness)
 }
 
 /// Distance of points on resampled lines: the shortest side of a sub-cell.
@@ -80,34 +86,27 @@ impl<const D: usize> Line<D> {
         std::iter::once(0.0).chain(segments).collect()
     }
 
-    /// Points at even distances along the line, `spacing` or less; how the line was drawn makes no difference then.
-    fn resampled(self, spacing: f64) -> Self {
-        let lengths = self.lengths();
-        let total = lengths.last().copied().unwrap_or(0.0);
-        if total <= 0.0 {
-            return self;
+    /// Runs of points inside the box, at even distances along the line, `spacing` or less; how the line was drawn makes
+    /// no difference then. The lattice says nothing about what lies outside: it costs nothing either.
+    fn resampled(&self, spacing: f64, grid: &Grid<D>) -> Vec<Self> {
+        let Some(places) = Places::along(self, spacing) else { return Vec::new() };
+        let mut runs: Vec<Run<D>> = Vec::new();
+        for (step, point) in (1..places.corners.len()).flat_map(|next| places.inside(next, grid)) {
+            match runs.last_mut() {
+                Some(run) if step == run.last + 1.0 => {
+                    run.last = step;
+                    run.points.push(point);
+                }
+                Some(run) if step <= run.last => {}
+                _ => runs.push(Run { first: step, last: step, points: vec![point] }),
+            }
         }
-        let count = (total / spacing).ceil().max(2.0 * RINGS as f64);
-        let corners: Vec<&[f64; D]> = self.corners().collect();
-        let steps = if self.is_closed { 0..count as usize } else { 0..count as usize + 1 };
-        let point = |step: usize| {
-            let at = total * (step as f64 / count);
-            let next = lengths.partition_point(|&length| length <= at).clamp(1, corners.len() - 1);
-            let share = (at - lengths[next - 1]) / (lengths[next] - lengths[next - 1]).max(f64::MIN_POSITIVE);
-            let share = share.min(1.0);
-            std::array::from_fn(|d| corners[next - 1][d] + share * (corners[next][d] - corners[next - 1][d]))
-        };
-        Self { points: steps.map(point).collect(), is_closed: self.is_closed }
-    }
-
-    /// The runs of points inside the box: the lattice says nothing about those outside.
-    fn inside(self, grid: &Grid<D>) -> Vec<Self> {
-        let is_inside = |point: &[f64; D]| grid.nearest_in_box(*point) == *point;
-        if self.points.iter().all(is_inside) {
-            return vec![self];
+        let is_whole = self.is_closed && runs.iter().map(|run| run.points.len()).sum::<usize>() as f64 == places.count;
+        if self.is_closed && !is_whole {
+            join_ends(&mut runs, places.count);
         }
-        let runs = self.points.split(|point| !is_inside(point)).filter(|run| run.len() > 1);
-        runs.map(|run| Self { points: run.to_vec(), is_closed: false }).collect()
+        let runs = runs.into_iter().filter(|run| run.points.len() > 1);
+        runs.map(|run| Self { points: run.points, is_closed: is_whole }).collect()
     }
 
     /// Adds the edges of all sets; points of the line are numbered from `first` on.
@@ -144,5 +143,144 @@ impl<const D: usize> Line<D> {
             };
             Sample { at, area: 0.5 * (before + segment(k)), stiffness: 1.0 }
         })
+    }
+}
+
+/// Even places along a line, counted in steps from its start.
+struct Places<'a, const D: usize> {
+    corners: Vec<&'a [f64; D]>,
+    /// Length of line from the start to every corner.
+    lengths: Vec<f64>,
+    total: f64,
+    /// Steps from end to end, a whole number that may be larger than integers are.
+    count: f64,
+    /// The last step that is no other place: of a closed line, the one before its start.
+    last: f64,
+}
+
+/// Points of steps that follow each other.
+struct Run<const D: usize> {
+    first: f64,
+    last: f64,
+    points: Vec<[f64; D]>,
+}
+
+impl<'a, const D: usize> Places<'a, D> {
+    /// `None` for lines without length, or longer than numbers reach.
+    fn along(line: &'a Line<D>, spacing: f64) -> Option<Self> {
+        let lengths = line.lengths();
+        let total = *lengths.last()?;
+        let count = (total / spacing).ceil().max(2.0 * RINGS as f64);
+        let last = if line.is_closed { count - 1.0 } else { count };
+        let is_finite = total > 0.0 && count.is_finite();
+        is_finite.then(|| Self { corners: line.corners().collect(), lengths, total, count, last })
+    }
+
+    /// Steps on the segment that ends at corner `next`, and their places, as far as they lie in the box.
+    fn inside(&self, next: usize, grid: &Grid<D>) -> impl Iterator<Item = (f64, [f64; D])> {
+        let (start, end) = (self.lengths[next - 1], self.lengths[next]);
+        let step_at = |share: f64| (start + share * (end - start)) / self.total * self.count;
+        // One more on each side: where a segment enters the box is rounded.
+        let shares = clipped([self.corners[next - 1], self.corners[next]], grid);
+        let range = shares.map(|[from, to]| [(step_at(from).floor() - 1.0).max(0.0), step_at(to).ceil() + 1.0]);
+        let [first, last] = range.unwrap_or([1.0, 0.0]);
+        // Of lines so long that steps are below rounding, no more than fit into the box.
+        let most = grid.diagonal() / self.total * self.count + 4.0;
+        let steps = (last.min(self.last) - first + 1.0).clamp(0.0, most) as usize;
+        (0..steps).filter_map(move |k| {
+            let step = first + k as f64;
+            let (owner, place) = self.at(step);
+            (owner == next && grid.nearest_in_box(place) == place).then_some((step, place))
+        })
+    }
+
+    /// The place of a step, and the corner at which its segment ends.
+    fn at(&self, step: f64) -> (usize, [f64; D]) {
+        let along = self.total * (step / self.count);
+        let next = self.lengths.partition_point(|&length| length <= along).clamp(1, self.corners.len() - 1);
+        let [before, length] = [next - 1, next].map(|corner| self.lengths[corner]);
+        let share = ((along - before) / (length - before).max(f64::MIN_POSITIVE)).min(1.0);
+        let [from, to] = [self.corners[next - 1], self.corners[next]];
+        (next, std::array::from_fn(|d| from[d] + share * (to[d] - from[d])))
+    }
+}
+
+/// A closed line that leaves the box is cut open outside, not where it happens to start.
+fn join_ends<const D: usize>(runs: &mut Vec<Run<D>>, count: f64) {
+    let starts_inside = runs.first().is_some_and(|run| run.first == 0.0);
+    let ends_inside = runs.last().is_some_and(|run| run.last == count - 1.0);
+    if starts_inside && ends_inside && runs.len() > 1 {
+        let start = runs.remove(0);
+        runs.last_mut().expect("there were two").points.extend(start.points);
+    }
+}
+
+/// From where to where a segment runs through the box, as shares of it (Y.-D. Liang and B. Barsky, 1984).
+fn clipped<const D: usize>([from, to]: [&[f64; D]; 2], grid: &Grid<D>) -> Option<[f64; 2]> {
+    let mut shares = [0.0_f64, 1.0_f64];
+    for axis in 0..D {
+        let by = to[axis] - from[axis];
+        if by == 0.0 {
+            if !(grid.lo[axis]..=grid.hi[axis]).contains(&from[axis]) {
+                return None;
+            }
+            continue;
+        }
+        let [low, high] = [grid.lo[axis], grid.hi[axis]].map(|bound| (bound - from[axis]) / by);
+        shares = [shares[0].max(low.min(high)), shares[1].min(low.max(high))];
+    }
+    (shares[0] <= shares[1]).then_some(shares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Distortion;
+    use super::*;
+    use crate::lattice::Basis;
+    use crate::solve::Region;
+
+    fn grid() -> Grid<2> {
+        Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] }
+    }
+
+    fn line(points: &[[f64; 2]], is_closed: bool) -> Line<2> {
+        Line { points: points.to_vec(), is_closed }
+    }
+
+    #[test]
+    fn lines_far_longer_than_the_box_cost_what_lies_inside() {
+        for far in [5.0, 1e9, 1e40, 1e150] {
+            let runs = line(&[[-far, 0.4], [far, 0.4], [far, far]], false).resampled(0.1, &grid());
+            assert!(runs.len() <= 20 && runs.iter().map(|run| run.points.len()).sum::<usize>() < 40, "{far}");
+        }
+        // The steps are counted from the start of the line, wherever it enters.
+        let [run] = &line(&[[-0.53, 0.5], [3.47, 0.5]], false).resampled(0.1, &grid())[..] else { panic!("one run") };
+        assert_eq!(run.points.len(), 10);
+        let is_even = |(k, point): (usize, &[f64; 2])| (point[0] - (0.07 + 0.1 * k as f64)).abs() < 1e-12;
+        assert!(run.points.iter().enumerate().all(is_even), "{:?}", run.points);
+    }
+
+    #[test]
+    fn closed_lines_are_cut_where_they_are_outside() {
+        // Its first corner lies inside, the third far outside.
+        let corners = [[0.3, 0.3], [0.7, 0.3], [0.5, 1.9]];
+        let [run] = &line(&corners, true).resampled(0.05, &grid())[..] else { panic!("one run") };
+        assert!(!run.is_closed && run.points.len() > 30);
+        assert!([run.points[0], run.points[run.points.len() - 1]].iter().all(|end| end[1] > 0.9), "{:?}", run.points);
+        let step = |pair: &[[f64; 2]]| (pair[0][0] - pair[1][0]).hypot(pair[0][1] - pair[1][1]);
+        assert!(run.points.windows(2).all(|pair| step(pair) < 0.051));
+        let inside = [[0.3, 0.3], [0.7, 0.3], [0.5, 0.9]];
+        let [run] = &line(&inside, true).resampled(0.05, &grid())[..] else { panic!("one run") };
+        assert!(run.is_closed && run.points.len() == 34, "{}", run.points.len());
+    }
+
+    #[test]
+    fn starch_leaves_the_rest_as_stiff_as_it_was() {
+        let points = vec![[0.1, 0.5], [0.5, 0.55], [0.9, 0.5]];
+        let shape = Shape { points, strokes: vec![vec![0, 1, 2]], ..Shape::default() };
+        let region = Region { radius: 0.2, grip: 0.0, starch: 50.0 };
+        let pin = PointPin { region: Some(region), ..PointPin::new([0.1, 0.5], [0.1, 0.5]) };
+        let mass = |pins: &[PointPin<2>]| build(&grid(), &shape, pins, &Settings::default()).mass();
+        assert!((mass(&[pin]) / mass(&[]) - 1.0).abs() < 1e-12, "{} {}", mass(&[pin]), mass(&[]));
     }
 }
