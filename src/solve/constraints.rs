@@ -41,7 +41,8 @@ pub(crate) struct Constraints {
     held: Vec<Held>,
     /// A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺, #rows times #handles: how the handles answer to a miss of 1.
     answers: Vec<f64>,
-    /// The row that a row depends on most, where they cannot all hold.
+    /// The row of another pin or handle that a row depends on most, where they cannot all hold; its own number where only
+    /// rows of its own pin stand against it.
     partners: Vec<Option<usize>>,
 }
 
@@ -75,7 +76,7 @@ impl Constraints {
                 answer.iter_mut().zip(response).for_each(|(slot, x)| *slot += factor * x);
             }
         }
-        Self { partners: partners(&dropped, held.len()), held, answers }
+        Self { partners: partners(&dropped, &held), held, answers }
     }
 
     /// Brings the handles of a linear solve onto all rows. `misses` is scratch space.
@@ -94,13 +95,11 @@ impl Constraints {
         }
     }
 
-    /// The other pin or handle that keeps a pin from its target.
+    /// The other pin or handle that keeps a pin from its target; the pin itself where its own rows do.
     pub(crate) fn rival(&self, pin: usize) -> Option<Holder> {
-        let partner = self.rows_of(pin).find_map(|row| self.partners[row])?;
-        Some(match self.held[partner] {
-            Held::Pin { pin, .. } => Holder::Pin(pin),
-            Held::Handle { row } => Holder::Handle(row),
-        })
+        let mut rivals = self.rows_of(pin).filter_map(|row| Some(self.held[self.partners[row]?].holder()));
+        let first = rivals.next()?;
+        Some(std::iter::once(first).chain(rivals).find(|rival| *rival != Holder::Pin(pin)).unwrap_or(first))
     }
 
     fn rows_of(&self, wanted: usize) -> impl Iterator<Item = usize> + '_ {
@@ -110,6 +109,13 @@ impl Constraints {
 }
 
 impl Held {
+    fn holder(self) -> Holder {
+        match self {
+            Self::Pin { pin, .. } => Holder::Pin(pin),
+            Self::Handle { row } => Holder::Handle(row),
+        }
+    }
+
     fn entries<const D: usize>(self, terms: &Terms<D>) -> &[(usize, f64)] {
         match self {
             Self::Pin { row, .. } => terms.pins.row(row),
@@ -154,12 +160,38 @@ fn respond<const D: usize>(factor: &Factor, terms: &Terms<D>, rows: &[Held], col
     }
 }
 
-/// For each row that has a share in the directions left out, the row it shares most with.
-fn partners(dropped: &[f64], count: usize) -> Vec<Option<usize>> {
+/// For each row that has a share in the directions left out, the row of another pin or handle it shares most with, or
+/// itself where there is none.
+fn partners(dropped: &[f64], held: &[Held]) -> Vec<Option<usize>> {
     let of = |(row, shares): (usize, &[f64])| {
-        let others = (0..count).filter(|&other| other != row);
+        let others = (0..held.len()).filter(|&other| held[other].holder() != held[row].holder());
+        let others = others.filter(|&other| shares[other].abs() > SHARE);
         let nearest = others.reduce(|best, other| if shares[other].abs() > shares[best].abs() { other } else { best });
-        nearest.filter(|_| shares[row] > SHARE)
+        (shares[row] > SHARE).then(|| nearest.unwrap_or(row))
     };
-    dropped.chunks_exact(count.max(1)).enumerate().map(of).collect()
+    dropped.chunks_exact(held.len().max(1)).enumerate().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pin_is_its_own_rival_only_where_nobody_else_is() {
+        let row = |row: usize, pin: usize| Held::Pin { row, pin };
+        // Two pins with a place and two axes each; rows along the diagonal share with those named.
+        let held: Vec<Held> = (0..6).map(|k| row(k, k / 3)).collect();
+        let mut dropped = vec![0.0; 36];
+        let mut share = |a: usize, b: usize, x: f64| [6 * a + b, 6 * b + a].into_iter().for_each(|k| dropped[k] = x);
+        [(0, 0, 0.5), (0, 1, 0.4), (0, 4, 0.1), (1, 1, 0.5), (4, 4, 0.1)]
+            .into_iter()
+            .for_each(|(a, b, x)| share(a, b, x));
+        let constraints = Constraints { partners: partners(&dropped, &held), held: held.clone(), answers: Vec::new() };
+        assert_eq!(constraints.partners, [Some(4), Some(1), None, None, Some(0), None]);
+        assert_eq!([0, 1].map(|pin| constraints.rival(pin)), [Some(Holder::Pin(1)), Some(Holder::Pin(0))]);
+        let alone: Vec<f64> =
+            dropped.iter().enumerate().map(|(k, x)| if k % 6 < 3 && k / 6 < 3 { *x } else { 0.0 }).collect();
+        let constraints = Constraints { partners: partners(&alone, &held), held, answers: Vec::new() };
+        assert_eq!([0, 1].map(|pin| constraints.rival(pin)), [Some(Holder::Pin(0)), None]);
+    }
 }

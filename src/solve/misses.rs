@@ -28,6 +28,8 @@ pub enum MissReason {
     Conflict(Holder),
     /// It lies outside the box, where the nearest box point stands for it, and another holds that point.
     Outside(Holder),
+    /// It alone asks for more than the handles around it can do: its place and its rotation and scale.
+    Overloaded,
     /// It fades out: its weight is below 1.
     Fading,
     /// Pins are soft in these settings: the shape pulls it back.
@@ -61,6 +63,11 @@ impl MissReason {
                          box or remove one"
                 )
             }
+            Self::Overloaded => {
+                "its place and its rotation and scale together are more than its cell of the lattice can do; \
+                                 use more handles, or let it hold its place alone"
+                    .into()
+            }
             Self::Fading => "it fades out near the camera".into(),
             Self::Soft => "pins are soft in these settings; use hard pins or a larger weight".into(),
             Self::Guard => "it was walked back so that nothing folds".into(),
@@ -92,6 +99,7 @@ impl<const D: usize> Evidence<'_, D> {
         let [lo, hi] = self.bounds;
         let is_outside = (0..D).any(|axis| !(lo[axis]..=hi[axis]).contains(&pin.at[axis]));
         match self.constraints.rival(index) {
+            Some(Holder::Pin(rival)) if rival == index => MissReason::Overloaded,
             Some(rival) if is_outside => MissReason::Outside(rival),
             Some(rival) => MissReason::Conflict(rival),
             None if pin.weight < 1.0 => MissReason::Fading,
