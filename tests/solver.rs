@@ -335,6 +335,28 @@ fn large_lattices_solve() {
 }
 
 #[test]
+fn the_last_energies_are_those_of_the_result() {
+    // Soft pins miss, by what the energies say they do.
+    let shape = strip(20);
+    let pins = [(0, [0.1, 0.1]), (1, [0.2, 0.2]), (40, [0.5, 0.9]), (41, [0.6, 0.95])];
+    let pin = |&(vertex, target): &(usize, [f64; 2])| serde_json::json!({ "vertex": vertex, "target": target });
+    let problem = serde_json::json!({
+        "dims": [7, 7], "bbox": [[0, 0], [1, 1]], "vertices": shape.points, "triangles": shape.triangles,
+        "lambdas": { "ml": 1, "mp": 1, "gr": 0.001 }, "form": "quad", "regulariser": "bend",
+        "pins": pins.iter().map(pin).collect::<Vec<_>>(),
+    });
+    let result = pinwarp::solve::problem::run_text(&problem.to_string()).expect("a valid problem");
+    let misses = pins.iter().map(|&(vertex, target)| {
+        let at = &result.vertices[vertex];
+        (at[0] - target[0]).powi(2) + (at[1] - target[1]).powi(2)
+    });
+    let (found, expected) = (result.energies.last().expect("steps").mp, misses.sum::<f64>());
+    assert!(expected > 1e-6 && (found / expected - 1.0).abs() < 1e-9, "{found:e} {expected:e} {}", result.iterations);
+    // As many as steps, but for those that were taken back.
+    assert!(result.energies.len() > 3 && result.energies.len() <= result.iterations + 1, "{}", result.energies.len());
+}
+
+#[test]
 fn malformed_problems_are_refused_in_words() {
     let (grid, shape, settings) = (grid(6, Basis::Bspline), strip(20), Settings::default());
     let refuse = |grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], handles: &[HandlePin<2>]| -> String {

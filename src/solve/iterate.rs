@@ -57,8 +57,14 @@ pub struct Energies {
 impl<const D: usize> Iteration<'_, D> {
     /// Iterates to the tolerance or the limit.
     ///
-    /// `observe` sees the terms after every linear solve, under the rotations it was solved with.
+    /// `observe` sees the terms after every local-global step, under the rotations it was solved with, then at every place
+    /// that Newton's method takes, under the best rotations; at last those of the handles that come out.
     pub(crate) fn run(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Run<D> {
+        let mut tell = |handles: &[[f64; D]], turned_at: &[[f64; D]]| {
+            if let Some(observe) = &mut observe {
+                observe(self.energies(handles, turned_at));
+            }
+        };
         let constant = self.constant_right_side();
         let mut anderson = Anderson::new(self.settings.acceleration);
         let mut state = self.first.map_or_else(|| self.start.clone(), <[_]>::to_vec);
@@ -80,11 +86,9 @@ impl<const D: usize> Iteration<'_, D> {
             last_energy = energy;
             self.factor.solve(&mut next);
             self.constraints.enforce(self.terms, &mut misses, &mut next);
-            if let Some(observe) = &mut observe {
-                observe(self.energies(&next, &state));
-            }
+            tell(&next, &state);
             let step = largest_step(&state, &next);
-            if let Some(run) = self.newton(&next, Progress { iteration, step }) {
+            if let Some(run) = self.newton(&next, Progress { iteration, step }, &mut |place| tell(place, place)) {
                 return run;
             }
             if step <= self.settings.tolerance * self.diagonal {

@@ -41,8 +41,13 @@ pub(crate) struct Progress {
 
 impl<const D: usize> Iteration<'_, D> {
     /// Goes on from `handles` where it is time to and the energy knows its second derivative; every linear solve counts
-    /// as an iteration.
-    pub(crate) fn newton(&self, handles: &[[f64; D]], progress: Progress) -> Option<Run<D>> {
+    /// as an iteration. `tell` hears of every place that is taken, and of the last one.
+    pub(crate) fn newton(
+        &self,
+        handles: &[[f64; D]],
+        progress: Progress,
+        tell: &mut dyn FnMut(&[[f64; D]]),
+    ) -> Option<Run<D>> {
         let knows = self.settings.acceleration > 0 && self.distortion.knows_turns();
         let rest = if progress.iteration == 1 { self.settings.tolerance } else { AT_REST };
         if !knows || !self.is_time(progress) || progress.step <= rest * self.diagonal {
@@ -53,10 +58,15 @@ impl<const D: usize> Iteration<'_, D> {
         let mut is_converged = false;
         while !is_converged && iterations < self.settings.iteration_limit {
             iterations += 1;
-            is_converged = descent.step() == Step::Last;
+            let step = descent.step();
+            is_converged = step == Step::Last;
+            if step == Step::Taken {
+                tell(&descent.place.handles);
+            }
         }
         let mut handles = descent.place.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
+        tell(&handles);
         Some(Run { handles, iterations, is_converged })
     }
 

@@ -162,7 +162,7 @@ impl<const D: usize> Solver<D> {
         self.run(&Targets { pins: &self.pins, handles: &self.handles, terms: &self.terms }, None)
     }
 
-    /// Like [`Self::solve`]; `observe` sees the energies after every iteration.
+    /// Like [`Self::solve`]; `observe` sees the energies on the way, the last ones are the solution's.
     pub(crate) fn solve_observed(&self, mut observe: impl FnMut(Energies)) -> Solution<D> {
         self.run(&Targets { pins: &self.pins, handles: &self.handles, terms: &self.terms }, Some(&mut observe))
     }

@@ -26,7 +26,8 @@ pub struct ResultFile {
     /// Moved vertices, #vertices.
     #[serde(rename = "V")]
     pub vertices: Vec<Vec<f64>>,
-    /// Terms after each iteration, under the rotations of that iteration.
+    /// Terms after each step that was taken: local-global ones under the rotations they were solved with, Newton's under
+    /// the best ones. The last entry belongs to `P`.
     pub energies: Vec<Energies>,
     /// Distortion of the triangles, rest to `V`.
     pub measures: Measures,
