@@ -2,10 +2,13 @@
 //!
 //! In: bent 15 x 15 lattices. Out: milliseconds in single precision on all threads and on one, and in double precision.
 
+#[path = "support/stopwatch.rs"]
+mod stopwatch;
+
 use pinwarp::lattice::{Basis, DisplayWarp, Grid, Lattice};
 use pinwarp::space::ScreenPoint;
 use std::hint::black_box;
-use std::time::Instant;
+use stopwatch::fastest;
 
 const POINTS: usize = 1_000_000;
 
@@ -15,16 +18,6 @@ fn bent(basis: Basis) -> Lattice<2> {
         *handle = [handle[0] + 0.02 * (k as f64).sin(), handle[1] + 0.02 * (1.3 * k as f64).cos()];
     }
     lattice
-}
-
-/// The fastest of some runs, milliseconds.
-fn fastest(mut run: impl FnMut()) -> f64 {
-    let time = |run: &mut dyn FnMut()| {
-        let start = Instant::now();
-        run();
-        start.elapsed().as_secs_f64() * 1e3
-    };
-    (0..15).map(|_| time(&mut run)).fold(f64::INFINITY, f64::min)
 }
 
 fn main() {
@@ -40,12 +33,13 @@ fn main() {
             moved.copy_from_slice(&points);
             display.warp(black_box(&mut moved));
         };
-        let (all, one) = (fastest(&mut run), alone.install(|| fastest(&mut run)));
+        let (all, one) = (fastest(&mut run).0, alone.install(|| fastest(&mut run)).0);
         let double = fastest(|| {
             for &[x, y] in &points {
                 black_box(lattice.warp(ScreenPoint::new(x.into(), y.into())));
             }
-        });
+        })
+        .0;
         println!("{basis:?}: {all:.1} | {one:.1} | {double:.1}");
     }
 }

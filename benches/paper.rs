@@ -3,14 +3,16 @@
 //! In: `scenes/figures`. Out: Tables 1 and 2 in the paper's layout beside its printed figures; medians over all poses;
 //! with `-- sweep KIND WEIGHTS PADS RADIUS,WEIGHT` those of other regularisers, paddings of the box and discs of pins.
 
+#[path = "support/stopwatch.rs"]
+mod stopwatch;
+
 use pinwarp::compare::{self, Entry};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::{self, Arap, Deformer, House, Paper, inverse_ffd};
 use pinwarp::solve::problem::{Figure, Figures, read_figure};
 use pinwarp::solve::{Disc, Problem, Regularizer, Settings};
-use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
+use stopwatch::fastest;
 
 /// Model, and the paper's milliseconds at 5 x 5, 10 x 10 and 15 x 15: first step of [Sorkine + Noh], second step, ours.
 const TABLE_2: [(&str, f64, [f64; 3], [f64; 3]); 6] = [
@@ -90,18 +92,6 @@ fn all_poses(method: &dyn Deformer<2>, figures: &[Figure<2>]) -> Vec<Entry<2>> {
     poses.map(|problem| entry(method, &problem)).collect()
 }
 
-/// Fastest of at least five runs, milliseconds; other work on the machine only adds.
-fn fastest<T>(mut run: impl FnMut() -> T) -> f64 {
-    let (begin, mut best, mut runs) = (Instant::now(), f64::INFINITY, 0);
-    while runs < 5 || (begin.elapsed().as_secs_f64() < 0.3 && runs < 300) {
-        let start = Instant::now();
-        black_box(run());
-        best = best.min(start.elapsed().as_secs_f64() * 1e3);
-        runs += 1;
-    }
-    best
-}
-
 fn table_2(figures: &[Figure<2>]) {
     println!(
         "\nTable 2. Computation time, one thread, nothing precomputed [ms]; ours, and in brackets the paper's (1.5 GHz)"
@@ -114,15 +104,15 @@ fn table_2(figures: &[Figure<2>]) {
     let preset = Paper { settings: Settings { iteration_limit: 10, tolerance: -1.0, ..Settings::paper() } };
     for (figure, (name, first, second, ours)) in figures.iter().zip(TABLE_2) {
         let pose = &figure.poses[0];
-        let arap = fastest(|| ten.deform(&figure.shape, &pose.pins));
+        let arap = fastest(|| ten.deform(&figure.shape, &pose.pins)).0;
         let moved = ten.deform(&figure.shape, &pose.pins).map(|moved| moved.0).unwrap_or_default();
         for (k, dims) in DIMS.into_iter().enumerate() {
             let own = Grid { dims: [dims; 2], ..figure.grid.clone() };
             let theirs = Grid { basis: Basis::Bernstein, ..own.clone() };
-            let inverse = fastest(|| inverse_ffd(&theirs, &figure.shape.points, &moved, 1e-2));
+            let inverse = fastest(|| inverse_ffd(&theirs, &figure.shape.points, &moved, 1e-2)).0;
             let problem = figure.problem(pose);
-            let paper = fastest(|| preset.deform(&Problem { grid: &theirs, ..problem }));
-            let house = fastest(|| House.deform(&Problem { grid: &own, ..problem }));
+            let paper = fastest(|| preset.deform(&Problem { grid: &theirs, ..problem })).0;
+            let house = fastest(|| House.deform(&Problem { grid: &own, ..problem })).0;
             let (model, count) =
                 if k == 0 { (name, figure.shape.points.len().to_string()) } else { ("", String::new()) };
             let cell = if k == 0 { format!("{arap:6.2} ({first:4.1})") } else { " ".repeat(13) };

@@ -5,13 +5,16 @@
 
 #[path = "support/blob.rs"]
 mod blob;
+#[path = "support/stopwatch.rs"]
+mod stopwatch;
 
-use blob::{blob, fastest, pins};
+use blob::{blob, pins};
 use pinwarp::lattice::{Basis, DisplayWarp, Grid};
 use pinwarp::solve::{Problem, Settings, Shape, solve};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::Command;
+use stopwatch::fastest;
 
 /// Points of the forward deformation: a square of them.
 const POINTS: usize = 1_000_000;

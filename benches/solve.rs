@@ -3,10 +3,16 @@
 //! In: generated blobs with the vertex counts of the paper's time table. Out: milliseconds beside the paper's
 //! (column "Ours", a 1.5 GHz laptop): cold solves and single steps on one thread; drag updates; a million vertices.
 
+#[path = "support/blob.rs"]
+mod blob;
+#[path = "support/stopwatch.rs"]
+mod stopwatch;
+
+use blob::{blob, pins};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solver};
-use std::hint::black_box;
+use pinwarp::solve::{Problem, Settings, Shape, Solver};
 use std::time::Instant;
+use stopwatch::fastest;
 
 /// Model, vertices, the paper's milliseconds at 5 x 5, 10 x 10, 15 x 15.
 const PAPER: [(&str, usize, [f64; 3]); 6] = [
@@ -22,52 +28,8 @@ const DIMS: [usize; 3] = [5, 10, 15];
 /// Moves of a drag, each a hundredth of a radian.
 const DRAG_MOVES: usize = 31;
 
-/// A wavy blob of exactly `count` vertices: rows of a square grid, bent, the last row cut short.
-fn blob(count: usize) -> Shape<2> {
-    let width = (count as f64).sqrt().ceil() as usize;
-    let height = count.div_ceil(width);
-    let place = |k: usize| {
-        let (u, v) = ((k % width) as f64 / (width - 1) as f64 - 0.5, (k / width) as f64 / (height - 1) as f64 - 0.5);
-        let waist = 0.55 + 0.35 * (9.0 * v).cos();
-        [u * waist + 0.08 * (7.0 * v).sin(), v * (0.9 - 0.5 * u * u)]
-    };
-    let mut triangles = Vec::new();
-    for k in (0..count).filter(|k| k % width + 1 < width && k + width + 1 < count) {
-        let corners = [k, k + 1, k + width, k + width + 1].map(|corner| corner as u32);
-        triangles.extend([[corners[0], corners[1], corners[3]], [corners[0], corners[3], corners[2]]]);
-    }
-    Shape::of_triangles((0..count).map(place).collect(), triangles)
-}
-
-/// Six pins; `turn` (radians) swings the upper ones, as a dragging hand does.
-fn pins(shape: &Shape<2>, turn: f64) -> Vec<PointPin<2>> {
-    let count = shape.points.len();
-    let at = |k: usize| shape.points[k * (count - 1) / 5];
-    (0..6)
-        .map(|k| {
-            let at = at(k);
-            let (sin, cos) = if k >= 3 { turn.sin_cos() } else { (0.0, 1.0) };
-            let target = [cos * at[0] - sin * at[1], sin * at[0] + cos * at[1] + 0.05 * turn];
-            PointPin::new(at, target)
-        })
-        .collect()
-}
-
 fn grid(dims: usize, basis: Basis) -> Grid<2> {
     Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6] }
-}
-
-/// Time of the fastest run in milliseconds (other work on the machine only adds), and what the last one gave.
-fn fastest<T>(mut run: impl FnMut() -> T) -> (f64, T) {
-    let mut last = run();
-    let mut times = Vec::new();
-    let begin = Instant::now();
-    while times.len() < 5 || (begin.elapsed().as_secs_f64() < 0.5 && times.len() < 400) {
-        let start = Instant::now();
-        last = black_box(run());
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    (times.into_iter().fold(f64::INFINITY, f64::min), last)
 }
 
 /// One row of the cold table: whole solves from nothing.

@@ -1,8 +1,6 @@
-//! What benches share: meshes with the vertex counts of the paper's table, pins on them, and a stopwatch.
+//! What benches share: meshes with the vertex counts of the paper's table and pins on them.
 
 use pinwarp::solve::{PointPin, Shape};
-use std::hint::black_box;
-use std::time::Instant;
 
 /// A wavy blob of exactly `count` vertices: rows of a square grid, bent, the last row cut short.
 pub(crate) fn blob(count: usize) -> Shape<2> {
@@ -33,17 +31,4 @@ pub(crate) fn pins(shape: &Shape<2>, turn: f64) -> Vec<PointPin<2>> {
             PointPin::new(at, target)
         })
         .collect()
-}
-
-/// Time of the fastest run in milliseconds (other work on the machine only adds), and what the last one gave.
-pub(crate) fn fastest<T>(mut run: impl FnMut() -> T) -> (f64, T) {
-    let mut last = run();
-    let mut times = Vec::new();
-    let begin = Instant::now();
-    while times.len() < 5 || (begin.elapsed().as_secs_f64() < 0.5 && times.len() < 400) {
-        let start = Instant::now();
-        last = black_box(run());
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    (times.into_iter().fold(f64::INFINITY, f64::min), last)
 }

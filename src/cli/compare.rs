@@ -12,7 +12,6 @@ use crate::solve::problem::{self, Figures};
 use crate::spelling;
 use anyhow::{Context, bail};
 use std::io::Write;
-use std::path::Path;
 
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
     if args.input.extension().is_some_and(|extension| extension == "toml") {
@@ -98,13 +97,9 @@ fn pose<'a, const D: usize>(
     let names = figure.poses.iter().map(|pose| pose.name.as_str());
     let hint = spelling::list(names);
     let found = figure.poses.iter().find(|pose| pose.name == *name);
-    found.with_context(|| format!("{}: there is no pose '{name}'; {hint}", file_name(&args.input)))
+    found.with_context(|| format!("{}: there is no pose '{name}'; {hint}", args.input.display()))
 }
 
 fn titled(name: &str, pose: &str) -> String {
     [name, pose].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(": ")
-}
-
-fn file_name(path: &Path) -> String {
-    path.display().to_string()
 }

@@ -3,7 +3,7 @@
 //! In: pins, handles, settings. Out: rows, a rigid motion, warnings.
 
 use super::rows::RowSet;
-use super::small::{Square, apply, best_rotation, dot, identity, minus};
+use super::small::{Square, apply, best_rotation, distance, identity, minus};
 use super::{HandlePin, OutsidePins, PointPin, Settings};
 use crate::lattice::Grid;
 
@@ -135,8 +135,7 @@ pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>]) ->
 }
 
 fn is_near<const D: usize>(grid: &Grid<D>, a: &[f64; D], b: &[f64; D]) -> bool {
-    let gap = minus(a, b);
-    dot(&gap, &gap).sqrt() <= 1e-9 * grid.diagonal()
+    distance(a, b) <= 1e-9 * grid.diagonal()
 }
 
 /// Handles that cannot all be satisfied, in words.

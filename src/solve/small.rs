@@ -35,6 +35,17 @@ pub(crate) fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
+/// Distance of two points.
+pub(crate) fn distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let gap = minus(a, b);
+    dot(&gap, &gap).sqrt()
+}
+
+/// ‖a − b‖² of matrices.
+pub(crate) fn squared_distance<const N: usize>(a: &Square<N>, b: &Square<N>) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y) * (x - y)).sum()
+}
+
 /// Determinant of a 2 x 2 or 3 x 3 matrix.
 pub(crate) fn determinant<const N: usize>(m: &Square<N>) -> f64 {
     match N {
@@ -101,6 +112,11 @@ pub(crate) fn best_rotation<const D: usize>(s: &Square<D>) -> Square<D> {
         3 => best_rotation_3d(s),
         _ => identity(),
     }
+}
+
+/// The rotation nearest to a gradient: S = Σ (axis)(image of the axis)ᵀ = Jᵀ.
+pub(crate) fn nearest_rotation<const D: usize>(gradient: &Square<D>) -> Square<D> {
+    best_rotation(&transpose(gradient))
 }
 
 /// In the plane: the angle is atan2(Σ w e × e', Σ w e · e').

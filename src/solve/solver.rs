@@ -11,6 +11,7 @@ use super::occupied;
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
 use super::rows::RowSet;
+use super::small::distance;
 use super::waypoint::Waypoint;
 use super::{Guard, HandlePin, MissReason, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
 use crate::lattice::{Folds, Grid, Lattice};
@@ -341,11 +342,6 @@ impl<const D: usize> Solver<D> {
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.carry(held), &target)
     }
-}
-
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    let miss = super::small::minus(a, b);
-    super::small::dot(&miss, &miss).sqrt()
 }
 
 impl Scales {

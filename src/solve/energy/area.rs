@@ -10,7 +10,7 @@ use crate::solve::packs::{
     LANES, Lanes, Packs, dispatch, gather, gather_pair, load, local_handles, multiply_add, store,
 };
 use crate::solve::samples::Sample;
-use crate::solve::small::{Square, best_rotation};
+use crate::solve::small::{Square, nearest_rotation, squared_distance};
 use pulp::{Simd, WithSimd};
 
 /// The energy at fixed samples.
@@ -138,7 +138,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
         let packs = self.areas.iter().zip(gradients.iter().zip(&turned));
         let lanes = packs.flat_map(|(areas, (gradients, turned))| {
             (0..LANES).map(|lane| {
-                let rotation = best_rotation(&transpose(&lane_of(turned, lane)));
+                let rotation = nearest_rotation(&lane_of(turned, lane));
                 areas[lane] * squared_distance(&lane_of(gradients, lane), &rotation)
             })
         });
@@ -272,8 +272,7 @@ fn fit_each<S: Simd, const D: usize>(values: &mut [[S::f64s; D]; D], areas: &Lan
     let mut lanes = values.map(|row| row.map(|x| store::<S>(x)));
     let energy: Lanes = std::array::from_fn(|lane| {
         let gradient = lane_of(&lanes, lane);
-        // S = Σ (axis)(image of the axis)ᵀ = Jᵀ.
-        let rotation = best_rotation(&transpose(&gradient));
+        let rotation = nearest_rotation(&gradient);
         for d in 0..D {
             (0..D).for_each(|c| lanes[d][c][lane] = areas[lane] * rotation[d][c]);
         }
@@ -285,12 +284,4 @@ fn fit_each<S: Simd, const D: usize>(values: &mut [[S::f64s; D]; D], areas: &Lan
 
 fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> Square<D> {
     std::array::from_fn(|d| std::array::from_fn(|c| values[d][c][lane]))
-}
-
-fn transpose<const D: usize>(m: &Square<D>) -> Square<D> {
-    std::array::from_fn(|row| std::array::from_fn(|column| m[column][row]))
-}
-
-fn squared_distance<const D: usize>(a: &Square<D>, b: &Square<D>) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y) * (x - y)).sum()
 }

@@ -11,7 +11,7 @@ use crate::solve::bend::{SecondDifferences, bend_around, fade};
 use crate::solve::matrix::Normal;
 use crate::solve::packs::span;
 use crate::solve::rows::RowSet;
-use crate::solve::small::{Square, best_rotation};
+use crate::solve::small::{Square, nearest_rotation, squared_distance};
 use crate::solve::{PointPin, Settings};
 
 /// Radii of the rings (2D: circles, 3D: spheres) as parts of the disc's; they see cubics, the pieces of a B-spline.
@@ -134,15 +134,6 @@ impl<const D: usize> Piece<D> {
     }
 }
 
-/// The rotation nearest to a gradient.
-fn rotation_of<const D: usize>(gradient: &Square<D>) -> Square<D> {
-    best_rotation(&std::array::from_fn(|row| std::array::from_fn(|column| gradient[column][row])))
-}
-
-fn squared_distance<const D: usize>(a: &Square<D>, b: &Square<D>) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).powi(2)).sum()
-}
-
 impl<const D: usize> Distortion<D> for Patched<D> {
     fn mass(&self) -> f64 {
         self.shape.mass()
@@ -168,7 +159,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
         let mut energy = self.shape.local_step(handles, scale, right_side) + self.disc_energy(handles);
         for piece in &self.pieces {
             let gradient = piece.gradient_at(handles);
-            let wanted = rotation_of(&gradient);
+            let wanted = nearest_rotation(&gradient);
             energy += piece.weight * squared_distance(&gradient, &wanted);
             for (handle, mean) in &piece.mean {
                 for (slot, row) in right_side[*handle].iter_mut().zip(&wanted) {
@@ -197,7 +188,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
 
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
         let pieces = self.pieces.iter().map(|piece| {
-            let wanted = rotation_of(&piece.gradient_at(turned_at));
+            let wanted = nearest_rotation(&piece.gradient_at(turned_at));
             piece.weight * squared_distance(&piece.gradient_at(handles), &wanted)
         });
         self.shape.energy(handles, turned_at) + self.disc_energy(handles) + pieces.sum::<f64>()
