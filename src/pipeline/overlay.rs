@@ -2,7 +2,7 @@
 //!
 //! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
-use super::fading::region;
+use super::layer_pins::region;
 use super::{LayerState, Moment, PinState, Setup};
 use crate::image::{Canvas, Preview, Rgba8};
 use crate::lattice::{Basis, SceneLattice, ScreenLattice};

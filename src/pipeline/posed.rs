@@ -2,7 +2,7 @@
 //!
 //! In: a [`Setup`], a layer, a frame. Out: [`PosedLayer`]: grid, shape and pins on the screen.
 
-use super::screen_layer::moved_handles;
+use super::layer_pins::moved_handles;
 use super::{PipelineError, Setup};
 use crate::lattice::Grid;
 use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};

@@ -2,14 +2,14 @@
 //!
 //! In: a [`Moment`] that is projected, and a layer. Out: the layer's lattice and pins; its shape and box on the screen.
 
-use super::fading::{fade, faded_weight, region};
 use super::follow::{FollowWindow, thickened};
+use super::layer_pins::{fade, faded_weight, moved_handles, region};
 use super::{LayerState, Moment, PinState, PipelineError, Setup, strokes};
 use crate::lattice::Grid;
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets, Rotation};
-use crate::solve::{HandlePin, PointPin, Problem, Shape, Solver, Waypoint};
+use crate::shot::{BoxRule, Goal, OffsetUnit, PinTargets, Rotation};
+use crate::solve::{PointPin, Problem, Shape, Solver, Waypoint};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
 /// A lattice box is never thinner than this, in frame heights.
@@ -53,8 +53,7 @@ impl Setup {
         let solver = Solver::new(&problem).map_err(fault)?;
         let mut solution = solver.follow(&way).map_err(fault)?;
         if handles.is_empty() && presence < 1.0 {
-            let targets: Vec<_> = points.iter().map(|pin| [pin.at, pin.target]).collect();
-            fade(&mut solution, (&solver, &targets), presence);
+            fade(&mut solution, (&solver, points), presence);
         }
         Ok(LayerState { solution: Some(solution), pins, world: None })
     }
@@ -165,14 +164,4 @@ impl Setup {
 /// Lower left and upper right corner.
 pub(super) fn corners(bounds: ScreenBox) -> [[f64; 2]; 2] {
     [bounds.min.0.to_array(), bounds.max.0.to_array()]
-}
-
-/// Where the layer's keys move handles of its grid.
-pub(super) fn moved_handles(layer: &Layer, grid: &Grid<2>, targets: &PinTargets) -> Vec<HandlePin<2>> {
-    let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 3])| {
-        let index = track.index[0] + grid.dims[0] * track.index[1];
-        let rest = grid.rest_handle(index);
-        HandlePin { index, target: [0, 1].map(|d| rest[d] + offset[d] * grid.size(d)) }
-    };
-    layer.handles.iter().zip(&targets.handles).map(handle).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! In: lattice files that layers name; or a [`Setup`] and frames. Out: layer states; or a [`LatticeFile`].
 
-use super::fading::unmeasured;
+use super::layer_pins::unmeasured;
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
 use crate::lattice::{BoxFrame, Fit, Lattice};

@@ -3,14 +3,14 @@
 //! In: a pose and its camera. Out: the lattice of each world layer, and the pose with its meshes moved.
 
 use super::anchors::presence;
-use super::fading::{fade, faded_weight, region};
 use super::follow::{Bounds, FollowWindow, thickened, union};
+use super::layer_pins::{fade, faded_weight, moved_handles, region};
 use super::{LayerState, PinState, PipelineError, Setup};
 use crate::lattice::{BoxFrame, Grid, SceneLattice};
 use crate::pose::{Pose, PosedPart};
 use crate::screen::{Camera, Projected, primitive};
 use crate::shot::{Goal, LayerSpace, OffsetUnit, PinTarget, PinTargets, Rotation, WorldBoxRule};
-use crate::solve::{HandlePin, PointPin, Problem, Shape, Solution, SolveReport, Solver};
+use crate::solve::{PointPin, Problem, Shape, Solution, SolveReport, Solver};
 use crate::space::{ScenePoint, SceneVector, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -169,7 +169,7 @@ impl WorldLayer<'_> {
             return Ok(LayerState::default());
         }
         let points: Vec<_> = pins.iter().map(|pin| pin.point).collect();
-        let (handles, shape) = (self.handles(&targets), self.shape());
+        let (handles, shape) = (moved_handles(layer, &self.grid, &targets), self.shape());
         let problem =
             Problem { grid: &self.grid, shape: &shape, pins: &points, handles: &handles, settings: &layer.settings };
         let solver = Solver::new(&problem).map_err(|source| PipelineError::Solve {
@@ -180,8 +180,7 @@ impl WorldLayer<'_> {
         let mut solution = solver.solve();
         let presence = pins.iter().map(|pin| pin.state.presence).fold(0.0, f64::max);
         if handles.is_empty() && presence < 1.0 {
-            let targets: Vec<_> = points.iter().map(|pin| [pin.at, pin.target]).collect();
-            fade(&mut solution, (&solver, &targets), presence);
+            fade(&mut solution, (&solver, &points), presence);
         }
         let Solution { lattice, report } = solution;
         let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
@@ -207,16 +206,6 @@ impl WorldLayer<'_> {
             shape.strokes.extend(lines);
         }
         shape
-    }
-
-    fn handles(&self, targets: &PinTargets) -> Vec<HandlePin<3>> {
-        let tracks = &self.setup.shot.layers[self.index].handles;
-        let handle = |(track, offset): (&crate::shot::HandleTrack, &[f64; 3])| {
-            let index = (0..3).map(|axis| track.index[axis] * self.grid.stride(axis)).sum();
-            let rest = self.grid.rest_handle(index);
-            HandlePin { index, target: std::array::from_fn(|axis| rest[axis] + offset[axis] * self.grid.size(axis)) }
-        };
-        tracks.iter().zip(&targets.handles).map(handle).collect()
     }
 
     /// The pins that act.
