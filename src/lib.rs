@@ -7,6 +7,7 @@
 //! shot.toml ─shot──▶ Shot ──keys at a time──────▶ PinTargets ──────────────────────┤
 //!                                                                                  ▼
 //! frame.exr ◀─image─ Frame ◀─raster─ Geometry ◀─ Lattice (solved) ◀──── solve ──▶ SolveReport
+//! plate.exr ◀─image─ Plate ◀─plate── WarpMap ◀──┘
 //! ```
 //!
 //! The method is lp-FFD: Fukusato, Maejima and Igarashi, "Locality-Preserving Free-Form
@@ -32,6 +33,8 @@ pub mod shot;
 pub mod solve;
 
 pub mod raster;
+
+pub mod plate;
 
 pub mod image;
 

@@ -14,19 +14,23 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("lattice", &["space"]),
     ("image", &["space"]),
     ("solve", &["lattice", "space", "spelling"]),
-    ("export", &["image", "lattice"]),
+    ("plate", &["image", "lattice", "space"]),
+    ("export", &["image", "lattice", "plate", "space"]),
     ("compare", &["image", "lattice", "solve", "space"]),
     ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
-    ("shot", &["image", "lattice", "raster", "solve", "space", "spelling"]),
+    ("shot", &["image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
     (
         "pipeline",
-        &["export", "image", "lattice", "pose", "raster", "scene", "screen", "shot", "solve", "space", "spelling"],
+        &[
+            "export", "image", "lattice", "plate", "pose", "raster", "scene", "screen", "shot", "solve", "space",
+            "spelling",
+        ],
     ),
     (
         "cli",
         &[
-            "compare", "export", "image", "lattice", "pipeline", "pose", "raster", "scene", "screen", "shot", "solve",
-            "space", "spelling",
+            "compare", "export", "image", "lattice", "pipeline", "plate", "pose", "raster", "scene", "screen", "shot",
+            "solve", "space", "spelling",
         ],
     ),
 ];

@@ -11,6 +11,7 @@ mod exr_read;
 mod exr_write;
 mod font;
 mod metadata;
+mod plate;
 mod preview;
 mod sequence;
 mod window;
@@ -22,6 +23,7 @@ pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
 pub use metadata::{CameraMatrices, FrameMetadata};
+pub use plate::{Plate, PlatePart};
 pub use preview::{Preview, preview, write_png};
 pub use sequence::SequencePath;
 

@@ -10,7 +10,7 @@ use super::{Moment, Pinned, PipelineError, anchors, claims, lighting, stiffness}
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
-use crate::shot::{Anchor, ClipName, Layer, LayerSpace, Shot};
+use crate::shot::{Anchor, ClipName, Layer, LayerSpace, Shot, Source};
 use crate::spelling;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -66,7 +66,7 @@ impl Setup {
     /// # Errors
     /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
-        let scene = scene::load(&shot.scene)?;
+        let scene = load(&shot)?;
         let mut notes = scene.warnings.clone();
         check_size(&shot)?;
         let clip = choose_clip(&shot, &scene, &mut notes)?;
@@ -232,6 +232,16 @@ impl Setup {
 /// Whether light makes a difference to a part.
 fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
     !scene.materials[screen::primitive(scene, part).material].unlit
+}
+
+/// What the shot is about, as a scene.
+fn load(shot: &Shot) -> Result<Scene, PipelineError> {
+    match &shot.source {
+        Source::Scene(path) => Ok(scene::load(path)?),
+        Source::Images(_) | Source::Frame => {
+            Err(PipelineError::mismatch(shot, "scene", "there is no scene", "give `scene`, a .gltf or .glb file"))
+        }
+    }
 }
 
 /// Refuses frames that no memory holds.

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
 
-use super::{KeyLines, Shot};
+use super::{KeyLines, Shot, Source};
 use std::path::{Path, PathBuf};
 
 /// FNV-1a, 128 bits: Fowler, Noll, Vo and Eastlake, RFC 9923, <https://www.rfc-editor.org/rfc/rfc9923>.
@@ -16,7 +16,12 @@ impl Shot {
     pub fn hash(&self) -> String {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let mut content = self.clone();
-        content.scene = portable(&self.scene, folder);
+        match &mut content.source {
+            Source::Scene(scene) => *scene = portable(scene, folder),
+            Source::Images(images) => images.iter_mut().for_each(|image| *image = portable(image, folder)),
+            Source::Frame => {}
+        }
+        content.plate = content.plate.map(|plate| portable(&plate, folder));
         content.layers.iter_mut().filter_map(|layer| layer.transfer.as_mut()).for_each(|transfer| {
             transfer.file = portable(&transfer.file, folder);
         });

@@ -46,7 +46,7 @@ impl Shot {
     /// use std::path::Path;
     /// let text = "scene = 'pot.glb'\nframes = { first = 1, last = 24 }";
     /// let shot = Shot::parse(text, Path::new("shots/pot.toml"))?;
-    /// assert_eq!(shot.scene, Path::new("shots/pot.glb"));
+    /// assert_eq!(shot.scene(), Some(Path::new("shots/pot.glb")));
     ///
     /// let error = Shot::parse(&text.replace("scene", "scnee"), Path::new("pot.toml")).unwrap_err();
     /// assert!(error.to_string().starts_with("pot.toml:1: scnee: is not a key of a shot; did you mean `scene`?"));

@@ -5,12 +5,13 @@
 use super::KeyLines;
 use crate::image::Compression;
 use crate::lattice::Basis;
+use crate::plate::{Matte, WarpRules};
 use crate::raster::ChannelGroup;
 use crate::solve::Settings;
 use crate::space::{FrameSize, ScreenBox, ScreenPoint, ScreenVector};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A checked shot. Paths are relative to the shot file's folder in the file, resolved here.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +20,12 @@ pub struct Shot {
     pub path: PathBuf,
     /// Where its keys stand, for messages.
     pub lines: KeyLines,
-    /// The glTF scene.
-    pub scene: PathBuf,
+    /// What the lattices are laid over.
+    pub source: Source,
+    /// Finished frames that `pinwarp warp` warps, a path with a frame counter; `None`: named on the command line.
+    pub plate: Option<PathBuf>,
+    /// How they are warped.
+    pub warp: WarpRules,
     /// Name of the camera node (or camera); `None`: the scene's first.
     pub camera: Option<String>,
     /// Name or index of the clip; `None`: the scene's first, if it has any.
@@ -43,6 +48,28 @@ pub struct Shot {
     pub layers: Vec<Layer>,
     /// What is written.
     pub output: Output,
+}
+
+impl Shot {
+    /// The glTF scene, where the shot has one.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Path> {
+        match &self.source {
+            Source::Scene(path) => Some(path),
+            Source::Images(_) | Source::Frame => None,
+        }
+    }
+}
+
+/// What the lattices of a shot are laid over.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A glTF scene.
+    Scene(PathBuf),
+    /// Pictures, from back to front: each becomes a node named after its file (or its EXR layer), outlined by its alpha.
+    Images(Vec<PathBuf>),
+    /// Nothing but the frame itself, as one flat card: shots that warp whole plates.
+    Frame,
 }
 
 /// A clip by name or number.
@@ -115,6 +142,8 @@ pub struct Layer {
     pub handles: Vec<HandleTrack>,
     /// Lattices solved elsewhere, instead of pins and handles.
     pub transfer: Option<Transfer>,
+    /// The part of a plate that the layer moves; `None`: the whole picture, background and all.
+    pub matte: Option<Matte>,
 }
 
 /// Lattices solved for another shot, laid over a layer.

@@ -83,7 +83,7 @@ fn pins_fade_before_the_near_plane() {
     studio.shot.frames.last = 12;
     let tiny =
         Tiny { lens: Lens::Perspective(1.0), ..Tiny::of(vec![Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) }]) };
-    write_scene(&tiny, &studio.shot.scene);
+    write_scene(&tiny, studio.scene());
     let setup = studio.setup();
     let pinned = Pinned::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
     let weight = |frame: f64| {

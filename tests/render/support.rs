@@ -56,12 +56,16 @@ impl Studio {
         Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
+    pub(crate) fn scene(&self) -> &Path {
+        self.shot.scene().expect("the shots of these tests have scenes")
+    }
+
     /// Turns a node of a tiny scene about its origin.
     pub(crate) fn turn_node(&mut self, node: usize, by: glam::DQuat) {
-        let text = std::fs::read_to_string(&self.shot.scene).expect("the scene is there");
+        let text = std::fs::read_to_string(self.scene()).expect("the scene is there");
         let mut scene: serde_json::Value = serde_json::from_str(&text).expect("a tiny scene is JSON");
         scene["nodes"][node]["rotation"] = serde_json::json!(by.to_array());
-        std::fs::write(&self.shot.scene, scene.to_string()).expect("the folder can be written to");
+        std::fs::write(self.scene(), scene.to_string()).expect("the folder can be written to");
     }
 
     pub(crate) fn setup(&self) -> Setup {

@@ -104,7 +104,7 @@ fn a_lattice_from_a_file_is_not_blamed_for_its_jerk() {
     let keys = "{ frame = 5, offset = [0.0, 0.0] }, { frame = 6, offset = [0.25, 0.0] }";
     let mut studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(keys));
     let frames: Vec<i32> = (1..=9).collect();
-    let file = studio.shot.scene.with_file_name("jump.lattice.json");
+    let file = studio.scene().with_file_name("jump.lattice.json");
     lattices(&studio.setup(), &frames, |_| {})
         .expect("it is warped")
         .write(&file)

@@ -63,7 +63,7 @@ fn replaced(text: &str, from: &str, to: &str) -> String {
 #[test]
 fn a_good_shot_is_read_in_full() {
     let shot = parse(GOOD).unwrap();
-    assert_eq!(shot.scene, Path::new("shots/teapot.glb"));
+    assert_eq!(shot.scene(), Some(std::path::Path::new("shots/teapot.glb")));
     assert_eq!((shot.camera.as_deref(), &shot.clip), (Some("ShotCam"), &Some(ClipName::Name("Walk".to_owned()))));
     assert_eq!((shot.frames.first, shot.frames.last, shot.frames.clip_start, shot.is_looped), (1, 48, -3, true));
     assert_eq!((shot.frames.count(), shot.frames.seconds(21.0)), (48, 1.0));

@@ -24,6 +24,7 @@ impl Check<'_> {
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
             transfer,
+            matte: None,
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             nodes: raw.nodes.unwrap_or_default(),
             space,

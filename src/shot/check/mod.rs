@@ -11,7 +11,8 @@ mod transfer;
 
 use super::document::{Document, syntax_error};
 use super::raw::{RawClip, RawFrames, RawShot, RawShutter, RawSpace};
-use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, structure};
+use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, Source, structure};
+use crate::plate::WarpRules;
 use crate::space::FrameSize;
 use std::collections::HashSet;
 use std::path::Path;
@@ -94,7 +95,9 @@ impl Check<'_> {
         let layers = self.layers(raw.layer, &defaults);
         Shot {
             lines: KeyLines::default(),
-            scene: folder.join(&raw.scene),
+            source: Source::Scene(folder.join(&raw.scene)),
+            plate: None,
+            warp: WarpRules::default(),
             camera: raw.camera,
             clip: raw.frames.clip.map(ClipName::from),
             is_looped: raw.frames.is_looped,

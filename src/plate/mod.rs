@@ -1,0 +1,16 @@
+//! Stage 7b: finished frames of any renderer, warped as pictures: every channel by its meaning.
+//!
+//! In: a [`Plate`](crate::image::Plate) and solved lattices of the screen. Out: the warped plate.
+//!
+//! ```text
+//! Lattice ─field─▶ Field ─map─▶ WarpMap ─┬─ filter (colour) ──────────────────┐
+//!                        Matte ─weight───┴─ cryptomatte, nearest, motion … ───┴─▶ Plate
+//! ```
+
+mod field;
+mod map;
+mod rules;
+
+pub use field::Field;
+pub use map::WarpMap;
+pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, NormalRule, WarpRules};
