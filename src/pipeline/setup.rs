@@ -238,7 +238,8 @@ fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
 fn load(shot: &Shot) -> Result<Scene, PipelineError> {
     match &shot.source {
         Source::Scene(path) => Ok(scene::load(path)?),
-        Source::Images(_) | Source::Frame => {
+        Source::Frame => Ok(scene::frame_card(shot.size.aspect())),
+        Source::Images(_) => {
             Err(PipelineError::mismatch(shot, "scene", "there is no scene", "give `scene`, a .gltf or .glb file"))
         }
     }

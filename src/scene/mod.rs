@@ -6,6 +6,7 @@
 mod accessor;
 mod animation;
 mod attributes;
+mod card;
 mod error;
 mod file;
 mod find;
@@ -20,6 +21,7 @@ mod nodes;
 mod skin;
 mod texture;
 
+pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;
 pub use load::load;

@@ -1,0 +1,106 @@
+//! Scenes that lie flat in the frame: scene x and y are screen x and y, in frame heights.
+//!
+//! In: the frame's aspect. Out: a [`Scene`] of unlit cards before a camera that sees exactly the frame.
+
+use super::{Camera, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
+use glam::{Quat, Vec2, Vec3};
+
+/// Name of the only card of [`frame_card`].
+const FRAME: &str = "frame";
+
+/// Cells of a card along a frame height.
+const CELLS: f64 = 16.0;
+
+/// Distance from a card to the one before it, and from the last one to the camera, frame heights.
+const STEP: f32 = 0.01;
+
+/// The scene of a shot that warps whole plates: one card, `frame`, that fills the frame.
+///
+/// ```
+/// let scene = pinwarp::scene::frame_card(16.0 / 9.0);
+/// assert_eq!((scene.nodes[0].name.as_str(), scene.cameras.len()), ("frame", 1));
+/// ```
+#[must_use]
+pub fn frame_card(aspect: f64) -> Scene {
+    flat_scene(aspect, vec![(FRAME.to_owned(), rectangle(aspect))])
+}
+
+/// A scene of cards, from back to front, each a node with a mesh of its own, and the camera before them.
+pub(super) fn flat_scene(aspect: f64, cards: Vec<(String, Primitive)>) -> Scene {
+    let mut scene = Scene {
+        materials: vec![Material { unlit: true, double_sided: true, ..Material::default() }],
+        cameras: vec![Camera { name: String::new(), lens: Lens::Orthographic { ymag: 0.5 }, near: 0.0 }],
+        ..Scene::default()
+    };
+    for (place, (name, card)) in cards.into_iter().enumerate() {
+        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![card] });
+        scene.nodes.push(Node { mesh: Some(place), ..node(name, Vec3::Z * (STEP * place as f32)) });
+    }
+    let before = STEP * scene.nodes.len() as f32;
+    let middle = Vec3::new((0.5 * aspect) as f32, 0.5, before);
+    scene.nodes.push(Node { camera: Some(0), ..node("camera".to_owned(), middle) });
+    scene
+}
+
+fn node(name: String, translation: Vec3) -> Node {
+    let rest = Placement::Trs { translation, rotation: Quat::IDENTITY, scale: Vec3::ONE };
+    Node { name, parent: None, rest, mesh: None, skin: None, camera: None, light: None, weights: Vec::new() }
+}
+
+/// The whole frame as a grid of near-square cells, cut along alternating diagonals.
+pub(super) fn rectangle(aspect: f64) -> Primitive {
+    let columns = (CELLS * aspect).round().clamp(1.0, 16.0 * CELLS) as u32;
+    let rows = CELLS as u32;
+    let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
+    let points = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [share(i, columns) * aspect, share(j, rows)]));
+    let points: Vec<[f64; 2]> = points.collect();
+    let corner = |i: u32, j: u32| i + j * (columns + 1);
+    let mut triangles = Vec::with_capacity(2 * (columns * rows) as usize);
+    for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+        let halves = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+        triangles.extend(halves);
+    }
+    card(&points, triangles, aspect)
+}
+
+/// Triangles of the screen, counter-clockwise, with texture coordinates that lay a picture of the whole frame on them.
+pub(super) fn card(points: &[[f64; 2]], triangles: Vec<[u32; 3]>, aspect: f64) -> Primitive {
+    let uv = |&[x, y]: &[f64; 2]| Vec2::new((x / aspect) as f32, (1.0 - y) as f32);
+    Primitive {
+        positions: points.iter().map(|&[x, y]| Vec3::new(x as f32, y as f32, 0.0)).collect(),
+        normals: vec![Vec3::Z; points.len()],
+        uvs: [points.iter().map(uv).collect(), Vec::new()],
+        triangles,
+        ..Primitive::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_card_covers_the_frame_once() {
+        for aspect in [16.0 / 9.0, 1.0, 0.2, 300.0] {
+            let card = rectangle(aspect);
+            let corner = |index: u32| card.positions[index as usize].truncate();
+            let area = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)) * 0.5;
+            assert!(card.triangles.iter().all(|triangle| area(triangle) > 0.0), "{aspect}");
+            let total: f32 = card.triangles.iter().map(area).sum();
+            assert!((f64::from(total) / aspect - 1.0).abs() < 1e-4, "{aspect}: {total}");
+        }
+    }
+
+    #[test]
+    fn the_camera_stands_before_all_cards() {
+        let card = || ("card".to_owned(), rectangle(1.0));
+        let scene = flat_scene(1.0, vec![card(), card(), card()]);
+        let depth = |node: &Node| match node.rest {
+            Placement::Trs { translation, .. } => translation.z,
+            Placement::Matrix(_) => unreachable!("cards are placed by translation"),
+        };
+        let camera = scene.nodes.last().expect("a camera");
+        assert!(scene.nodes[..3].iter().all(|node| depth(node) < depth(camera)) && camera.camera == Some(0));
+    }
+}
