@@ -13,4 +13,4 @@ mod rules;
 
 pub use field::Field;
 pub use map::WarpMap;
-pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, NormalRule, WarpRules};
+pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};

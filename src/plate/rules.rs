@@ -15,6 +15,8 @@ pub struct WarpRules {
     pub normals: NormalRule,
     /// How motion vectors are stored; `None`: not said, so vectors of other programs pass through unrotated.
     pub motion: Option<MotionRule>,
+    /// What that rule's pixels are counted against.
+    pub motion_scale: MotionScale,
     /// Patterns of full channel names (`*` and `?`) and what they mean, before any guess; the first that fits counts.
     pub meanings: Vec<(String, Meaning)>,
     /// What fills places that the warp uncovers.
@@ -53,6 +55,16 @@ pub struct MotionRule {
     /// Pixels a unit of u and of v is: 1 for pixels, the width and height of the frame for normalised vectors; negative
     /// where an axis points left or down. Pinwarp's own channels have (1, 1): pixels, x right, y up.
     pub pixels_per_unit: [f64; 2],
+}
+
+/// What the pixels of a [`MotionRule`] are counted against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MotionScale {
+    /// They are pixels of the plate, of whatever size it is.
+    #[default]
+    Pixels,
+    /// They are the sides of the shot's frame, and grow and shrink with plates of another size.
+    Frame,
 }
 
 /// What a channel holds.

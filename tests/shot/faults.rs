@@ -47,9 +47,8 @@ fn keys_and_types() {
         case(["unit =", "uint ="], (26, "layer[0].pin[1].uint"), &["did you mean `unit`?"]),
         case(["ease = {", "eas = {"], (30, "layer[0].handle[0].keys[1].eas"), &["did you mean `ease`?"]),
         case(["scene  =", "scenes  ="], (2, "scenes"), &["did you mean `scene`?"]),
-        case(["scene  =", "plate  ="], (2, "plate"), &["not supported by render yet", "give `scene`"]),
         case(["scene  =", "image  ="], (2, "image"), &["not supported by render yet", "give `scene`"]),
-        case(["scene  = \"teapot.glb\"", ""], (1, "scene"), &["is missing", "scene = \"scene.glb\""]),
+        case(["scene  = \"teapot.glb\"", ""], (1, "scene"), &["is missing", "scene = \"scene.glb\"", "plate = "]),
         case(["first = 1,", ""], (4, "frames.first"), &["is missing", "first = 1"]),
         case(
             ["  anchor = { screen = [0.91, 0.52], frame = 1 }\n", ""],

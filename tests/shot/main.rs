@@ -5,6 +5,7 @@ mod edits;
 mod faults;
 mod hostile;
 mod motion;
+mod plates;
 mod world;
 
 use pinwarp::raster::ChannelGroup;

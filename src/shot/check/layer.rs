@@ -21,10 +21,11 @@ impl Check<'_> {
         let key = format!("layer[{index}]");
         let shot = &LayerDefaults { space: raw.lattice.space, ..*shot };
         let space = self.lattice(&raw.lattice, &format!("{key}.lattice"), shot);
+        self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
             transfer,
-            matte: None,
+            matte: raw.matte.as_ref().and_then(|matte| self.matte(matte, &format!("{key}.matte"), shot)),
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             nodes: raw.nodes.unwrap_or_default(),
             space,
@@ -81,6 +82,8 @@ impl Check<'_> {
 
     fn screen_box(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
         match &raw.bounds {
+            // Nothing moves in front of a plate that a box could follow.
+            RawBox::Follow if !shot.has_nodes => BoxRule::Frame,
             RawBox::Follow => BoxRule::Follow,
             RawBox::Frame => BoxRule::Frame,
             RawBox::Fixed(corners) => self.fixed_box(corners, &format!("{key}.box.fixed"), shot),

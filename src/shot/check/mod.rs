@@ -6,16 +6,15 @@ mod layer;
 mod output;
 mod pin;
 mod place;
+mod plate;
 mod stiffness;
 mod transfer;
 
 use super::document::{Document, syntax_error};
 use super::raw::{RawClip, RawFrames, RawShot, RawShutter, RawSpace};
-use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, Source, structure};
-use crate::plate::WarpRules;
+use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, Source, hints, schema, structure};
 use crate::space::FrameSize;
 use std::collections::HashSet;
-use std::path::Path;
 use toml::de::DeValue;
 
 /// The only version there is.
@@ -81,7 +80,7 @@ impl Check<'_> {
 
     fn shot(&mut self, raw: RawShot) -> Shot {
         let path = self.document.path.to_owned();
-        let folder = path.parent().unwrap_or(Path::new(""));
+        let source = self.source(&raw);
         let frames = self.frames(&raw.frames);
         let [width, height] = raw.size;
         let size = FrameSize { width, height, pixel_aspect: raw.pixel_aspect };
@@ -91,13 +90,16 @@ impl Check<'_> {
             first_frame: frames.first,
             size,
             space: RawSpace::Screen,
+            has_nodes: matches!(source, Source::Scene(_)),
         };
+        let warp = self.warp(&raw.warp, &source, size);
+        let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
         let layers = self.layers(raw.layer, &defaults);
         Shot {
             lines: KeyLines::default(),
-            source: Source::Scene(folder.join(&raw.scene)),
-            plate: None,
-            warp: WarpRules::default(),
+            source,
+            plate,
+            warp,
             camera: raw.camera,
             clip: raw.frames.clip.map(ClipName::from),
             is_looped: raw.frames.is_looped,
@@ -122,6 +124,13 @@ impl Check<'_> {
         FrameRange { first, last, rate, clip_start: raw.clip_start.unwrap_or(first) }
     }
 
+    /// A key of the shot was told to be unknown that was probably meant to be this one.
+    fn has_unknown_key(&self, meant: &str) -> bool {
+        let table = self.document.root.get_ref().as_table();
+        let known = schema::inlined()["properties"].as_object();
+        table.zip(known).is_some_and(|(table, known)| hints::stands_for(table, meant, known))
+    }
+
     /// Notes names that occur a second time.
     fn unique<'n>(&mut self, names: impl Iterator<Item = (String, &'n str)>, what: &str) {
         let mut seen = HashSet::new();
@@ -141,6 +150,8 @@ struct LayerDefaults {
     size: FrameSize,
     /// Where the layer's lattice lies.
     space: RawSpace,
+    /// The shot has a scene, so that layers can name nodes of it.
+    has_nodes: bool,
 }
 
 /// No motion blur.

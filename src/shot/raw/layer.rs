@@ -18,6 +18,10 @@ pub(in crate::shot) struct RawLayer {
     /// Patterns of node names with * and ?; each claims its subtree. Default: all nodes.
     #[schemars(length(min = 1), inner(length(min = 1)), example = ["Teapot*"])]
     pub(in crate::shot) nodes: Option<Vec<String>>,
+    /// The part of a plate that the layer moves: "alpha", a channel, ids, or names of a Cryptomatte; default: the whole
+    /// picture.
+    #[schemars(example = &"alpha")]
+    pub(in crate::shot) matte: Option<super::RawMatte>,
     /// The grid of handles.
     #[serde(default)]
     pub(in crate::shot) lattice: RawLattice,

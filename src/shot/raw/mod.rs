@@ -4,13 +4,15 @@
 //! The descriptions below are what the published schema says about each key.
 
 mod layer;
+mod plate;
 
 pub(super) use layer::*;
+pub(super) use plate::*;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A shot of pinwarp: a scene, frames, layers with pins, and what is written.
+/// A shot of pinwarp: a scene or a plate, frames, layers with pins, and what is written.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, title = "pinwarp shot")]
 pub(super) struct RawShot {
@@ -19,9 +21,15 @@ pub(super) struct RawShot {
     #[schemars(range(min = 1, max = 1))]
     #[expect(dead_code, reason = "compared before the rest of the file is looked at; here for the schema")]
     pub(super) version: u32,
-    /// The glTF scene (.gltf or .glb), relative to the shot file.
+    /// The glTF scene (.gltf or .glb), relative to the shot file; a shot without one has a `plate`.
     #[schemars(length(min = 1), example = &"scene.glb")]
-    pub(super) scene: String,
+    pub(super) scene: Option<String>,
+    /// Finished frames that `pinwarp warp` warps, relative to the shot file, with #### or %04d for the frame.
+    #[schemars(length(min = 1), example = &"beauty.####.exr")]
+    pub(super) plate: Option<String>,
+    /// How they are warped.
+    #[serde(default)]
+    pub(super) warp: RawWarp,
     /// Name of the camera or of its node; default: the scene's first, and where there is none the scene is framed.
     #[schemars(length(min = 1), example = &"ShotCam")]
     pub(super) camera: Option<String>,

@@ -1,0 +1,151 @@
+//! Rules of `plate`, `[warp]` and `matte`: what a shot that warps finished frames may ask for.
+//!
+//! In: raw tables. Out: [`WarpRules`], [`Matte`]s, paths, and what the shot's lattices are laid over.
+
+use super::{Check, LayerDefaults};
+use crate::image::{ImageError, SequencePath};
+use crate::plate::{Holes, Matte, MotionRule, MotionScale, WarpRules};
+use crate::shot::Source;
+use crate::shot::raw::{
+    RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedUnit, RawPart, RawShot, RawSpace,
+    RawUpright, RawWarp,
+};
+use crate::space::FrameSize;
+use std::path::{Path, PathBuf};
+
+/// What to write where a shot says neither what is seen nor what is warped.
+const SOURCES: &str = "write for example `scene = \"scene.glb\"`, or `plate = \"beauty.####.exr\"` for finished frames";
+
+impl Check<'_> {
+    /// What the lattices are laid over.
+    pub(super) fn source(&mut self, raw: &RawShot) -> Source {
+        let folder = self.folder();
+        if let (None, Some(_)) = (&raw.scene, &raw.plate) {
+            return Source::Frame;
+        }
+        // A misspelt key was told already, and it is the cause.
+        if raw.scene.is_none() && !self.has_unknown_key("scene") {
+            self.fault("scene", "is missing", SOURCES);
+        }
+        Source::Scene(folder.join(raw.scene.as_deref().unwrap_or_default()))
+    }
+
+    /// A path that may have a frame counter.
+    pub(super) fn plate_path(&mut self, raw: &str, key: &str) -> PathBuf {
+        if let Err(ImageError::Pattern { what, .. }) = SequencePath::parse(Path::new(raw)) {
+            let (what, hint) = what.split_once("; ").unwrap_or((&what, "write for example beauty.####.exr"));
+            self.fault(key, format!("{raw:?} {what}"), hint);
+        }
+        self.folder().join(raw)
+    }
+
+    /// How plates are warped.
+    pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source, size: FrameSize) -> WarpRules {
+        let holes = match &raw.holes {
+            RawHoles::Leave => Holes::Leave,
+            RawHoles::Geometry => {
+                if !matches!(source, Source::Scene(_)) {
+                    let hint = "add `scene`, or give a clean plate: holes = { plate = \"clean.####.exr\" }";
+                    self.fault("warp.holes", "the shot has no scene that could fill holes", hint);
+                }
+                Holes::Geometry
+            }
+            RawHoles::Plate(path) => Holes::Plate(self.plate_path(path, "warp.holes.plate")),
+        };
+        let (motion, motion_scale) =
+            raw.motion.as_ref().map_or((None, MotionScale::default()), |raw| motion(raw, size));
+        WarpRules {
+            filter: raw.filter,
+            normals: raw.normals,
+            motion,
+            motion_scale,
+            meanings: raw.channels.iter().map(|channel| (channel.name.clone(), channel.meaning)).collect(),
+            holes,
+        }
+    }
+
+    /// The part of a plate that a layer moves.
+    pub(super) fn matte(&mut self, raw: &RawMatte, key: &str, shot: &LayerDefaults) -> Option<Matte> {
+        if shot.space == RawSpace::World {
+            let what = "a plate is warped on the screen, this layer's lattice lies in the scene";
+            self.fault(key, what, "remove it, or `space = \"world\"`");
+        }
+        match raw {
+            RawMatte::Named(_) => Some(Matte::Alpha),
+            RawMatte::Part(part) => self.part(part, key),
+        }
+    }
+
+    fn part(&mut self, raw: &RawPart, key: &str) -> Option<Matte> {
+        let RawPart { channel, id, values, cryptomatte, of } = raw.clone();
+        let lonely = [
+            ("values", values.is_some() && id.is_none(), "id"),
+            ("of", of.is_some() && cryptomatte.is_none(), "cryptomatte"),
+        ];
+        for (name, _, owner) in lonely.iter().filter(|(_, is_lonely, _)| *is_lonely) {
+            self.fault(
+                &format!("{key}.{name}"),
+                format!("belongs to `{owner}`"),
+                format!("remove it or add `{owner}`"),
+            );
+        }
+        match (channel, id, cryptomatte) {
+            (Some(channel), None, None) => Some(Matte::Channel(channel)),
+            (None, Some(channel), None) => {
+                let Some(values) = values else {
+                    self.fault(&format!("{key}.values"), "is missing", "list the ids of the layer: values = [3]");
+                    return None;
+                };
+                Some(Matte::Id { channel, values })
+            }
+            (None, None, Some(names)) => Some(Matte::Cryptomatte { layer: of, names }),
+            (None, None, None) => {
+                let hint =
+                    "give one of channel = \"mask.R\", id = \"id.object\", cryptomatte = [\"Body*\"], or \"alpha\"";
+                self.fault(key, "does not say what it selects", hint);
+                None
+            }
+            _ => {
+                let hint = "keep one of them, and make a layer for each part";
+                self.fault(key, "names channel, id and cryptomatte, or two of them", hint);
+                None
+            }
+        }
+    }
+
+    /// Refuses what a layer of a shot without a scene cannot have.
+    pub(super) fn plate_layer(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) {
+        if shot.has_nodes {
+            return;
+        }
+        let parts = [("nodes", raw.nodes.is_some()), ("stiffness", !raw.stiffness.is_empty())];
+        for (part, _) in parts.iter().filter(|(_, is_given)| *is_given) {
+            let hint = "remove it, or add the `scene` that the plate shows; `matte` selects a part of a plate";
+            self.fault(&format!("{key}.{part}"), "names parts of a scene, and this shot has none", hint);
+        }
+        if raw.lattice.space == RawSpace::World {
+            let hint = "remove it, or add the `scene` that the plate shows";
+            self.fault(&format!("{key}.lattice.space"), "a plate is warped on the screen", hint);
+        }
+        for (index, _) in raw.pin.iter().enumerate().filter(|(_, pin)| pin.anchor.node.is_some()) {
+            let hint = "give a point of the screen: anchor = { screen = [0.9, 0.5] }";
+            self.fault(&format!("{key}.pin[{index}].anchor.node"), "this shot has no scene with nodes", hint);
+        }
+    }
+
+    fn folder(&self) -> PathBuf {
+        self.document.path.parent().unwrap_or(Path::new("")).to_owned()
+    }
+}
+
+/// Pixels of the shot's frame that a unit is, and whether they grow with the frame.
+fn motion(raw: &RawMotion, size: FrameSize) -> (Option<MotionRule>, MotionScale) {
+    let (unit, scale) = match raw.unit {
+        RawMotionUnit::Named(RawNamedUnit::Pixels) => ([1.0; 2], MotionScale::Pixels),
+        RawMotionUnit::Number(pixels) => ([pixels; 2], MotionScale::Pixels),
+        RawMotionUnit::Named(RawNamedUnit::Frame) => ([size.width, size.height].map(f64::from), MotionScale::Frame),
+    };
+    let x = if raw.x == RawAcross::Left { -unit[0] } else { unit[0] };
+    let y = if raw.y == RawUpright::Down { -unit[1] } else { unit[1] };
+    (Some(MotionRule { pixels_per_unit: [x, y] }), scale)
+}
