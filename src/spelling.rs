@@ -1,4 +1,6 @@
-//! Finds the right spelling that a wrong one comes nearest to, for error messages.
+//! Names as people write them: patterns with `*` and `?`, and the right spelling that a wrong one comes nearest to.
+//!
+//! In: names. Out: whether they fit; hints for error messages.
 
 /// Names listed in a hint, at most.
 const LISTED: usize = 12;
@@ -29,9 +31,49 @@ pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
     }
 }
 
+/// Whether a name fits a pattern: `*` stands for any characters, `?` for one.
+///
+/// In linear space: on a mismatch the last star takes one more character.
+pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    let (mut p, mut n) = (0, 0);
+    let mut star = None;
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(&c) if c == '?' || c == name[n] => {
+                p += 1;
+                n += 1;
+            }
+            _ => {
+                let Some((at, taken)) = star else { return false };
+                star = Some((at, taken + 1));
+                p = at + 1;
+                n = taken + 1;
+            }
+        }
+    }
+    pattern[p..].iter().all(|c| *c == '*')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn patterns_fit_as_people_expect() {
+        for (pattern, name) in
+            [("*", ""), ("Tea*", "Teapot"), ("*pot", "Teapot"), ("T?a*t", "Teapot"), ("a*b*c", "axbxbc")]
+        {
+            assert!(fits(pattern, name), "{pattern} fits {name}");
+        }
+        for (pattern, name) in [("", "x"), ("Tea", "Teapot"), ("?", ""), ("a*b*c", "axbxb"), ("tea*", "Teapot")] {
+            assert!(!fits(pattern, name), "{pattern} does not fit {name}");
+        }
+    }
 
     #[test]
     fn a_near_name_is_suggested_and_a_far_one_lists_all() {

@@ -14,7 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("lattice", &["space"]),
     ("image", &["space"]),
     ("solve", &["lattice", "space", "spelling"]),
-    ("plate", &["image", "lattice", "space"]),
+    ("plate", &["image", "lattice", "space", "spelling"]),
     ("export", &["image", "lattice", "plate", "space"]),
     ("compare", &["image", "lattice", "solve", "space"]),
     ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),

@@ -9,8 +9,12 @@
 
 mod field;
 mod map;
+mod report;
 mod rules;
+mod warp;
 
 pub use field::Field;
 pub use map::WarpMap;
+pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
+pub use warp::{LayerJob, PlateJob};

@@ -3,7 +3,7 @@
 //! Plain data that the shot file fills.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// How finished frames are warped.
@@ -68,7 +68,7 @@ pub enum MotionScale {
 }
 
 /// What a channel holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Meaning {
     /// Light, filtered; associated with the alpha of its layer where there is one.
