@@ -12,7 +12,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("pose", &["scene", "space"]),
     ("screen", &["pose", "scene", "space"]),
     ("lattice", &["space"]),
-    ("image", &["space"]),
+    ("image", &["space", "spelling"]),
     ("solve", &["lattice", "space", "spelling"]),
     ("plate", &["image", "lattice", "space", "spelling"]),
     ("export", &["image", "lattice", "plate", "space"]),

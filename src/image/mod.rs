@@ -5,6 +5,7 @@
 
 mod atomic;
 mod complete;
+pub mod cryptomatte;
 mod draw;
 mod error;
 mod exr_read;

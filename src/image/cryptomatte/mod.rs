@@ -1,0 +1,24 @@
+//! Cryptomatte: mattes of everything that has a name, to the specification of Psyop.
+//!
+//! In: names, shares of pixels; foreign channels and attributes. Out: ids, ranks, manifests, and the way back.
+//! Friedman and Jones, "Fully automatic ID mattes with support for motion blur and transparency", SIGGRAPH 2015 posters;
+//! Cryptomatte Specification 1.2.0, github.com/Psyop/Cryptomatte.
+//!
+//! ```text
+//! CryptoObject00.R = id of rank 0, .G = its coverage;  .B = id of rank 1, .A = its coverage;  CryptoObject01.R …
+//! ```
+
+mod hash;
+mod header;
+mod layer;
+mod manifest;
+mod ranks;
+
+pub use hash::MatteId;
+pub use header::MatteHeader;
+pub use layer::{MatteLayer, RankChannels, matte_layers, rank_channel_names};
+pub use manifest::{Manifest, Selection, clean_name};
+pub use ranks::Coverage;
+
+/// Ranks that the specification suggests: three RGBA layers.
+pub const USUAL_RANKS: usize = 6;

@@ -1,0 +1,106 @@
+//! The ids of one pixel and how much each covers.
+//!
+//! In: samples, or ranks of other pixels, with weights. Out: ranks, the largest coverage first.
+
+use super::MatteId;
+
+/// How much of a pixel each id covers. Made once and used again for every pixel, so that no memory is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coverage {
+    shares: Vec<(MatteId, f32)>,
+}
+
+impl Coverage {
+    /// Forgets all ids.
+    pub fn clear(&mut self) {
+        self.shares.clear();
+    }
+
+    /// Adds to an id's coverage; nothing for [`MatteId::NOTHING`], for 0 and for NaN. Negative shares (of filters with
+    /// negative lobes) count.
+    pub fn add(&mut self, id: MatteId, share: f32) {
+        if id == MatteId::NOTHING || share == 0.0 || share.is_nan() {
+            return;
+        }
+        match self.shares.iter_mut().find(|(other, _)| *other == id) {
+            Some((_, sum)) => *sum += share,
+            None => self.shares.push((id, share)),
+        }
+    }
+
+    /// The coverage of an id; 0 where it is not there.
+    #[must_use]
+    pub fn of(&self, id: MatteId) -> f32 {
+        self.shares.iter().find(|(other, _)| *other == id).map_or(0.0, |&(_, share)| share)
+    }
+
+    /// All ids and their coverage, largest first; of equal ones the smaller id first, so that the order never depends on
+    /// the order in which they were added. Ids with no coverage left are gone.
+    pub fn ranked(&mut self) -> &[(MatteId, f32)] {
+        self.shares.retain(|(_, share)| *share > 0.0);
+        self.shares.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        &self.shares
+    }
+
+    /// Writes the ranks of the pixel: id, coverage, id, coverage …; zeros where there are fewer. Ids beyond the last rank
+    /// are lost, as the specification expects.
+    ///
+    /// # Panics
+    /// Where `ranks` does not have an even length.
+    pub fn write(&mut self, ranks: &mut [f32]) {
+        assert!(ranks.len().is_multiple_of(2), "two numbers a rank");
+        ranks.fill(0.0);
+        for (rank, (id, share)) in ranks.chunks_exact_mut(2).zip(self.ranked()) {
+            rank.copy_from_slice(&[id.sample(), *share]);
+        }
+    }
+
+    /// Adds the ranks of a pixel (id, coverage, id, coverage …) with a weight.
+    pub fn add_ranks(&mut self, ranks: impl IntoIterator<Item = [f32; 2]>, weight: f32) {
+        for [id, share] in ranks {
+            self.add(MatteId::from_sample(id), share * weight);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_of_one_id_add_up_and_the_largest_stands_first() {
+        let [a, b, c] = ["a", "b", "c"].map(MatteId::of_name);
+        let mut coverage = Coverage::default();
+        for (id, share) in [(a, 0.25), (b, 0.375), (a, 0.25), (c, 0.125), (MatteId::NOTHING, 1.0), (c, f32::NAN)] {
+            coverage.add(id, share);
+        }
+        assert_eq!(coverage.ranked(), [(a, 0.5), (b, 0.375), (c, 0.125)]);
+        let mut ranks = [9.0; 4];
+        coverage.write(&mut ranks);
+        assert_eq!(ranks, [a.sample(), 0.5, b.sample(), 0.375]);
+    }
+
+    #[test]
+    fn ranks_written_and_read_are_the_same_pixel() {
+        let mut coverage = Coverage::default();
+        coverage.add(MatteId::of_name("a"), 0.75);
+        coverage.add(MatteId::of_name("b"), 0.25);
+        let mut ranks = [0.0; 12];
+        coverage.write(&mut ranks);
+        let mut again = Coverage::default();
+        again.add_ranks(ranks.chunks_exact(2).map(|rank| [rank[0], rank[1]]), 0.5);
+        assert_eq!((again.of(MatteId::of_name("a")), again.of(MatteId::of_name("b"))), (0.375, 0.125));
+        assert_eq!(again.ranked().len(), 2, "zeros at the end are nothing");
+    }
+
+    #[test]
+    fn equal_shares_have_one_order() {
+        let ids = ["a", "b", "c", "d"].map(MatteId::of_name);
+        let ranked = |order: [usize; 4]| {
+            let mut coverage = Coverage::default();
+            order.iter().for_each(|&index| coverage.add(ids[index], 0.25));
+            coverage.ranked().to_vec()
+        };
+        assert_eq!(ranked([0, 1, 2, 3]), ranked([3, 1, 0, 2]));
+    }
+}
