@@ -41,7 +41,7 @@ const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("toml", &["src/shot/"]),
     ("toml_edit", &["src/shot/"]),
     ("faer", &["src/lattice/fit.rs", "src/solve/"]),
-    ("pulp", &["src/lattice/display.rs", "src/solve/"]),
+    ("pulp", &["src/lattice/display.rs", "src/plate/filter/", "src/solve/"]),
     ("ash", &["src/raster/vulkan/", "src/raster/error.rs"]),
     ("gpu_allocator", &["src/raster/vulkan/"]),
     ("exr", &["src/image/"]),

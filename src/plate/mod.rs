@@ -8,12 +8,14 @@
 //! ```
 
 mod field;
+mod filter;
 mod map;
 mod report;
 mod rules;
 mod warp;
 
 pub use field::Field;
+pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};

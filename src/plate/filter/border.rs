@@ -1,0 +1,49 @@
+//! What lies beyond the last samples of a picture.
+//!
+//! In: the windows of the picture and of the display. Out: for each side whether the picture goes on there, and how
+//! much of an output pixel it covers.
+//!
+//! A side inside the display was cropped: outside of it is nothing, and samples there are 0. A side on the display's
+//! edge (or beyond: overscan) cuts a world that goes on: filters see the last sample again, so that a border that
+//! stays in place does not darken, and the cut is drawn as an edge one pixel soft.
+
+use crate::space::PixelRect;
+
+/// The picture along one axis, in samples from its first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// Samples.
+    pub(super) count: i32,
+    /// Whether the picture goes on before the first and after the last sample.
+    goes_on: [bool; 2],
+}
+
+impl Extent {
+    /// Both axes of a picture.
+    pub(super) fn of_window(window: PixelRect, display: PixelRect) -> [Self; 2] {
+        let axis = |start: i32, count: u32, edge: i32, edges: u32| {
+            let end = i64::from(start) + i64::from(count);
+            let goes_on = [start <= edge, end >= i64::from(edge) + i64::from(edges)];
+            Self { count: count as i32, goes_on }
+        };
+        [
+            axis(window.x, window.width, display.x, display.width),
+            axis(window.y, window.height, display.y, display.height),
+        ]
+    }
+
+    /// The sample that stands at a place; `None`: nothing is there.
+    pub(super) fn sample(self, place: i32) -> Option<usize> {
+        let held = (place < 0 && self.goes_on[0]) || (place >= self.count && self.goes_on[1]);
+        let place = if held { place.clamp(0, self.count - 1) } else { place };
+        (0..self.count).contains(&place).then_some(place as usize)
+    }
+
+    /// How much of a pixel centred at `place + fraction` lies inside the sides that cut, 0 to 1.
+    #[inline(always)]
+    pub(super) fn coverage(self, place: i32, fraction: f32) -> f32 {
+        let before = if self.goes_on[0] { place as f32 + 1.0 + fraction } else { 1.0 };
+        let after = if self.goes_on[1] { (self.count - place) as f32 - fraction } else { 1.0 };
+        before.min(after).clamp(0.0, 1.0)
+    }
+}

@@ -1,0 +1,85 @@
+//! The samples below one output pixel, for what may be weighed but not interpolated beyond its values.
+//!
+//! In: a map and a pixel. Out: source samples and weights, never negative: a tent as wide as the pixel's footprint.
+
+use super::border::Extent;
+use super::shape::Shape;
+use crate::plate::WarpMap;
+use crate::space::PixelRect;
+
+/// Collects the samples below an output pixel: (index into the source window, weight).
+///
+/// Weights are positive and sum to 1 inside the picture, to less where part of the pixel sees nothing; no taps where
+/// the map holds NaN or leads out of the picture. One tap of weight 1 where nothing moves. `taps` is emptied first.
+pub fn footprint(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
+    taps.clear();
+    if source_window.area() == 0 {
+        return;
+    }
+    let width = map.window.width as usize;
+    let (column, row) = (pixel % width, pixel / width);
+    let extents = Extent::of_window(source_window, map.frame.window());
+    let offset = map.offsets[pixel];
+    let start = [
+        i64::from(map.window.x) + column as i64 - i64::from(source_window.x),
+        i64::from(map.window.y) + row as i64 - i64::from(source_window.y),
+    ];
+    let Some(places) = places(offset, start, extents) else { return };
+    let shape = Shape::at(map, column, row);
+    let coverage = extents[0].coverage(places[0].0, places[0].1) * extents[1].coverage(places[1].0, places[1].1);
+    let sum = gather(&places, &shape, extents, source_window.width as usize, taps);
+    // Far beyond a held side every tap is the last sample, but nothing of it is covered.
+    taps.retain_mut(|(_, weight)| {
+        *weight *= coverage / sum;
+        *weight > 0.0
+    });
+}
+
+/// Sample and fraction on both axes; `None` where the place is not near the picture.
+fn places(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<[(i32, f32); 2]> {
+    let place = |axis: usize| {
+        let whole = offset[axis].floor();
+        let sample = start[axis] as f32 + whole;
+        let near = sample > -1e6 && sample < extents[axis].count as f32 + 1e6;
+        near.then(|| (sample as i32, offset[axis] - whole))
+    };
+    Some([place(0)?, place(1)?])
+}
+
+/// Adds taps with plain tent weights; the sum of all weights, also of those that met nothing.
+fn gather(
+    places: &[(i32, f32); 2],
+    shape: &Shape,
+    extents: [Extent; 2],
+    width: usize,
+    taps: &mut Vec<(usize, f32)>,
+) -> f32 {
+    let [xx, xy, yy] = shape.filter_from_source;
+    let range = |axis: usize| {
+        let fraction = places[axis].1;
+        (fraction - shape.reach[axis]).ceil() as i32..=(fraction + shape.reach[axis]).floor() as i32
+    };
+    let mut sum = 0.0;
+    for y in range(1) {
+        let dy = y as f32 - places[1].1;
+        for x in range(0) {
+            let dx = x as f32 - places[0].1;
+            let tent = |t: f32| (1.0 - t.abs()).max(0.0);
+            let weight = tent(xx * dx + xy * dy) * tent(xy * dx + yy * dy);
+            sum += weight;
+            let sample = extents[0].sample(places[0].0 + x).zip(extents[1].sample(places[1].0 + y));
+            if let Some((x, y)) = sample.filter(|_| weight > 0.0) {
+                add(taps, y * width + x, weight);
+            }
+        }
+    }
+    sum
+}
+
+/// A held border names a sample more than once.
+fn add(taps: &mut Vec<(usize, f32)>, index: usize, weight: f32) {
+    match taps.last_mut() {
+        Some(last) if last.0 == index => last.1 += weight,
+        _ => taps.push((index, weight)),
+    }
+}

@@ -1,0 +1,120 @@
+//! Resampling: the samples of a picture, seen through a map.
+//!
+//! In: a [`WarpMap`], planes of samples, a [`Filter`]. Out: as many planes of the map's window, the same on any number
+//! of threads; or the weights of one pixel's footprint. What happens at borders and to samples that are no numbers:
+//! docs/PLATES.md, "Filters".
+
+mod block;
+mod border;
+mod footprint;
+mod kernel;
+mod nearest;
+mod profile;
+mod shape;
+mod tile;
+
+#[cfg(test)]
+mod tests;
+
+pub use footprint::footprint;
+
+use super::{Filter, WarpMap};
+use crate::space::PixelRect;
+use rayon::prelude::*;
+use tile::{Scratch, Tiles};
+
+/// Rows that a task takes.
+const BAND: usize = 32;
+/// Planes that are filtered side by side.
+const GROUP: usize = 4;
+
+/// Samples of equal windows.
+#[derive(Clone, Debug)]
+pub struct Planes<'a> {
+    /// Where they lie, in image space.
+    pub window: PixelRect,
+    /// Each with `window.area()` samples, rows from the top.
+    pub planes: Vec<&'a [f32]>,
+}
+
+/// Samples that are no finite numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NotFinite {
+    /// Not a number: a filter takes them for absent.
+    pub nan: usize,
+    /// Infinite: a filter takes them for the greatest finite half, 65504.
+    pub infinite: usize,
+}
+
+impl Planes<'_> {
+    /// Counts the samples that a filter contains, for the report.
+    #[must_use]
+    pub fn not_finite(&self) -> NotFinite {
+        let count = |test: fn(f32) -> bool| {
+            let of_plane = |plane: &&[f32]| plane.par_iter().filter(|sample| test(**sample)).count();
+            self.planes.iter().map(of_plane).sum()
+        };
+        NotFinite { nan: count(f32::is_nan), infinite: count(f32::is_infinite) }
+    }
+}
+
+/// The planes as seen through the map: one an input plane, each `map.window.area()` samples; 0 where the map holds NaN.
+///
+/// All planes of a call share their weights. Where the map moves nothing, samples keep their bits. [`Filter::Nearest`]
+/// copies bits everywhere, so it may be used for ids.
+///
+/// # Panics
+/// Where a plane or the map does not have as many elements as its window has pixels.
+///
+/// ```
+/// use pinwarp::plate::{Filter, Planes, WarpMap, resampled};
+/// use pinwarp::space::{FrameSize, PixelRect};
+/// let window = PixelRect { x: 0, y: 0, width: 4, height: 1 };
+/// let mut map = WarpMap::identity(FrameSize::new(4, 1), window);
+/// map.offsets.fill([1.0, 0.0]);
+/// let source = Planes { window, planes: vec![&[1.0, 2.0, 3.0, 4.0]] };
+/// assert_eq!(resampled(&map, &source, Filter::Cubic), [[2.0, 3.0, 4.0, 0.0]]);
+/// ```
+#[must_use]
+pub fn resampled(map: &WarpMap, source: &Planes, filter: Filter) -> Vec<Vec<f32>> {
+    let mut planes = vec![vec![0.0; map.window.area()]; source.planes.len()];
+    resample_into(map, source, filter, &mut planes);
+    planes
+}
+
+/// As [`resampled`], into planes that are already there: every sample is written.
+///
+/// # Panics
+/// As [`resampled`], and where the planes are not as many or as large as the result.
+pub fn resample_into(map: &WarpMap, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
+    assert_eq!(map.offsets.len(), map.window.area(), "an offset a pixel");
+    assert_eq!(planes.len(), source.planes.len(), "a result a plane");
+    assert!(source.planes.iter().all(|plane| plane.len() == source.window.area()), "a sample a pixel");
+    assert!(planes.iter().all(|plane| plane.len() == map.window.area()), "a sample a pixel of the map");
+    if map.window.area() == 0 || source.window.area() == 0 {
+        return planes.iter_mut().for_each(|plane| plane.fill(0.0));
+    }
+    for (inputs, outputs) in source.planes.chunks(GROUP).zip(planes.chunks_mut(GROUP)) {
+        let group = Planes { window: source.window, planes: inputs.to_vec() };
+        let tiles = Tiles::new(map, &group, filter);
+        let mut bands = bands(outputs, BAND * map.window.width as usize);
+        let work = |scratch: &mut Scratch, (index, band): (usize, &mut Vec<&mut [f32]>)| {
+            tiles.write_band(index * BAND, band, scratch);
+        };
+        bands.par_iter_mut().enumerate().for_each_init(Scratch::default, work);
+    }
+}
+
+/// Cuts planes into bands of `length` samples: the bands, and in each the part of every plane.
+fn bands(planes: &mut [Vec<f32>], length: usize) -> Vec<Vec<&mut [f32]>> {
+    let mut bands: Vec<Vec<&mut [f32]>> = Vec::new();
+    for plane in planes {
+        for (index, part) in plane.chunks_mut(length).enumerate() {
+            if bands.len() <= index {
+                bands.push(Vec::new());
+            }
+            bands[index].push(part);
+        }
+    }
+    bands
+}

@@ -1,0 +1,91 @@
+//! The footprint of an output pixel in the source: how far, and in which direction, the warp shrinks there.
+//!
+//! In: the offsets around a pixel. Out: the map that takes source distances to filter distances.
+//!
+//! P. Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, chapter 3: a round pixel becomes an ellipse
+//! with J Jᵀ, J = d source / d output. Its axes are held at 1 or more, so that magnified samples are interpolated, not blurred:
+//! H = max(1, √(J Jᵀ)) by eigenvalues, and a filter is read at H⁻¹ (source − place). H = 1 wherever the warp turns, shifts or magnifies.
+
+use crate::plate::WarpMap;
+
+/// Greatest shrink that is filtered in full; a footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
+const SHRINK_LIMIT: f32 = 16.0;
+/// Shrinks up to this factor count as none: rounding of maps must not widen a filter.
+const SLACK: f32 = 1.02;
+
+/// Filter distances from source distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shape {
+    /// H⁻¹: xx, xy = yx, yy.
+    pub(super) filter_from_source: [f32; 3],
+    /// Source distance along x and y of the corners of the filter's square of "radius" 1.
+    pub(super) reach: [f32; 2],
+}
+
+impl Shape {
+    /// No shrink.
+    pub(super) const UNIT: Self = Self { filter_from_source: [1.0, 0.0, 1.0], reach: [1.0, 1.0] };
+
+    /// Whether the plain filter serves.
+    #[inline(always)]
+    pub(super) fn is_unit(&self) -> bool {
+        self.reach == Self::UNIT.reach
+    }
+
+    /// The footprint of the pixel with that index.
+    #[inline(always)]
+    pub(super) fn at(map: &WarpMap, column: usize, row: usize) -> Self {
+        let (width, height) = (map.window.width as usize, map.window.height as usize);
+        let index = row * width + column;
+        let across = steepness(&map.offsets, index, 1, [column > 0, column + 1 < width]);
+        let down = steepness(&map.offsets, index, width, [row > 0, row + 1 < height]);
+        Self::of_jacobian([1.0 + across[0], down[0], across[1], 1.0 + down[1]])
+    }
+
+    /// From J, rows first.
+    #[inline(always)]
+    fn of_jacobian([xx, xy, yx, yy]: [f32; 4]) -> Self {
+        let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
+        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        let radius = (half * half + b * b).sqrt();
+        // Also where J is not a number or infinite: comparisons fail.
+        if !(mean + radius > SLACK * SLACK) || !radius.is_finite() {
+            return Self::UNIT;
+        }
+        let axis = |squared: f32| (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT);
+        let (long, short) = (axis(mean + radius), axis(mean - radius));
+        // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
+        let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
+        let (along, aside) = (half * scale, b * scale);
+        let (p, q) = (0.5 * (1.0 / long + 1.0 / short), 0.5 * (1.0 / long - 1.0 / short));
+        let (s, t) = (0.5 * (long + short), 0.5 * (long - short));
+        let corner = (t * aside).abs();
+        Self {
+            filter_from_source: [p + q * along, q * aside, p - q * along],
+            reach: [s + t * along + corner, s - t * along + corner],
+        }
+    }
+}
+
+/// How offsets change along an axis, a pixel: the smaller of both sides' differences, since the other may cross a fold
+/// or a hole. 0 where neither side has one.
+#[inline(always)]
+fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]) -> [f32; 2] {
+    let here = offsets[index];
+    let before = if sides[0] { difference(here, offsets[index - stride]) } else { [f32::NAN; 2] };
+    let after = if sides[1] { difference(offsets[index + stride], here) } else { [f32::NAN; 2] };
+    let size = |d: [f32; 2]| d[0] * d[0] + d[1] * d[1];
+    let (first, second) = (size(before), size(after));
+    if first.is_nan() && second.is_nan() {
+        [0.0; 2]
+    } else if second.is_nan() || first <= second {
+        before
+    } else {
+        after
+    }
+}
+
+#[inline(always)]
+fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
