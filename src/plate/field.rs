@@ -1,27 +1,136 @@
-//! The warp of a whole screen: a lattice inside its box, and what happens around it.
+//! The warp of a whole screen: lattices one after another, and what happens around their boxes.
 //!
-//! In: a lattice of the screen. Out: where any point of the screen goes.
+//! In: lattices of the screen. Out: where any point of the screen goes, the gradient there, and where it came from.
 
+use super::around::Link;
 use crate::lattice::ScreenLattice;
 use crate::space::ScreenPoint;
+use glam::{DMat2, DVec2};
+
+/// Newton steps after which an inverse counts as not found.
+const MOST_STEPS: usize = 40;
+/// An inverse is found when its image is this near, in frame heights: a 500th of a thousandth of a pixel at 4K.
+const CLOSE: f64 = 1e-9;
 
 /// Where every point of the screen goes.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// ```
+/// use pinwarp::lattice::{Basis, Grid};
+/// use pinwarp::plate::Field;
+/// use pinwarp::space::ScreenPoint;
+/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+/// lattice.handles.iter_mut().for_each(|handle| handle[0] += 0.25);
+/// let point = ScreenPoint::new(0.5, 0.5);
+/// let moved = Field::of_picture(lattice).carry(point);
+/// assert!((moved.0.x - 0.75).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
-    lattice: ScreenLattice,
+    links: Vec<Link>,
 }
 
 impl Field {
+    /// Nothing moves.
+    #[must_use]
+    pub const fn identity() -> Self {
+        Self { links: Vec::new() }
+    }
+
     /// The warp of a layer that stands alone (geometry, matted plates): around the box a point moves as the nearest box
     /// point does.
     #[must_use]
-    pub const fn of_layer(lattice: ScreenLattice) -> Self {
-        Self { lattice }
+    pub fn of_layer(lattice: ScreenLattice) -> Self {
+        Self { links: vec![Link::held(&lattice)] }
+    }
+
+    /// The warp of a whole picture: around the box the displacement goes on smoothly and fades to zero, so that the
+    /// background neither slides nor kinks (docs/PLATES.md).
+    #[must_use]
+    pub fn of_picture(lattice: ScreenLattice) -> Self {
+        Self { links: vec![Link::fading(&lattice)] }
+    }
+
+    /// One field after the other: the first moves the picture, the next moves what came out.
+    #[must_use]
+    pub fn chain(fields: Vec<Self>) -> Self {
+        Self { links: fields.into_iter().flat_map(|field| field.links).collect() }
     }
 
     /// Where a point goes.
     #[must_use]
     pub fn carry(&self, point: ScreenPoint) -> ScreenPoint {
-        self.lattice.warp(point)
+        ScreenPoint(point.0 + self.displace(point.0).0)
     }
+
+    /// Where a point goes, and the gradient there (column = derivative along x, y).
+    #[must_use]
+    pub fn carry_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
+        let (moved, gradient) = self.displace(point.0);
+        (ScreenPoint(point.0 + moved), gradient)
+    }
+
+    /// The point that goes to `point`, looked for from `start` on; `None` where the search ends elsewhere. In folds
+    /// there are several; the one that the search meets first counts.
+    #[must_use]
+    pub fn inverse(&self, point: ScreenPoint, start: ScreenPoint) -> Option<ScreenPoint> {
+        self.back(point.0, start.0 - point.0).map(|(offset, _)| ScreenPoint(point.0 + offset))
+    }
+
+    /// No point moves further, in frame heights.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.links.iter().map(Link::reach).sum()
+    }
+
+    /// How far a point moves (exactly 0 where nothing does), and the gradient of [`Self::carry`].
+    pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
+        let (mut moved, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
+        for link in &self.links {
+            let (by, slope) = link.displace(point + moved);
+            moved += by;
+            gradient = (DMat2::IDENTITY + slope) * gradient;
+        }
+        (moved, gradient)
+    }
+
+    /// What has to be added to a point to find where it came from, and the gradient of [`Self::carry`] there.
+    ///
+    /// Newton's method on o + d(x + o) = 0; a step is halved until the miss shrinks.
+    pub(super) fn back(&self, point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
+        let mut offset = start;
+        let (mut moved, mut gradient) = self.displace(point + offset);
+        let mut miss = offset + moved;
+        for _ in 0..MOST_STEPS {
+            if miss.length_squared() <= CLOSE * CLOSE {
+                // Where nothing moves this is 0, to the bit.
+                return Some((-moved, gradient));
+            }
+            let step = newton_step(gradient, miss);
+            let mut share = 1.0;
+            loop {
+                let next = offset - step * share;
+                let (next_moved, next_gradient) = self.displace(point + next);
+                let next_miss = next + next_moved;
+                if next_miss.length_squared() < miss.length_squared() {
+                    (offset, moved, gradient, miss) = (next, next_moved, next_gradient, next_miss);
+                    break;
+                }
+                share *= 0.5;
+                if share < 1e-3 || !next_miss.is_finite() {
+                    return None;
+                }
+            }
+        }
+        None
+    }
+}
+
+/// J⁻¹ r; near a crease, where J is singular, the damped least-squares step (J^T J + μ I)⁻¹ J^T r.
+fn newton_step(gradient: DMat2, miss: DVec2) -> DVec2 {
+    let scale = gradient.x_axis.length_squared() + gradient.y_axis.length_squared();
+    if gradient.determinant().abs() > 1e-3 * scale {
+        return gradient.inverse() * miss;
+    }
+    let turned = gradient.transpose();
+    (turned * gradient + DMat2::IDENTITY * (1e-4 * scale + 1e-12)).inverse() * (turned * miss)
 }

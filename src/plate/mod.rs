@@ -7,6 +7,7 @@
 //!                        Matte ─weight───┴─ cryptomatte, nearest, motion … ───┴─▶ Plate
 //! ```
 
+mod around;
 mod field;
 mod filter;
 mod map;

@@ -1,0 +1,195 @@
+//! One lattice as a displacement of the whole plane: inside its box, and what happens around it.
+//!
+//! In: a lattice of the screen. Out: displacement and its gradient at any point, in frame heights. Handles count as
+//! displacements, so that what does not move gets exactly 0.
+
+use crate::lattice::{AxisTerms, Basis, Grid, MAX_HANDLES, ScreenLattice};
+use glam::{DMat2, DVec2};
+
+/// Samples of the border a span, to find out how far it moves.
+const SAMPLES: usize = 4;
+
+/// A lattice and a rule for the outside of its box.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Link {
+    grid: Grid<2>,
+    /// How far each handle has moved: #handles, x fastest.
+    moved: Vec<DVec2>,
+    around: Around,
+}
+
+/// What happens outside the box.
+#[derive(Clone, Debug, PartialEq)]
+enum Around {
+    /// A point moves as the nearest box point does.
+    Nearest,
+    /// The displacement goes on along the normal of the border with its value and slope, and fades to zero:
+    ///
+    /// ```text
+    /// d(q + n) = [ d + d_x c(n_x) + d_y c(n_y) + d_xy c(n_x) c(n_y) ](q) · f(|n_x|/margin) · f(|n_y|/margin)
+    /// c(0) = 0, c'(0) = 1, constant from `bend` on;  f(0) = 1, f'(0) = 0, f(1) = 0, f'(1) = 0
+    /// ```
+    ///
+    /// C1 across the border, across the lines that go on from its sides, and at the margin's end.
+    Fade {
+        /// Where the slope has died away, an axis.
+        bend: DVec2,
+        /// Where the displacement has.
+        margin: f64,
+    },
+}
+
+/// Displacement at a box point and its derivatives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Jet {
+    d: DVec2,
+    dx: DVec2,
+    dy: DVec2,
+    dxy: DVec2,
+}
+
+/// How a displacement goes on along one axis: c, c', f, f'.
+#[derive(Clone, Copy, Debug)]
+struct Along {
+    c: f64,
+    c_slope: f64,
+    f: f64,
+    f_slope: f64,
+}
+
+impl Along {
+    const INSIDE: Self = Self { c: 0.0, c_slope: 1.0, f: 1.0, f_slope: 0.0 };
+    const HELD: Self = Self { c: 0.0, c_slope: 0.0, f: 1.0, f_slope: 0.0 };
+}
+
+impl Link {
+    /// Around the box a point moves as the nearest box point does.
+    pub(super) fn held(lattice: &ScreenLattice) -> Self {
+        let rest = lattice.grid.rest_handles();
+        let moved = lattice.handles.iter().zip(rest).map(|(&to, from)| DVec2::from(to) - DVec2::from(from));
+        Self { grid: lattice.grid.clone(), moved: moved.collect(), around: Around::Nearest }
+    }
+
+    /// Around the box the displacement goes on smoothly and fades to zero.
+    pub(super) fn fading(lattice: &ScreenLattice) -> Self {
+        let mut link = Self::held(lattice);
+        let grid = &link.grid;
+        let side = DVec2::new(grid.size(0), grid.size(1));
+        let pitch = DVec2::new(grid.pitch(0), grid.pitch(1));
+        // Slopes of barycentric cells jump along the border; going on with them would tear the picture.
+        let bend = if grid.basis == Basis::Barytri { DVec2::ZERO } else { pitch.min(side * 0.25) };
+        // f falls by 1.5/margin at most: a quarter of the swell a margin keeps the fold away, see docs/PLATES.md.
+        let margin = 0.25 * side.min_element() + 4.0 * link.swell(bend);
+        link.around = Around::Fade { bend, margin };
+        link
+    }
+
+    /// The greatest displacement that the border reaches when it goes on with its slopes.
+    fn swell(&self, bend: DVec2) -> f64 {
+        let counts = [0, 1].map(|axis| SAMPLES * self.grid.basis.spans(self.grid.dims[axis]));
+        let half = bend * 0.5;
+        let reached = |unit: DVec2, is_end: [bool; 2]| {
+            let jet = self.jet(unit);
+            let [cx, cy] = [half.x * f64::from(u8::from(is_end[0])), half.y * f64::from(u8::from(is_end[1]))];
+            jet.d.length() + cx * jet.dx.length() + cy * jet.dy.length() + cx * cy * jet.dxy.length()
+        };
+        let side = |axis: usize, end: f64| {
+            (0..=counts[1 - axis]).map(move |k| {
+                let t = k as f64 / counts[1 - axis] as f64;
+                let is_corner = k == 0 || k == counts[1 - axis];
+                if axis == 0 {
+                    (DVec2::new(end, t), [true, is_corner])
+                } else {
+                    (DVec2::new(t, end), [is_corner, true])
+                }
+            })
+        };
+        let border = [0, 1].into_iter().flat_map(|axis| [0.0, 1.0].into_iter().flat_map(move |end| side(axis, end)));
+        border.map(|(unit, is_end)| reached(unit, is_end)).fold(0.0, f64::max)
+    }
+
+    /// No point moves further, in frame heights.
+    pub(super) fn reach(&self) -> f64 {
+        let inside = self.moved.iter().map(|moved| moved.length()).fold(0.0, f64::max);
+        match self.around {
+            Around::Nearest => inside,
+            Around::Fade { bend, .. } => inside.max(self.swell(bend)),
+        }
+    }
+
+    /// Displacement of a point, and its gradient (column = derivative along x, y).
+    pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
+        let (lo, hi) = (DVec2::from(self.grid.lo), DVec2::from(self.grid.hi));
+        let inside = point.max(lo).min(hi);
+        let size = hi - lo;
+        let Jet { d, dx, dy, dxy } = self.jet((inside - lo) / size);
+        let [x, y] = [0, 1].map(|axis| self.along(axis, point[axis] - inside[axis]));
+        let value = d + dx * x.c + dy * y.c + dxy * (x.c * y.c);
+        let fade = x.f * y.f;
+        let slope_x = (dx + dxy * y.c) * (x.c_slope * fade) + value * (x.f_slope * y.f);
+        let slope_y = (dy + dxy * x.c) * (y.c_slope * fade) + value * (x.f * y.f_slope);
+        (value * fade, DMat2::from_cols(slope_x, slope_y))
+    }
+
+    /// How the displacement goes on `out` of the box.
+    fn along(&self, axis: usize, out: f64) -> Along {
+        if out == 0.0 {
+            return Along::INSIDE;
+        }
+        let Around::Fade { bend, margin } = self.around else { return Along::HELD };
+        let (bend, t) = (bend[axis], out.abs() / margin);
+        // Beyond the margin nothing moves; NaN goes on.
+        if t >= 1.0 {
+            return Along { c: 0.0, c_slope: 0.0, f: 0.0, f_slope: 0.0 };
+        }
+        let s = if bend > 0.0 { (out.abs() / bend).min(1.0) } else { 1.0 };
+        Along {
+            c: bend * s * (1.0 - s * s * (1.0 - 0.5 * s)) * out.signum(),
+            c_slope: 1.0 - s * s * (3.0 - 2.0 * s),
+            f: 1.0 - t * t * (3.0 - 2.0 * t),
+            f_slope: -6.0 * t * (1.0 - t) / margin * out.signum(),
+        }
+    }
+
+    /// Displacement and derivatives at a place of the box, 0 to 1 an axis.
+    fn jet(&self, unit: DVec2) -> Jet {
+        match self.grid.basis {
+            Basis::Barytri => self.simplex_jet(unit),
+            Basis::Bspline | Basis::Bilinear => self.tensor_jet::<4>(unit),
+            Basis::Bernstein => self.tensor_jet::<MAX_HANDLES>(unit),
+        }
+    }
+
+    fn tensor_jet<const N: usize>(&self, unit: DVec2) -> Jet {
+        let Grid { dims, basis, .. } = self.grid;
+        let (x, y) = (AxisTerms::<N>::at(basis, dims[0], unit.x), AxisTerms::<N>::at(basis, dims[1], unit.y));
+        let mut jet = Jet::default();
+        for (row, (value, slope)) in y.values().iter().zip(y.slopes()).enumerate() {
+            let start = (y.first + row) * dims[0] + x.first;
+            let (mut sum, mut slant) = (DVec2::ZERO, DVec2::ZERO);
+            let handles = &self.moved[start..start + x.values().len()];
+            for ((moved, value), slope) in handles.iter().zip(x.values()).zip(x.slopes()) {
+                sum += *moved * *value;
+                slant += *moved * *slope;
+            }
+            jet.d += sum * *value;
+            jet.dx += slant * *value;
+            jet.dy += sum * *slope;
+            jet.dxy += slant * *slope;
+        }
+        let [width, height] = [self.grid.size(0), self.grid.size(1)];
+        Jet { d: jet.d, dx: jet.dx / width, dy: jet.dy / height, dxy: jet.dxy / (width * height) }
+    }
+
+    fn simplex_jet(&self, unit: DVec2) -> Jet {
+        let point = [0, 1].map(|axis| self.grid.lo[axis] + unit[axis] * self.grid.size(axis));
+        let mut jet = Jet::default();
+        self.grid.visit(point, |term| {
+            let moved = self.moved[term.handle];
+            jet.d += moved * term.weight;
+            jet.dx += moved * term.gradient[0];
+            jet.dy += moved * term.gradient[1];
+        });
+        jet
+    }
+}

@@ -1,0 +1,3 @@
+//! The plate stage: fields, maps, filters and meanings.
+
+mod map;
