@@ -38,6 +38,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// A third-party crate and the only places that may name it.
 const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("gltf", &["src/scene/"]),
+    ("spade", &["src/scene/outline/"]),
     ("toml", &["src/shot/"]),
     ("toml_edit", &["src/shot/"]),
     ("faer", &["src/lattice/fit.rs", "src/solve/"]),

@@ -8,8 +8,8 @@ use glam::{Quat, Vec2, Vec3};
 /// Name of the only card of [`frame_card`].
 const FRAME: &str = "frame";
 
-/// Cells of a card along a frame height.
-const CELLS: f64 = 16.0;
+/// Cells along the longer side of a rectangle.
+const CELLS: f64 = 24.0;
 
 /// Distance from a card to the one before it, and from the last one to the camera, frame heights.
 const STEP: f32 = 0.01;
@@ -22,7 +22,7 @@ const STEP: f32 = 0.01;
 /// ```
 #[must_use]
 pub fn frame_card(aspect: f64) -> Scene {
-    flat_scene(aspect, vec![(FRAME.to_owned(), rectangle(aspect))])
+    flat_scene(aspect, vec![(FRAME.to_owned(), rectangle(aspect, [[0.0; 2], [aspect, 1.0]]))])
 }
 
 /// A scene of cards, from back to front, each a node with a mesh of its own, and the camera before them.
@@ -47,12 +47,13 @@ fn node(name: String, translation: Vec3) -> Node {
     Node { name, parent: None, rest, mesh: None, skin: None, camera: None, light: None, weights: Vec::new() }
 }
 
-/// The whole frame as a grid of near-square cells, cut along alternating diagonals.
-pub(super) fn rectangle(aspect: f64) -> Primitive {
-    let columns = (CELLS * aspect).round().clamp(1.0, 16.0 * CELLS) as u32;
-    let rows = CELLS as u32;
-    let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
-    let points = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [share(i, columns) * aspect, share(j, rows)]));
+/// A box of the screen, lower left and upper right corner, as a grid of near-square cells, cut along alternating diagonals.
+pub(super) fn rectangle(aspect: f64, [low, high]: [[f64; 2]; 2]) -> Primitive {
+    let size = [high[0] - low[0], high[1] - low[1]];
+    let side = size[0].max(size[1]) / CELLS;
+    let [columns, rows] = size.map(|size| (size / side).round().max(1.0) as u32);
+    let place = |axis: usize, k: u32, of: u32| low[axis] + size[axis] * f64::from(k) / f64::from(of);
+    let points = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [place(0, i, columns), place(1, j, rows)]));
     let points: Vec<[f64; 2]> = points.collect();
     let corner = |i: u32, j: u32| i + j * (columns + 1);
     let mut triangles = Vec::with_capacity(2 * (columns * rows) as usize);
@@ -83,7 +84,7 @@ mod tests {
     #[test]
     fn the_card_covers_the_frame_once() {
         for aspect in [16.0 / 9.0, 1.0, 0.2, 300.0] {
-            let card = rectangle(aspect);
+            let card = rectangle(aspect, [[0.0; 2], [aspect, 1.0]]);
             let corner = |index: u32| card.positions[index as usize].truncate();
             let area = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)) * 0.5;
             assert!(card.triangles.iter().all(|triangle| area(triangle) > 0.0), "{aspect}");
@@ -94,7 +95,7 @@ mod tests {
 
     #[test]
     fn the_camera_stands_before_all_cards() {
-        let card = || ("card".to_owned(), rectangle(1.0));
+        let card = || ("card".to_owned(), rectangle(1.0, [[0.0; 2], [1.0; 2]]));
         let scene = flat_scene(1.0, vec![card(), card(), card()]);
         let depth = |node: &Node| match node.rest {
             Placement::Trs { translation, .. } => translation.z,

@@ -32,4 +32,14 @@ pub enum SceneError {
         /// How to get on.
         hint: String,
     },
+    /// Nothing of a picture can be seen.
+    #[error(
+        "nothing of '{picture}' in {path} can be seen: its alpha is 0 everywhere; take it off the list, or draw on it"
+    )]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// The picture, or the layer of the file.
+        picture: String,
+    },
 }

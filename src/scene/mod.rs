@@ -18,6 +18,8 @@ mod look;
 mod material;
 mod mesh;
 mod nodes;
+mod outline;
+mod pictures;
 mod skin;
 mod texture;
 
@@ -26,6 +28,7 @@ pub use error::SceneError;
 pub use find::FindError;
 pub use load::load;
 pub use look::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
+pub use pictures::{Picture, picture_cards};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
