@@ -1,9 +1,9 @@
 //! What a frame's file says beside its pixels.
 //!
-//! In: [`FrameMetadata`]. Out: EXR attributes, and back. Nothing here depends on the time or the machine, and our own
-//! fields share ONE attribute (`pinwarp`, JSON): the EXR crate keeps attributes it does not know in a hash map, so two
-//! of them would be written in random order and no two runs would give the same bytes.
+//! In: [`FrameMetadata`]. Out: EXR attributes, and back. Nothing here depends on the time or the machine. Our own fields
+//! share one attribute (`pinwarp`, JSON).
 
+use super::exr_file::text;
 use crate::space::{FrameSize, ScreenPoint};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
@@ -49,11 +49,7 @@ const OWN_ATTRIBUTE: &str = "pinwarp";
 
 impl FrameMetadata {
     pub(super) fn add_to_layer(&self, layer: &mut LayerAttributes, frame: FrameSize) {
-        let own = OwnFields { frame: self.frame, shot_hash: self.shot_hash.clone(), device: self.device.clone() };
-        if let Ok(json) = serde_json::to_string(&own) {
-            let json = AttributeValue::Text(Text::from(json.as_str()));
-            layer.other.insert(Text::from(OWN_ATTRIBUTE), json);
-        }
+        self.add_own_fields(layer);
         layer.software_name = Some(Text::from(concat!("pinwarp ", env!("CARGO_PKG_VERSION"))));
         layer.frames_per_second = rational_rate(self.frames_per_second);
         if let Some(camera) = &self.camera {
@@ -62,10 +58,18 @@ impl FrameMetadata {
         }
     }
 
+    /// What resuming asks for, and nothing that a plate of another program says itself.
+    pub(super) fn add_own_fields(&self, layer: &mut LayerAttributes) {
+        let own = OwnFields { frame: self.frame, shot_hash: self.shot_hash.clone(), device: self.device.clone() };
+        if let Ok(json) = serde_json::to_string(&own) {
+            layer.other.insert(Text::from(OWN_ATTRIBUTE), AttributeValue::Text(text(&json)));
+        }
+    }
+
     /// `None` where the file is not one of pinwarp's own. The camera is not read back.
     pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Self> {
         let AttributeValue::Text(json) = layer.other.get(&Text::from(OWN_ATTRIBUTE))? else { return None };
-        let own: OwnFields = serde_json::from_str(&json.to_string()).ok()?;
+        let own: OwnFields = serde_json::from_slice(json.as_slice()).ok()?;
         let rate = layer.frames_per_second.map_or(0.0, |(count, secs)| f64::from(count) / f64::from(secs.max(1)));
         Some(Self {
             frame: own.frame,

@@ -8,11 +8,16 @@ mod complete;
 pub mod cryptomatte;
 mod draw;
 mod error;
+mod exr_file;
+mod exr_guard;
+mod exr_head;
 mod exr_read;
 mod exr_write;
 mod font;
 mod metadata;
 mod plate;
+mod plate_read;
+mod plate_write;
 mod preview;
 mod sequence;
 mod window;
@@ -25,6 +30,8 @@ pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
 pub use metadata::{CameraMatrices, FrameMetadata};
 pub use plate::{Plate, PlatePart};
+pub use plate_read::read_plate;
+pub use plate_write::write_plate;
 pub use preview::{Preview, preview, write_png};
 pub use sequence::SequencePath;
 
@@ -46,8 +53,8 @@ pub struct Frame {
     pub channels: Vec<Channel>,
 }
 
-/// One channel: rows from the top, no padding.
-#[derive(Clone, Debug, PartialEq)]
+/// One channel: rows from the top, no padding. Ids are equal where their bits are, whatever number they would be.
+#[derive(Clone, Debug)]
 pub struct Channel {
     /// Name as in the EXR file: `R`, `depth.Z`.
     pub name: String,
@@ -82,6 +89,16 @@ impl Frame {
     pub fn nan_count(&self) -> usize {
         let floats = self.channels.iter().filter(|channel| channel.storage != Storage::Uint);
         floats.flat_map(|channel| &channel.samples).filter(|sample| sample.is_nan()).count()
+    }
+}
+
+impl PartialEq for Channel {
+    fn eq(&self, other: &Self) -> bool {
+        let are_samples_equal = match self.storage {
+            Storage::Uint => self.samples.iter().map(|id| id.to_bits()).eq(other.samples.iter().map(|id| id.to_bits())),
+            Storage::Half | Storage::Float => self.samples == other.samples,
+        };
+        self.name == other.name && self.storage == other.storage && are_samples_equal
     }
 }
 

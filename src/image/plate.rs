@@ -1,11 +1,14 @@
 //! A whole EXR file of any program, as plain data.
 //!
-//! In: what was read. Out: all parts, views, channels and attributes, ready to be changed and written again.
+//! In: what was read, or frames. Out: all parts, views, channels and attributes, ready to be changed and written again.
 
-use super::Channel;
-use crate::space::PixelRect;
-use exr::image::Encoding;
+use super::exr_file::{string, text};
+use super::{Channel, Frame, FrameMetadata};
+use crate::space::{FrameSize, PixelRect};
+use exr::image::{Blocks, Encoding};
+use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
+use std::collections::BTreeMap;
 
 /// A whole EXR file, so that nothing is lost between reading and writing.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,14 +19,16 @@ pub struct Plate {
     pub pixel_aspect: f64,
     /// Parts in the file's order; a file of one part has one.
     pub parts: Vec<PlatePart>,
-    /// Attributes that the parts share.
+    /// What the file holds and this plate does not, in words for the user: `part 'rgba': smaller mip levels`.
+    pub left_out: Vec<String>,
+    /// Attributes that the parts share; windows and aspect stand above, not here.
     pub(super) attributes: ImageAttributes,
 }
 
 /// One part of an EXR file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlatePart {
-    /// Its name, where it has one: `rgba.left`.
+    /// Its name, where it has one: `rgba.left`. A file of several parts needs names, all different.
     pub name: Option<String>,
     /// Its view, where it has one: `left`.
     pub view: Option<String>,
@@ -31,8 +36,140 @@ pub struct PlatePart {
     pub data_window: PixelRect,
     /// All channels, in the file's order, each with `data_window.area()` samples.
     pub channels: Vec<Channel>,
-    /// What else the part says about itself; Cryptomatte manifests stand here.
+    /// What else the part says about itself; Cryptomatte manifests stand here. Name, view and position stand above.
     pub(super) attributes: LayerAttributes,
     /// How its pixels are compressed.
     pub(super) encoding: Encoding,
+    /// Channels by name and whether lossy compressions shall take them for linear (`pLinear`), as the file says.
+    pub(super) linear: BTreeMap<String, bool>,
+}
+
+impl Plate {
+    /// A file of these parts that says nothing else about itself.
+    #[must_use]
+    pub fn new(display: PixelRect, pixel_aspect: f64, parts: Vec<PlatePart>) -> Self {
+        Self { display, pixel_aspect, parts, left_out: Vec::new(), attributes: no_shared_attributes() }
+    }
+
+    /// A file of one part without a name, compressed as [`super::Compression::Zip`].
+    #[must_use]
+    pub fn from_frame(frame: Frame) -> Self {
+        let part = PlatePart::new(frame.data_window, frame.channels);
+        Self::new(frame.display, frame.pixel_aspect, vec![part])
+    }
+
+    /// The same file with other parts: display window, pixel aspect and shared attributes stay.
+    #[must_use]
+    pub fn with_parts(&self, parts: Vec<PlatePart>) -> Self {
+        let (left_out, attributes) = (self.left_out.clone(), self.attributes.clone());
+        Self { display: self.display, pixel_aspect: self.pixel_aspect, parts, left_out, attributes }
+    }
+
+    /// All channels of the first part, and those of further parts with the same data window and new names. A plate
+    /// without parts becomes a frame without channels.
+    #[must_use]
+    pub fn into_frame(self) -> Frame {
+        let mut parts = self.parts.into_iter();
+        let first = parts.next().unwrap_or_else(|| PlatePart::new(self.display, Vec::new()));
+        let (display, pixel_aspect, data_window) = (self.display, self.pixel_aspect, first.data_window);
+        let mut frame = Frame { display, data_window, pixel_aspect, channels: first.channels };
+        for part in parts.filter(|part| part.data_window == data_window) {
+            let new: Vec<_> =
+                part.channels.into_iter().filter(|channel| frame.channel(&channel.name).is_none()).collect();
+            frame.channels.extend(new);
+        }
+        frame
+    }
+
+    /// The part of that name.
+    #[must_use]
+    pub fn part(&self, name: &str) -> Option<&PlatePart> {
+        self.parts.iter().find(|part| part.name.as_deref() == Some(name))
+    }
+
+    /// The display window, as screen space is measured against it.
+    #[must_use]
+    pub const fn frame_size(&self) -> FrameSize {
+        FrameSize { width: self.display.width, height: self.display.height, pixel_aspect: self.pixel_aspect }
+    }
+
+    /// Notes in the first part which frame of which shot this is, so that [`super::read_metadata`] finds it. What the
+    /// plate says of its software, rate and camera stays.
+    pub fn set_metadata(&mut self, metadata: &FrameMetadata) {
+        if let Some(first) = self.parts.first_mut() {
+            metadata.add_own_fields(&mut first.attributes);
+        }
+    }
+}
+
+impl PlatePart {
+    /// A part without a name, view or attributes; scan lines, compressed as [`super::Compression::Zip`].
+    #[must_use]
+    pub fn new(data_window: PixelRect, channels: Vec<Channel>) -> Self {
+        let encoding = Encoding {
+            compression: exr::prelude::Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        };
+        let (attributes, linear) = (LayerAttributes::default(), BTreeMap::new());
+        Self { name: None, view: None, data_window, channels, attributes, encoding, linear }
+    }
+
+    /// The same part with that name.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: Some(name.to_owned()), ..self }
+    }
+
+    /// A part that says the same about itself and holds other pixels.
+    #[must_use]
+    pub fn with_channels(&self, data_window: PixelRect, channels: Vec<Channel>) -> Self {
+        Self {
+            name: self.name.clone(),
+            view: self.view.clone(),
+            data_window,
+            channels,
+            attributes: self.attributes.clone(),
+            encoding: self.encoding,
+            linear: self.linear.clone(),
+        }
+    }
+
+    /// The channel of that name.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// A text among its custom attributes: `cryptomatte/f834d0a/manifest`.
+    #[must_use]
+    pub fn text(&self, name: &str) -> Option<String> {
+        text_of(self.attributes.other.get(&text(name))?)
+    }
+
+    /// Sets a text among its custom attributes. Names are 1 to 255 bytes long.
+    pub fn set_text(&mut self, name: &str, value: &str) {
+        self.attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
+
+    /// All texts among its custom attributes whose names begin with `prefix`, by name.
+    #[must_use]
+    pub fn texts(&self, prefix: &str) -> BTreeMap<String, String> {
+        let texts = self.attributes.other.iter().filter_map(|(name, value)| Some((string(name), text_of(value)?)));
+        texts.filter(|(name, _)| name.starts_with(prefix)).collect()
+    }
+
+    /// Removes every custom attribute whose name begins with `prefix`.
+    pub fn remove_attributes(&mut self, prefix: &str) {
+        self.attributes.other.retain(|name, _| !string(name).starts_with(prefix));
+    }
+}
+
+fn text_of(value: &AttributeValue) -> Option<String> {
+    if let AttributeValue::Text(text) = value { Some(string(text)) } else { None }
+}
+
+/// The window is a placeholder: [`Plate::display`] counts.
+pub(super) fn no_shared_attributes() -> ImageAttributes {
+    ImageAttributes::new(IntegerBounds::from_dimensions((1, 1)))
 }

@@ -1,5 +1,8 @@
 //! Frames to files and back.
 
+#[path = "../support/assets.rs"]
+mod assets;
 mod files;
+mod plates;
 mod support;
 mod values;

@@ -1,0 +1,104 @@
+//! An EXR file becomes a plate.
+//!
+//! In: a path. Out: [`Plate`] with everything that the file holds, but for the smaller levels of mip maps.
+
+use super::exr_file::string;
+use super::plate::no_shared_attributes;
+use super::{Channel, ImageError, Plate, PlatePart, Storage, exr_guard};
+use crate::space::PixelRect;
+use exr::image::{AnyChannel, AnyChannels, FlatSamples, Layer};
+use exr::math::Vec2;
+use exr::meta::attribute::LevelMode;
+use exr::meta::header::{Header, ImageAttributes};
+use exr::meta::{BlockDescription, MetaData};
+use half::slice::HalfFloatSliceExt;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Reads a flat EXR file: all parts, views, channels and attributes. Tiles stay tiles; of mip maps the largest level is
+/// read, and [`Plate::left_out`] says so.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
+pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
+    let head = exr_guard::checked_head(path)?;
+    let read = exr::image::read::read_all_flat_layers_from_file(path);
+    let image = read.map_err(|failed| exr_guard::read_error(path, failed))?;
+    let shared = image.attributes;
+    let parts = image.layer_data.into_iter().map(|layer| plate_part(path, layer));
+    let plate = Plate {
+        display: rect(path, shared.display_window.position, shared.display_window.size)?,
+        pixel_aspect: f64::from(shared.pixel_aspect),
+        parts: parts.collect::<Result<_, _>>()?,
+        left_out: head.headers.iter().enumerate().filter_map(left_out).collect(),
+        attributes: shared_attributes(head),
+    };
+    if plate.parts.is_empty() {
+        return Err(ImageError::damaged(path, "it has no parts"));
+    }
+    Ok(plate)
+}
+
+/// Parts should agree on these, but some programs give them to one part only.
+fn shared_attributes(head: MetaData) -> ImageAttributes {
+    let mut shared = no_shared_attributes();
+    for header in head.headers {
+        let own = header.shared_attributes;
+        shared.chromaticities = shared.chromaticities.or(own.chromaticities);
+        shared.time_code = shared.time_code.or(own.time_code);
+        own.other.into_iter().for_each(|(name, value)| {
+            shared.other.entry(name).or_insert(value);
+        });
+    }
+    shared
+}
+
+fn left_out((index, header): (usize, &Header)) -> Option<String> {
+    let BlockDescription::Tiles(tiles) = header.blocks else { return None };
+    let levels = match tiles.level_mode {
+        LevelMode::Singular => return None,
+        LevelMode::MipMap => "mip",
+        LevelMode::RipMap => "rip",
+    };
+    let name = header.own_attributes.layer_name.as_ref().map_or_else(|| (index + 1).to_string(), string);
+    Some(format!("part '{name}': the smaller {levels} levels"))
+}
+
+fn plate_part(path: &Path, layer: Layer<AnyChannels<FlatSamples>>) -> Result<PlatePart, ImageError> {
+    let data_window = rect(path, layer.attributes.layer_position, layer.size)?;
+    let mut attributes = layer.attributes;
+    attributes.layer_position = Vec2(0, 0);
+    let list = layer.channel_data.list;
+    Ok(PlatePart {
+        name: attributes.layer_name.take().as_ref().map(string),
+        view: attributes.view_name.take().as_ref().map(string),
+        data_window,
+        linear: list.iter().map(|channel| (string(&channel.name), channel.quantize_linearly)).collect(),
+        channels: list
+            .into_vec()
+            .into_par_iter()
+            .map(|channel| plate_channel(path, channel))
+            .collect::<Result<_, _>>()?,
+        attributes,
+        encoding: layer.encoding,
+    })
+}
+
+fn rect(path: &Path, position: Vec2<i32>, size: Vec2<usize>) -> Result<PixelRect, ImageError> {
+    let side = |pixels| u32::try_from(pixels).map_err(|_| ImageError::damaged(path, "its windows are too large"));
+    Ok(PixelRect { x: position.x(), y: position.y(), width: side(size.width())?, height: side(size.height())? })
+}
+
+fn plate_channel(path: &Path, channel: AnyChannel<FlatSamples>) -> Result<Channel, ImageError> {
+    let name = string(&channel.name);
+    if channel.sampling != Vec2(1, 1) {
+        let what = format!("channel '{name}' is subsampled; export RGB at full resolution");
+        return Err(ImageError::unsupported(path, what));
+    }
+    let (storage, samples) = match channel.sample_data {
+        FlatSamples::F16(halves) => (Storage::Half, halves.to_f32_vec()),
+        FlatSamples::F32(floats) => (Storage::Float, floats),
+        FlatSamples::U32(ids) => (Storage::Uint, ids.into_iter().map(f32::from_bits).collect()),
+    };
+    Ok(Channel { name, storage, samples })
+}

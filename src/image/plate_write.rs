@@ -1,0 +1,91 @@
+//! A plate becomes an EXR file.
+//!
+//! In: [`Plate`]. Out: a file with the same parts, channels, attributes, compression and tiles.
+
+use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
+use super::{Channel, ImageError, Plate, PlatePart};
+use crate::space::PixelRect;
+use exr::image::{AnyChannel, AnyChannels, Image, Layer};
+use exr::math::Vec2;
+use exr::meta::attribute::{IntegerBounds, LineOrder};
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Writes `plate` to `path` as [`super::write_exr`] does: whole or not at all, the same bytes every time.
+///
+/// Each part keeps its compression, lossy ones too, and its tiles. Tiles in random order come out in increasing order.
+/// A part without pixels is written as one pixel that holds nothing. NaN and infinities are passed on as they came;
+/// finite half samples beyond ±65504 become ±65504.
+///
+/// # Errors
+/// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the plate is
+/// malformed: no parts, parts of one name, samples that do not fit their window.
+pub fn write_plate(path: &Path, plate: &Plate) -> Result<(), ImageError> {
+    check(plate).map_err(|what| ImageError::frame(path, what))?;
+    let parts: Vec<_> = plate.parts.iter().map(|part| with_a_pixel(part, plate.display)).collect();
+    let mut shared = plate.attributes.clone();
+    shared.display_window = IntegerBounds::new(Vec2(plate.display.x, plate.display.y), size_of(plate.display));
+    shared.pixel_aspect = plate.pixel_aspect as f32;
+    let layers = parts.iter().map(|part| exr_layer(part)).collect();
+    exr_file::write(path, &Image { attributes: shared, layer_data: layers })
+}
+
+/// What EXR demands; the message says what is wrong.
+fn check(plate: &Plate) -> Result<(), String> {
+    if plate.parts.is_empty() || plate.display.area() == 0 {
+        return Err("the plate has no parts or no pixels".into());
+    }
+    check_aspect(plate.pixel_aspect)?;
+    check_window("display window", plate.display)?;
+    check_names(&plate.parts)?;
+    for part in &plate.parts {
+        let within = |what| format!("part '{}': {what}", part.name.as_deref().unwrap_or_default());
+        check_window("data window", part.data_window).map_err(within)?;
+        check_channels(&part.channels, part.data_window).map_err(within)?;
+    }
+    Ok(())
+}
+
+/// Files of several parts tell them apart by name.
+fn check_names(parts: &[PlatePart]) -> Result<(), String> {
+    let mut names = HashSet::new();
+    for part in parts.iter().filter(|_| parts.len() > 1) {
+        let Some(name) = &part.name else { return Err("a part has no name, which files of several parts need".into()) };
+        if !names.insert(name) {
+            return Err(format!("two parts are called '{name}'"));
+        }
+    }
+    Ok(())
+}
+
+/// EXR has no empty data window: one pixel that holds nothing stands for it.
+fn with_a_pixel(part: &PlatePart, display: PixelRect) -> Cow<'_, PlatePart> {
+    if part.data_window.area() > 0 {
+        return Cow::Borrowed(part);
+    }
+    let window = PixelRect { x: display.x, y: display.y, width: 1, height: 1 };
+    let nothing = |channel: &Channel| Channel { samples: vec![channel.empty_value()], ..channel.clone() };
+    Cow::Owned(part.with_channels(window, part.channels.iter().map(nothing).collect()))
+}
+
+fn exr_layer(part: &PlatePart) -> Layer<AnyChannels<Lines<'_>>> {
+    let mut attributes = part.attributes.clone();
+    attributes.layer_position = Vec2(part.data_window.x, part.data_window.y);
+    attributes.layer_name = part.name.as_deref().map(text);
+    attributes.view_name = part.view.as_deref().map(text);
+    let mut encoding = part.encoding;
+    if encoding.line_order == LineOrder::Unspecified {
+        // Blocks would come in the order in which threads finish them.
+        encoding.line_order = LineOrder::Increasing;
+    }
+    // AnyChannels::sort puts the names into the alphabetical order that EXR demands.
+    let channels = AnyChannels::sort(part.channels.iter().map(|channel| exr_channel(part, channel)).collect());
+    Layer::new(size_of(part.data_window), attributes, encoding, channels)
+}
+
+fn exr_channel<'a>(part: &PlatePart, channel: &'a Channel) -> AnyChannel<Lines<'a>> {
+    let new = AnyChannel::new(text(&channel.name), Lines::of(channel, Wild::Kept));
+    let quantize_linearly = part.linear.get(&channel.name).copied().unwrap_or(new.quantize_linearly);
+    AnyChannel { quantize_linearly, ..new }
+}

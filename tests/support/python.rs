@@ -1,0 +1,41 @@
+//! Programs of others, in Python, that check what we write.
+//!
+//! `PINWARP_PYTHON` names an interpreter that has numpy, OpenImageIO, OpenEXR and cv2 (and bpy, where Blender is asked).
+//! Without it tests skip and say so; with `PINWARP_REQUIRE_PYTHON=1` they fail instead.
+
+use std::ffi::OsStr;
+use std::process::{Command, Output};
+
+/// What a script prints, run with the modules it needs; `None`, and a loud line, where they are not there.
+///
+/// # Panics
+/// Where the script fails, with all that it said.
+pub(crate) fn run(modules: &[&str], script: &str, arguments: &[&OsStr]) -> Option<String> {
+    let python = python_with(modules)?;
+    let output = start(&python, script, arguments).unwrap_or_else(|error| panic!("{python} does not start: {error}"));
+    let (out, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "the script failed:\n{out}{said}");
+    Some(out.into_owned())
+}
+
+/// The interpreter, where there is one and it has the modules.
+fn python_with(modules: &[&str]) -> Option<String> {
+    let Ok(python) = std::env::var("PINWARP_PYTHON") else { return absent("PINWARP_PYTHON is not set") };
+    let imports: String = modules.iter().map(|module| format!("import {module}\n")).collect();
+    match start(&python, &imports, &[]) {
+        Ok(output) if output.status.success() => Some(python),
+        Ok(output) => absent(&String::from_utf8_lossy(&output.stderr)),
+        Err(error) => absent(&format!("{python} does not start: {error}")),
+    }
+}
+
+fn start(python: &str, script: &str, arguments: &[&OsStr]) -> std::io::Result<Output> {
+    Command::new(python).args(["-c", script]).args(arguments).env("OPENCV_IO_ENABLE_OPENEXR", "1").output()
+}
+
+fn absent(why: &str) -> Option<String> {
+    let is_required = std::env::var_os("PINWARP_REQUIRE_PYTHON").is_some_and(|value| value == "1");
+    assert!(!is_required, "PINWARP_REQUIRE_PYTHON is set, but {why}");
+    eprintln!("SKIPPED: no Python with the modules of this test: {why}");
+    None
+}
