@@ -32,7 +32,11 @@ fn check_size(path: &Path, head: &MetaData) -> Result<(), ImageError> {
         let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
         pixels * header.channels.bytes_per_pixel as u128
     });
-    let bytes = part_bytes.sum::<u128>();
+    check_memory(path, part_bytes.sum())
+}
+
+/// Whether there is room for so many bytes of pixels.
+pub(super) fn check_memory(path: &Path, bytes: u128) -> Result<(), ImageError> {
     let is_there_memory = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
     if is_there_memory {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Stage 8: a [`Frame`] to and from EXR and PNG files; frame sequences; drawing on previews.
+//! Stage 8: frames and plates to and from EXR, PNG and JPEG files; frame sequences; drawing on previews.
 //!
 //! In: frames and their metadata. Out: files that appear whole or not at all, with the same bytes every time.
 //! Samples that a file cannot hold are contained, never refused: [`write_exr`] says how.
@@ -15,11 +15,13 @@ mod exr_read;
 mod exr_write;
 mod font;
 mod metadata;
+mod picture;
 mod plate;
 mod plate_read;
 mod plate_write;
 mod preview;
 mod sequence;
+mod srgb;
 mod window;
 
 pub use atomic::replace_text;
@@ -29,6 +31,7 @@ pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
 pub use metadata::{CameraMatrices, FrameMetadata};
+pub use picture::{read_any, read_picture, write_any, write_picture};
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;
 pub use plate_write::write_plate;

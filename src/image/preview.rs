@@ -2,6 +2,7 @@
 //!
 //! In: [`Frame`] (scene-linear, associated alpha). Out: [`Preview`], the size of the display window; PNG files.
 
+use super::srgb::srgb_from_linear;
 use super::{Frame, ImageError, atomic};
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
@@ -78,11 +79,6 @@ fn straight_srgb(color: [f32; 3], alpha: f32) -> [u8; 4] {
     }
     let [red, green, blue] = color.map(|light| byte(srgb_from_linear((light / alpha).min(1.0))));
     [red, green, blue, byte(alpha)]
-}
-
-/// IEC 61966-2-1.
-fn srgb_from_linear(light: f32) -> f32 {
-    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
 fn byte(unit: f32) -> u8 {

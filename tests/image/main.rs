@@ -3,6 +3,7 @@
 #[path = "../support/assets.rs"]
 mod assets;
 mod files;
+mod pictures;
 mod plates;
 mod support;
 mod values;

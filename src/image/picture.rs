@@ -1,0 +1,231 @@
+//! PNG and JPEG pictures become plates, and plates pictures.
+//!
+//! In: a path. Out: [`Plate`] of R, G, B and, where the picture has it, A: scene-linear, associated alpha; and back.
+
+use super::srgb::{linear_from_srgb, srgb_from_linear};
+use super::{Channel, Frame, ImageError, Plate, PlatePart, Storage, atomic, exr_guard, metadata};
+use crate::space::PixelRect;
+use ::image::codecs::jpeg::JpegEncoder;
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::metadata::Orientation;
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader};
+use rayon::prelude::*;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+/// The light that stands for a colour under alpha 0, as a share of it: far too little to be seen (a fifteenth of the
+/// smallest step of 16 bits), and enough for [`write_picture`] to find the colour again.
+const HIDDEN: f32 = 1e-6;
+/// Little is lost, and files are a third of the best quality's.
+const JPEG_QUALITY: u8 = 95;
+
+/// Reads a PNG or JPEG picture of 8 or 16 bits a channel, grey or coloured, as sRGB, upright as its EXIF note says. Eight
+/// bits become half channels, sixteen float channels. Colours under alpha 0 survive as a millionth of their light.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be opened, is damaged or cut off, or is no picture.
+pub fn read_picture(path: &Path) -> Result<Plate, ImageError> {
+    let io = |source| ImageError::reading(path, source);
+    let failed = |failed| picture_error(path, failed);
+    let mut reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(io)?;
+    reader.no_limits();
+    let mut decoder = reader.into_decoder().map_err(failed)?;
+    let (width, height) = decoder.dimensions();
+    exr_guard::check_memory(path, 24 * u128::from(width) * u128::from(height))?;
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(failed)?;
+    picture.apply_orientation(orientation);
+    Ok(plate_from_picture(picture))
+}
+
+fn picture_error(path: &Path, failed: ::image::ImageError) -> ImageError {
+    match failed {
+        ::image::ImageError::IoError(source) if source.kind() != ErrorKind::UnexpectedEof => {
+            ImageError::reading(path, source)
+        }
+        ::image::ImageError::Unsupported(what) => {
+            ImageError::unsupported(path, format!("{what}; save it as PNG, JPEG or EXR"))
+        }
+        other => ImageError::damaged(path, other.to_string()),
+    }
+}
+
+fn plate_from_picture(picture: DynamicImage) -> Plate {
+    let color = picture.color();
+    let is_eight_bit = color.bytes_per_pixel() == color.channel_count();
+    let storage = if is_eight_bit { Storage::Half } else { Storage::Float };
+    let window = PixelRect { x: 0, y: 0, width: picture.width(), height: picture.height() };
+    // Eight bits are scaled by 257, so v / 255 stays v / 255.
+    let codes = picture.into_rgba16().into_raw();
+    let light: Vec<f32> =
+        (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect();
+    let mut channels: Vec<_> = ["R", "G", "B"]
+        .into_par_iter()
+        .enumerate()
+        .map(|(at, name)| {
+            let pixels = codes.chunks_exact(4);
+            let samples = pixels.map(|pixel| light[usize::from(pixel[at])] * unit(pixel[3]).max(HIDDEN)).collect();
+            Channel { name: name.to_owned(), storage, samples }
+        })
+        .collect();
+    if color.has_alpha() {
+        let samples = codes.chunks_exact(4).map(|pixel| unit(pixel[3])).collect();
+        channels.push(Channel { name: "A".to_owned(), storage, samples });
+    }
+    let mut plate = Plate::from_frame(Frame { display: window, data_window: window, pixel_aspect: 1.0, channels });
+    metadata::add_color_space(&mut plate.attributes);
+    plate
+}
+
+fn unit(code: u16) -> f32 {
+    f32::from(code) / f32::from(u16::MAX)
+}
+
+/// Writes the display window of the first part with colour as PNG or JPEG, by the ending of `path`: sRGB, straight
+/// alpha, whole or not at all. A PNG has 16 bits a channel where the colour is [`Storage::Float`], else 8, and alpha
+/// where the part has it. A JPEG shows the picture over black.
+///
+/// Values are clipped at 1. Light that is stronger than its alpha gets the alpha it needs to show, as in
+/// [`super::preview`]. A picture read by [`read_picture`] and written as PNG comes back the same, code by code, colours
+/// under alpha 0 too; grey ones become colour.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be written, the plate has no colour, or the ending is neither.
+pub fn write_picture(path: &Path, plate: &Plate) -> Result<(), ImageError> {
+    let colour = Colour::of(plate).ok_or_else(|| ImageError::frame(path, "it has no channels R, G, B or Y to show"))?;
+    let mut bytes = Vec::new();
+    match Format::of(path) {
+        Some(Format::Png) => colour.encode_png(plate.display, &mut bytes),
+        Some(Format::Jpeg) => colour.encode_jpeg(plate.display, &mut bytes),
+        _ => return Err(ImageError::frame(path, "pictures end in .png, .jpg or .jpeg")),
+    }
+    .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
+    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+}
+
+/// What of a part is shown.
+struct Colour<'a> {
+    window: PixelRect,
+    storage: Storage,
+    red_green_blue: [Option<&'a [f32]>; 3],
+    alpha: Option<&'a [f32]>,
+}
+
+impl<'a> Colour<'a> {
+    fn of(plate: &'a Plate) -> Option<Self> {
+        let part =
+            plate.parts.iter().find(|part| ["R", "G", "B", "Y"].iter().any(|name| part.channel(name).is_some()))?;
+        let samples = |name| part.channel(name).map(|channel: &Channel| channel.samples.as_slice());
+        let grey = samples("Y");
+        let red_green_blue = ["R", "G", "B"].map(|name| samples(name).or(grey));
+        Some(Self { window: part.data_window, storage: storage_of(part), red_green_blue, alpha: samples("A") })
+    }
+
+    fn encode_png(&self, display: PixelRect, bytes: &mut Vec<u8>) -> ::image::ImageResult<()> {
+        let is_eight_bit = self.storage == Storage::Half;
+        let (count, kind) = match (self.alpha, is_eight_bit) {
+            (None, true) => (3, ExtendedColorType::Rgb8),
+            (None, false) => (3, ExtendedColorType::Rgb16),
+            (Some(_), true) => (4, ExtendedColorType::Rgba8),
+            (Some(_), false) => (4, ExtendedColorType::Rgba16),
+        };
+        let largest = if is_eight_bit { u16::from(u8::MAX) } else { u16::MAX };
+        let codes = self.codes(display, count, |colour, alpha| straight(colour, alpha, largest));
+        let raw = if is_eight_bit { bytes_of(&codes) } else { bytemuck::cast_slice(&codes).to_vec() };
+        let encoder = PngEncoder::new_with_quality(bytes, CompressionType::Fast, FilterType::Adaptive);
+        encoder.write_image(&raw, display.width, display.height, kind)
+    }
+
+    fn encode_jpeg(&self, display: PixelRect, bytes: &mut Vec<u8>) -> ::image::ImageResult<()> {
+        let codes = self.codes(display, 3, |colour, _| straight(colour, 1.0, u16::from(u8::MAX)));
+        let encoder = JpegEncoder::new_with_quality(bytes, JPEG_QUALITY);
+        encoder.write_image(&bytes_of(&codes), display.width, display.height, ExtendedColorType::Rgb8)
+    }
+
+    /// `count` codes for each pixel of the display window; nothing outside the data window.
+    fn codes(&self, display: PixelRect, count: usize, code: impl Fn([f32; 3], f32) -> [u16; 4] + Sync) -> Vec<u16> {
+        let width = display.width as usize;
+        let mut codes = vec![0; count * display.area()];
+        codes.par_chunks_exact_mut((count * width).max(1)).enumerate().for_each(|(row, line)| {
+            let y = i64::from(display.y) + row as i64;
+            for (column, pixel) in line.chunks_exact_mut(count).enumerate() {
+                let Some(index) = index_in(self.window, i64::from(display.x) + column as i64, y) else { continue };
+                let colour = self.red_green_blue.map(|samples| samples.map_or(0.0, |samples| samples[index]));
+                let alpha = self.alpha.map_or(1.0, |samples| samples[index]);
+                pixel.copy_from_slice(&code(colour, alpha)[..count]);
+            }
+        });
+        codes
+    }
+}
+
+/// The finest of the colour channels counts.
+fn storage_of(part: &PlatePart) -> Storage {
+    let colour = part.channels.iter().filter(|channel| ["R", "G", "B", "Y"].contains(&channel.name.as_str()));
+    if colour.into_iter().all(|channel| channel.storage == Storage::Half) { Storage::Half } else { Storage::Float }
+}
+
+/// Index of the sample of pixel (x, y); `None` outside.
+fn index_in(window: PixelRect, x: i64, y: i64) -> Option<usize> {
+    let (x, y) = (x - i64::from(window.x), y - i64::from(window.y));
+    let is_inside = (0..i64::from(window.width)).contains(&x) && (0..i64::from(window.height)).contains(&y);
+    is_inside.then(|| y as usize * window.width as usize + x as usize)
+}
+
+/// Codes 0 to `largest` of associated light.
+fn straight(colour: [f32; 3], alpha: f32, largest: u16) -> [u16; 4] {
+    let colour = colour.map(|light| if light.is_nan() { 0.0 } else { light.max(0.0) });
+    let strongest = colour.into_iter().fold(0.0, f32::max);
+    // f32::max takes the other number where alpha is NaN.
+    let alpha = alpha.max(strongest).clamp(0.0, 1.0);
+    let code = |unit: f32| (unit * f32::from(largest)).round() as u16;
+    let [red, green, blue] = colour.map(|light| code(srgb_from_linear((light / alpha.max(HIDDEN)).min(1.0))));
+    [red, green, blue, code(alpha)]
+}
+
+fn bytes_of(codes: &[u16]) -> Vec<u8> {
+    codes.iter().map(|&code| code as u8).collect()
+}
+
+/// Kinds of files, by their endings.
+enum Format {
+    Exr,
+    Png,
+    Jpeg,
+}
+
+impl Format {
+    fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "exr" => Some(Self::Exr),
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            _ => None,
+        }
+    }
+}
+
+/// Reads an EXR, PNG or JPEG file, by the ending of its name.
+///
+/// # Errors
+/// [`ImageError`] as [`super::read_plate`] and [`read_picture`] give; for other endings [`ImageError::Unsupported`].
+pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
+    match Format::of(path) {
+        Some(Format::Exr) => super::read_plate(path),
+        Some(Format::Png | Format::Jpeg) => read_picture(path),
+        None => Err(ImageError::unsupported(path, "its name ends in none of .exr, .png, .jpg, .jpeg")),
+    }
+}
+
+/// Writes an EXR, PNG or JPEG file, by the ending of its name.
+///
+/// # Errors
+/// [`ImageError`] as [`super::write_plate`] and [`write_picture`] give.
+pub fn write_any(path: &Path, plate: &Plate) -> Result<(), ImageError> {
+    match Format::of(path) {
+        Some(Format::Exr) => super::write_plate(path, plate),
+        Some(Format::Png | Format::Jpeg) => write_picture(path, plate),
+        None => Err(ImageError::frame(path, "its name ends in none of .exr, .png, .jpg, .jpeg")),
+    }
+}
