@@ -26,6 +26,9 @@ pub struct WarpMap {
 /// Steps between neighbours that differ by more than this, in pixels a pixel, belong to different sheets.
 const TEAR: f32 = 0.5;
 
+/// What arithmetic may be off, in pixels.
+const ROUNDING: f64 = 1e-6;
+
 impl WarpMap {
     /// The map that moves nothing.
     #[must_use]
@@ -152,8 +155,9 @@ impl Field {
 fn rounded_out(least: DVec2, most: DVec2, window: PixelRect, frame: FrameSize) -> PixelRect {
     let frame = DVec2::new(f64::from(frame.width), f64::from(frame.height));
     let (lo, hi) = (corner(window), corner(window) + DVec2::new(f64::from(window.width), f64::from(window.height)));
-    let least = least.floor().max(lo.min(-frame));
-    let most = most.ceil().min(hi.max(2.0 * frame));
+    // A shift by whole pixels is whole but for rounding.
+    let least = (least + ROUNDING).floor().max(lo.min(-frame));
+    let most = (most - ROUNDING).ceil().min(hi.max(2.0 * frame));
     if !(least.cmplt(most).all()) {
         return PixelRect { width: 0, height: 0, ..window };
     }

@@ -8,11 +8,23 @@
 //! ```
 
 mod around;
+mod canvas;
+mod contents;
+mod cryptomatte;
+mod draw;
 mod field;
+mod fill;
 mod filter;
 mod map;
+mod matte;
+mod meaning;
+mod motion;
+mod nearest;
+mod normals;
+mod over;
 mod report;
 mod rules;
+mod vectors;
 mod warp;
 
 pub use field::Field;
@@ -20,4 +32,4 @@ pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
-pub use warp::{LayerJob, PlateJob};
+pub use warp::{LayerJob, PlateJob, has_motion, remap_plate, warp_plate};

@@ -2,8 +2,13 @@
 //!
 //! In: a plate, the fields of its layers, mattes, rules. Out: the warped plate and a report of what was done.
 
-use super::{Field, Matte, WarpRules};
+use super::canvas::{Canvas, Mover, find_maps, find_windows, give_map, settle_windows};
+use super::contents::Contents;
+use super::draw::Drawing;
+use super::fill::Filling;
+use super::{Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
 use crate::image::Plate;
+use std::sync::Arc;
 
 /// What a plate's warp needs beside the plate.
 #[derive(Clone, Debug)]
@@ -29,4 +34,54 @@ pub struct LayerJob {
     pub next: Option<Field>,
     /// The part of the plate that it moves; `None`: the whole picture.
     pub matte: Option<Matte>,
+}
+
+/// Whether a plate holds motion vectors, so that the fields of neighbour frames are needed.
+#[must_use]
+pub fn has_motion(plate: &Plate, rules: &WarpRules) -> bool {
+    let contents = Contents::of(plate, &rules.meanings);
+    contents.entries.iter().any(|entry| matches!(entry.known.meaning, Meaning::Forward | Meaning::Backward))
+}
+
+/// Warps a plate: every part and channel by its meaning, layer over layer. Windows, attributes and the order of
+/// everything stay; data windows grow and shrink with the picture, unless the plate fills its frame.
+///
+/// # Errors
+/// [`PlateError`] where a matte names something that the plate does not have.
+pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
+    let contents = Contents::of(plate, &job.rules.meanings);
+    let movers = Mover::all_of(job);
+    let mut canvases = Canvas::all_of(&contents);
+    for canvas in &mut canvases {
+        canvas.share_out(&contents, &movers)?;
+    }
+    find_windows(&mut canvases, plate.frame_size(), &movers);
+    find_maps(&mut canvases, plate.frame_size(), &movers);
+    let filling = job.fill.map(|fill| Filling::of(fill, plate));
+    let mut report = PlateReport::default();
+    let drawing = Drawing { contents: &contents, rules: job.rules, movers: Some(&movers), filling };
+    Ok((drawing.draw(&canvases, &mut report), report))
+}
+
+/// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.
+///
+/// # Errors
+/// [`PlateError::WrongMap`] where the map was made for another frame.
+pub fn remap_plate(plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(Plate, PlateReport), PlateError> {
+    let frame = plate.frame_size();
+    if (frame.width, frame.height) != (map.frame.width, map.frame.height) {
+        let (map, plate) = ([map.frame.width, map.frame.height], [frame.width, frame.height]);
+        return Err(PlateError::WrongMap { map, plate });
+    }
+    let contents = Contents::of(plate, &rules.meanings);
+    let mut canvases = Canvas::all_of(&contents);
+    for canvas in &mut canvases {
+        canvas.share_out(&contents, &[])?;
+        canvas.window = canvas.window_under(map);
+    }
+    settle_windows(&mut canvases);
+    give_map(&mut canvases, 0, &Arc::new(map.clone()));
+    let mut report = PlateReport::default();
+    let drawing = Drawing { contents: &contents, rules, movers: None, filling: None };
+    Ok((drawing.draw(&canvases, &mut report), report))
 }

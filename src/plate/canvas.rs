@@ -1,0 +1,270 @@
+//! The channels of one view over one data window: what moves there, and how.
+//!
+//! In: the contents of a plate, the layers of a job. Out: [`Canvas`]: sheets from back to front with shares and maps.
+
+use super::contents::{Contents, Entry};
+use super::matte::{Ground, Share};
+use super::nearest::{nearest_source, place_in};
+use super::{Field, Matte, PlateError, PlateJob, WarpMap};
+use crate::space::{FrameSize, PixelRect};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Something that moves as one: what stays behind, or a layer.
+#[derive(Clone, Debug)]
+pub(super) struct Mover<'a> {
+    /// For messages.
+    pub(super) name: &'a str,
+    /// What it takes along; `None`: what no layer takes.
+    pub(super) matte: Option<&'a Matte>,
+    pub(super) now: Field,
+    pub(super) previous: Field,
+    pub(super) next: Field,
+}
+
+/// What is drawn of a mover.
+#[derive(Clone, Debug)]
+pub(super) struct Sheet {
+    /// Its place among the movers.
+    pub(super) mover: usize,
+    pub(super) share: Share,
+    /// The pixels it may appear in.
+    pub(super) window: PixelRect,
+    /// Where the pixels of that window come from; `None`: nothing moves.
+    pub(super) map: Option<Arc<WarpMap>>,
+}
+
+/// The channels of one view over one data window. Windows are measured from the upper left corner of the display window.
+#[derive(Debug)]
+pub(super) struct Canvas<'a> {
+    pub(super) view: Option<&'a str>,
+    pub(super) entries: Vec<&'a Entry>,
+    /// Data window of the plate.
+    pub(super) source: PixelRect,
+    /// Data window of the result.
+    pub(super) window: PixelRect,
+    /// From back to front.
+    pub(super) sheets: Vec<Sheet>,
+    /// How much of every pixel of the source layers take away for good: #pixels; `None`: nothing.
+    pub(super) carved: Option<Vec<f32>>,
+}
+
+impl<'a> Mover<'a> {
+    /// What stays behind, then the layers with mattes in the shot's order. Layers without bend everything.
+    pub(super) fn all_of(job: &'a PlateJob) -> Vec<Self> {
+        let whole: Vec<_> = job.layers.iter().filter(|layer| layer.matte.is_none()).collect();
+        let matted = job.layers.iter().filter(|layer| layer.matte.is_some());
+        let chain = |first: Option<&Field>, pick: &dyn Fn(&super::LayerJob) -> Field| {
+            Field::chain(first.cloned().into_iter().chain(whole.iter().map(|layer| pick(layer))).collect())
+        };
+        let now = |layer: &super::LayerJob| layer.field.clone();
+        let previous = |layer: &super::LayerJob| layer.previous.clone().unwrap_or_else(|| layer.field.clone());
+        let next = |layer: &super::LayerJob| layer.next.clone().unwrap_or_else(|| layer.field.clone());
+        let of = |layer: Option<&'a super::LayerJob>| Self {
+            name: layer.map_or("", |layer| layer.name.as_str()),
+            matte: layer.and_then(|layer| layer.matte.as_ref()),
+            now: chain(layer.map(now).as_ref(), &now),
+            previous: chain(layer.map(previous).as_ref(), &previous),
+            next: chain(layer.map(next).as_ref(), &next),
+        };
+        std::iter::once(of(None)).chain(matted.map(|layer| of(Some(layer)))).collect()
+    }
+}
+
+impl<'a> Canvas<'a> {
+    /// The canvases of a plate, nothing in them yet.
+    pub(super) fn all_of(contents: &'a Contents) -> Vec<Self> {
+        let mut canvases: Vec<Self> = Vec::new();
+        for entry in &contents.entries {
+            let (view, source) = (entry.name.view.as_deref(), contents.window(entry.place));
+            match canvases.iter_mut().find(|canvas| canvas.view == view && canvas.source == source) {
+                Some(canvas) => canvas.entries.push(entry),
+                None => canvases.push(Self {
+                    view,
+                    entries: vec![entry],
+                    source,
+                    window: source,
+                    sheets: Vec::new(),
+                    carved: None,
+                }),
+            }
+        }
+        canvases
+    }
+
+    /// Shares the picture out among the movers.
+    pub(super) fn share_out(&mut self, contents: &Contents, movers: &[Mover]) -> Result<(), PlateError> {
+        let ground = Ground { view: self.view, window: self.source };
+        let mut shares = vec![Share::default()];
+        for mover in movers.iter().skip(1) {
+            let matte = mover.matte.expect("only the first mover has no matte");
+            shares.push(contents.share(mover.name, matte, ground)?);
+        }
+        self.carved = taken_together(&shares[1..]);
+        let is_all_taken = movers.iter().skip(1).any(|mover| matches!(mover.matte, Some(Matte::Alpha)));
+        shares[0].pixels = match &self.carved {
+            _ if is_all_taken => Some(vec![0.0; self.source.area()]),
+            Some(carved) => Some(carved.iter().map(|taken| 1.0 - taken).collect()),
+            None => None,
+        };
+        self.sheets = shares
+            .into_iter()
+            .enumerate()
+            .map(|(mover, share)| Sheet { mover, share, window: self.source, map: None })
+            .collect();
+        Ok(())
+    }
+
+    /// The data window after a map: all pixels that show something of the source. A plate that fills its frame keeps its
+    /// own.
+    pub(super) fn window_under(&self, map: &WarpMap) -> PixelRect {
+        if union(self.source, map.frame.window()) == self.source {
+            return self.source;
+        }
+        let seen: Vec<f32> = (0..map.window.area())
+            .into_par_iter()
+            .map(|index| {
+                let width = map.window.width as usize;
+                let pixel = [map.window.x + (index % width) as i32, map.window.y + (index / width) as i32];
+                let source = nearest_source(pixel, map.offsets[index]);
+                f32::from(u8::from(source.is_some_and(|source| place_in(self.source, source).is_some())))
+            })
+            .collect();
+        let seen = bounds(&seen, map.window);
+        cut(grown(seen), union(map.frame.window(), self.source))
+    }
+
+    /// What lies at the bottom, wherever it comes from.
+    pub(super) fn base(&self) -> &Sheet {
+        &self.sheets[0]
+    }
+}
+
+/// Finds where sheets may appear, and with them the data windows of the result. A plate that fills its frame keeps its
+/// window; others may grow as far as the frame.
+pub(super) fn find_windows(canvases: &mut [Canvas], frame: FrameSize, movers: &[Mover]) {
+    for canvas in canvases.iter_mut() {
+        for sheet in &mut canvas.sheets {
+            let held = match &sheet.share.pixels {
+                Some(share) if sheet.mover > 0 => bounds(share, canvas.source),
+                _ => canvas.source,
+            };
+            sheet.window = movers[sheet.mover].now.warped_window(frame, held);
+        }
+        let all = canvas.sheets.iter().map(|sheet| sheet.window).reduce(union).unwrap_or_default();
+        let most = union(canvas.source, frame.window());
+        canvas.window = if most == canvas.source { canvas.source } else { cut(all, most) };
+    }
+    settle_windows(canvases);
+}
+
+/// Views that share a part share its data window, which holds a pixel at least.
+pub(super) fn settle_windows(canvases: &mut [Canvas]) {
+    let windows: Vec<_> = canvases.iter().map(|canvas| (canvas.source, canvas.window)).collect();
+    for canvas in canvases {
+        let same = windows.iter().filter(|(source, _)| *source == canvas.source);
+        let window = same.map(|(_, window)| *window).fold(PixelRect::default(), union);
+        let pixel = PixelRect { width: 1, height: 1, ..canvas.source };
+        canvas.window = if window.area() == 0 { pixel } else { window };
+        for sheet in &mut canvas.sheets {
+            // What stays behind is asked everywhere whether it is there.
+            sheet.window = if sheet.mover == 0 { canvas.window } else { cut(sheet.window, canvas.window) };
+        }
+    }
+}
+
+/// Gives every sheet its map: one a mover for all canvases, cut to what each needs.
+pub(super) fn find_maps(canvases: &mut [Canvas], frame: FrameSize, movers: &[Mover]) {
+    for (index, mover) in movers.iter().enumerate() {
+        let wanted = canvases.iter().flat_map(|canvas| &canvas.sheets).filter(|sheet| sheet.mover == index);
+        let window = wanted.map(|sheet| sheet.window).reduce(union).unwrap_or_default();
+        if mover.now.reach() == 0.0 || window.area() == 0 {
+            continue;
+        }
+        let map = Arc::new(WarpMap::backward(&mover.now, frame, window));
+        give_map(canvases, index, &map);
+    }
+}
+
+/// Gives all sheets of a mover their part of a map.
+pub(super) fn give_map(canvases: &mut [Canvas], mover: usize, map: &Arc<WarpMap>) {
+    let mut cuts: Vec<Arc<WarpMap>> = vec![Arc::clone(map)];
+    for sheet in canvases.iter_mut().flat_map(|canvas| &mut canvas.sheets).filter(|sheet| sheet.mover == mover) {
+        let known = cuts.iter().find(|known| known.window == sheet.window).cloned();
+        let part = known.unwrap_or_else(|| {
+            cuts.push(Arc::new(cut_map(map, sheet.window)));
+            Arc::clone(&cuts[cuts.len() - 1])
+        });
+        sheet.map = Some(part);
+    }
+}
+
+/// A map over another window; nothing is seen where it told nothing.
+fn cut_map(map: &WarpMap, window: PixelRect) -> WarpMap {
+    let mut part = WarpMap::identity(map.frame, window);
+    let inside = cut(map.window, window);
+    part.offsets.fill([f32::NAN; 2]);
+    for y in inside.y..inside.y + inside.height as i32 {
+        let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (inside.x - of.x) as usize;
+        let length = inside.width as usize;
+        part.offsets[start(window)..][..length].copy_from_slice(&map.offsets[start(map.window)..][..length]);
+    }
+    part
+}
+
+/// The sum of all shares of layers with a matte, at most 1: mattes of one picture share its pixels among them.
+fn taken_together(shares: &[Share]) -> Option<Vec<f32>> {
+    let mut carving = shares.iter().filter_map(|share| share.pixels.as_ref());
+    let mut sum = carving.next()?.clone();
+    for share in carving {
+        sum.iter_mut().zip(share).for_each(|(sum, share)| *sum = (*sum + share).min(1.0));
+    }
+    Some(sum)
+}
+
+/// The smallest window that holds every pixel with a share.
+fn bounds(share: &[f32], window: PixelRect) -> PixelRect {
+    let width = window.width as usize;
+    let rows = share.chunks_exact(width.max(1)).enumerate();
+    let mut found: Option<[usize; 4]> = None;
+    for (y, row) in rows {
+        let Some(left) = row.iter().position(|&share| share > 0.0) else { continue };
+        let right = row.iter().rposition(|&share| share > 0.0).unwrap_or(left);
+        let [x0, y0, x1, _] = found.unwrap_or([left, y, right, y]);
+        found = Some([x0.min(left), y0, x1.max(right), y]);
+    }
+    let Some([x0, y0, x1, y1]) = found else { return PixelRect { width: 0, height: 0, ..window } };
+    PixelRect {
+        x: window.x + x0 as i32,
+        y: window.y + y0 as i32,
+        width: (x1 - x0 + 1) as u32,
+        height: (y1 - y0 + 1) as u32,
+    }
+}
+
+/// The smallest window that holds both; empty ones hold nothing.
+pub(super) fn union(a: PixelRect, b: PixelRect) -> PixelRect {
+    if a.area() == 0 || b.area() == 0 {
+        return if a.area() == 0 { b } else { a };
+    }
+    let (x, y) = (a.x.min(b.x), a.y.min(b.y));
+    let right = (a.x + a.width as i32).max(b.x + b.width as i32);
+    let bottom = (a.y + a.height as i32).max(b.y + b.height as i32);
+    PixelRect { x, y, width: (right - x) as u32, height: (bottom - y) as u32 }
+}
+
+/// A pixel more on every side, for what filters spread.
+fn grown(window: PixelRect) -> PixelRect {
+    if window.area() == 0 {
+        return window;
+    }
+    PixelRect { x: window.x - 1, y: window.y - 1, width: window.width + 2, height: window.height + 2 }
+}
+
+/// What two windows share; may be empty.
+pub(super) fn cut(a: PixelRect, b: PixelRect) -> PixelRect {
+    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
+    let right = (a.x + a.width as i32).min(b.x + b.width as i32);
+    let bottom = (a.y + a.height as i32).min(b.y + b.height as i32);
+    PixelRect { x, y, width: (right - x).max(0) as u32, height: (bottom - y).max(0) as u32 }
+}

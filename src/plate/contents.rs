@@ -1,0 +1,182 @@
+//! All channels of a plate: their names, their meanings, and what belongs together.
+//!
+//! In: a plate and the shot's rules. Out: [`Contents`]; warnings about names that say nothing.
+
+use super::meaning::{ChannelName, Known};
+use super::{ChannelReport, Meaning, MeaningReason, PlateReport};
+use crate::image::cryptomatte::{MatteHeader, MatteLayer, matte_layers};
+use crate::image::{Channel, Plate};
+use crate::space::PixelRect;
+use std::collections::BTreeMap;
+
+/// A channel's place in a plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Place {
+    pub(super) part: usize,
+    pub(super) channel: usize,
+}
+
+/// A channel as the warp sees it.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) place: Place,
+    pub(super) name: ChannelName,
+    pub(super) known: Known,
+    /// The channel with the coverage that its colour is associated with, or that its surface has.
+    pub(super) alpha: Option<Place>,
+}
+
+/// A plate and what is known about it.
+pub(super) struct Contents<'a> {
+    pub(super) plate: &'a Plate,
+    /// Every channel of every part, in the plate's order.
+    pub(super) entries: Vec<Entry>,
+    /// What the headers tell of Cryptomattes.
+    pub(super) mattes: Vec<MatteHeader>,
+}
+
+/// Names of layers with the picture itself, whose alpha counts for layers that have none.
+const BEAUTY: [&str; 8] = ["combined", "rgba", "beauty", "rgb", "composite", "main", "image", "c"];
+
+impl<'a> Contents<'a> {
+    pub(super) fn of(plate: &'a Plate, patterns: &[(String, Meaning)]) -> Self {
+        let texts = plate.parts.iter().map(|part| part.texts("cryptomatte/"));
+        let texts: BTreeMap<String, String> = texts.flatten().collect();
+        let mattes = MatteHeader::from_attributes(texts.iter().map(|(name, text)| (name.as_str(), text.as_str())));
+        let mut contents = Self { plate, entries: Vec::new(), mattes };
+        for (part, stored) in plate.parts.iter().enumerate() {
+            let names: Vec<&str> = stored.channels.iter().map(|channel| channel.name.as_str()).collect();
+            let names = ChannelName::of_part(stored.name.as_deref(), stored.view.as_deref(), &names);
+            let entries = names.into_iter().zip(&stored.channels).enumerate().map(|(channel, (name, stored))| {
+                let known = name.meaning(stored.storage, patterns);
+                Entry { place: Place { part, channel }, name, known, alpha: None }
+            });
+            contents.entries.extend(entries);
+        }
+        contents.find_ranks();
+        contents.find_alphas();
+        contents
+    }
+
+    pub(super) fn channel(&self, place: Place) -> &'a Channel {
+        &self.plate.parts[place.part].channels[place.channel]
+    }
+
+    /// The data window of a channel, measured from the upper left corner of the display window.
+    pub(super) fn window(&self, place: Place) -> PixelRect {
+        from_display(self.plate, self.plate.parts[place.part].data_window)
+    }
+
+    /// The Cryptomattes among these channels.
+    pub(super) fn matte_layers<'b>(&self, entries: impl Iterator<Item = &'b Entry>) -> Vec<MatteLayer<Place>> {
+        let ranks: Vec<(Place, String)> = entries
+            .filter(|entry| entry.known.meaning == Meaning::Cryptomatte)
+            .map(|entry| (entry.place, entry.name.with_part()))
+            .collect();
+        let names: Vec<String> = ranks.iter().map(|(_, name)| layer_of_rank(name)).collect();
+        matte_layers(ranks.iter().map(|(place, name)| (*place, name.as_str())), &names)
+    }
+
+    /// Marks the ranks of Cryptomattes, unless the shot says what those channels are.
+    fn find_ranks(&mut self) {
+        let names: Vec<String> = self.entries.iter().map(|entry| entry.name.with_part()).collect();
+        let known: Vec<String> = self.mattes.iter().map(|matte| matte.name.clone()).collect();
+        for layer in matte_layers(names.iter().map(String::as_str).enumerate(), &known) {
+            let is_told = known.contains(&layer.name);
+            let reason = if is_told { MeaningReason::Metadata } else { MeaningReason::Name };
+            for rank in layer.ranks.iter().flat_map(|rank| [rank.id, rank.coverage]) {
+                self.mark_rank(&names[rank], reason);
+            }
+        }
+    }
+
+    /// Parts of several views share the names of their channels.
+    fn mark_rank(&mut self, name: &str, reason: MeaningReason) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.name.with_part() == name) {
+            if entry.known.reason != MeaningReason::Shot {
+                entry.known = Known { meaning: Meaning::Cryptomatte, reason };
+            }
+        }
+    }
+
+    /// The alpha of the own layer; else that of the picture, of the same view and of the layer that is nearest by name.
+    fn find_alphas(&mut self) {
+        let alphas: Vec<usize> =
+            (0..self.entries.len()).filter(|&index| self.entries[index].known.meaning == Meaning::Alpha).collect();
+        for index in 0..self.entries.len() {
+            let entry = &self.entries[index];
+            let nearness = |&&alpha: &&usize| nearness(entry, &self.entries[alpha]);
+            let best = alphas.iter().filter(|alpha| nearness(alpha) > 0).max_by_key(|alpha| nearness(alpha));
+            self.entries[index].alpha = best.map(|&alpha| self.entries[alpha].place);
+        }
+    }
+
+    /// Tells what every channel was taken for, and warns of names that say nothing.
+    pub(super) fn report(&self, report: &mut PlateReport) {
+        report.channels = self.entries.iter().map(|entry| entry.report(self.plate)).collect();
+        let mut guessed: BTreeMap<(String, &'static str), Vec<&str>> = BTreeMap::new();
+        for entry in self.entries.iter().filter(|entry| entry.needs_a_word(self)) {
+            let treatment = if entry.known.meaning == Meaning::Color { "filtered as colour" } else { "copied as data" };
+            guessed.entry((entry.name.segments.join("."), treatment)).or_default().push(&entry.name.full);
+        }
+        report.warnings.extend(guessed.into_iter().map(|((_, treatment), names)| {
+            format!(
+                "nothing says what {} holds: {treatment}; if that is wrong, say so under [warp.meanings]",
+                names.join(", ")
+            )
+        }));
+    }
+}
+
+impl Entry {
+    fn report(&self, plate: &Plate) -> ChannelReport {
+        ChannelReport {
+            part: plate.parts[self.place.part].name.clone(),
+            channel: self.name.full.clone(),
+            meaning: self.known.meaning,
+            reason: self.known.reason,
+        }
+    }
+
+    /// Half floats are for light: no need to worry anybody.
+    fn needs_a_word(&self, contents: &Contents) -> bool {
+        let is_half = contents.channel(self.place).storage == crate::image::Storage::Half;
+        self.known.reason == MeaningReason::Guess && !(is_half && self.known.meaning == Meaning::Color)
+    }
+}
+
+/// `CryptoObject` of `CryptoObject00.R`.
+fn layer_of_rank(name: &str) -> String {
+    let layer = name.rsplit_once('.').map_or(name, |(layer, _)| layer);
+    layer.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned()
+}
+
+/// How well an alpha belongs to a channel; 0: not at all.
+fn nearness(entry: &Entry, alpha: &Entry) -> usize {
+    let (own, other) = (&entry.name, &alpha.name);
+    if own.view != other.view && !(own.view.is_none() || other.view.is_none()) {
+        return 0;
+    }
+    let is_own_part = entry.place.part == alpha.place.part;
+    if is_own_part && own.segments == other.segments {
+        return 1000;
+    }
+    let shared = own.segments.iter().zip(&other.segments).take_while(|(a, b)| a == b).count();
+    let rest = &other.segments[shared..];
+    let is_beauty = match rest {
+        [] => true,
+        [layer] => BEAUTY.contains(&layer.to_lowercase().as_str()),
+        _ => false,
+    };
+    if is_beauty { 1 + 10 * shared + usize::from(own.view == other.view) * 2 + usize::from(is_own_part) } else { 0 }
+}
+
+/// A window of a file, measured from the upper left corner of the display window.
+pub(super) fn from_display(plate: &Plate, window: PixelRect) -> PixelRect {
+    PixelRect { x: window.x - plate.display.x, y: window.y - plate.display.y, ..window }
+}
+
+/// The way back of [`from_display`].
+pub(super) fn from_file(plate: &Plate, window: PixelRect) -> PixelRect {
+    PixelRect { x: window.x + plate.display.x, y: window.y + plate.display.y, ..window }
+}

@@ -1,0 +1,164 @@
+//! A warped plate, put together: every channel of every canvas by its meaning.
+//!
+//! In: contents, canvases with sheets and maps, rules. Out: the plate, and the rest of the report.
+
+use super::canvas::{Canvas, Mover};
+use super::contents::{Contents, Entry, Place, from_file};
+use super::cryptomatte::Ranks;
+use super::fill::{Filling, add_behind};
+use super::nearest::{Pick, copied};
+use super::over::Overlay;
+use super::{Filter, Meaning, Planes, PlateReport, WarpRules};
+use crate::image::{Channel, EMPTY_DEPTH, Plate};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// A share of a pixel that counts as a hole: half a step of an 8-bit picture.
+const HOLE: f32 = 0.5 / 255.0;
+
+/// Samples of channels of the result.
+pub(super) type Planned = BTreeMap<Place, Vec<f32>>;
+
+/// What is drawn, and how.
+pub(super) struct Drawing<'a> {
+    pub(super) contents: &'a Contents<'a>,
+    pub(super) rules: &'a WarpRules,
+    /// `None` where a map alone is known.
+    pub(super) movers: Option<&'a [Mover<'a>]>,
+    pub(super) filling: Option<Filling<'a>>,
+}
+
+/// What the channels of one canvas with one alpha share.
+pub(super) struct Shared<'a> {
+    entries: Vec<&'a Entry>,
+    overlay: Overlay,
+    pub(super) picks: Vec<Pick>,
+}
+
+impl Drawing<'_> {
+    pub(super) fn draw(&self, canvases: &[Canvas], report: &mut PlateReport) -> Plate {
+        self.contents.report(report);
+        report.warnings.extend(self.filling.iter().filter_map(|filling| filling.refusal.clone()));
+        let mut planes = Planned::new();
+        for canvas in canvases {
+            let shares = canvas.sheets.iter().filter_map(|sheet| sheet.share.warning.clone());
+            report.warnings.extend(shares);
+            self.draw_canvas(canvas, &mut planes, report);
+        }
+        let mut seen = std::collections::BTreeSet::new();
+        report.warnings.retain(|warning| seen.insert(warning.clone()));
+        self.put_together(canvases, planes)
+    }
+
+    fn draw_canvas(&self, canvas: &Canvas, planes: &mut Planned, report: &mut PlateReport) {
+        let mut by_alpha: BTreeMap<Option<Place>, Vec<&Entry>> = BTreeMap::new();
+        for entry in &canvas.entries {
+            // Where all moves as one, nothing lies over anything.
+            let alpha = entry.alpha.filter(|_| canvas.sheets.len() > 1);
+            by_alpha.entry(alpha).or_default().push(entry);
+        }
+        for (place, entries) in by_alpha {
+            let alpha = place.map(|place| self.contents.over(place, canvas.source, 0.0));
+            let shared = Shared {
+                entries,
+                overlay: canvas.overlay(alpha.as_deref(), self.rules.filter),
+                picks: canvas.picks(alpha.as_deref()),
+            };
+            if report.hole_pixels == 0 {
+                let holes = shared.overlay.holes.iter().flatten();
+                report.hole_pixels = holes.filter(|hole| **hole > HOLE).count();
+            }
+            self.draw_colors(canvas, &shared, planes, report);
+            self.draw_data(canvas, &shared, planes);
+            self.draw_mattes(canvas, &shared, planes);
+            self.draw_vectors(canvas, &shared, planes, report);
+        }
+    }
+
+    fn draw_colors(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned, report: &mut PlateReport) {
+        let entries = shared.of(&[Meaning::Color, Meaning::Alpha]);
+        let sources: Vec<Cow<[f32]>> =
+            entries.iter().map(|entry| Cow::Borrowed(&self.contents.channel(entry.place).samples[..])).collect();
+        if canvas.sheets.iter().any(|sheet| sheet.map.is_some()) {
+            let bad = Planes { window: canvas.source, planes: sources.iter().map(|plane| &plane[..]).collect() };
+            let bad = bad.not_finite();
+            report.contained_samples += bad.nan + bad.infinite;
+        }
+        let colors = canvas.colors(&sources, &shared.overlay, self.rules.filter);
+        for (entry, mut color) in entries.into_iter().zip(colors) {
+            if let Some((holes, filling)) =
+                shared.overlay.holes.as_ref().zip(self.fill(entry, canvas, self.rules.filter))
+            {
+                add_behind(&mut color, holes, &filling);
+            }
+            planes.insert(entry.place, color);
+        }
+    }
+
+    /// What fills holes in a channel.
+    fn fill(&self, entry: &Entry, canvas: &Canvas, filter: Filter) -> Option<Vec<f32>> {
+        let filling = self.filling.as_ref()?;
+        Some(filling.seen(filling.find(entry)?, canvas, filter))
+    }
+
+    fn draw_data(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned) {
+        for entry in shared.of(&[Meaning::Depth, Meaning::Id, Meaning::Data, Meaning::Normal]) {
+            planes.insert(entry.place, self.copy(entry, canvas, shared));
+        }
+    }
+
+    pub(super) fn copy(&self, entry: &Entry, canvas: &Canvas, shared: &Shared) -> Vec<f32> {
+        let empty = if entry.known.meaning == Meaning::Depth { EMPTY_DEPTH } else { 0.0 };
+        let filling = shared.picks.contains(&Pick::Hole).then(|| self.fill(entry, canvas, Filter::Nearest)).flatten();
+        let samples = &self.contents.channel(entry.place).samples;
+        copied(&shared.picks, samples, empty, |at| filling.as_ref().map(|filling| filling[at]))
+    }
+
+    fn draw_mattes(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned) {
+        let entries = shared.of(&[Meaning::Cryptomatte]);
+        for matte in self.contents.matte_layers(entries.iter().copied()) {
+            let samples = |place: Place| &self.contents.channel(place).samples[..];
+            let entry = |place: Place| entries.iter().find(|entry| entry.place == place);
+            let filling = |place: Place| self.fill(entry(place)?, canvas, Filter::Nearest);
+            let fillings = matte.ranks.iter().map(|rank| Some([filling(rank.id)?, filling(rank.coverage)?]));
+            let ranks = Ranks {
+                name: &matte.name,
+                ranks: matte.ranks.iter().map(|rank| [samples(rank.id), samples(rank.coverage)]).collect(),
+                filling: if shared.overlay.holes.is_some() { fillings.flatten().collect() } else { Vec::new() },
+            };
+            let matted = canvas.matted(&ranks, &shared.overlay);
+            for (rank, [ids, coverage]) in matte.ranks.iter().zip(matted) {
+                planes.insert(rank.id, ids);
+                planes.insert(rank.coverage, coverage);
+            }
+        }
+        // Half a pair of ranks cannot be read: it stays data.
+        for entry in entries {
+            if !planes.contains_key(&entry.place) {
+                planes.insert(entry.place, self.copy(entry, canvas, shared));
+            }
+        }
+    }
+
+    fn put_together(&self, canvases: &[Canvas], mut planes: Planned) -> Plate {
+        let plate = self.contents.plate;
+        let parts = plate.parts.iter().enumerate().map(|(part, stored)| {
+            let source = super::contents::from_display(plate, stored.data_window);
+            let canvas = canvases.iter().find(|canvas| canvas.source == source);
+            let window = canvas.map_or(stored.data_window, |canvas| from_file(plate, canvas.window));
+            let channels = stored.channels.iter().enumerate().map(|(channel, stored)| Channel {
+                name: stored.name.clone(),
+                storage: stored.storage,
+                samples: planes.remove(&Place { part, channel }).expect("every channel has a meaning that is drawn"),
+            });
+            stored.with_channels(window, channels.collect())
+        });
+        plate.with_parts(parts.collect())
+    }
+}
+
+impl<'a> Shared<'a> {
+    pub(super) fn of(&self, meanings: &[Meaning]) -> Vec<&'a Entry> {
+        self.entries.iter().copied().filter(|entry| meanings.contains(&entry.known.meaning)).collect()
+    }
+}

@@ -1,0 +1,61 @@
+//! What is seen where a layer moved away: the channels of a clean plate.
+//!
+//! In: the plate that fills, a canvas, a channel's name. Out: samples over the canvas's window.
+
+use super::canvas::Canvas;
+use super::contents::{Contents, Entry, Place};
+use super::matte::moved;
+use super::over::BATCH;
+use super::{Filter, Planes, resampled};
+use crate::image::Plate;
+use rayon::prelude::*;
+
+/// A plate that fills holes.
+pub(super) struct Filling<'a> {
+    contents: Contents<'a>,
+    /// Why it cannot be used at all.
+    pub(super) refusal: Option<String>,
+}
+
+impl<'a> Filling<'a> {
+    pub(super) fn of(fill: &'a Plate, plate: &Plate) -> Self {
+        let sizes = [plate, fill].map(|plate| [plate.display.width, plate.display.height]);
+        let refusal = (sizes[0] != sizes[1]).then(|| {
+            format!(
+                "what should fill the holes shows {:?} pixels, the plate {:?}: holes stay empty; use pictures of one size",
+                sizes[1], sizes[0]
+            )
+        });
+        Self { contents: Contents::of(fill, &[]), refusal }
+    }
+
+    /// The channel of the same name: in the part of that name, else in the same view.
+    pub(super) fn find(&self, entry: &Entry) -> Option<Place> {
+        if self.refusal.is_some() {
+            return None;
+        }
+        let same = || self.contents.entries.iter().filter(|other| other.name.full == entry.name.full);
+        let in_part = same().find(|other| other.name.part == entry.name.part);
+        let in_view = || same().find(|other| other.name.view == entry.name.view);
+        in_part.or_else(in_view).map(|other| other.place)
+    }
+
+    /// A channel as it is seen at the back of a canvas; 0 where it has nothing.
+    pub(super) fn seen(&self, place: Place, canvas: &Canvas, filter: Filter) -> Vec<f32> {
+        let (window, samples) = (self.contents.window(place), &self.contents.channel(place).samples);
+        match &canvas.base().map {
+            Some(map) => resampled(map, &Planes { window, planes: vec![samples] }, filter).swap_remove(0),
+            None => moved(samples, window, canvas.window, 0.0),
+        }
+    }
+}
+
+/// Adds what fills holes, as far as they are open.
+pub(super) fn add_behind(plane: &mut [f32], holes: &[f32], filling: &[f32]) {
+    let samples = plane.par_iter_mut().zip(holes).zip(filling).with_min_len(BATCH);
+    samples.for_each(|((sample, &hole), &filling)| {
+        if hole > 0.0 {
+            *sample += hole * filling;
+        }
+    });
+}

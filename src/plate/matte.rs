@@ -1,0 +1,169 @@
+//! Which share of every pixel of a plate a layer takes along.
+//!
+//! In: a [`Matte`], the channels of a plate, a view and a window. Out: shares from 0 to 1, or an error that names what
+//! the plate lacks and what it has.
+
+use super::contents::{Contents, Entry, Place};
+use super::meaning::ChannelName;
+use super::{Matte, Meaning, PlateError};
+use crate::image::Storage;
+use crate::image::cryptomatte::{Manifest, MatteId, MatteLayer};
+use crate::space::PixelRect;
+use crate::spelling;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+/// Where a matte is wanted: pixels of one view.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ground<'a> {
+    pub(super) view: Option<&'a str>,
+    /// Measured from the upper left corner of the display window.
+    pub(super) window: PixelRect,
+}
+
+/// What a layer takes along.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Share {
+    /// #pixels of the window, 0 to 1; `None`: everything.
+    pub(super) pixels: Option<Vec<f32>>,
+    /// Where a Cryptomatte picks it: the name of its layer, and the ids.
+    pub(super) picked: Option<(String, BTreeSet<MatteId>)>,
+    /// Names that the plate does not know beside others that it knows; in words.
+    pub(super) warning: Option<String>,
+}
+
+impl Contents<'_> {
+    /// The share of a layer of the shot, for messages called `layer`.
+    pub(super) fn share(&self, layer: &str, matte: &Matte, ground: Ground) -> Result<Share, PlateError> {
+        let of_channel = |name: &str, share: &dyn Fn(f32, Storage) -> f32| {
+            let place = self.find(layer, name, ground.view)?;
+            let storage = self.channel(place).storage;
+            let samples = self.over(place, ground.window, 0.0);
+            Ok(samples.iter().map(|&sample| share(sample, storage)).collect())
+        };
+        let pixels = match matte {
+            Matte::Alpha => return Ok(Share::default()),
+            Matte::Channel(name) => of_channel(name, &|sample, _| sample.clamp(0.0, 1.0).max(0.0))?,
+            Matte::Id { channel, values } => {
+                of_channel(channel, &|sample, storage| f32::from(u8::from(values.contains(&id_of(sample, storage)))))?
+            }
+            Matte::Cryptomatte { layer: wanted, names } => {
+                return self.cryptomatte_share(layer, (wanted.as_deref(), names), ground);
+            }
+        };
+        Ok(Share { pixels: Some(pixels), ..Share::default() })
+    }
+
+    /// Samples of a channel over another window; `outside` where it has none.
+    pub(super) fn over(&self, place: Place, window: PixelRect, outside: f32) -> Cow<'_, [f32]> {
+        let (own, samples) = (self.window(place), &self.channel(place).samples);
+        if own == window { Cow::Borrowed(samples) } else { Cow::Owned(moved(samples, own, window, outside)) }
+    }
+
+    /// A channel by the name that the shot gives: in this view, else in the first that has it.
+    fn find(&self, layer: &str, name: &str, view: Option<&str>) -> Result<Place, PlateError> {
+        let is_meant = |entry: &&Entry| entry.name.full == name || entry.name.with_all_of_part() == name;
+        let named: Vec<&Entry> = self.entries.iter().filter(is_meant).collect();
+        let Some(first) = named.first() else {
+            let names = self.entries.iter().map(|entry| entry.name.full.as_str());
+            let hint = spelling::hint(name, names);
+            return Err(PlateError::NoMatteChannel { layer: layer.into(), channel: name.into(), hint });
+        };
+        // `mask.left.A` was meant for the view `left`; other views have their own.
+        let is_twin = |other: &ChannelName| {
+            other.view.as_deref() == view
+                && other.segments == first.name.segments
+                && other.component == first.name.component
+        };
+        let twin = self.entries.iter().find(|entry| is_twin(&entry.name));
+        Ok(twin.unwrap_or(first).place)
+    }
+
+    fn cryptomatte_share(
+        &self,
+        layer: &str,
+        (wanted, names): (Option<&str>, &[String]),
+        ground: Ground,
+    ) -> Result<Share, PlateError> {
+        let all = self.matte_layers_of_view(ground.view);
+        let known = |name: &str| self.mattes.iter().find(|matte| matte.name == name).map(|matte| &matte.manifest);
+        let empty = Manifest::default();
+        let candidates = all.iter().filter(|matte| wanted.is_none_or(|wanted| is_named(&matte.name, wanted)));
+        let mut best: Option<(&MatteLayer<Place>, BTreeSet<MatteId>, Vec<String>)> = None;
+        for matte in candidates {
+            let selection = known(&matte.name).unwrap_or(&empty).select(names.iter().map(String::as_str));
+            let is_better = best.as_ref().is_none_or(|(_, _, unknown)| selection.unknown.len() < unknown.len());
+            if is_better {
+                best = Some((matte, selection.ids, selection.unknown));
+            }
+        }
+        let refused = |wanted: String, hint: String| PlateError::NoCryptomatte { layer: layer.into(), wanted, hint };
+        let Some((matte, ids, unknown)) = best else {
+            let hint = spelling::list(all.iter().map(|matte| matte.name.as_str()));
+            let wanted = wanted.map_or("any name".to_owned(), |wanted| format!("\"{wanted}\""));
+            return Err(refused(wanted, format!("of Cryptomattes {hint}")));
+        };
+        let missing = format!("in {}: {}", matte.name, unknown.join("; "));
+        if ids.is_empty() {
+            return Err(refused(names.join(", "), missing));
+        }
+        Ok(Share {
+            pixels: Some(self.covered_by(matte, &ids, ground.window)),
+            picked: Some((matte.name.clone(), ids)),
+            warning: (!unknown.is_empty()).then(|| format!("layer \"{layer}\": not {missing}")),
+        })
+    }
+
+    fn matte_layers_of_view(&self, view: Option<&str>) -> Vec<MatteLayer<Place>> {
+        let of_view = |view: Option<&str>| {
+            self.matte_layers(self.entries.iter().filter(|entry| entry.name.view.as_deref() == view))
+        };
+        let own = of_view(view);
+        if !own.is_empty() {
+            return own;
+        }
+        let first = self.entries.iter().find(|entry| entry.known.meaning == Meaning::Cryptomatte);
+        first.map_or_else(Vec::new, |entry| of_view(entry.name.view.as_deref()))
+    }
+
+    /// Coverage of ids, all ranks together.
+    fn covered_by(&self, matte: &MatteLayer<Place>, ids: &BTreeSet<MatteId>, window: PixelRect) -> Vec<f32> {
+        let mut sum = vec![0.0; window.area()];
+        for rank in &matte.ranks {
+            let (found, coverage) = (self.over(rank.id, window, 0.0), self.over(rank.coverage, window, 0.0));
+            for ((sum, &id), &coverage) in sum.iter_mut().zip(found.iter()).zip(coverage.iter()) {
+                if coverage > 0.0 && ids.contains(&MatteId::from_sample(id)) {
+                    *sum += coverage;
+                }
+            }
+        }
+        sum.iter_mut().for_each(|sum| *sum = sum.min(1.0));
+        sum
+    }
+}
+
+/// `CryptoObject` is also `ViewLayer.CryptoObject`.
+fn is_named(name: &str, wanted: &str) -> bool {
+    name == wanted || name.rsplit_once('.').is_some_and(|(_, last)| last == wanted)
+}
+
+/// Ids are bits of integers, or whole numbers as floats.
+fn id_of(sample: f32, storage: Storage) -> u32 {
+    if storage == Storage::Uint { sample.to_bits() } else { sample.round() as u32 }
+}
+
+/// Samples of a window over another one.
+pub(super) fn moved(samples: &[f32], own: PixelRect, window: PixelRect, outside: f32) -> Vec<f32> {
+    let mut result = vec![outside; window.area()];
+    let (left, right) = (own.x.max(window.x), (own.x + own.width as i32).min(window.x + window.width as i32));
+    let (top, bottom) = (own.y.max(window.y), (own.y + own.height as i32).min(window.y + window.height as i32));
+    if left >= right {
+        return result;
+    }
+    for y in top..bottom {
+        let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (left - of.x) as usize;
+        let length = (right - left) as usize;
+        result[start(window)..][..length].copy_from_slice(&samples[start(own)..][..length]);
+    }
+    result
+}

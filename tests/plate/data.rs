@@ -1,0 +1,217 @@
+//! Channels that must not be blended: Cryptomatte, motion, normals.
+
+use super::support::{channel, layer, plate, samples, shift, warped, window};
+use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
+use pinwarp::image::{Channel, Plate, Storage};
+use pinwarp::lattice::{Basis, Grid};
+use pinwarp::plate::{Field, LayerJob, Matte, MotionRule, NormalRule, WarpMap, WarpRules, footprint, remap_plate};
+use pinwarp::space::{FrameSize, PixelRect};
+use std::collections::BTreeMap;
+
+const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 32, height: 24 };
+const SIZE: FrameSize = FrameSize::new(32, 24);
+const NAMES: [&str; 3] = ["ball", "box", "wall"];
+
+/// Turned about the middle of the frame, grown, and bent: no sample lands on a sample.
+fn bent() -> Field {
+    let mut lattice = Grid { dims: [5, 5], basis: Basis::Bspline, lo: [-0.6, -0.5], hi: [2.0, 1.5] }.at_rest();
+    for handle in &mut lattice.handles {
+        let [x, y] = [handle[0] - 0.66, handle[1] - 0.5];
+        let (sin, cos) = 0.35_f64.sin_cos();
+        *handle = [0.66 + 0.9 * (cos * x - sin * y) + 0.03 * (9.0 * y).sin(), 0.5 + 0.9 * (sin * x + cos * y)];
+    }
+    Field::of_layer(lattice)
+}
+
+/// Coverage of the three names at a pixel; sums to 1.
+fn coverage(x: u32, y: u32) -> [f32; 3] {
+    let ball = (1.5 - 0.15 * ((x as f32 - 12.0).powi(2) + (y as f32 - 11.0).powi(2)).sqrt()).clamp(0.0, 1.0);
+    let side = (0.5 + 0.4 * (x as f32 - 20.3)).clamp(0.0, 1.0) * (1.0 - ball);
+    [ball, side, 1.0 - ball - side]
+}
+
+/// Its first three ranks, and a beauty with full alpha.
+fn matted() -> Plate {
+    let ranked = |x: u32, y: u32| {
+        let mut shares: Vec<(f32, MatteId)> =
+            coverage(x, y).into_iter().zip(NAMES.map(MatteId::of_name)).filter(|(share, _)| *share > 0.0).collect();
+        shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        shares
+    };
+    let id = move |rank: usize, x, y| ranked(x, y).get(rank).map_or(0.0, |(_, id)| id.sample());
+    let share = move |rank: usize, x, y| ranked(x, y).get(rank).map_or(0.0, |(share, _)| *share);
+    let mut channels: Vec<Channel> = Vec::new();
+    for (rank, [first, second]) in [["00.R", "00.G"], ["00.B", "00.A"], ["01.R", "01.G"]].into_iter().enumerate() {
+        channels.push(channel(&format!("CryptoObject{first}"), Storage::Float, FRAME, |x, y| id(rank, x, y)));
+        channels.push(channel(&format!("CryptoObject{second}"), Storage::Float, FRAME, |x, y| share(rank, x, y)));
+    }
+    channels.push(channel("A", Storage::Half, FRAME, |_, _| 1.0));
+    let mut plate = plate(FRAME, FRAME, channels);
+    let header = MatteHeader { name: "CryptoObject".into(), manifest: Manifest::of_names(NAMES), side_file: None };
+    for (name, text) in header.attributes() {
+        plate.parts[0].set_text(&name, &text);
+    }
+    plate
+}
+
+/// Ids and coverage of a pixel, by id.
+fn at(plate: &Plate, pixel: usize) -> BTreeMap<u32, f32> {
+    let pairs = [["00.R", "00.G"], ["00.B", "00.A"], ["01.R", "01.G"]];
+    let rank = |[id, share]: [&str; 2]| {
+        let sample = |suffix: &str| samples(plate, &format!("CryptoObject{suffix}"))[pixel];
+        (sample(id).to_bits(), sample(share))
+    };
+    pairs.into_iter().map(rank).filter(|(_, share)| *share > 0.0).collect()
+}
+
+#[test]
+fn coverage_is_what_the_footprint_sees() {
+    let source = matted();
+    let (moved, report) = warped(&source, vec![layer("all", bent(), None)], &WarpRules::default());
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    let map = WarpMap::backward(&bent(), SIZE, FRAME);
+    let mut taps = Vec::new();
+    let mut mixed = 0;
+    for pixel in 0..FRAME.area() {
+        footprint(&map, pixel, FRAME, &mut taps);
+        let mut expected: BTreeMap<u32, f32> = BTreeMap::new();
+        for &(index, weight) in &taps {
+            let (x, y) = (index as u32 % FRAME.width, index as u32 / FRAME.width);
+            for (share, name) in coverage(x, y).into_iter().zip(NAMES).filter(|(share, _)| *share > 0.0) {
+                *expected.entry(MatteId::of_name(name).sample().to_bits()).or_default() += share * weight;
+            }
+        }
+        let found = at(&moved, pixel);
+        assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{pixel}");
+        for (id, share) in &expected {
+            assert!((found[id] - share).abs() < 1e-5, "{pixel}: {} {share}", found[id]);
+        }
+        assert!(found.values().sum::<f32>() <= 1.0 + 1e-6);
+        let ranks: Vec<f32> = ["00.G", "00.A", "01.G"]
+            .iter()
+            .map(|suffix| samples(&moved, &format!("CryptoObject{suffix}"))[pixel])
+            .collect();
+        assert!(ranks.is_sorted_by(|a, b| a >= b), "{ranks:?}");
+        mixed += usize::from(found.len() > 1);
+    }
+    assert!(mixed > 100, "there is something to mix: {mixed}");
+    assert_eq!(moved.parts[0].texts("cryptomatte/"), source.parts[0].texts("cryptomatte/"));
+}
+
+#[test]
+fn a_layer_picked_by_cryptomatte_takes_its_ids_and_leaves_the_others() {
+    let pick = |names: &[&str]| Matte::Cryptomatte {
+        layer: Some("CryptoObject".into()),
+        names: names.iter().map(|&name| name.to_owned()).collect(),
+    };
+    let id = |name: &str| MatteId::of_name(name).sample().to_bits();
+    let still =
+        warped(&matted(), vec![layer("ball", Field::identity(), Some(pick(&["ba*"])))], &WarpRules::default()).0;
+    let (moved, report) =
+        warped(&matted(), vec![layer("ball", shift(6, 0, 24), Some(pick(&["ball"])))], &WarpRules::default());
+    assert!(report.hole_pixels > 0);
+    for pixel in 0..FRAME.area() {
+        let (x, y) = (pixel as u32 % FRAME.width, pixel as u32 / FRAME.width);
+        let before = at(&matted(), pixel);
+        for (id, share) in at(&still, pixel) {
+            assert!((before[&id] - share).abs() < 1e-6, "{pixel}");
+        }
+        let after = at(&moved, pixel);
+        let came = if x >= 6 { coverage(x - 6, y)[0] } else { 0.0 };
+        assert!((after.get(&id("ball")).copied().unwrap_or(0.0) - came).abs() < 1e-5, "{pixel}");
+        let stayed = after.get(&id("wall")).copied().unwrap_or(0.0);
+        assert!(stayed <= coverage(x, y)[2] + 1e-6, "{pixel}");
+    }
+}
+
+/// The fields of a layer that turns a little more each frame.
+fn turning(degrees: f64) -> Field {
+    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-2.0, -2.0], hi: [3.0, 3.0] }.at_rest();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    for handle in &mut lattice.handles {
+        let [x, y] = [handle[0] - 0.5, handle[1] - 0.5];
+        *handle = [0.5 + cos * x - sin * y, 0.5 + sin * x + cos * y];
+    }
+    Field::of_layer(lattice)
+}
+
+const SQUARE: PixelRect = PixelRect { x: 0, y: 0, width: 40, height: 40 };
+
+fn moving(names: [&str; 2], u: f32, v: f32) -> Plate {
+    let make = |name: &str, value: f32| channel(name, Storage::Float, SQUARE, move |_, _| value);
+    plate(SQUARE, SQUARE, vec![make(names[0], u), make(names[1], v)])
+}
+
+fn quarter_turn() -> LayerJob {
+    LayerJob { previous: Some(turning(0.0)), next: Some(turning(90.0)), ..layer("all", turning(90.0), None) }
+}
+
+/// In the middle: what the vector at the centre of the frame has become.
+fn middle(plate: &Plate, name: &str) -> f32 {
+    samples(plate, name)[20 * 40 + 20]
+}
+
+#[test]
+fn motion_turns_with_the_picture() {
+    let rules = |pixels_per_unit| WarpRules { motion: Some(MotionRule { pixels_per_unit }), ..WarpRules::default() };
+    // Three pixels to the right become three pixels up, and so do they where they are stored otherwise.
+    for (unit, u, expected) in [([1.0, 1.0], 3.0, [0.0, 3.0]), ([40.0, -40.0], 3.0 / 40.0, [0.0, -3.0 / 40.0])] {
+        let plate = moving(["forward.u", "forward.v"], u, 0.0);
+        let (moved, report) = warped(&plate, vec![quarter_turn()], &rules(unit));
+        assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+        let found = [middle(&moved, "forward.u"), middle(&moved, "forward.v")];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
+    }
+    // Backward: the frame before was not turned. The centre of pixel (20, 20) comes from that of (20, 19) or (19, 20).
+    let (moved, _) = warped(&moving(["backward.u", "backward.v"], 0.0, 0.0), vec![quarter_turn()], &rules([1.0, 1.0]));
+    let found = [middle(&moved, "backward.u"), middle(&moved, "backward.v")];
+    assert!(
+        (found[0].abs() - 1.0).abs() < 1e-3 && found[1].abs() < 1e-3
+            || found[0].abs() < 1e-3 && (found[1].abs() - 1.0).abs() < 1e-3,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn blenders_vectors_are_known() {
+    let plate = {
+        let make = |name: &str, value: f32| channel(name, Storage::Float, SQUARE, move |_, _| value);
+        let names = [("Vector.W", 0.0), ("Vector.X", 2.0), ("Vector.Y", 0.0), ("Vector.Z", -3.0)];
+        plate(SQUARE, SQUARE, names.map(|(name, value)| make(name, value)).to_vec())
+    };
+    let still = LayerJob { previous: Some(turning(90.0)), ..quarter_turn() };
+    let moved = warped(&plate, vec![still], &WarpRules::default()).0;
+    // Z and W are this place less the next: three to the right are stored as -3, and become three up, stored as -3.
+    let found = ["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"].map(|name| middle(&moved, name));
+    assert!(found.iter().zip([0.0, 2.0, 0.0, -3.0]).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
+}
+
+#[test]
+fn vectors_of_unknown_make_pass_with_a_word() {
+    let plate = moving(["forward.u", "forward.v"], 3.0, 0.0);
+    let (moved, report) = warped(&plate, vec![quarter_turn()], &WarpRules::default());
+    assert_eq!((middle(&moved, "forward.u"), middle(&moved, "forward.v")), (3.0, 0.0));
+    assert!(report.warnings.iter().any(|warning| warning.contains("forward.u")), "{:?}", report.warnings);
+    let map = WarpMap::backward(&turning(90.0), FrameSize::new(40, 40), SQUARE);
+    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
+    let (moved, report) = remap_plate(&plate, &map, &rules).expect("the map is of this frame");
+    assert_eq!(middle(&moved, "forward.u"), 3.0);
+    assert!(report.warnings.iter().any(|warning| warning.contains("map")), "{:?}", report.warnings);
+    let wrong = WarpMap::identity(FrameSize::new(20, 40), window(0, 0, 20, 40));
+    assert!(remap_plate(&plate, &wrong, &rules).is_err());
+}
+
+#[test]
+fn normals_stay_or_turn() {
+    let make = |name: &str, value: f32| channel(name, Storage::Float, SQUARE, move |_, _| value);
+    let plate = plate(SQUARE, SQUARE, vec![make("N.X", 0.6), make("N.Y", 0.0), make("N.Z", 0.8)]);
+    let moved = |normals| {
+        let rules = WarpRules { normals, ..WarpRules::default() };
+        let moved = warped(&plate, vec![layer("all", turning(30.0), None)], &rules).0;
+        ["N.X", "N.Y", "N.Z"].map(|name| middle(&moved, name))
+    };
+    assert_eq!(moved(NormalRule::Keep), [0.6, 0.0, 0.8]);
+    let (sin, cos) = 30.0_f32.to_radians().sin_cos();
+    let turned = moved(NormalRule::Rotate);
+    assert!(turned.iter().zip([0.6 * cos, 0.6 * sin, 0.8]).all(|(a, b)| (a - b).abs() < 1e-4), "{turned:?}");
+}
