@@ -1,7 +1,8 @@
 //! Programs of others, in Python, that check what we write.
 //!
 //! `PINWARP_PYTHON` names an interpreter that has numpy, OpenImageIO, OpenEXR and cv2 (and bpy, where Blender is asked).
-//! Without it tests skip and say so; with `PINWARP_REQUIRE_PYTHON=1` they fail instead.
+//! Without it tests skip and say so; with `PINWARP_REQUIRE_PYTHON=1` they fail instead, but for modules that
+//! `PINWARP_PYTHON_WITHOUT` names (`bpy`).
 
 use std::ffi::OsStr;
 use std::process::{Command, Output};
@@ -21,6 +22,11 @@ pub(crate) fn run(modules: &[&str], script: &str, arguments: &[&OsStr]) -> Optio
 /// The interpreter, where there is one and it has the modules.
 fn python_with(modules: &[&str]) -> Option<String> {
     let Ok(python) = std::env::var("PINWARP_PYTHON") else { return absent("PINWARP_PYTHON is not set") };
+    let known_absent = std::env::var("PINWARP_PYTHON_WITHOUT").unwrap_or_default();
+    if let Some(module) = modules.iter().find(|module| known_absent.split(',').any(|absent| absent == **module)) {
+        eprintln!("SKIPPED: {module} is not at hand (PINWARP_PYTHON_WITHOUT)");
+        return None;
+    }
     let imports: String = modules.iter().map(|module| format!("import {module}\n")).collect();
     match start(&python, &imports, &[]) {
         Ok(output) if output.status.success() => Some(python),
