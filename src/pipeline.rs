@@ -12,6 +12,7 @@ mod follow;
 mod jerk;
 mod layer_pins;
 mod lighting;
+mod mattes;
 mod moment;
 mod options;
 mod overlay;

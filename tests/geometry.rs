@@ -86,6 +86,7 @@ fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometr
         now,
         neighbours: None,
         layer_ids: &layer_ids,
+        mattes: &[],
         lights: &[],
         environment: 1.0,
         line_width: WIDTH,

@@ -3,6 +3,7 @@
 //! In: [`FrameMetadata`]. Out: EXR attributes, and back. Nothing here depends on the time or the machine. Our own fields
 //! share one attribute (`pinwarp`, JSON).
 
+use super::cryptomatte::MatteHeader;
 use super::exr_file::text;
 use crate::space::{FrameSize, ScreenPoint};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
@@ -24,6 +25,8 @@ pub struct FrameMetadata {
     pub device: String,
     /// The camera, where there is one.
     pub camera: Option<CameraMatrices>,
+    /// Its Cryptomattes; not read back.
+    pub mattes: Vec<MatteHeader>,
 }
 
 /// The camera of a frame, as the renderer knows it.
@@ -50,6 +53,9 @@ const OWN_ATTRIBUTE: &str = "pinwarp";
 impl FrameMetadata {
     pub(super) fn add_to_layer(&self, layer: &mut LayerAttributes, frame: FrameSize) {
         self.add_own_fields(layer);
+        for (name, words) in self.mattes.iter().flat_map(MatteHeader::attributes) {
+            layer.other.insert(text(&name), AttributeValue::Text(text(&words)));
+        }
         layer.software_name = Some(Text::from(concat!("pinwarp ", env!("CARGO_PKG_VERSION"))));
         layer.frames_per_second = rational_rate(self.frames_per_second);
         if let Some(camera) = &self.camera {
@@ -77,6 +83,7 @@ impl FrameMetadata {
             shot_hash: own.shot_hash,
             device: own.device,
             camera: None,
+            mattes: Vec::new(),
         })
     }
 }

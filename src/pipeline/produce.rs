@@ -132,6 +132,7 @@ impl Producer<'_> {
             now: view_of(&now, &lattices),
             neighbours,
             layer_ids: &layer_ids,
+            mattes: &setup.mattes.of_part,
             lights: &lighting::lights(&setup.shot, &now.pose, &setup.rig),
             environment: lighting::environment(&setup.shot, &now.pose),
             line_width: LINE_WIDTH.max(1.0 / f64::from(setup.shot.size.height)),

@@ -3,6 +3,7 @@
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
 use super::follow::{Bounds, KeptBounds};
+use super::mattes::Mattes;
 use super::passes::mid_shutter;
 use super::screen_layer::corners;
 use super::transfer::{self, Loaded};
@@ -53,6 +54,8 @@ pub struct Setup {
     pub(super) rig: Vec<PosedLight>,
     /// One a layer: lattices from elsewhere.
     pub(super) loaded: Vec<Option<Loaded>>,
+    /// Names and ids for Cryptomattes.
+    pub(super) mattes: Mattes,
     camera: CameraSource,
     clip: ClipChoice,
     moments: Mutex<VecDeque<Arc<Moment>>>,
@@ -82,6 +85,7 @@ impl Setup {
         let parts_of_layer: Vec<Vec<usize>> = (0..shot.layers.len()).map(of_layer).collect();
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &parts_of_layer))?;
         let carriers = parts_of_layer.iter().map(|parts| claims::carrier(&scene, &first.parts, parts)).collect();
+        let mattes = Mattes::new(&shot, &scene, (&first.parts, &owners));
         let mut setup = Self {
             shot,
             scene,
@@ -93,6 +97,7 @@ impl Setup {
             anchors: Vec::new(),
             rig: Vec::new(),
             loaded,
+            mattes,
             camera,
             clip,
             moments: Mutex::default(),

@@ -5,6 +5,7 @@
 use super::produce::Facts;
 use super::{Event, PipelineError, RenderOptions, Setup, Summary};
 use crate::image::{Frame, FrameMetadata, SequencePath, preview, write_exr, write_png};
+use crate::raster::ChannelGroup;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -61,12 +62,14 @@ impl<'a> Writer<'a> {
         let begun = Instant::now();
         let Facts { mut report, picture, camera } = facts;
         report.path = self.output.path_of(report.frame);
+        let has_mattes = self.setup.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
         let metadata = FrameMetadata {
             frame: report.frame,
             frames_per_second: self.setup.shot.frames.rate,
             shot_hash: self.shot_hash.clone(),
             device: self.device.clone(),
             camera: Some(camera),
+            mattes: if has_mattes { self.setup.mattes.headers.clone() } else { Vec::new() },
         };
         if frame.data_window.area() == 0 {
             report.warnings.push("the picture is empty: the camera sees nothing".into());

@@ -15,6 +15,7 @@ pub use error::RasterError;
 pub use open::open;
 
 use crate::image::Frame;
+use crate::image::cryptomatte::MatteId;
 use crate::pose::PosedLight;
 use crate::space::{FrameSize, PixelRect, ScenePoint};
 use bytemuck::{Pod, Zeroable};
@@ -47,6 +48,9 @@ pub struct RasterVertex {
     pub color: [f32; 4],
 }
 
+/// The Cryptomattes that a frame can have: names of nodes, of materials, of the layers of the shot.
+pub const MATTE_LAYERS: [&str; 3] = ["CryptoObject", "CryptoMaterial", "CryptoLayer"];
+
 /// Triangles that share a material and ids; drawn in the order given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
@@ -58,6 +62,8 @@ pub struct Draw {
     pub layer_id: u32,
     /// 1 + index of the node in the scene.
     pub object_id: u32,
+    /// Ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; [`MatteId::NOTHING`]: covers nothing there.
+    pub mattes: [MatteId; MATTE_LAYERS.len()],
     /// The node mirrors the part: front faces are clockwise.
     pub is_mirrored: bool,
 }
@@ -117,6 +123,8 @@ pub enum ChannelGroup {
     Normal,
     /// `id.layer` and `id.object`: float; 0 where nothing is.
     Id,
+    /// Six ranks of each of [`MATTE_LAYERS`]: float; filtered as beauty is, so coverage sums to its alpha.
+    Cryptomatte,
 }
 
 /// What a frame is drawn into.
@@ -135,7 +143,8 @@ pub struct Target {
 /// Something that draws frames.
 ///
 /// Data channels keep, per pixel, the nearest surface (greatest reversed z) over all data passes; blended surfaces
-/// count as soon as their alpha is 0.5 or more. Beauty is the mean over its passes.
+/// count as soon as their alpha is 0.5 or more. Beauty is the mean over its passes, and so is the coverage of mattes: the
+/// share of each pass's alpha that an id has.
 pub trait Raster {
     /// What draws, for messages and metadata: `CPU (2 threads)`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
     fn name(&self) -> String;

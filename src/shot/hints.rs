@@ -7,8 +7,9 @@ use crate::spelling::nearest;
 use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
 
-/// Values that are not part of the format yet although somebody may well write them.
-const FOREIGN_NAMES: &[(&str, &str)] = &[("cryptomatte", "Cryptomatte is not written yet, use \"id\"")];
+/// Values that go by another name here.
+const FOREIGN_NAMES: &[(&str, &str)] =
+    &[("rgba", "R, G, B and A are called \"beauty\""), ("velocity", "motion vectors are called \"motion\"")];
 
 /// Keys that belong elsewhere, or to nothing yet.
 const FOREIGN_KEYS: &[(&str, &str)] = &[

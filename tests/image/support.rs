@@ -54,6 +54,7 @@ pub(crate) fn metadata() -> FrameMetadata {
         frames_per_second: 23.976,
         shot_hash: "5f1d\"c0de".into(),
         device: "CPU (2 threads)".into(),
+        mattes: Vec::new(),
         camera: Some(CameraMatrices {
             camera_from_scene: DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)),
             screen_from_scene: DMat4::IDENTITY,

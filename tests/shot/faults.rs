@@ -199,7 +199,7 @@ fn outputs() {
         case(["teapot.%04d.exr", "teapot.exr"], (33, "output.path"), &["48 frames", "teapot.####.exr"]),
         case(["teapot.%04d.exr", "teapot.##.##.exr"], (33, "output.path"), &["two frame counters"]),
         case(["teapot.%04d.exr", "teapot.%04d.png"], (33, "output.path"), &["let it end in .exr"]),
-        case(["\"id\"", "\"cryptomatte\""], (34, "output.channels[1]"), &["not written yet, use \"id\""]),
+        case(["\"id\"", "\"velocity\""], (34, "output.channels[1]"), &["called \"motion\""]),
         case(["\"id\"", "\"beauty\""], (34, "output.channels[1]"), &["twice"]),
         case(["[\"beauty\", \"id\"]", "[]"], (34, "output.channels"), &["at least 1"]),
         case(["channels =", "compression = \"zap\"\n#"], (34, "output.compression"), &["did you mean \"zip\"?"]),

@@ -38,7 +38,14 @@ pub(crate) fn ball(frame: FrameSize, (rings, segments): (u32, u32), bump: f32) -
         range: f32::INFINITY,
     };
     let whole = 0..indices.len() as u32;
-    let draws = vec![Draw { indices: whole, material: 0, layer_id: 3, object_id: 7, is_mirrored: false }];
+    let draws = vec![Draw {
+        indices: whole,
+        material: 0,
+        layer_id: 3,
+        object_id: 7,
+        mattes: Default::default(),
+        is_mirrored: false,
+    }];
     let (eye, lights) = (camera.eye(), vec![light]);
     Geometry { vertices, indices, draws, eye, parallel_view: None, lights, environment: 0.4 }
 }

@@ -7,7 +7,7 @@ use pinwarp::raster::{Draw, Geometry, RasterVertex};
 
 /// A draw of all indices with ids 3 and 7.
 pub(crate) fn draw(indices: std::ops::Range<u32>) -> Draw {
-    Draw { indices, material: 0, layer_id: 3, object_id: 7, is_mirrored: false }
+    Draw { indices, material: 0, layer_id: 3, object_id: 7, mattes: Default::default(), is_mirrored: false }
 }
 
 /// A vertex at a screen place (frame heights, y up) with reversed z and w = 1, facing the viewer, white, at rest.

@@ -1,6 +1,7 @@
 //! A small scene that uses every kind of material, and geometry for it.
 
 use glam::{Vec2, Vec3, Vec4};
+use pinwarp::image::cryptomatte::MatteId;
 use pinwarp::pose::PosedLight;
 use pinwarp::raster::{Draw, Geometry, RasterVertex};
 use pinwarp::scene::{AlphaMode, Filter, Image, LightKind, Material, Scene, Texture, TextureRef, Wrap};
@@ -78,6 +79,7 @@ impl Builder {
             material,
             layer_id: object_id % 3,
             object_id,
+            mattes: [object_id, material + 100, object_id % 3 + 200].map(|id| MatteId::of_name(&id.to_string())),
             is_mirrored,
         });
     }

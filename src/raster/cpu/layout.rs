@@ -18,6 +18,8 @@ pub(super) struct Layout {
     pub(super) normal: Option<usize>,
     /// Layer, object.
     pub(super) id: Option<usize>,
+    /// Mattes are gathered, in lists beside the planes.
+    pub(super) has_mattes: bool,
     /// Reversed z of the surface the data come from.
     pub(super) z: usize,
     /// Planes in all.
@@ -47,6 +49,7 @@ impl Layout {
             motion: take(ChannelGroup::Motion, 4),
             normal: take(ChannelGroup::Normal, 3),
             id: take(ChannelGroup::Id, 2),
+            has_mattes: groups.contains(&ChannelGroup::Cryptomatte),
             ..Self::default()
         };
         layout.z = next;
@@ -68,7 +71,7 @@ impl Layout {
         (first..self.planes).map(|plane| (plane, if Some(plane) == self.depth { EMPTY_DEPTH } else { 0.0 }))
     }
 
-    /// The frame's channels.
+    /// The frame's channels, without mattes.
     pub(super) fn channels(&self) -> Vec<ChannelPlan> {
         let groups: [(Option<usize>, &[&'static str], Storage); 5] = [
             (self.beauty, &["R", "G", "B", "A"], Storage::Half),

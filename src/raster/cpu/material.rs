@@ -39,6 +39,21 @@ impl Prepared {
         }
     }
 
+    /// What decides where it covers, and how much.
+    fn of_alpha(material: &Material, scene: &Scene) -> Self {
+        let is_opaque = material.alpha == AlphaMode::Opaque;
+        let base_color_texture = if is_opaque { None } else { material.base_color_texture.clone() };
+        let factors = Material {
+            base_color: material.base_color,
+            base_color_texture,
+            alpha: material.alpha,
+            double_sided: material.double_sided,
+            unlit: true,
+            ..Material::default()
+        };
+        Self::of(&factors, scene)
+    }
+
     fn samplers(&self) -> impl Iterator<Item = &Sampler> {
         [&self.base_color, &self.metallic_roughness, &self.normal, &self.occlusion, &self.emissive]
             .into_iter()
@@ -70,7 +85,15 @@ impl Prepared {
 
 impl Materials {
     pub(super) fn of(scene: &Scene) -> Self {
-        let mut list: Vec<Prepared> = scene.materials.iter().map(|material| Prepared::of(material, scene)).collect();
+        Self::with(scene, scene.materials.iter().map(|material| Prepared::of(material, scene)).collect())
+    }
+
+    /// Without what does not change alpha.
+    pub(super) fn of_alpha(scene: &Scene) -> Self {
+        Self::with(scene, scene.materials.iter().map(|material| Prepared::of_alpha(material, scene)).collect())
+    }
+
+    fn with(scene: &Scene, mut list: Vec<Prepared>) -> Self {
         if list.is_empty() {
             list.push(Prepared::of(&Material::default(), scene));
         }

@@ -9,6 +9,7 @@ mod coverage;
 mod fragment;
 mod layout;
 mod material;
+mod matte;
 pub(crate) mod mipmap;
 pub(crate) mod shading;
 mod texture;
@@ -23,6 +24,7 @@ use fragment::Shade;
 use glam::{IVec2, Vec2};
 use layout::{ChannelPlan, Layout};
 use material::Materials;
+use matte::gather_mattes;
 use rayon::prelude::*;
 use shading::Light;
 use std::time::{Duration, Instant};
@@ -75,13 +77,16 @@ impl CpuRaster {
     /// Prepares the scene's materials and the mip chains of its images.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        Self {
-            materials: Materials::of(scene),
-            bins: Bins::default(),
-            tiles: Vec::new(),
-            job: None,
-            times: StageTimes::default(),
-        }
+        Self::with(Materials::of(scene))
+    }
+
+    /// For mattes alone: of the images only those are prepared whose alpha shapes what is seen.
+    pub(super) fn for_mattes(scene: &Scene) -> Self {
+        Self::with(Materials::of_alpha(scene))
+    }
+
+    fn with(materials: Materials) -> Self {
+        Self { materials, bins: Bins::default(), tiles: Vec::new(), job: None, times: StageTimes::default() }
     }
 
     /// Time spent since the last `start`.
@@ -152,8 +157,11 @@ impl Raster for CpuRaster {
     fn finish(&mut self) -> Result<Frame, RasterError> {
         let job = self.job.take().ok_or(RasterError::Misuse("finish was called before start"))?;
         let begin = Instant::now();
-        let channels =
+        let mut channels: Vec<Channel> =
             job.layout.channels().par_iter().map(|plan| gather(&job, &self.tiles, plan)).collect::<Result<_, _>>()?;
+        if job.layout.has_mattes {
+            channels.extend(gather_mattes(job.tiling, &self.tiles)?);
+        }
         self.times.resolve += begin.elapsed();
         Ok(Frame {
             display: job.target.frame.window(),

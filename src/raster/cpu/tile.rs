@@ -6,6 +6,7 @@ use super::bin::TILE;
 use super::coverage::{NOTHING, TILE_PIXELS, Visibility};
 use super::fragment::{Face, Shade};
 use super::layout::Layout;
+use super::matte::{Pane, TileMattes};
 use super::triangle::Triangle;
 use crate::raster::PassRole;
 use glam::{IVec2, Vec2, Vec3, Vec4};
@@ -19,6 +20,8 @@ pub(super) struct Tile {
     has_beauty: bool,
     /// A pass has drawn into the planes of data.
     has_data: bool,
+    /// Ids and their coverage.
+    pub(super) mattes: TileMattes,
 }
 
 /// Buffers a thread needs while it draws a tile.
@@ -33,6 +36,8 @@ pub(super) struct Scratch<'a> {
     color: Vec<Vec4>,
     /// Shading normals of opaque surfaces, where shading them gave any.
     normals: Vec<Option<Vec3>>,
+    /// Blended surfaces, where mattes are wanted.
+    panes: Vec<Pane>,
 }
 
 /// What happens to a tile in a pass.
@@ -61,6 +66,10 @@ impl TilePass<'_> {
         self.role != PassRole::Beauty && self.layout.has_data()
     }
 
+    fn wants_mattes(&self) -> bool {
+        self.role != PassRole::Data && self.layout.has_mattes
+    }
+
     /// Places (index in the tile) and window pixels of a tile's visible part.
     fn pixels(&self) -> impl Iterator<Item = (usize, IVec2)> + use<> {
         let (origin, size) = (self.origin, self.size);
@@ -72,6 +81,7 @@ impl Tile {
     /// Forgets what the last frame left.
     pub(super) fn reset(&mut self) {
         (self.has_beauty, self.has_data) = (false, false);
+        self.mattes.reset();
     }
 
     /// The samples of a plane, row by row; `None` where nothing was ever drawn into its group.
@@ -102,6 +112,9 @@ impl Tile {
         if pass.wants_beauty() {
             self.add_beauty(pass, &scratch.color);
         }
+        if pass.wants_mattes() {
+            self.add_mattes(pass, scratch);
+        }
         if pass.wants_data() {
             self.keep_nearest(pass, scratch);
         }
@@ -129,6 +142,14 @@ impl Tile {
                 *sum += color[channel] * pass.weight;
             }
         }
+    }
+
+    fn add_mattes(&mut self, pass: &TilePass, scratch: &Scratch) {
+        let draws = &pass.shade.geometry.draws;
+        let seen = pass.pixels().map(|(place, _)| (place, scratch.visibility.seen[place]));
+        let opaque = seen.filter(|(_, number)| *number != NOTHING);
+        let with_ids = opaque.map(|(place, number)| (place, draws[scratch.list[number as usize].draw as usize].mattes));
+        self.mattes.add_pass(pass.weight, &scratch.panes, with_ids);
     }
 
     /// Writes data where this pass's surface is nearer than those of the passes before.
@@ -232,18 +253,19 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// Lays blended triangles over, and finds which surface counts for data.
+    /// Lays blended triangles over, and finds which surface counts for data and which cover mattes.
     fn blend(&mut self, pass: &TilePass<'a>) {
         if pass.wants_data() {
             self.data.z.copy_from_slice(&self.visibility.z);
             self.data.seen.copy_from_slice(&self.visibility.seen);
         }
+        self.panes.clear();
         for (number, triangle) in self.list.iter().enumerate() {
             let face = Face::of(pass.shade, triangle);
             if !face.material.is_blended() {
                 continue;
             }
-            let (color, data) = (&mut self.color, &mut self.data);
+            let (color, data, panes) = (&mut self.color, &mut self.data, &mut self.panes);
             self.visibility.visit(triangle, pass.origin, |place, pixel, z| {
                 if pixel.cmpge(pass.origin + pass.size).any() {
                     return;
@@ -256,6 +278,9 @@ impl<'a> Scratch<'a> {
                     }
                     false => face.alpha(pass.shade, pixel),
                 };
+                if pass.wants_mattes() {
+                    panes.push(Pane { place, ids: face.draw.mattes, alpha: alpha.clamp(0.0, 1.0) });
+                }
                 if pass.wants_data() && alpha >= DATA_ALPHA && z > data.z[place] {
                     (data.z[place], data.seen[place]) = (z, number as u32);
                 }

@@ -9,7 +9,8 @@ mod sort;
 mod split;
 mod vertex;
 
-use super::{Draw, Geometry, RasterVertex};
+use super::{Draw, Geometry, MATTE_LAYERS, RasterVertex};
+use crate::image::cryptomatte::MatteId;
 use crate::lattice::ScreenLattice;
 use crate::pose::{Pose, PosedLight};
 use crate::scene::{AlphaMode, Primitive, Scene};
@@ -45,6 +46,8 @@ pub struct Assembly<'a> {
     pub neighbours: Option<[Moment<'a>; 2]>,
     /// One a part: 1 + index of the layer, 0 for none.
     pub layer_ids: &'a [u32],
+    /// One a part: its ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; empty: none.
+    pub mattes: &'a [[MatteId; MATTE_LAYERS.len()]],
     /// All lights.
     pub lights: &'a [PosedLight],
     /// Strength of the neutral surroundings.
@@ -106,6 +109,7 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
             material: source.material as u32,
             layer_id: assembly.layer_ids[part],
             object_id: posed.node as u32 + 1,
+            mattes: assembly.mattes.get(part).copied().unwrap_or_default(),
             is_mirrored: posed.is_mirrored,
         },
         is_blended: material.alpha == AlphaMode::Blend,

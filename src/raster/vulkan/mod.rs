@@ -32,6 +32,7 @@ pub use messenger::Messages;
 pub use yardstick::{BareTimes, StageTimes};
 
 use crate::image::Frame;
+use crate::raster::cpu::CpuRaster;
 use crate::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, RasterError, Target};
 use crate::scene::Scene;
 use ash::vk;
@@ -60,6 +61,9 @@ pub struct VulkanRaster {
     materials: Materials,
     descriptors: Descriptors,
     device: Arc<Device>,
+    /// Draws mattes on the host while the device draws the rest: lists of ids have no place in attachments, and every
+    /// device gives the same mattes.
+    mattes: CpuRaster,
     begun: Option<Begun>,
     times: StageTimes,
 }
@@ -113,6 +117,7 @@ impl VulkanRaster {
             materials,
             descriptors,
             device,
+            mattes: CpuRaster::for_mattes(scene),
             begun: None,
             times: StageTimes::default(),
         })
@@ -182,7 +187,12 @@ impl Begun {
     }
 
     fn wants_data(&self) -> bool {
-        self.target.channels.iter().any(|&group| group != ChannelGroup::Beauty)
+        let is_data = |group: &ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Cryptomatte);
+        self.target.channels.iter().any(is_data)
+    }
+
+    fn wants_mattes(&self) -> bool {
+        self.target.channels.contains(&ChannelGroup::Cryptomatte)
     }
 
     /// What a pass of that role has to draw; `None`: nothing.
@@ -250,7 +260,11 @@ impl Raster for VulkanRaster {
         let extent = vk::Extent2D { width, height };
         self.attachments.resize(extent);
         self.times = StageTimes::default();
-        self.begun = Some(Begun { target: target.clone(), extent, beauty_passes: 0, has_data: false, passes: 0 });
+        let begun = Begun { target: target.clone(), extent, beauty_passes: 0, has_data: false, passes: 0 };
+        if begun.wants_mattes() {
+            self.mattes.start(&Target { channels: vec![ChannelGroup::Cryptomatte], ..target.clone() })?;
+        }
+        self.begun = Some(begun);
         Ok(())
     }
 
@@ -261,6 +275,11 @@ impl Raster for VulkanRaster {
             // A frame whose pass failed is not gone on with.
             self.add(&mut begun, pass.geometry, pass.jitter_px, work)?;
             self.times.upload += begin.elapsed();
+        }
+        if begun.wants_mattes() && pass.role != PassRole::Data {
+            let begin = Instant::now();
+            self.mattes.draw(pass)?;
+            self.times.mattes += begin.elapsed();
         }
         self.begun = Some(begun);
         Ok(())
@@ -274,9 +293,14 @@ impl Raster for VulkanRaster {
         // The copies wait for the draws anyway.
         self.slots.iter_mut().try_for_each(|slot| slot.commands.wait())?;
         let drawn = Instant::now();
-        let channels = self.readback.read(&mut self.attachments, begun.extent, &begun.target.channels)?;
+        let mut channels = self.readback.read(&mut self.attachments, begun.extent, &begun.target.channels)?;
         self.times.draw += drawn - begin;
         self.times.read += drawn.elapsed();
+        if begun.wants_mattes() {
+            let begin = Instant::now();
+            channels.extend(self.mattes.finish()?.channels);
+            self.times.mattes += begin.elapsed();
+        }
         Ok(Frame {
             display: begun.target.frame.window(),
             data_window: begun.target.window,

@@ -56,7 +56,14 @@ fn scene() -> Scene {
 /// The same triangle with each material.
 fn geometry() -> Geometry {
     let corner = |x: f32, y: f32| RasterVertex { screen: [x, y, 0.5, 1.0], next: [x, y, 1.0], ..Default::default() };
-    let draw = |material| Draw { indices: 0..3, material, layer_id: 1, object_id: 2, is_mirrored: false };
+    let draw = |material| Draw {
+        indices: 0..3,
+        material,
+        layer_id: 1,
+        object_id: 2,
+        mattes: Default::default(),
+        is_mirrored: false,
+    };
     Geometry {
         vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
         indices: vec![0, 1, 2],

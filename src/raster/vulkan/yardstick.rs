@@ -16,6 +16,8 @@ pub struct StageTimes {
     pub draw: Duration,
     /// Images copied to the host, and made channels.
     pub read: Duration,
+    /// The host draws mattes, while the device is at work.
+    pub mattes: Duration,
 }
 
 /// Times of a bare frame.

@@ -9,8 +9,8 @@ use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
 use crate::shot::{FrameRange, Output};
 use std::path::Path;
 
-/// All groups, in the order in which they are written.
-const ALL_CHANNELS: [ChannelGroup; 5] =
+/// What is written where a shot does not say it: all but mattes, whose 36 channels weigh more than all others together.
+const DEFAULT_CHANNELS: [ChannelGroup; 5] =
     [ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Normal, ChannelGroup::Id];
 
 impl Check<'_> {
@@ -26,7 +26,7 @@ impl Check<'_> {
         });
         Output {
             path: folder.join(path),
-            channels: raw.channels.as_ref().map_or(ALL_CHANNELS.to_vec(), |channels| self.channels(channels)),
+            channels: raw.channels.as_ref().map_or(DEFAULT_CHANNELS.to_vec(), |channels| self.channels(channels)),
             compression: raw.compression.map_or_else(Compression::default, Compression::from),
         }
     }
@@ -65,6 +65,7 @@ impl From<RawChannel> for ChannelGroup {
             RawChannel::Motion => Self::Motion,
             RawChannel::Normal => Self::Normal,
             RawChannel::Id => Self::Id,
+            RawChannel::Cryptomatte => Self::Cryptomatte,
         }
     }
 }

@@ -128,7 +128,7 @@ pub(super) struct RawOutput {
     /// EXR files with #### or %04d for the frame, relative to the shot file; default: out/<name of the shot>.####.exr.
     #[schemars(length(min = 1), example = &"out/shot.####.exr")]
     pub(super) path: Option<String>,
-    /// Groups of channels; default: all.
+    /// Groups of channels; default: all but cryptomatte.
     #[schemars(length(min = 1), example = ["beauty", "depth"])]
     pub(super) channels: Option<Vec<RawChannel>>,
     /// EXR compression; default: zip.
@@ -149,6 +149,8 @@ pub(super) enum RawChannel {
     Normal,
     /// id.layer, id.object.
     Id,
+    /// Mattes of all names: CryptoObject, CryptoMaterial, CryptoLayer, six ranks each.
+    Cryptomatte,
 }
 
 /// EXR compressions.

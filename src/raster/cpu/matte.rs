@@ -1,0 +1,160 @@
+//! Mattes: which ids cover each pixel, and how much, over all beauty passes.
+//!
+//! In: what a pass shows in a tile. Out: the ranks of every Cryptomatte, as channels.
+//! A pixel keeps a list of (ids, share); mostly one entry long, so a frame takes 24 bytes a covered pixel.
+
+use super::bin::{TILE, Tiling};
+use super::coverage::TILE_PIXELS;
+use super::tile::Tile;
+use crate::image::cryptomatte::{Coverage, MatteId, USUAL_RANKS, rank_channel_names};
+use crate::image::{Channel, Storage};
+use crate::raster::{MATTE_LAYERS, RasterError};
+use rayon::prelude::*;
+
+/// No entry.
+const END: u32 = u32::MAX;
+
+/// Numbers a pixel has in the frame's channels: id and coverage of each rank of each Cryptomatte.
+const PLANES: usize = MATTE_LAYERS.len() * 2 * USUAL_RANKS;
+
+/// One id of each Cryptomatte, for what is drawn together.
+pub(super) type Ids = [MatteId; MATTE_LAYERS.len()];
+
+/// The ids that cover a tile's pixels.
+#[derive(Debug, Default)]
+pub(super) struct TileMattes {
+    /// One a pixel: where its list begins.
+    first: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    ids: Ids,
+    share: f32,
+    next: u32,
+}
+
+/// A blended surface in front of what a pixel shows otherwise, in the order of drawing: back to front.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pane {
+    pub(super) place: usize,
+    pub(super) ids: Ids,
+    pub(super) alpha: f32,
+}
+
+impl TileMattes {
+    /// Forgets what the last frame left.
+    pub(super) fn reset(&mut self) {
+        self.first.clear();
+        self.entries.clear();
+    }
+
+    /// Adds a pass of that weight: panes, and the opaque surface of each pixel, if any. What a pane lets through counts
+    /// for what lies behind it, so that coverage sums to the alpha of beauty.
+    pub(super) fn add_pass(&mut self, weight: f32, panes: &[Pane], opaque: impl Iterator<Item = (usize, Ids)>) {
+        self.first.resize(TILE_PIXELS, END);
+        // What is left of the pass's weight behind the panes; empty where there are none.
+        let mut rest = if panes.is_empty() { Vec::new() } else { vec![weight; TILE_PIXELS] };
+        for pane in panes.iter().rev() {
+            let rest = &mut rest[pane.place];
+            self.add(pane.place, pane.ids, *rest * pane.alpha);
+            *rest *= 1.0 - pane.alpha;
+        }
+        for (place, ids) in opaque {
+            self.add(place, ids, rest.get(place).copied().unwrap_or(weight));
+        }
+    }
+
+    fn add(&mut self, place: usize, ids: Ids, share: f32) {
+        if share <= 0.0 {
+            return;
+        }
+        let mut at = self.first[place];
+        while let Some(entry) = self.entries.get_mut(at as usize) {
+            if entry.ids == ids {
+                entry.share += share;
+                return;
+            }
+            at = entry.next;
+        }
+        self.entries.push(Entry { ids, share, next: self.first[place] });
+        self.first[place] = self.entries.len() as u32 - 1;
+    }
+
+    /// The entries of a pixel.
+    fn of(&self, place: usize) -> impl Iterator<Item = &Entry> {
+        let mut at = self.first.get(place).copied().unwrap_or(END);
+        std::iter::from_fn(move || {
+            let entry = self.entries.get(at as usize)?;
+            at = entry.next;
+            Some(entry)
+        })
+    }
+}
+
+/// The channels of all Cryptomattes out of the tiles of a window.
+pub(super) fn gather_mattes(tiling: Tiling, tiles: &[Tile]) -> Result<Vec<Channel>, RasterError> {
+    let (width, height) = (tiling.size.x as usize, tiling.size.y as usize);
+    let area = width * height;
+    let is_room = Vec::<f32>::new().try_reserve_exact(area * PLANES).is_ok();
+    if !is_room {
+        return Err(RasterError::OutOfMemory { what: format!("{PLANES} matte channels of {area} pixels") });
+    }
+    let names = MATTE_LAYERS.iter().flat_map(|layer| rank_channel_names(layer, USUAL_RANKS));
+    // Zeros come from the system untouched: ranks that no pixel needs take no memory.
+    let channel = |name| Channel { name, storage: Storage::Float, samples: vec![0.0; area] };
+    let mut channels: Vec<Channel> = names.map(channel).collect();
+    let side = TILE as usize;
+    let mut bands: Vec<Vec<&mut [f32]>> = (0..height.div_ceil(side)).map(|_| Vec::with_capacity(PLANES)).collect();
+    for channel in &mut channels {
+        let parts = channel.samples.chunks_mut(width * side);
+        bands.iter_mut().zip(parts).for_each(|(band, part)| band.push(part));
+    }
+    bands.into_par_iter().zip(tiles.par_chunks(tiling.columns().max(1))).for_each_init(
+        Coverage::default,
+        |coverage, (mut band, tiles)| {
+            for (column, tile) in tiles.iter().enumerate() {
+                rank_tile(coverage, &tile.mattes, (&mut band, width, column * side));
+            }
+        },
+    );
+    Ok(channels)
+}
+
+/// Ranks the pixels of a tile that begins at `left` of a band of rows of that width.
+fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): (&mut [&mut [f32]], usize, usize)) {
+    if mattes.entries.is_empty() {
+        return;
+    }
+    let side = TILE as usize;
+    let rows = band.first().map_or(0, |plane| plane.len() / width);
+    for (y, x) in (0..rows).flat_map(|y| (0..side.min(width - left)).map(move |x| (y, x))) {
+        for (layer, planes) in band.chunks_exact_mut(2 * USUAL_RANKS).enumerate() {
+            coverage.clear();
+            mattes.of(y * side + x).for_each(|entry| coverage.add(entry.ids[layer], entry.share));
+            for (rank, &(id, share)) in planes.chunks_exact_mut(2).zip(coverage.ranked()) {
+                rank[0][y * width + left + x] = id.sample();
+                rank[1][y * width + left + x] = share;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_take_their_share_from_what_lies_behind_them() {
+        let [wall, near, far] = ["wall", "near", "far"].map(|name| [MatteId::of_name(name); 3]);
+        let mut mattes = TileMattes::default();
+        let pane = |ids, alpha| Pane { place: 5, ids, alpha };
+        mattes.add_pass(0.5, &[pane(far, 0.5), pane(near, 0.25)], [(5, wall), (6, wall)].into_iter());
+        mattes.add_pass(0.5, &[], [(5, near)].into_iter());
+        let share =
+            |place, ids| mattes.of(place).filter(|entry| entry.ids == ids).map(|entry| entry.share).sum::<f32>();
+        assert_eq!([share(5, near), share(5, far), share(5, wall)], [0.625, 0.1875, 0.1875]);
+        assert_eq!([share(6, wall), share(7, wall)], [0.5, 0.0]);
+    }
+}
