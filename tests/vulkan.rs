@@ -10,6 +10,8 @@ mod compare;
 mod devices;
 #[path = "vulkan/limits.rs"]
 mod limits;
+#[path = "vulkan/mattes.rs"]
+mod mattes;
 #[path = "vulkan/passes.rs"]
 mod passes;
 #[path = "vulkan/pictures.rs"]

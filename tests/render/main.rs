@@ -1,6 +1,8 @@
 //! Whole renders through the library: the same bytes whatever the order, pins that move what they should and no more,
 //! motion vectors that point where things go.
 
+#[path = "../support/python.rs"]
+mod python;
 #[path = "../support/tiny.rs"]
 mod tiny;
 
@@ -9,6 +11,7 @@ mod cameras;
 mod faults;
 mod layers;
 mod lines;
+mod mattes;
 mod motion;
 mod pins;
 mod repeat;
