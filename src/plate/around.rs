@@ -9,6 +9,10 @@ use glam::{DMat2, DVec2};
 /// Samples of the border a span, to find out how far it moves.
 const SAMPLES: usize = 4;
 
+/// A handle that moved less than this, in frame heights, rests: a fifty-thousandth of a pixel at 4K. Solvers leave such
+/// noise, and what does not move has to stay exactly where it is.
+const STILL: f64 = 1e-8;
+
 /// A lattice and a rule for the outside of its box.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Link {
@@ -66,7 +70,10 @@ impl Link {
     /// Around the box a point moves as the nearest box point does.
     pub(super) fn held(lattice: &ScreenLattice) -> Self {
         let rest = lattice.grid.rest_handles();
-        let moved = lattice.handles.iter().zip(rest).map(|(&to, from)| DVec2::from(to) - DVec2::from(from));
+        let moved = lattice.handles.iter().zip(rest).map(|(&to, from)| {
+            let moved = DVec2::from(to) - DVec2::from(from);
+            if moved.length() < STILL { DVec2::ZERO } else { moved }
+        });
         Self { grid: lattice.grid.clone(), moved: moved.collect(), around: Around::Nearest }
     }
 
@@ -108,6 +115,10 @@ impl Link {
         border.map(|(unit, is_end)| reached(unit, is_end)).fold(0.0, f64::max)
     }
 
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.moved.iter().all(|moved| *moved == DVec2::ZERO)
+    }
+
     /// No point moves further, in frame heights.
     pub(super) fn reach(&self) -> f64 {
         let inside = self.moved.iter().map(|moved| moved.length()).fold(0.0, f64::max);
@@ -115,6 +126,36 @@ impl Link {
             Around::Nearest => inside,
             Around::Fade { bend, .. } => inside.max(self.swell(bend)),
         }
+    }
+
+    /// Distance of two rest handles, an axis.
+    pub(super) fn pitch(&self) -> DVec2 {
+        DVec2::new(self.grid.pitch(0), self.grid.pitch(1))
+    }
+
+    /// Whether the displacement is smooth within a box that is less than half a cell wide: no crease of the basis and
+    /// no border that creases runs through it.
+    pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        let is_small = (hi - lo).cmple(self.pitch() * 0.5).all();
+        let has_cells = matches!(self.grid.basis, Basis::Bilinear | Basis::Barytri);
+        if !is_small || (self.around != Around::Nearest && !has_cells) {
+            return is_small;
+        }
+        let ends = [lo, hi].map(|point| self.grid.unit_from_point(point.to_array()));
+        let cell = |end: usize, axis: usize| {
+            let spans = if has_cells { self.grid.basis.spans(self.grid.dims[axis]) as f64 } else { 1.0 };
+            (ends[end][axis] * spans).floor().clamp(-1.0, spans)
+        };
+        let is_one_cell = (0..2).all(|axis| cell(0, axis) == cell(1, axis));
+        is_one_cell && (self.grid.basis != Basis::Barytri || self.is_off_diagonal(ends))
+    }
+
+    /// Whether a box within a cell keeps off the diagonal that cuts the cell.
+    fn is_off_diagonal(&self, ends: [[f64; 2]; 2]) -> bool {
+        let place = |end: usize, axis: usize| {
+            (ends[end][axis].clamp(0.0, 1.0) * self.grid.basis.spans(self.grid.dims[axis]) as f64).fract()
+        };
+        place(0, 0) > place(1, 1) || place(1, 0) < place(0, 1)
     }
 
     /// Displacement of a point, and its gradient (column = derivative along x, y).

@@ -56,6 +56,12 @@ impl Field {
         Self { links: fields.into_iter().flat_map(|field| field.links).collect() }
     }
 
+    /// Nothing moves anywhere.
+    #[must_use]
+    pub fn is_identity(&self) -> bool {
+        self.links.iter().all(Link::is_at_rest)
+    }
+
     /// Where a point goes.
     #[must_use]
     pub fn carry(&self, point: ScreenPoint) -> ScreenPoint {
@@ -80,6 +86,24 @@ impl Field {
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.links.iter().map(Link::reach).sum()
+    }
+
+    /// Distances of rest handles, an axis, of every lattice.
+    pub(super) fn pitches(&self) -> impl Iterator<Item = DVec2> {
+        self.links.iter().map(Link::pitch)
+    }
+
+    /// Whether the field is smooth between four points that lie near each other.
+    pub(super) fn is_smooth_between(&self, mut points: [DVec2; 4]) -> bool {
+        self.links.iter().all(|link| {
+            let lo = points.into_iter().fold(DVec2::INFINITY, DVec2::min);
+            let hi = points.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
+            // Sides between the points are curved.
+            let bulge = (hi - lo) * 0.1;
+            let is_smooth = link.is_smooth_within(lo - bulge, hi + bulge);
+            points = points.map(|point| point + link.displace(point).0);
+            is_smooth
+        })
     }
 
     /// How far a point moves (exactly 0 where nothing does), and the gradient of [`Self::carry`].

@@ -3,8 +3,13 @@
 //! In: a [`Field`], a window of pixels. Out: offsets, in pixels; NaN where nothing comes from.
 
 use super::Field;
-use crate::space::{FrameSize, ImagePoint, PixelRect};
-use glam::{DMat2, DVec2};
+use super::map_blocks::{self, Nodes};
+use super::map_folds::{FOLDED, Folds, Sheet};
+use super::map_mesh::Net;
+use super::map_patch::LARGEST;
+use super::map_view::{Direction, View, center, corner, extent};
+use crate::space::{FrameSize, PixelRect};
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// Where every pixel of a window comes from (or goes to).
@@ -26,9 +31,6 @@ pub struct WarpMap {
 /// Steps between neighbours that differ by more than this, in pixels a pixel, belong to different sheets.
 const TEAR: f32 = 0.5;
 
-/// What arithmetic may be off, in pixels.
-const ROUNDING: f64 = 1e-6;
-
 impl WarpMap {
     /// The map that moves nothing.
     #[must_use]
@@ -36,42 +38,92 @@ impl WarpMap {
         Self { frame, window, offsets: vec![[0.0; 2]; window.area()], folded_pixels: Vec::new() }
     }
 
-    /// For every pixel of the warped picture: where it came from.
+    /// For every pixel of the warped picture: where it came from. Where the picture lies over itself, the sheet in
+    /// front: one that is not turned over, of several the one that moved furthest (what is pulled lies over what
+    /// stays). Every pixel comes from somewhere, unless the field holds NaN.
     #[must_use]
     pub fn backward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
-        let view = View { field, frame };
-        let mut map = Self::identity(frame, window);
-        map.rows_mut().for_each(|(y, row)| {
-            let mut start = DVec2::ZERO;
-            for (offset, x) in row.iter_mut().zip(window.x..) {
-                let pixel = center(x, y);
-                let found = view.back(pixel, start).or_else(|| view.back(pixel, DVec2::ZERO));
-                let found = found.map(|(offset, _)| offset);
-                start = found.unwrap_or(DVec2::ZERO);
-                *offset = found.unwrap_or(DVec2::NAN).as_vec2().to_array();
-            }
-        });
+        let (mut map, folds) = Self::without_folds(field, frame, window);
+        folds.first_sheets().for_each(|sheet| map.set(sheet));
         map
     }
 
-    /// For every pixel of a picture: where its centre goes.
+    /// All sheets of the warped picture that are not turned over, front first: [`Self::backward`], and behind it maps
+    /// that are NaN but where the picture lies over itself. A layer with a matte needs them: what is transparent in
+    /// front does not hide what lies behind.
+    #[must_use]
+    pub fn backward_sheets(field: &Field, frame: FrameSize, window: PixelRect) -> Vec<Self> {
+        let (map, folds) = Self::without_folds(field, frame, window);
+        let mut maps = vec![map];
+        for group in folds.sheets.chunk_by(|a, b| a.pixel == b.pixel) {
+            for (depth, sheet) in group.iter().enumerate() {
+                if depth == maps.len() {
+                    let nothing = vec![[f32::NAN; 2]; window.area()];
+                    maps.push(Self { offsets: nothing, ..Self::identity(frame, PixelRect::default()) });
+                }
+                maps[depth].set(sheet);
+            }
+        }
+        maps[1..].iter_mut().for_each(|map| map.window = window);
+        maps
+    }
+
+    /// The map but where sheets overlap.
+    fn without_folds(field: &Field, frame: FrameSize, window: PixelRect) -> (Self, Folds) {
+        let view = View { field, frame, direction: Direction::Backward };
+        let mut map = Self::identity(frame, window);
+        if field.is_identity() || window.area() == 0 {
+            return (map, Folds::NONE);
+        }
+        let net = Net::behind(view, window);
+        let starts = net.starts(center(window.x, window.y), LARGEST as f64, Nodes::count(window));
+        let nodes = Nodes::solve(view, window, &starts);
+        let folds = Folds::find(view, &net, window);
+        let is_whole = map_blocks::fill(view, &nodes, &folds.flags, &mut map);
+        if !is_whole {
+            let missing = Folds::of_missing(view, &net, window, &map.offsets);
+            missing.first_sheets().for_each(|sheet| map.set(sheet));
+        }
+        map.folded_pixels = folds.pixels();
+        (map, folds)
+    }
+
+    /// For every pixel of a picture: where its centre goes. Folded are pixels that are turned over and pixels that land
+    /// where another part of the picture does.
     #[must_use]
     pub fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
-        let view = View { field, frame };
+        let view = View { field, frame, direction: Direction::Forward };
         let mut map = Self::identity(frame, window);
-        map.rows_mut().for_each(|(y, row)| {
-            for (offset, x) in row.iter_mut().zip(window.x..) {
-                *offset = view.displace(center(x, y)).0.as_vec2().to_array();
-            }
-        });
+        if field.is_identity() || window.area() == 0 {
+            return map;
+        }
+        let nodes = Nodes::solve(view, window, &vec![DVec2::ZERO; Nodes::count(window).iter().product()]);
+        map_blocks::fill(view, &nodes, &[], &mut map);
+        map.folded_pixels = map.overlapping(view);
         map
     }
 
-    /// Rows and their y, on all threads.
-    fn rows_mut(&mut self) -> impl ParallelIterator<Item = (i32, &mut [[f32; 2]])> {
-        let top = self.window.y;
-        let rows = self.offsets.par_chunks_exact_mut(self.window.width.max(1) as usize);
-        rows.enumerate().map(move |(row, offsets)| (top + row as i32, offsets))
+    /// Pixels that land where a fold does.
+    fn overlapping(&self, view: View) -> Vec<u32> {
+        let lands_in = view.field.warped_window(self.frame, self.window);
+        let net = Net::behind(view, lands_in);
+        let folds = Folds::find(view, &net, lands_in);
+        let is_folded = |offset: &[f32; 2], index: usize| {
+            let (x, y) = (index % self.window.width as usize, index / self.window.width as usize);
+            let place = corner(self.window) + DVec2::new(x as f64, y as f64) - corner(lands_in);
+            let at = (place + DVec2::new(offset[0].into(), offset[1].into())).round();
+            let is_within = at.cmpge(DVec2::ZERO).all() && at.cmplt(extent(lands_in)).all();
+            is_within && folds.flags[at.y as usize * lands_in.width as usize + at.x as usize] == FOLDED
+        };
+        if folds.flags.is_empty() {
+            return Vec::new();
+        }
+        let folded = self.offsets.par_iter().enumerate().filter(|&(index, offset)| is_folded(offset, index));
+        folded.map(|(index, _)| index as u32).collect()
+    }
+
+    fn set(&mut self, sheet: &Sheet) {
+        self.offsets[sheet.pixel as usize] = sheet.offset.as_vec2().to_array();
     }
 
     /// Where pixel (x, y) of the display window comes from (or goes to), in pixels: the centre of pixel (i, j) is
@@ -124,89 +176,5 @@ impl WarpMap {
             (Some(only), None) | (None, Some(only)) => only,
             (None, None) => [0.0; 2],
         }
-    }
-}
-
-impl Field {
-    /// The data window after the warp: all pixels that can receive anything of `window` (relative to the display
-    /// window), cut to the frame and as much again on every side where that is not more than `window` itself reaches.
-    #[must_use]
-    pub fn warped_window(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
-        if window.area() == 0 {
-            return window;
-        }
-        let view = View { field: self, frame };
-        let (lo, size) = (corner(window), DVec2::new(f64::from(window.width), f64::from(window.height)));
-        let counts = [window.width, window.height].map(|pixels| pixels.div_ceil(4).min(2048));
-        let places = (0..=counts[1]).flat_map(|j| (0..=counts[0]).map(move |i| (i, j)));
-        let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let mut moved = DVec2::ZERO;
-        for (i, j) in places {
-            let at = lo + size * DVec2::new(f64::from(i) / f64::from(counts[0]), f64::from(j) / f64::from(counts[1]));
-            let by = view.displace(at).0;
-            moved = moved.max(by.abs());
-            (least, most) = (least.min(at + by), most.max(at + by));
-        }
-        rounded_out(least, most, window, frame)
-    }
-}
-
-/// All pixels that a box touches, within reason.
-fn rounded_out(least: DVec2, most: DVec2, window: PixelRect, frame: FrameSize) -> PixelRect {
-    let frame = DVec2::new(f64::from(frame.width), f64::from(frame.height));
-    let (lo, hi) = (corner(window), corner(window) + DVec2::new(f64::from(window.width), f64::from(window.height)));
-    // A shift by whole pixels is whole but for rounding.
-    let least = (least + ROUNDING).floor().max(lo.min(-frame));
-    let most = (most - ROUNDING).ceil().min(hi.max(2.0 * frame));
-    if !(least.cmplt(most).all()) {
-        return PixelRect { width: 0, height: 0, ..window };
-    }
-    let size = most - least;
-    PixelRect { x: least.x as i32, y: least.y as i32, width: size.x as u32, height: size.y as u32 }
-}
-
-fn corner(window: PixelRect) -> DVec2 {
-    DVec2::new(f64::from(window.x), f64::from(window.y))
-}
-
-/// Centre of a pixel.
-fn center(x: i32, y: i32) -> DVec2 {
-    DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
-}
-
-/// A field as the pixels of a frame see it: points and offsets in pixels, y down.
-#[derive(Clone, Copy)]
-struct View<'a> {
-    field: &'a Field,
-    frame: FrameSize,
-}
-
-impl View<'_> {
-    /// Pixels a frame height, y turned over.
-    fn scale(self) -> DVec2 {
-        let height = f64::from(self.frame.height);
-        DVec2::new(height / self.frame.pixel_aspect, -height)
-    }
-
-    fn screen(self, pixel: DVec2) -> DVec2 {
-        self.frame.screen_from_image(ImagePoint(pixel)).0
-    }
-
-    /// How far a point of the picture moves, and the gradient.
-    fn displace(self, pixel: DVec2) -> (DVec2, DMat2) {
-        let (moved, gradient) = self.field.displace(self.screen(pixel));
-        (moved * self.scale(), self.pixels(gradient))
-    }
-
-    /// Where a pixel came from, less its place, and the gradient of the field there.
-    fn back(self, pixel: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
-        let (offset, gradient) = self.field.back(self.screen(pixel), start / self.scale())?;
-        Some((offset * self.scale(), self.pixels(gradient)))
-    }
-
-    /// A gradient of the screen in pixels.
-    fn pixels(self, gradient: DMat2) -> DMat2 {
-        let scale = self.scale();
-        DMat2::from_cols(gradient.x_axis * scale / scale.x, gradient.y_axis * scale / scale.y)
     }
 }

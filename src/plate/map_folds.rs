@@ -1,0 +1,200 @@
+//! Places at which a warped picture lies over itself: which sheets land there, and which of them is in front.
+//!
+//! In: a [`View`] and its [`Net`]. Out: the pixels of folds, and the sheets on each of them, front first.
+//!
+//! Far away nothing turns over, so sheets that are turned over and sheets that are not come in pairs but for one: a
+//! pixel is covered more than once exactly where the image of a turned-over part lies.
+
+use super::map_mesh::{Net, Triangle, halves};
+use super::map_view::{View, center, corner};
+use crate::space::PixelRect;
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+/// Pixels, in the source and in the picture, between lines of the fine net.
+const FINE: f64 = 1.0;
+/// Lines of the fine net of a cell.
+const MOST_LINES: f64 = 96.0;
+/// A sheet moves by no more than this when it is put right, in pixels; beyond, the search has slipped onto another.
+const SLIP: f64 = 2.0;
+/// Sources nearer than this are one, in pixels.
+const SAME: f64 = 0.5;
+
+/// What is known of a pixel.
+pub(super) const NEAR: u8 = 1;
+pub(super) const FOLDED: u8 = 2;
+
+/// All folds of a window.
+pub(super) struct Folds {
+    /// #pixels of the window, or none where nothing folds: 0, [`NEAR`] a fold, [`FOLDED`].
+    pub(super) flags: Vec<u8>,
+    /// Sheets of flagged pixels that are not turned over: by pixel, then front first.
+    pub(super) sheets: Vec<Sheet>,
+}
+
+/// A sheet at a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheet {
+    /// Place in the window.
+    pub(super) pixel: u32,
+    /// Pixels to add to find its source.
+    pub(super) offset: DVec2,
+}
+
+/// A cell of the net, cut finely.
+struct FineCell {
+    lines: [usize; 2],
+    /// #lines: places counted from the window's first pixel centre.
+    places: Vec<DVec2>,
+    /// #lines: offsets back to the source.
+    offsets: Vec<DVec2>,
+}
+
+impl Folds {
+    /// No folds.
+    pub(super) const NONE: Self = Self { flags: Vec::new(), sheets: Vec::new() };
+
+    /// Finds all folds.
+    pub(super) fn find(view: View, net: &Net, window: PixelRect) -> Self {
+        let mut flags = flags(view, net, window);
+        let Some(touched) = bounds(&flags, window) else { return Self::NONE };
+        let sheets = sheets(view, net, window, (&flags, touched));
+        // A pixel without a sheet is left to the search: it lies on a crease.
+        let mut is_met = vec![false; flags.len()];
+        sheets.iter().for_each(|sheet| is_met[sheet.pixel as usize] = true);
+        flags.iter_mut().zip(is_met).filter(|(_, is_met)| !is_met).for_each(|(flag, _)| *flag = 0);
+        Self { flags, sheets }
+    }
+
+    /// Sheets of the pixels that a search did not find: those whose offset is NaN, found in the fine net.
+    pub(super) fn of_missing(view: View, net: &Net, window: PixelRect, offsets: &[[f32; 2]]) -> Self {
+        let flags: Vec<u8> = offsets.par_iter().map(|offset| if offset[0].is_nan() { NEAR } else { 0 }).collect();
+        let Some(touched) = bounds(&flags, window) else { return Self::NONE };
+        let sheets = sheets(view, net, window, (&flags, touched));
+        Self { flags, sheets }
+    }
+
+    /// The sheet in front, of every flagged pixel.
+    pub(super) fn first_sheets(&self) -> impl Iterator<Item = &Sheet> {
+        self.sheets.chunk_by(|a, b| a.pixel == b.pixel).map(|group| &group[0])
+    }
+
+    /// Places of the folded pixels in the window.
+    pub(super) fn pixels(&self) -> Vec<u32> {
+        let folded = self.flags.iter().enumerate().filter(|(_, flag)| **flag == FOLDED);
+        folded.map(|(index, _)| index as u32).collect()
+    }
+}
+
+/// Marks where turned-over parts land, and a pixel around.
+fn flags(view: View, net: &Net, window: PixelRect) -> Vec<u8> {
+    let counts = [window.width as usize, window.height as usize];
+    let found: Vec<Vec<u32>> = net
+        .folded()
+        .into_par_iter()
+        .map(|cell| {
+            let mut found = Vec::new();
+            for triangle in FineCell::cut(view, net, cell, window).triangles().filter(|t| t.area() < 0.0) {
+                triangle.visit_either_way(counts, |[x, y], _| found.push((y * counts[0] + x) as u32));
+            }
+            found
+        })
+        .collect();
+    if found.iter().all(Vec::is_empty) {
+        return Vec::new();
+    }
+    let mut flags = vec![0; window.area()];
+    for index in found.into_iter().flatten() {
+        let (x, y) = (index as usize % counts[0], index as usize / counts[0]);
+        for y in y.saturating_sub(1)..(y + 2).min(counts[1]) {
+            for flag in &mut flags[y * counts[0]..][x.saturating_sub(1)..(x + 2).min(counts[0])] {
+                *flag = NEAR.max(*flag);
+            }
+        }
+        flags[index as usize] = FOLDED;
+    }
+    flags
+}
+
+/// Box around all flagged pixels, in pixels.
+fn bounds(flags: &[u8], window: PixelRect) -> Option<[DVec2; 2]> {
+    let width = window.width.max(1) as usize;
+    let flagged = flags.iter().enumerate().filter(|(_, flag)| **flag != 0);
+    let places = flagged.map(|(index, _)| DVec2::new((index % width) as f64, (index / width) as f64));
+    let around = places.fold(None, |around: Option<[DVec2; 2]>, place| {
+        Some(around.map_or([place; 2], |[lo, hi]| [lo.min(place), hi.max(place)]))
+    });
+    around.map(|[lo, hi]| [corner(window) + lo, corner(window) + hi + 1.0])
+}
+
+/// All sheets over flagged pixels, put right.
+fn sheets(view: View, net: &Net, window: PixelRect, (flags, touched): (&[u8], [DVec2; 2])) -> Vec<Sheet> {
+    let counts = [window.width as usize, window.height as usize];
+    let found = net.cells_near(touched).into_par_iter().flat_map_iter(|cell| {
+        let mut found = Vec::new();
+        for triangle in FineCell::cut(view, net, cell, window).triangles() {
+            triangle.visit(counts, |[x, y], offset| {
+                let pixel = y * counts[0] + x;
+                if flags[pixel] != 0 {
+                    found.push(Sheet { pixel: pixel as u32, offset });
+                }
+            });
+        }
+        found
+    });
+    let mut sheets: Vec<Sheet> = found.collect();
+    sheets.par_iter_mut().for_each(|sheet| sheet.put_right(view, window));
+    // In front is what moved further: what is pulled lies over what stays.
+    sheets.par_sort_by(|a, b| {
+        let order = |sheet: &Sheet| -sheet.offset.length_squared();
+        a.pixel.cmp(&b.pixel).then(order(a).total_cmp(&order(b)))
+    });
+    // Triangles share their sides.
+    sheets.dedup_by(|b, a| a.pixel == b.pixel && (a.offset - b.offset).length() < SAME);
+    sheets
+}
+
+impl Sheet {
+    /// From the fine net's offset to the exact one, unless the search slips onto another sheet.
+    fn put_right(&mut self, view: View, window: PixelRect) {
+        let (x, y) = (self.pixel % window.width, self.pixel / window.width);
+        let pixel = center(window.x + x as i32, window.y + y as i32);
+        if let Some(exact) = view.solve(pixel, self.offset)
+            && (exact.offset - self.offset).length() < SLIP
+            && (DMat2::IDENTITY + exact.slope).determinant() > 0.0
+        {
+            self.offset = exact.offset;
+        }
+    }
+}
+
+impl FineCell {
+    fn cut(view: View, net: &Net, cell: usize, window: PixelRect) -> Self {
+        let [lo, hi] = net.image_box(cell);
+        let size = net.step.max(hi - lo) / FINE;
+        let lines = [size.x, size.y].map(|pixels| pixels.ceil().clamp(2.0, MOST_LINES) as usize + 1);
+        // The image may be turned: both axes are cut as finely as the longer needs.
+        let lines = [lines[0].max(lines[1]); 2];
+        let step = net.step / DVec2::new((lines[0] - 1) as f64, (lines[1] - 1) as f64);
+        let (start, first) = (net.point(cell), center(window.x, window.y));
+        let (mut places, mut offsets) = (Vec::new(), Vec::new());
+        for index in 0..lines[0] * lines[1] {
+            let point = start + step * DVec2::new((index % lines[0]) as f64, (index / lines[0]) as f64);
+            let moved = view.displace(point).0;
+            places.push(point + moved - first);
+            offsets.push(-moved);
+        }
+        Self { lines, places, offsets }
+    }
+
+    fn triangles(&self) -> impl Iterator<Item = Triangle> {
+        let [columns, rows] = self.lines;
+        let cells = (0..rows - 1).flat_map(move |row| (0..columns - 1).map(move |column| row * columns + column));
+        cells.flat_map(move |cell| {
+            halves([cell, cell + 1, cell + columns, cell + columns + 1]).map(|half| Triangle {
+                places: half.map(|index| self.places[index]),
+                offsets: half.map(|index| self.offsets[index]),
+            })
+        })
+    }
+}

@@ -1,0 +1,162 @@
+//! A net over the unwarped picture, drawn where the field carries it.
+//!
+//! In: a [`View`], the window of the warped picture. Out: near offsets to start searches from, and the cells in which
+//! the field turns over. No cracks: neighbours share their corners.
+
+use super::map_view::{View, corner, extent};
+use crate::space::PixelRect;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Pixels between lines of the net, where the lattice is not finer.
+const STEP: f64 = 32.0;
+/// Lines of the largest net, an axis.
+const MOST_LINES: usize = 1024;
+/// A cell is searched for folds when the determinant at a corner is below this plus half its range over the cell.
+const THIN: f64 = 0.05;
+/// Triangles are drawn larger by this share: neighbours that are cut differently share curved sides only nearly.
+const OVERLAP: f64 = 0.01;
+
+/// Points of the unwarped picture and where they go.
+pub(super) struct Net {
+    /// The first point, in pixels.
+    pub(super) origin: DVec2,
+    pub(super) step: DVec2,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    /// #columns · #rows: images, in pixels.
+    images: Vec<DVec2>,
+    /// #columns · #rows: determinants of the field's gradient.
+    determinants: Vec<f64>,
+}
+
+/// A triangle, with the offset back to the source at its corners.
+pub(super) struct Triangle {
+    pub(super) places: [DVec2; 3],
+    pub(super) offsets: [DVec2; 3],
+}
+
+impl Net {
+    /// A net over all that can land in `window`.
+    pub(super) fn behind(view: View, window: PixelRect) -> Self {
+        Self::over(view, corner(window) - view.reach() - 1.0, corner(window) + extent(window) + view.reach() + 1.0)
+    }
+
+    /// A net over a box of the unwarped picture.
+    pub(super) fn over(view: View, lo: DVec2, hi: DVec2) -> Self {
+        let step = view.finest_step().clamp(1.0, STEP);
+        let [columns, rows] = [0, 1].map(|axis| {
+            let lines = ((hi - lo)[axis] / step).ceil();
+            if lines < MOST_LINES as f64 { lines.max(1.0) as usize + 1 } else { MOST_LINES }
+        });
+        let step = (hi - lo) / DVec2::new((columns - 1) as f64, (rows - 1) as f64);
+        let carried = (0..columns * rows).into_par_iter().with_min_len(256).map(|index| {
+            let point = lo + step * DVec2::new((index % columns) as f64, (index / columns) as f64);
+            let (moved, gradient) = view.displace(point);
+            (point + moved, gradient.determinant())
+        });
+        let (images, determinants) = carried.unzip();
+        Self { origin: lo, step, columns, rows, images, determinants }
+    }
+
+    /// First corners of all cells, x fastest.
+    fn cells(&self) -> impl Iterator<Item = usize> {
+        let columns = self.columns;
+        (0..self.rows - 1).flat_map(move |row| (0..columns - 1).map(move |column| row * columns + column))
+    }
+
+    /// Indices of a cell's corners: upper left, upper right, lower left, lower right.
+    fn corners(&self, cell: usize) -> [usize; 4] {
+        [cell, cell + 1, cell + self.columns, cell + self.columns + 1]
+    }
+
+    /// The point of the unwarped picture with that index.
+    pub(super) fn point(&self, index: usize) -> DVec2 {
+        self.origin + self.step * DVec2::new((index % self.columns) as f64, (index / self.columns) as f64)
+    }
+
+    /// Smallest box around a cell's image.
+    pub(super) fn image_box(&self, cell: usize) -> [DVec2; 2] {
+        let images = self.corners(cell).map(|index| self.images[index]);
+        [images.into_iter().fold(images[0], DVec2::min), images.into_iter().fold(images[0], DVec2::max)]
+    }
+
+    /// Cells in which the determinant may be zero or less.
+    pub(super) fn folded(&self) -> Vec<usize> {
+        let may_fold = |&cell: &usize| {
+            let values = self.corners(cell).map(|index| self.determinants[index]);
+            let least = values.into_iter().fold(f64::INFINITY, f64::min);
+            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            // A NaN is no fold.
+            least < THIN + 0.5 * (most - least)
+        };
+        self.cells().filter(may_fold).collect()
+    }
+
+    /// Cells whose image may touch a box.
+    pub(super) fn cells_near(&self, [lo, hi]: [DVec2; 2]) -> Vec<usize> {
+        let touches = |&cell: &usize| {
+            let [least, most] = self.image_box(cell);
+            let bulge = (most - least) * 0.25 + 1.0;
+            (least - bulge).cmple(hi).all() && (most + bulge).cmpge(lo).all()
+        };
+        self.cells().filter(touches).collect()
+    }
+
+    /// Near offsets back to the source at the points of a grid: its first point, its step, its columns and rows. 0
+    /// where no cell lands.
+    pub(super) fn starts(&self, first: DVec2, step: f64, [columns, rows]: [usize; 2]) -> Vec<DVec2> {
+        let mut starts = vec![DVec2::ZERO; columns * rows];
+        for cell in self.cells() {
+            for half in halves(self.corners(cell)) {
+                let images = half.map(|index| self.images[index]);
+                let offsets = half.map(|index| self.point(index) - self.images[index]);
+                let triangle = Triangle { places: images.map(|image| (image - first) / step), offsets };
+                triangle.visit([columns, rows], |[x, y], offset| starts[y * columns + x] = offset);
+            }
+        }
+        starts
+    }
+}
+
+/// Two triangles of a cell, turning the way of x to y.
+pub(super) fn halves([a, b, c, d]: [usize; 4]) -> [[usize; 3]; 2] {
+    [[a, b, d], [a, d, c]]
+}
+
+impl Triangle {
+    /// Twice the area; negative where it is turned over.
+    pub(super) fn area(&self) -> f64 {
+        let [a, b, c] = self.places;
+        (b - a).perp_dot(c - a)
+    }
+
+    /// Calls `visit` for every whole place of 0..columns, 0..rows on the triangle (its border counts), with the offset
+    /// there, unless it is turned over or has no area.
+    pub(super) fn visit(&self, counts: [usize; 2], visit: impl FnMut([usize; 2], DVec2)) {
+        if self.area() > 0.0 {
+            self.visit_either_way(counts, visit);
+        }
+    }
+
+    /// The same for triangles that are turned over, too.
+    pub(super) fn visit_either_way(&self, counts: [usize; 2], mut visit: impl FnMut([usize; 2], DVec2)) {
+        let [a, b, c] = self.places;
+        let (lo, hi) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());
+        let scale = 1.0 / self.area();
+        if !(scale.is_finite() && hi.min_element() >= 0.0) {
+            return;
+        }
+        let span = |axis: usize| lo[axis].max(0.0) as usize..=(hi[axis] as usize).min(counts[axis] - 1);
+        for y in span(1) {
+            for x in span(0) {
+                let p = DVec2::new(x as f64, y as f64);
+                let weights = [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)];
+                let [u, v, w] = weights.map(|weight| weight * scale);
+                if u.min(v).min(w) >= -OVERLAP {
+                    visit([x, y], self.offsets[0] * u + self.offsets[1] * v + self.offsets[2] * w);
+                }
+            }
+        }
+    }
+}
