@@ -6,12 +6,31 @@ use super::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::Shot;
+use crate::shot::{Shot, Source};
 use crate::spelling;
 use std::collections::BTreeSet;
 
-/// One a part: the index of the layer that claims it.
-pub(super) fn claim(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Vec<Option<usize>>, PipelineError> {
+/// Which layer claims which part.
+pub(super) struct Claims {
+    /// One a part: the index of the layer that moves it.
+    pub(super) owners: Vec<Option<usize>>,
+    /// One a layer: its parts.
+    pub(super) parts_of_layer: Vec<Vec<usize>>,
+}
+
+/// Who claims what. All layers of a plate lie on the one card that stands for the frame.
+pub(super) fn claim(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Claims, PipelineError> {
+    if shot.source == Source::Frame {
+        let owners = vec![(!shot.layers.is_empty()).then_some(0); parts.len()];
+        return Ok(Claims { owners, parts_of_layer: vec![(0..parts.len()).collect(); shot.layers.len()] });
+    }
+    let owners = owners(shot, scene, parts)?;
+    let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
+    let parts_of_layer = (0..shot.layers.len()).map(of_layer).collect();
+    Ok(Claims { owners, parts_of_layer })
+}
+
+fn owners(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Vec<Option<usize>>, PipelineError> {
     let mut owners = vec![None; parts.len()];
     for (index, layer) in shot.layers.iter().enumerate() {
         let nodes = nodes_of(shot, index, scene)?;

@@ -11,6 +11,7 @@ use super::write::Writer;
 use super::{Event, Existing, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
 use crate::image::{ImageError, SequencePath, is_complete, read_metadata};
 use crate::raster::{self, Raster};
+use crate::shot::Source;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
@@ -68,6 +69,10 @@ impl<'a> Work<'a> {
     /// Refuses at once what would fail at every frame.
     fn plan(setup: &'a Setup, options: &'a RenderOptions) -> Result<Self, PipelineError> {
         let begun = Instant::now();
+        if setup.shot.source == Source::Frame {
+            let what = "there is no scene to render: this shot warps finished frames";
+            return Err(PipelineError::mismatch(&setup.shot, "plate", what, "run `pinwarp warp --shot` on it"));
+        }
         let output = SequencePath::parse(&setup.shot.output.path)?;
         let wanted = if options.frames.is_empty() {
             (setup.shot.frames.first..=setup.shot.frames.last).collect()

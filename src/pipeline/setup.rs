@@ -2,6 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
+use super::claims::Claims;
 use super::follow::{Bounds, KeptBounds};
 use super::mattes::Mattes;
 use super::passes::mid_shutter;
@@ -70,6 +71,14 @@ impl Setup {
     /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
         let scene = load(&shot)?;
+        Self::with_scene(shot, scene)
+    }
+
+    /// Ties a shot to a scene that is loaded already, instead of its own.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene does not fit the shot.
+    pub(super) fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
         let mut notes = scene.warnings.clone();
         check_size(&shot)?;
         let clip = choose_clip(&shot, &scene, &mut notes)?;
@@ -79,10 +88,8 @@ impl Setup {
             return Err(PipelineError::mismatch(&shot, "scene", what, "export meshes with it"));
         }
         let camera = choose_camera(&shot, &scene, clip, &mut notes)?;
-        let owners = claims::claim(&shot, &scene, &first.parts)?;
+        let Claims { owners, parts_of_layer } = claims::claim(&shot, &scene, &first.parts)?;
         let loaded = transfer::load(&shot, &mut notes)?;
-        let of_layer = |layer: usize| (0..owners.len()).filter(|&part| owners[part] == Some(layer)).collect();
-        let parts_of_layer: Vec<Vec<usize>> = (0..shot.layers.len()).map(of_layer).collect();
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &parts_of_layer))?;
         let carriers = parts_of_layer.iter().map(|parts| claims::carrier(&scene, &first.parts, parts)).collect();
         let mattes = Mattes::new(&shot, &scene, (&first.parts, &owners));
@@ -220,7 +227,7 @@ impl Setup {
                     }
                 };
                 if let Pinned::Surface { part, .. } = pinned
-                    && self.owners[part] != Some(index)
+                    && !self.parts_of_layer[index].contains(&part)
                 {
                     let node = &self.scene.nodes[first.parts[part].node].name;
                     let text = "which the layer does not claim: the pin follows it all the same";

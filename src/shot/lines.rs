@@ -25,7 +25,8 @@ impl KeyLines {
     }
 
     /// The file has this key (or list item).
-    pub(super) fn has(&self, key: &str) -> bool {
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
         self.0.contains_key(key)
     }
 
