@@ -15,6 +15,7 @@ mod lighting;
 mod mattes;
 mod moment;
 mod options;
+mod output;
 mod overlay;
 mod passes;
 mod posed;

@@ -60,6 +60,32 @@ impl SequencePath {
         }
     }
 
+    /// Numbers of the frames that lie on the disk, increasing; empty where none or not even the folder is there. `None`
+    /// for a path without a counter.
+    ///
+    /// # Errors
+    /// [`ImageError::Io`] where the folder cannot be listed.
+    pub fn frames_on_disk(&self) -> Result<Option<Vec<i32>>, ImageError> {
+        let Name::Counted { before, after, .. } = &self.name else { return Ok(None) };
+        let folder = self.pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let entries = match std::fs::read_dir(folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(Vec::new())),
+            Err(error) => return Err(ImageError::reading(folder, error)),
+        };
+        let number = |name: &str| name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?.parse().ok();
+        let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
+        // Only names that the pattern itself would give: 7 is not frame 7 of a four-digit sequence.
+        let is_ours = |name: &str, frame: i32| self.path_of(frame).file_name().is_some_and(|own| own == name);
+        let frames = names.filter_map(|name| {
+            let name = name.to_str()?;
+            number(name).filter(|&frame| is_ours(name, frame))
+        });
+        let mut frames: Vec<i32> = frames.collect();
+        frames.sort_unstable();
+        Ok(Some(frames))
+    }
+
     /// Makes sure that every frame of a range gets a file of its own.
     ///
     /// # Errors
@@ -129,6 +155,19 @@ mod tests {
         ] {
             assert_eq!(path_of(pattern, frame), path);
         }
+    }
+
+    #[test]
+    fn frames_on_disk_are_those_the_pattern_would_give() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let names = ["a.0003.exr", "a.-001.exr", "a.12345.exr", "a.7.exr", "a.00008.exr", "a.+009.exr", "a.0003.png"];
+        names.iter().for_each(|name| std::fs::write(folder.path().join(name), "").expect("written"));
+        let on_disk = |name: &str| SequencePath::parse(&folder.path().join(name)).expect("a name").frames_on_disk();
+        assert_eq!(on_disk("a.####.exr").expect("listed"), Some(vec![-1, 3, 12345]));
+        assert_eq!(on_disk("a.#.exr").expect("listed"), Some(vec![7, 12345]));
+        assert_eq!(on_disk("b.####.exr").expect("listed"), Some(vec![]));
+        assert_eq!(on_disk("nowhere/a.####.exr").expect("listed"), Some(vec![]));
+        assert_eq!(on_disk("a.0003.exr").expect("no counter"), None);
     }
 
     #[test]

@@ -6,10 +6,11 @@
 //! The channels are short, so memory does not grow with the length of the sequence.
 
 use super::draw::{draw_all, tiles};
+use super::output::{frames_to_do, prepare_folder, stale_note};
 use super::produce::Producer;
 use super::write::Writer;
-use super::{Event, Existing, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{ImageError, SequencePath, is_complete, read_metadata};
+use super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
+use crate::image::{ImageError, SequencePath, is_complete};
 use crate::raster::{self, Raster};
 use crate::shot::Source;
 use std::path::{Path, PathBuf};
@@ -81,7 +82,10 @@ impl<'a> Work<'a> {
         };
         output.check_frame_count(wanted.len())?;
         check_extension(&setup.shot.output.path)?;
-        let (frames, kept) = frames_to_do(wanted, &output, options)?;
+        let has_preview =
+            |path: &Path| !(options.has_preview || options.has_overlay) || path.with_extension("png").exists();
+        let is_done = |path: &Path| is_complete(path) && has_preview(path);
+        let (frames, kept) = frames_to_do(wanted, &output, (options.existing, &is_done))?;
         if let Some(&first) = frames.first() {
             prepare_folder(&output.path_of(first))?;
         }
@@ -124,46 +128,4 @@ fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     }
     let what = "is not the name of an EXR file; let it end in .exr (--preview writes PNG files beside it)";
     Err(ImageError::Pattern { pattern: pattern.to_owned(), what: what.into() })
-}
-
-/// Says so where kept frames were rendered from another state of the shot (other pins, another size).
-fn stale_note(kept: &[PathBuf], shot_hash: &str) -> Option<String> {
-    let is_stale = |path: &&PathBuf| {
-        let metadata = read_metadata(path).ok().flatten();
-        metadata.is_some_and(|metadata| metadata.shot_hash != shot_hash)
-    };
-    let stale = kept.iter().filter(is_stale).count();
-    (stale > 0).then(|| {
-        format!("{stale} of the kept frames were rendered from another state of the shot; --overwrite replaces them")
-    })
-}
-
-/// Makes the folder of a frame and tries whether files can be made in it.
-fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
-    let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let outcome = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
-    outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
-}
-
-/// The frames that have to be rendered, and those that stay as they are.
-fn frames_to_do(
-    wanted: Vec<i32>,
-    output: &SequencePath,
-    options: &RenderOptions,
-) -> Result<(Vec<i32>, Vec<i32>), PipelineError> {
-    let is_there = |frame: &&i32| output.path_of(**frame).exists();
-    let has_preview =
-        |path: &Path| !(options.has_preview || options.has_overlay) || path.with_extension("png").exists();
-    let is_done = |path: &Path| is_complete(path) && has_preview(path);
-    match options.existing {
-        Existing::Overwrite => Ok((wanted, Vec::new())),
-        Existing::Resume => Ok(wanted.into_iter().partition(|&frame| !is_done(&output.path_of(frame)))),
-        Existing::Refuse => match wanted.iter().find(is_there) {
-            None => Ok((wanted, Vec::new())),
-            Some(&first) => Err(PipelineError::Exists {
-                count: wanted.iter().filter(is_there).count(),
-                first: output.path_of(first),
-            }),
-        },
-    }
 }

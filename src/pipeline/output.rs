@@ -1,0 +1,46 @@
+//! Which frames have to be made, and where they go.
+//!
+//! In: frame numbers, a sequence, what may become of files that are there. Out: frames to make, frames to keep.
+
+use super::{Existing, PipelineError};
+use crate::image::{SequencePath, read_metadata};
+use std::path::{Path, PathBuf};
+
+/// Says so where kept frames were made from another state of the shot (other pins, another size).
+pub(super) fn stale_note(kept: &[PathBuf], shot_hash: &str) -> Option<String> {
+    let is_stale = |path: &&PathBuf| {
+        let metadata = read_metadata(path).ok().flatten();
+        metadata.is_some_and(|metadata| metadata.shot_hash != shot_hash)
+    };
+    let stale = kept.iter().filter(is_stale).count();
+    (stale > 0).then(|| {
+        format!("{stale} of the kept frames were rendered from another state of the shot; --overwrite replaces them")
+    })
+}
+
+/// Makes the folder of a frame and tries whether files can be made in it.
+pub(super) fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
+    let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let outcome = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
+    outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
+}
+
+/// The frames that have to be made, and those that stay as they are because they are done.
+pub(super) fn frames_to_do(
+    wanted: Vec<i32>,
+    output: &SequencePath,
+    (existing, is_done): (Existing, &dyn Fn(&Path) -> bool),
+) -> Result<(Vec<i32>, Vec<i32>), PipelineError> {
+    let is_there = |frame: &&i32| output.path_of(**frame).exists();
+    match existing {
+        Existing::Overwrite => Ok((wanted, Vec::new())),
+        Existing::Resume => Ok(wanted.into_iter().partition(|&frame| !is_done(&output.path_of(frame)))),
+        Existing::Refuse => match wanted.iter().find(is_there) {
+            None => Ok((wanted, Vec::new())),
+            Some(&first) => Err(PipelineError::Exists {
+                count: wanted.iter().filter(is_there).count(),
+                first: output.path_of(first),
+            }),
+        },
+    }
+}
