@@ -1,7 +1,9 @@
 //! All arguments of the program: help, man page and completions come from here.
 
 use super::frames::{FrameList, Scale};
+use super::warp_args::WarpArgs;
 use crate::lattice::Basis;
+use crate::pipeline::Existing;
 use crate::raster::DeviceChoice;
 use clap::builder::TypedValueParser;
 use clap::{ArgAction, Parser, Subcommand};
@@ -27,6 +29,8 @@ const EXIT_CODES: &str = "Exit codes: 0 all good, 1 some frames failed, 2 bad in
 pub(super) enum Command {
     /// Render a shot into an EXR sequence.
     Render(RenderArgs),
+    /// Warp finished frames of any renderer: all their channels, by their meaning.
+    Warp(Box<WarpArgs>),
     /// Write a commented, working shot file for a scene.
     New(NewArgs),
     /// Tell everything a render would trip over, without rendering.
@@ -71,12 +75,8 @@ pub(super) struct RenderArgs {
     /// What draws: auto, cpu, or a Vulkan device by index or part of its name.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
-    /// Keep complete frames that are already there, render the rest.
-    #[arg(long, conflicts_with = "overwrite")]
-    pub(super) resume: bool,
-    /// Replace frames that are already there.
-    #[arg(long)]
-    pub(super) overwrite: bool,
+    #[command(flatten)]
+    pub(super) existing: ExistingArgs,
     /// Write an sRGB PNG beside every frame.
     #[arg(long)]
     pub(super) preview: bool,
@@ -86,6 +86,27 @@ pub(super) struct RenderArgs {
     /// Print one JSON event a line instead of words and a progress bar.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// What happens to frames that are already there; neither: nothing is done.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct ExistingArgs {
+    /// Keep complete frames that are already there, make the rest.
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Replace frames that are already there.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl From<ExistingArgs> for Existing {
+    fn from(args: ExistingArgs) -> Self {
+        match args {
+            ExistingArgs { resume: true, .. } => Self::Resume,
+            ExistingArgs { overwrite: true, .. } => Self::Overwrite,
+            _ => Self::Refuse,
+        }
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -209,7 +230,7 @@ pub(super) struct CompareArgs {
 }
 
 /// `auto`, `cpu`, anything else by name.
-fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
+pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
     clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
         "auto" => DeviceChoice::Auto,
         "cpu" => DeviceChoice::Cpu,

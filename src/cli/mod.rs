@@ -14,6 +14,8 @@ mod progress;
 mod render;
 mod resize;
 mod solve;
+mod warp;
+mod warp_args;
 
 pub use args::Args;
 
@@ -52,6 +54,7 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Warp(args) => warp::run(&args),
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),

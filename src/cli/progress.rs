@@ -1,9 +1,11 @@
 //! Tells a render's events: a progress bar on a terminal, plain lines elsewhere, JSON lines on request.
 
-use crate::pipeline::{Event, FrameReport, Summary};
+use crate::pipeline::{Event, Summary, WarpEvent, WarpSummary};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -28,41 +30,60 @@ impl Teller {
         Self { is_json, bar, begun: Instant::now(), told: Mutex::default() }
     }
 
-    /// Tells one event.
+    /// Tells one event of a render.
     pub(super) fn tell(&self, event: &Event) {
         if self.is_json {
-            if let Ok(line) = serde_json::to_string(event) {
-                // A reader that has gone away is no reason to stop rendering.
-                let _ = writeln!(io::stdout().lock(), "{line}");
-            }
-            return;
+            return print_json(event);
         }
         match event {
             Event::Note { text } => self.line(&format!("note: {text}")),
-            Event::Started { device, frames, kept } => {
-                self.bar.set_length(*frames as u64);
-                self.bar.enable_steady_tick(Duration::from_millis(500));
-                let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
-                self.line(&format!("{frames} frames on {device}{kept}"));
-            }
-            Event::FrameDone(report) => self.frame_done(report),
-            Event::FrameFailed { frame, error } => {
-                self.bar.inc(1);
-                self.line(&format!("error: frame {frame}: {error}"));
-            }
-            Event::Finished(summary) => self.finished(summary),
+            Event::Started { device, frames, kept } => self.started(*frames, &format!(" on {device}"), *kept),
+            Event::FrameDone(report) => self.frame_done(report.frame, &report.path, &report.warnings),
+            Event::FrameFailed { frame, error } => self.frame_failed(*frame, error),
+            Event::Finished(summary) => self.finished(&Totals::of_render(summary)),
         }
     }
 
-    fn frame_done(&self, report: &FrameReport) {
+    /// Tells one event of a warp.
+    pub(super) fn tell_warp(&self, event: &WarpEvent) {
+        if self.is_json {
+            return print_json(event);
+        }
+        match event {
+            WarpEvent::Note { text } => self.line(&format!("note: {text}")),
+            WarpEvent::Started { frames, kept } => self.started(*frames, "", *kept),
+            WarpEvent::FrameDone(report) => {
+                self.frame_done(report.frame, &report.path, &report.warnings);
+                for channel in &report.channels {
+                    tracing::info!("channel {}: {:?} ({:?})", channel.channel, channel.meaning, channel.reason);
+                }
+            }
+            WarpEvent::FrameFailed { frame, error } => self.frame_failed(*frame, error),
+            WarpEvent::Finished(summary) => self.finished(&Totals::of_warp(summary)),
+        }
+    }
+
+    fn started(&self, frames: usize, place: &str, kept: usize) {
+        self.bar.set_length(frames as u64);
+        self.bar.enable_steady_tick(Duration::from_millis(500));
+        let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
+        self.line(&format!("{frames} frames{place}{kept}"));
+    }
+
+    fn frame_failed(&self, frame: i32, error: &str) {
+        self.bar.inc(1);
+        self.line(&format!("error: frame {frame}: {error}"));
+    }
+
+    fn frame_done(&self, frame: i32, path: &Path, warnings: &[String]) {
         self.bar.inc(1);
         let fps = self.bar.position() as f64 / self.begun.elapsed().as_secs_f64();
         self.bar.set_message(format!("{fps:.2} fps"));
-        for warning in &report.warnings {
-            self.warn(report.frame, warning);
+        for warning in warnings {
+            self.warn(frame, warning);
         }
         if self.bar.is_hidden() {
-            self.line(&format!("frame {} -> {}", report.frame, report.path.display()));
+            self.line(&format!("frame {frame} -> {}", path.display()));
         }
     }
 
@@ -80,31 +101,56 @@ impl Teller {
         }
     }
 
-    fn finished(&self, summary: &Summary) {
+    fn finished(&self, totals: &Totals) {
         self.bar.finish_and_clear();
         let told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
             self.line(&format!("warning: {} more times: {kind}", count - REPEATS_TOLD));
         }
-        let fps = summary.rendered as f64 / summary.wall_secs;
-        let failed = if summary.failed > 0 { format!(", {} FAILED", summary.failed) } else { String::new() };
-        let stopped = if summary.is_cancelled { "; stopped: go on with --resume" } else { "" };
-        self.line(&format!(
-            "{} frames in {:.1} s ({fps:.2} fps){failed}{stopped}",
-            summary.rendered, summary.wall_secs
-        ));
-        tracing::info!(
-            "busy: geometry {:.0} ms, raster {:.0} ms, write {:.0} ms",
-            summary.geometry_ms,
-            summary.raster_ms,
-            summary.write_ms
-        );
+        let Totals { done, failed, is_cancelled, wall_secs, busy } = totals;
+        let fps = *done as f64 / wall_secs;
+        let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
+        let stopped = if *is_cancelled { "; stopped: go on with --resume" } else { "" };
+        self.line(&format!("{done} frames in {wall_secs:.1} s ({fps:.2} fps){failed}{stopped}"));
+        let busy: Vec<String> = busy.iter().map(|(stage, ms)| format!("{stage} {ms:.0} ms")).collect();
+        tracing::info!("busy: {}", busy.join(", "));
     }
 
     fn line(&self, text: &str) {
         self.bar.suspend(|| {
             let _ = writeln!(io::stderr(), "{text}");
         });
+    }
+}
+
+fn print_json(event: &impl Serialize) {
+    if let Ok(line) = serde_json::to_string(event) {
+        // A reader that has gone away is no reason to stop.
+        let _ = writeln!(io::stdout().lock(), "{line}");
+    }
+}
+
+/// What is told of a render or a warp when it ends.
+struct Totals {
+    done: usize,
+    failed: usize,
+    is_cancelled: bool,
+    wall_secs: f64,
+    /// Stages, and for how long each was busy, milliseconds.
+    busy: [(&'static str, f64); 3],
+}
+
+impl Totals {
+    fn of_render(summary: &Summary) -> Self {
+        let &Summary { rendered: done, failed, is_cancelled, wall_secs, .. } = summary;
+        let busy = [("geometry", summary.geometry_ms), ("raster", summary.raster_ms), ("write", summary.write_ms)];
+        Self { done, failed, is_cancelled, wall_secs, busy }
+    }
+
+    fn of_warp(summary: &WarpSummary) -> Self {
+        let &WarpSummary { warped: done, failed, is_cancelled, wall_secs, .. } = summary;
+        let busy = [("read", summary.read_ms), ("warp", summary.warp_ms), ("write", summary.write_ms)];
+        Self { done, failed, is_cancelled, wall_secs, busy }
     }
 }
 

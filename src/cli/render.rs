@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::args::RenderArgs;
 use super::progress::Teller;
-use crate::pipeline::{self, Existing, RenderOptions, Setup};
+use crate::pipeline::{self, RenderOptions, Setup};
 use crate::shot::Shot;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let options = RenderOptions {
         frames: args.frames.clone().map(|list| list.0).unwrap_or_default(),
         device: args.device.clone(),
-        existing: existing(args),
+        existing: args.existing.into(),
         has_preview: args.preview,
         has_overlay: args.overlay,
     };
@@ -30,18 +30,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }
 
-fn existing(args: &RenderArgs) -> Existing {
-    if args.resume {
-        Existing::Resume
-    } else if args.overwrite {
-        Existing::Overwrite
-    } else {
-        Existing::Refuse
-    }
-}
-
 /// The first Ctrl-C lets the frames in flight end, the second ends the program.
-fn cancel_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+pub(super) fn cancel_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancel);
     ctrlc::set_handler(move || {

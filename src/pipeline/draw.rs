@@ -2,13 +2,14 @@
 //!
 //! In: [`Job`]s. Out: [`Drawn`] frames, whole, data window = what is covered.
 
-use super::produce::{BuiltPass, Facts, Job};
+use super::produce::{BuiltPass, Facts, Job, Producer};
 use super::write::Drawn;
-use super::{PassPlan, PipelineError, Setup, plan_passes};
+use super::{JerkMeter, PassPlan, PipelineError, Setup, plan_passes};
 use crate::image::Frame;
 use crate::raster::{Pass, PassRole, Raster, Target};
 use crate::space::PixelRect;
-use std::sync::mpsc::{Receiver, SyncSender};
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
 /// Larger frames are drawn in tiles even where the device could draw them at once: it bounds its memory.
@@ -50,6 +51,25 @@ pub(super) fn draw_all(
         }
     }
     artist.busy_ms
+}
+
+/// Draws one frame by itself.
+pub(super) fn draw_frame(device: &mut dyn Raster, setup: &Setup, frame: i32) -> Result<Frame, PipelineError> {
+    let tiles = tiles(setup.shot.size.window(), device.max_side());
+    let cancel = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let (job, jobs) = sync_channel(1);
+        let (drawn, drawns) = sync_channel(1);
+        let jerk = JerkMeter::default();
+        let mut producer = Producer { setup, tile_count: tiles.len(), has_overlay: false, cancel: &cancel, jerk };
+        scope.spawn(move || producer.run(&[frame], &job));
+        draw_all(device, setup, &tiles, (jobs, drawn));
+        match drawns.recv() {
+            Ok(Drawn::Frame(frame, _)) => Ok(*frame),
+            Ok(Drawn::Failed(_, error)) => Err(error),
+            Err(_) => Err(PipelineError::Interrupted { frame }),
+        }
+    })
 }
 
 /// A raster at work.

@@ -2,6 +2,7 @@
 
 use crate::export::ExportError;
 use crate::image::ImageError;
+use crate::plate::PlateError;
 use crate::raster::RasterError;
 use crate::scene::{FindError, SceneError};
 use crate::shot::{Shot, ShotError};
@@ -61,6 +62,17 @@ pub enum PipelineError {
         /// What does not fit.
         what: String,
         /// How to fix it.
+        hint: String,
+    },
+    /// A plate cannot be warped as the shot asks.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// What is asked cannot be done.
+    #[error("{what}; {hint}")]
+    Unusable {
+        /// What, and why not.
+        what: String,
+        /// What to do instead.
         hint: String,
     },
     /// Frames are already there.

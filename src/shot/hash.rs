@@ -29,8 +29,14 @@ impl Shot {
         content.lines = KeyLines::default();
         content.output.path = PathBuf::new();
         // The derived text writes every field, and floats with all their digits.
-        format!("{:032x}", fnv1a(format!("{content:?}").as_bytes()))
+        digest(&format!("{content:?}"))
     }
+}
+
+/// 32 hexadecimal digits over a text.
+#[must_use]
+pub fn digest(text: &str) -> String {
+    format!("{:032x}", fnv1a(text.as_bytes()))
 }
 
 /// Relative to the shot, with `/`; elsewhere on the machine only the name counts.

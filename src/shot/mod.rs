@@ -22,6 +22,7 @@ mod structure;
 pub mod template;
 
 pub use error::ShotError;
+pub use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
 pub use schema::schema;

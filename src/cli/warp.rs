@@ -1,0 +1,86 @@
+//! `pinwarp warp`.
+
+use super::Outcome;
+use super::progress::Teller;
+use super::render::cancel_on_interrupt;
+use super::warp_args::WarpArgs;
+use crate::export::LatticeFile;
+use crate::image::SequencePath;
+use crate::pipeline::{self, PlateWarp, Setup, WarpDirection, WarpJob, plate_size};
+use crate::plate::{Holes, WarpRules};
+use crate::shot::{Shot, Source};
+use anyhow::{Context, bail};
+use std::path::PathBuf;
+
+pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
+    let setup = args.shot.as_ref().map(|_| setup(args)).transpose()?;
+    let shot = setup.as_ref().map(|setup| &setup.shot);
+    let warp = match &setup {
+        Some(setup) => PlateWarp::Shot(setup),
+        None => without_shot(args)?,
+    };
+    let job = WarpJob {
+        plate: plate(args, shot)?,
+        output: output(args, shot)?,
+        warp,
+        rules: rules(args, shot),
+        direction: if args.inverse { WarpDirection::Inverse } else { WarpDirection::Forward },
+        layers: args.layer.clone(),
+        frames: args.frames.clone().map(|list| list.0).unwrap_or_default(),
+        existing: args.existing.into(),
+        device: args.device.clone(),
+    };
+    let cancel = cancel_on_interrupt()?;
+    let teller = Teller::new(args.json);
+    let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
+    let is_complete = summary.failed == 0 && !summary.is_cancelled;
+    Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
+}
+
+/// The shot, made ready. A shot over a plate that says no size takes the plate's.
+fn setup(args: &WarpArgs) -> anyhow::Result<Setup> {
+    let path = args.shot.as_ref().context("clap asks for one of --shot, --lattice, --stmap")?;
+    let mut shot = Shot::read(path)?;
+    shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
+    if shot.source == Source::Frame && !shot.lines.has("size") {
+        let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);
+        shot.size = plate_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
+    }
+    Ok(Setup::new(shot)?)
+}
+
+/// What warps, where there is no shot.
+fn without_shot(args: &WarpArgs) -> anyhow::Result<PlateWarp<'static>> {
+    match (&args.lattice, &args.stmap) {
+        (Some(path), _) => {
+            let file = LatticeFile::read(path)?;
+            Ok(PlateWarp::Lattices { file, strength: args.strength, matte: args.matte.clone() })
+        }
+        (None, Some(maps)) => Ok(PlateWarp::Maps(maps.clone())),
+        (None, None) => bail!("nothing says how to warp; give --shot, --lattice or --stmap"),
+    }
+}
+
+fn plate(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
+    let plate = args.plate.clone().or_else(|| shot?.plate.clone());
+    plate.context("the shot names no `plate`; give one: pinwarp warp beauty.####.exr --shot SHOT")
+}
+
+/// The shot's own output is for what is rendered from its scene, or else for its plate.
+fn output(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
+    let of_shot = || shot.filter(|shot| shot.source == Source::Frame).map(|shot| shot.output.path.clone());
+    let output = args.output.clone().or_else(of_shot);
+    output.context(
+        "the shot's output is for frames rendered from its scene; say where warped ones go: -o warped.####.exr",
+    )
+}
+
+/// The shot's rules, and what the command line says instead.
+fn rules(args: &WarpArgs, shot: Option<&Shot>) -> WarpRules {
+    let mut rules = shot.map(|shot| shot.warp.clone()).unwrap_or_default();
+    rules.filter = args.filter.unwrap_or(rules.filter);
+    if let Some(clean) = &args.clean {
+        rules.holes = Holes::Plate(clean.clone());
+    }
+    rules
+}

@@ -1,0 +1,66 @@
+//! Warps finished frames: reading the next plate, warping this one and writing the last go on at the same time.
+//!
+//! In: a [`WarpJob`]. Out: files, [`WarpEvent`]s on the way, a [`WarpSummary`].
+//!
+//! ```text
+//! thread 1: read, decode ──Loaded──▶ this thread: solve, warp ──Warped──▶ thread 2: encode, write
+//! ```
+//! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
+
+mod files;
+mod fill;
+mod job;
+mod plan;
+mod read;
+mod stage;
+mod write;
+
+pub use files::plate_size;
+pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
+
+use super::PipelineError;
+use plan::Plan;
+use read::Reader;
+use stage::Stage;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::time::Instant;
+use write::Writer;
+
+/// Warps the frames asked for.
+///
+/// `tell` is called from several threads. `cancel` ends the work after the frames in flight.
+///
+/// # Errors
+/// [`PipelineError`] where nothing can be warped at all; single frames that fail are events and counted.
+pub fn warp_frames(
+    job: &WarpJob,
+    cancel: &AtomicBool,
+    tell: &(dyn Fn(WarpEvent) + Sync),
+) -> Result<WarpSummary, PipelineError> {
+    let begun = Instant::now();
+    let plan = Plan::of(job)?;
+    for text in plan.notes.iter().cloned() {
+        tell(WarpEvent::Note { text });
+    }
+    let wanted = plan.frames.len();
+    tell(WarpEvent::Started { frames: wanted, kept: plan.kept });
+    let mut stage = Stage::of(job, &plan);
+    let mut writer = Writer::of(job, &plan);
+    std::thread::scope(|scope| {
+        let (loaded, loads) = sync_channel(0);
+        let (warped, warps) = sync_channel(0);
+        let reader = Reader { plan: &plan, cancel };
+        scope.spawn(move || reader.run(&loaded));
+        let writing = scope.spawn(|| writer.run(warps, tell));
+        stage.run(loads, &warped);
+        drop(warped);
+        // A panic in the writer is passed on, not swallowed.
+        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+    let mut summary = writer.summary();
+    (summary.kept, summary.wall_secs) = (plan.kept, begun.elapsed().as_secs_f64());
+    summary.is_cancelled = summary.warped + summary.failed < wanted && cancel.load(Ordering::Relaxed);
+    tell(WarpEvent::Finished(summary.clone()));
+    Ok(summary)
+}

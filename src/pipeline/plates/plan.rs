@@ -1,0 +1,216 @@
+//! What is to be done: which frames, from where to where. Refuses at once what would fail at every frame.
+//!
+//! In: a [`WarpJob`]. Out: a [`Plan`].
+
+use super::super::output::{frames_to_do, prepare_folder, stale_note};
+use super::super::{PipelineError, Setup};
+use super::files::{Kind, is_whole};
+use super::{PlateWarp, WarpDirection, WarpJob};
+use crate::export::{LatticeFile, Track};
+use crate::image::{ImageError, SequencePath};
+use crate::plate::Holes;
+use crate::shot::{LayerSpace, digest};
+use crate::spelling;
+use std::path::{Path, PathBuf};
+
+/// A checked job.
+pub(super) struct Plan {
+    pub(super) plate: SequencePath,
+    pub(super) output: SequencePath,
+    /// Clean plates that fill holes.
+    pub(super) clean: Option<SequencePath>,
+    /// STMaps instead of lattices.
+    pub(super) maps: Option<SequencePath>,
+    /// Layers that warp, by index in the shot or file.
+    pub(super) layers: Vec<usize>,
+    /// Frames to warp, in order.
+    pub(super) frames: Vec<i32>,
+    /// How many stay as they are.
+    pub(super) kept: usize,
+    /// What the user should know before it begins.
+    pub(super) notes: Vec<String>,
+    /// Digest of all that changes the frames.
+    pub(super) hash: String,
+}
+
+impl Plan {
+    pub(super) fn of(job: &WarpJob) -> Result<Self, PipelineError> {
+        let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
+        check_kinds(&job.plate, &job.output)?;
+        let sequence = |path: &PathBuf| SequencePath::parse(path);
+        let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
+        let clean = if let Holes::Plate(clean) = &job.rules.holes { Some(sequence(clean)?) } else { None };
+        let mut notes = notes_of(&job.warp);
+        let layers = layers(job, &mut notes)?;
+        check_inverse(job, &layers)?;
+        let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
+        output.check_frame_count(wanted.len())?;
+        for other in [Some(&plate), clean.as_ref(), maps.as_ref()].into_iter().flatten() {
+            check_not_the_same(other, &output, &wanted)?;
+        }
+        let (frames, kept) = frames_to_do(wanted, &output, (job.existing, &is_whole))?;
+        if let Some(&first) = frames.first() {
+            prepare_folder(&output.path_of(first))?;
+        }
+        let hash = hash(job, &layers);
+        let kept: Vec<PathBuf> = kept.into_iter().map(|frame| output.path_of(frame)).collect();
+        notes.extend(stale_note(&kept, &hash));
+        Ok(Self { plate, output, clean, maps, layers, frames, kept: kept.len(), notes, hash })
+    }
+}
+
+/// Only picture files go in, and only such come out as can hold what went in.
+fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
+    let fault =
+        |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
+    match (Kind::of(plate), Kind::of(output)) {
+        (None, _) => fault(plate, "is not the name of a plate; EXR, PNG and JPEG files can be warped"),
+        (_, None) => fault(output, "is not the name of a picture file; let it end in .exr (or .png for PNG plates)"),
+        (_, Some(Kind::Jpeg)) => fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr"),
+        (Some(Kind::Exr), Some(Kind::Png)) => {
+            fault(output, "cannot hold the channels of an EXR plate; let it end in .exr")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What the shot has to say; of lattices and maps nothing.
+fn notes_of(warp: &PlateWarp) -> Vec<String> {
+    if let PlateWarp::Shot(setup) = warp { setup.notes.clone() } else { Vec::new() }
+}
+
+/// The layers that warp, by index. Those of the scene cannot.
+fn layers(job: &WarpJob, notes: &mut Vec<String>) -> Result<Vec<usize>, PipelineError> {
+    let (place, all) = match &job.warp {
+        PlateWarp::Shot(setup) => (setup.shot.path.display().to_string(), layers_of_shot(setup)),
+        PlateWarp::Lattices { file, .. } => ("the lattice file".to_owned(), layers_of_file(file)),
+        PlateWarp::Maps(_) => return Ok(Vec::new()),
+    };
+    for name in &job.layers {
+        if !all.iter().any(|(other, _)| other == name) {
+            let hint = spelling::hint(name, all.iter().map(|(name, _)| *name));
+            return Err(unusable(format!("{place} has no layer '{name}'"), hint));
+        }
+    }
+    let chosen = all.iter().enumerate();
+    let chosen = chosen.filter(|(_, (name, _))| job.layers.is_empty() || job.layers.iter().any(|other| other == name));
+    let (flat, in_scene): (Vec<_>, Vec<_>) = chosen.partition(|(_, (_, is_flat))| *is_flat);
+    let names: Vec<&str> = in_scene.iter().map(|(_, (name, _))| *name).collect();
+    if flat.is_empty() {
+        let what = match names.as_slice() {
+            [] => format!("{place} has no layers"),
+            names => format!(
+                "{place} has lattices of the scene only ({}): plates are warped on the screen",
+                names.join(", ")
+            ),
+        };
+        let hint = "give its layers lattices of the screen, or render the scene with `pinwarp render`";
+        return Err(unusable(what, hint));
+    }
+    if !names.is_empty() {
+        notes.push(format!(
+            "left out, since plates are warped on the screen: {} (lattices of the scene)",
+            names.join(", ")
+        ));
+    }
+    Ok(flat.into_iter().map(|(index, _)| index).collect())
+}
+
+/// Names, and whether the lattice lies on the screen.
+fn layers_of_shot(setup: &Setup) -> Vec<(&str, bool)> {
+    let is_flat = |space: &LayerSpace| matches!(space, LayerSpace::Screen { .. });
+    setup.shot.layers.iter().map(|layer| (layer.name.as_str(), is_flat(&layer.space))).collect()
+}
+
+fn layers_of_file(file: &LatticeFile) -> Vec<(&str, bool)> {
+    file.layers.iter().map(|layer| (layer.name.as_str(), matches!(layer.track, Track::Screen(_)))).collect()
+}
+
+/// What mattes took apart cannot be put together again, since what lay behind is gone.
+fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
+    let is_matted = match &job.warp {
+        PlateWarp::Shot(setup) => layers.iter().any(|&layer| setup.shot.layers[layer].matte.is_some()),
+        PlateWarp::Lattices { matte, .. } => matte.is_some(),
+        PlateWarp::Maps(_) => {
+            let hint = "make one with `pinwarp export --to stmap --inverse` and warp with that";
+            let refused = job.direction == WarpDirection::Inverse;
+            return if refused { Err(unusable("an STMap has no inverse of its own", hint)) } else { Ok(()) };
+        }
+    };
+    if is_matted && job.direction == WarpDirection::Inverse {
+        let what = "a warp with mattes cannot be undone: what the layers covered is not in the plate";
+        return Err(unusable(what, "choose layers without a matte (--layer)"));
+    }
+    Ok(())
+}
+
+/// The frames that are wanted.
+fn wanted(
+    job: &WarpJob,
+    (plate, maps): (&SequencePath, Option<&SequencePath>),
+    notes: &mut Vec<String>,
+) -> Result<Vec<i32>, PipelineError> {
+    if !job.frames.is_empty() {
+        return Ok(job.frames.clone());
+    }
+    if let PlateWarp::Shot(setup) = &job.warp {
+        return Ok((setup.shot.frames.first..=setup.shot.frames.last).collect());
+    }
+    let found = match plate.frames_on_disk()? {
+        Some(found) => Some(found),
+        // One picture for all frames: then the warp knows how many there are.
+        None => match (maps, &job.warp) {
+            (Some(maps), _) => maps.frames_on_disk()?,
+            (None, PlateWarp::Lattices { file, .. }) => Some(frames_of(file)),
+            (None, _) => None,
+        },
+    };
+    let Some(found) = found else { return Ok(vec![1]) };
+    match found.as_slice() {
+        [] => {
+            let what = format!("there are no frames {}", job.plate.display());
+            Err(unusable(what, format!("the first would be {}; check the path", plate.path_of(1).display())))
+        }
+        &[first, .., last] => {
+            notes.push(format!("{} frames found, {first} to {last}", found.len()));
+            Ok(found)
+        }
+        [_] => Ok(found),
+    }
+}
+
+/// All frames in which a lattice of the screen is listed.
+fn frames_of(file: &LatticeFile) -> Vec<i32> {
+    let screens = file.layers.iter().filter_map(|layer| match &layer.track {
+        Track::Screen(lattices) => Some(lattices),
+        Track::World(_) => None,
+    });
+    let frames: std::collections::BTreeSet<i32> = screens.flat_map(|lattices| lattices.keys().copied()).collect();
+    frames.into_iter().collect()
+}
+
+/// A frame must not be written over what it is made of.
+fn check_not_the_same(input: &SequencePath, output: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
+    let is_same = |&&frame: &&i32| {
+        let (input, output) = (input.path_of(frame), output.path_of(frame));
+        input == output
+            || input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output))
+    };
+    let Some(&frame) = frames.iter().find(is_same) else { return Ok(()) };
+    let what = format!("{} would be written over what it is made of", output.path_of(frame).display());
+    Err(unusable(what, "give another output path (-o)"))
+}
+
+/// Digest of all that changes the frames.
+fn hash(job: &WarpJob, layers: &[usize]) -> String {
+    let source = match &job.warp {
+        PlateWarp::Shot(setup) => setup.shot.hash(),
+        PlateWarp::Lattices { file, strength, matte } => digest(&format!("{file:?} {strength} {matte:?}")),
+        PlateWarp::Maps(maps) => format!("{:?}", maps.file_name()),
+    };
+    digest(&format!("{source} {:?} {:?} {layers:?}", job.rules, job.direction))
+}
+
+fn unusable(what: impl Into<String>, hint: impl Into<String>) -> PipelineError {
+    PipelineError::Unusable { what: what.into(), hint: hint.into() }
+}

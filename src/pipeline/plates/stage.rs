@@ -1,0 +1,181 @@
+//! Second stage of a warp: solves the lattices of a frame and warps its plate.
+//!
+//! In: [`Loaded`] frames. Out: [`Warped`] ones.
+
+use super::super::PipelineError;
+use super::fill::Filler;
+use super::plan::Plan;
+use super::read::{Loaded, Pictures};
+use super::write::Warped;
+use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
+use crate::export::{Track, lattice_at};
+use crate::image::Plate;
+use crate::lattice::ScreenLattice;
+use crate::plate::{
+    Field, Holes, LayerJob, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, map_of_stmap, moves_anything,
+    remap_plate, warp_plate,
+};
+use crate::space::FrameSize;
+use std::borrow::Cow;
+use std::sync::mpsc::{Receiver, SyncSender};
+use std::time::Instant;
+
+/// Warps frames.
+pub(super) struct Stage<'a> {
+    job: &'a WarpJob<'a>,
+    plan: &'a Plan,
+    filler: Option<Filler<'a>>,
+}
+
+impl<'a> Stage<'a> {
+    pub(super) fn of(job: &'a WarpJob<'a>, plan: &'a Plan) -> Self {
+        let filler = match &job.warp {
+            PlateWarp::Shot(setup) if job.rules.holes == Holes::Geometry => {
+                Filler::of(setup, &job.device, &plan.layers)
+            }
+            _ => None,
+        };
+        Self { job, plan, filler }
+    }
+
+    /// Warps everything that arrives.
+    pub(super) fn run(&mut self, loads: Receiver<Loaded>, warped: &SyncSender<Warped>) {
+        for Loaded { frame, pictures, read_ms } in loads {
+            let begun = Instant::now();
+            let outcome = pictures.and_then(|pictures| self.warp(frame, &pictures)).map(|(plate, report)| {
+                let PlateReport { channels, hole_pixels, contained_samples, warnings } = report;
+                let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
+                let report = WarpReport {
+                    frame,
+                    read_ms,
+                    warp_ms,
+                    hole_pixels,
+                    contained_samples,
+                    channels,
+                    warnings,
+                    ..WarpReport::default()
+                };
+                (plate, report)
+            });
+            if warped.send(Warped { frame, outcome }).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport), PipelineError> {
+        let Pictures { plate, clean, map } = pictures;
+        let size = plate.frame_size();
+        self.check_shape(frame, size)?;
+        let rules = self.rules(size);
+        if let Some(map) = map {
+            return Ok(remap_plate(plate, &map_of_stmap(map, size)?, &rules)?);
+        }
+        let layers = self.layers(frame, moves_anything(plate, &rules))?;
+        if self.job.direction == WarpDirection::Inverse {
+            let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
+            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, size.window()), &rules)?);
+        }
+        let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, size)).transpose()?;
+        let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
+        Ok(warp_plate(plate, &job)?)
+    }
+
+    /// Proxies and overscan have the shot's shape; another shape is another shot.
+    fn check_shape(&self, frame: i32, size: FrameSize) -> Result<(), PipelineError> {
+        let (wanted, whose) = match &self.job.warp {
+            PlateWarp::Shot(setup) => (setup.shot.size.aspect(), "the shot is"),
+            PlateWarp::Lattices { file, .. } => (file.frame_aspect, "the lattices are for"),
+            PlateWarp::Maps(_) => return Ok(()),
+        };
+        // A side of a proxy may be half a pixel off.
+        let slack = 0.5 * (size.pixel_aspect + wanted) / f64::from(size.height);
+        if (size.aspect() - wanted).abs() <= slack + 1e-6 {
+            return Ok(());
+        }
+        let FrameSize { width, height, .. } = size;
+        let path = self.plan.plate.path_of(frame);
+        let what = format!(
+            "{} shows {width} x {height} pixels, {:.4} wide to 1 high, {whose} {wanted:.4} to 1",
+            path.display(),
+            size.aspect()
+        );
+        let hint = "warp plates of the same shape (their display window counts), or correct `size` and `pixel_aspect`";
+        Err(PipelineError::Unusable { what, hint: hint.into() })
+    }
+
+    /// The rules for a plate of that size.
+    fn rules(&self, size: FrameSize) -> Cow<'a, WarpRules> {
+        let rules = &self.job.rules;
+        let (MotionScale::Frame, Some(mut motion), PlateWarp::Shot(setup)) =
+            (rules.motion_scale, rules.motion, &self.job.warp)
+        else {
+            return Cow::Borrowed(rules);
+        };
+        let shot = setup.shot.size;
+        motion.pixels_per_unit[0] *= f64::from(size.width) / f64::from(shot.width);
+        motion.pixels_per_unit[1] *= f64::from(size.height) / f64::from(shot.height);
+        Cow::Owned(WarpRules { motion: Some(motion), ..rules.clone() })
+    }
+
+    /// What warps a frame: one a layer that moves. Neighbours are looked at where motion is stored.
+    fn layers(&self, frame: i32, neighbours: Neighbours) -> Result<Vec<LayerJob>, PipelineError> {
+        let at = |frame: i32| self.lattices(frame);
+        let (now, around) = match neighbours {
+            Neighbours::Unseen => (at(frame)?, None),
+            Neighbours::Seen => (at(frame)?, Some([at(frame - 1)?, at(frame + 1)?])),
+        };
+        let jobs = self.plan.layers.iter().zip(now).enumerate().filter_map(|(place, (&layer, lattice))| {
+            let (name, matte) = self.layer(layer);
+            let field = |lattice: &ScreenLattice| match matte {
+                Some(_) => Field::of_layer(lattice.clone()),
+                None => Field::of_picture(lattice.clone()),
+            };
+            let beside = |side: usize| {
+                around.as_ref().map(|around| around[side][place].as_ref().map_or_else(Field::identity, field))
+            };
+            let is_still = lattice.is_none()
+                && around.as_ref().is_none_or(|around| around.iter().all(|layers| layers[place].is_none()));
+            (!is_still).then(|| LayerJob {
+                name: name.to_owned(),
+                field: lattice.as_ref().map_or_else(Field::identity, field),
+                previous: beside(0),
+                next: beside(1),
+                matte: matte.cloned(),
+            })
+        });
+        Ok(jobs.collect())
+    }
+
+    /// Name and matte of a layer.
+    fn layer(&self, index: usize) -> (&'a str, Option<&'a Matte>) {
+        match &self.job.warp {
+            PlateWarp::Shot(setup) => {
+                let layer = &setup.shot.layers[index];
+                (&layer.name, layer.matte.as_ref())
+            }
+            PlateWarp::Lattices { file, matte, .. } => (&file.layers[index].name, matte.as_ref()),
+            PlateWarp::Maps(_) => ("", None),
+        }
+    }
+
+    /// The lattices of a frame: one a layer that warps; `None` where it is not moved.
+    fn lattices(&self, frame: i32) -> Result<Vec<Option<ScreenLattice>>, PipelineError> {
+        let layers = self.plan.layers.iter();
+        match &self.job.warp {
+            PlateWarp::Shot(setup) => {
+                let moment = setup.exposed(frame)?;
+                let lattice = |&layer: &usize| Some(moment.layers[layer].solution.as_ref()?.lattice.clone());
+                Ok(layers.map(lattice).collect())
+            }
+            PlateWarp::Lattices { file, strength, .. } => {
+                let lattice = |&layer: &usize| match &file.layers[layer].track {
+                    Track::Screen(lattices) => Some(lattice_at(lattices, f64::from(frame)).with_strength(*strength)),
+                    Track::World(_) => None,
+                };
+                Ok(layers.map(lattice).collect())
+            }
+            PlateWarp::Maps(_) => Ok(Vec::new()),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Last thread of a warp: encodes and writes plates.
+//!
+//! In: [`Warped`] plates. Out: files, events, counts.
+
+use super::super::PipelineError;
+use super::plan::Plan;
+use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary, files};
+use crate::image::{FrameMetadata, Plate};
+use crate::plate::ChannelReport;
+use std::sync::mpsc::Receiver;
+use std::time::Instant;
+
+/// A frame that was warped, or the reason why not.
+pub(super) struct Warped {
+    pub(super) frame: i32,
+    pub(super) outcome: Result<(Plate, WarpReport), PipelineError>,
+}
+
+/// Writes plates and counts them.
+pub(super) struct Writer<'a> {
+    plan: &'a Plan,
+    rate: f64,
+    /// What the channels of the frame before were taken for.
+    told: Vec<ChannelReport>,
+    summary: WarpSummary,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn of(job: &WarpJob, plan: &'a Plan) -> Self {
+        let rate = match &job.warp {
+            PlateWarp::Shot(setup) => setup.shot.frames.rate,
+            PlateWarp::Lattices { file, .. } => file.rate,
+            PlateWarp::Maps(_) => 0.0,
+        };
+        Self { plan, rate, told: Vec::new(), summary: WarpSummary::default() }
+    }
+
+    /// Writes everything that arrives; one failed frame does not stop the others.
+    pub(super) fn run(&mut self, warps: Receiver<Warped>, tell: &(dyn Fn(WarpEvent) + Sync)) {
+        for Warped { frame, outcome } in warps {
+            match outcome.and_then(|(plate, report)| self.write(plate, report)) {
+                Ok(report) => {
+                    self.summary.warped += 1;
+                    tell(WarpEvent::FrameDone(report));
+                }
+                Err(error) => {
+                    self.summary.failed += 1;
+                    tell(WarpEvent::FrameFailed { frame, error: error.to_string() });
+                }
+            }
+        }
+    }
+
+    /// Counts and times of what was written.
+    pub(super) fn summary(self) -> WarpSummary {
+        self.summary
+    }
+
+    fn write(&mut self, mut plate: Plate, mut report: WarpReport) -> Result<WarpReport, PipelineError> {
+        let begun = Instant::now();
+        report.path = self.plan.output.path_of(report.frame);
+        plate.set_metadata(&FrameMetadata {
+            frame: report.frame,
+            frames_per_second: self.rate,
+            shot_hash: self.plan.hash.clone(),
+            device: "CPU".into(),
+            camera: None,
+        });
+        files::write(&report.path, plate)?;
+        report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
+        self.summary.read_ms += report.read_ms;
+        self.summary.warp_ms += report.warp_ms;
+        self.summary.write_ms += report.write_ms;
+        if report.channels == self.told {
+            report.channels.clear();
+        } else {
+            self.told.clone_from(&report.channels);
+        }
+        Ok(report)
+    }
+}
