@@ -20,7 +20,7 @@ pub(super) struct Filler<'a> {
     scene: Scene,
     device: &'a DeviceChoice,
     /// Made for plates of the size last seen.
-    ready: Option<(Box<dyn Raster>, Setup)>,
+    ready: Option<(Box<dyn Raster + Send>, Setup)>,
 }
 
 impl<'a> Filler<'a> {

@@ -11,8 +11,8 @@ use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
-use crate::plate::{
-    Field, Holes, LayerJob, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, map_of_stmap, moves_anything,
+use crate::plate::{Matte, 
+    Field, Holes, LayerJob, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, map_of_stmap, has_motion,
     remap_plate, warp_plate,
 };
 use crate::space::FrameSize;
@@ -71,7 +71,7 @@ impl<'a> Stage<'a> {
         if let Some(map) = map {
             return Ok(remap_plate(plate, &map_of_stmap(map, size)?, &rules)?);
         }
-        let layers = self.layers(frame, moves_anything(plate, &rules))?;
+        let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
             let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
             return Ok(remap_plate(plate, &WarpMap::forward(&field, size, size.window()), &rules)?);
@@ -118,13 +118,11 @@ impl<'a> Stage<'a> {
         Cow::Owned(WarpRules { motion: Some(motion), ..rules.clone() })
     }
 
-    /// What warps a frame: one a layer that moves. Neighbours are looked at where motion is stored.
-    fn layers(&self, frame: i32, neighbours: Neighbours) -> Result<Vec<LayerJob>, PipelineError> {
+    /// What warps a frame: one a layer that moves. The neighbours' lattices are looked at where motion is stored.
+    fn layers(&self, frame: i32, has_motion: bool) -> Result<Vec<LayerJob>, PipelineError> {
         let at = |frame: i32| self.lattices(frame);
-        let (now, around) = match neighbours {
-            Neighbours::Unseen => (at(frame)?, None),
-            Neighbours::Seen => (at(frame)?, Some([at(frame - 1)?, at(frame + 1)?])),
-        };
+        let now = at(frame)?;
+        let around = if has_motion { Some([at(frame - 1)?, at(frame + 1)?]) } else { None };
         let jobs = self.plan.layers.iter().zip(now).enumerate().filter_map(|(place, (&layer, lattice))| {
             let (name, matte) = self.layer(layer);
             let field = |lattice: &ScreenLattice| match matte {
