@@ -14,5 +14,6 @@ mod shots;
 mod stopping;
 mod support;
 mod tools;
+mod warps;
 mod words;
 mod worlds;

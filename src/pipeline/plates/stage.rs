@@ -11,8 +11,8 @@ use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
-use crate::plate::{Matte, 
-    Field, Holes, LayerJob, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, map_of_stmap, has_motion,
+use crate::plate::{
+    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, map_of_stmap,
     remap_plate, warp_plate,
 };
 use crate::space::FrameSize;

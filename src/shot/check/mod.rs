@@ -97,7 +97,6 @@ impl Check<'_> {
         let layers = self.layers(raw.layer, &defaults);
         Shot {
             lines: KeyLines::default(),
-            source,
             plate,
             warp,
             camera: raw.camera,
@@ -110,7 +109,8 @@ impl Check<'_> {
             environment: raw.environment,
             exposure_stops: raw.exposure,
             layers,
-            output: self.output(&raw.output, &frames),
+            output: self.output(&raw.output, &frames, &source),
+            source,
             path,
         }
     }

@@ -6,7 +6,7 @@ use super::Check;
 use crate::image::{Compression, ImageError, SequencePath};
 use crate::raster::ChannelGroup;
 use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
-use crate::shot::{FrameRange, Output};
+use crate::shot::{FrameRange, Output, Source};
 use std::path::Path;
 
 /// What is written where a shot does not say it: all but mattes, whose 36 channels weigh more than all others together.
@@ -14,11 +14,13 @@ const DEFAULT_CHANNELS: [ChannelGroup; 5] =
     [ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Normal, ChannelGroup::Id];
 
 impl Check<'_> {
-    pub(super) fn output(&mut self, raw: &RawOutput, frames: &FrameRange) -> Output {
+    pub(super) fn output(&mut self, raw: &RawOutput, frames: &FrameRange, source: &Source) -> Output {
         let shot_path = self.document.path;
         let folder = shot_path.parent().unwrap_or(Path::new(""));
         if let Some(path) = &raw.path {
-            self.output_path(path, frames);
+            // Warped PNG plates may stay PNG files.
+            let endings: &[&str] = if *source == Source::Frame { &[".exr", ".png"] } else { &[".exr"] };
+            self.output_path(path, frames, endings);
         }
         let path = raw.path.clone().unwrap_or_else(|| {
             let stem = shot_path.file_stem().map_or("shot".into(), |stem| stem.to_string_lossy());
@@ -31,9 +33,10 @@ impl Check<'_> {
         }
     }
 
-    fn output_path(&mut self, path: &str, frames: &FrameRange) {
+    fn output_path(&mut self, path: &str, frames: &FrameRange, endings: &[&str]) {
         let key = "output.path";
-        if !path.to_ascii_lowercase().ends_with(".exr") {
+        let lower = path.to_ascii_lowercase();
+        if !endings.iter().any(|ending| lower.ends_with(ending)) {
             self.fault(key, format!("{path:?} is not the name of an EXR file"), "let it end in .exr");
         }
         let count = frames.count();

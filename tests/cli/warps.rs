@@ -1,0 +1,251 @@
+//! `pinwarp warp`: plates in, plates out, and everything that can be wrong with what it is given.
+
+use crate::support::{Bench, square};
+use pinwarp::image::{Channel, Frame, Plate, Storage, read_plate, write_picture, write_plate};
+use pinwarp::space::{FrameSize, PixelRect};
+use std::path::Path;
+
+/// A shot over a plate: a lattice over the whole frame that shifts everything inside by an eighth of its height.
+const SHOT: &str = r#"
+plate  = "in/b.####.exr"
+frames = { first = 1, last = 2 }
+
+[[layer]]
+name    = "all"
+lattice = { dims = [4, 4] }
+
+  [[layer.pin]]
+  anchor = { screen = [0.8, 0.5] }
+  keys   = [ { frame = 1, offset = [0.0, 0.0] }, { frame = 2, offset = [0.125, 0.0] } ]
+
+[output]
+path = "out/w.####.exr"
+"#;
+
+/// A grey frame with a white square in the middle, 8 pixels wide; a depth; numbers of things.
+fn frame(size: FrameSize) -> Frame {
+    let window = size.window();
+    let places = || (0..size.height as i32).flat_map(|y| (0..size.width as i32).map(move |x| (x, y)));
+    let is_square =
+        move |(x, y): (i32, i32)| (x - size.width as i32 / 2).abs() <= 4 && (y - size.height as i32 / 2).abs() <= 4;
+    let channel = |name: &str, storage, [inside, outside]: [f32; 2]| Channel {
+        name: name.into(),
+        storage,
+        samples: places().map(|place| if is_square(place) { inside } else { outside }).collect(),
+    };
+    let mut channels: Vec<Channel> = ["R", "G", "B"].map(|name| channel(name, Storage::Half, [1.0, 0.25])).into();
+    channels.push(channel("A", Storage::Half, [1.0, 1.0]));
+    channels.push(channel("depth.Z", Storage::Float, [2.0, 10.0]));
+    channels.push(channel("id.object", Storage::Uint, [7, 3].map(f32::from_bits)));
+    Frame { display: window, data_window: window, pixel_aspect: size.pixel_aspect, channels }
+}
+
+/// Two plates of 64 x 36 pixels, and a shot over them.
+fn bench(shot: &str) -> Bench {
+    let bench = Bench::with(&square().json(), shot);
+    std::fs::create_dir_all(bench.path("in")).expect("a folder");
+    for number in [1, 2] {
+        let plate = Plate::from_frame(frame(FrameSize::new(64, 36)));
+        write_plate(&bench.path(&format!("in/b.000{number}.exr")), &plate).expect("written");
+    }
+    bench
+}
+
+/// The columns of the middle row in which a channel holds a value.
+fn columns(path: &Path, channel: &str, holds: impl Fn(f32) -> bool) -> Vec<i32> {
+    let plate = read_plate(path).expect("a plate");
+    let PixelRect { x, y, width, .. } = plate.parts[0].data_window;
+    let samples = &plate.parts[0].channel(channel).expect("the channel is there").samples;
+    let row = (plate.display.height as i32 / 2 - y) as usize * width as usize;
+    (0..width as i32).filter(|&column| holds(samples[row + column as usize])).map(|column| column + x).collect()
+}
+
+#[test]
+fn a_shot_warps_its_plate() {
+    let bench = bench(SHOT);
+    let ended = bench.run("warp --shot shot.toml").says(0, &["2 frames", "frame 2 -> out/w.0002.exr"]);
+    assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
+    let [before, after] = ["out/w.0001.exr", "out/w.0002.exr"].map(|name| bench.path(name));
+    let is_near = |value: f32| value == 2.0;
+    assert_eq!(columns(&before, "depth.Z", is_near), (28..=36).collect::<Vec<_>>(), "nothing moves in frame 1");
+    let moved = columns(&after, "depth.Z", is_near);
+    let middle = f64::from(moved.iter().sum::<i32>()) / moved.len() as f64;
+    assert!((middle - 36.5).abs() <= 1.0, "4.5 pixels to the right: {moved:?}");
+    assert_eq!(columns(&after, "id.object", |id| id.to_bits() == 7), moved, "ids go where depth goes");
+    assert_eq!(columns(&after, "depth.Z", |value| value != 2.0 && value != 10.0), Vec::<i32>::new(), "never blended");
+}
+
+#[test]
+fn json_lines_tell_what_was_done() {
+    let bench = bench(SHOT);
+    let events = bench.run("warp --shot shot.toml --json").says(0, &[]).events();
+    let done: Vec<_> = events.iter().filter(|event| event["event"] == "frame_done").collect();
+    assert_eq!(done.iter().map(|event| event["frame"].as_i64()).collect::<Vec<_>>(), [Some(1), Some(2)]);
+    let channels = done[0]["channels"].as_array().expect("what channels were taken for");
+    assert_eq!(channels.len(), 6);
+    assert!(channels.iter().any(|channel| channel["channel"] == "depth.Z" && channel["meaning"] == "depth"));
+    assert!(done[1]["channels"].is_null(), "told once: {}", done[1]);
+    assert!(done.iter().all(|event| event["read_ms"].is_f64() && event["hole_pixels"] == 0), "{events:?}");
+    let last = events.last().expect("events");
+    assert_eq!((&last["event"], &last["warped"], &last["failed"]), (&"finished".into(), &2.into(), &0.into()));
+}
+
+#[test]
+fn lattices_warp_what_is_there() {
+    let bench = bench(&format!("size = [64, 36]\n{SHOT}"));
+    bench.run("warp --shot shot.toml").says(0, &[]);
+    bench.run("export shot.toml --to lattice-json").says(0, &[]);
+    bench.run("warp in/b.####.exr --lattice shot.lattice.json -o by/l.####.exr").says(0, &["2 frames found, 1 to 2"]);
+    for frame in ["0001", "0002"] {
+        let [of_shot, of_file] = [format!("out/w.{frame}.exr"), format!("by/l.{frame}.exr")]
+            .map(|name| read_plate(&bench.path(&name)).expect("a plate").into_frame());
+        assert_eq!(of_shot, of_file, "frame {frame}");
+    }
+    let half = "warp in/b.####.exr --lattice shot.lattice.json -o half/l.####.exr --strength 0 --frames 2";
+    bench.run(half).says(0, &[]);
+    assert_eq!(columns(&bench.path("half/l.0002.exr"), "depth.Z", |depth| depth == 2.0), (28..=36).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_bad_frame_does_not_stop_the_others() {
+    let bench = bench(&SHOT.replace("last = 2", "last = 3"));
+    bench.run("warp --shot shot.toml").says(1, &["error: frame 3: cannot read in/b.0003.exr", "1 FAILED"]);
+    assert_eq!(bench.frames(), ["w.0001.exr", "w.0002.exr"]);
+    let whole = bench.read("in/b.0001.exr");
+    bench.write("in/b.0001.exr", &whole[..whole.len() / 2]);
+    bench.run("warp --shot shot.toml --overwrite --frames 1-2").says(1, &["error: frame 1: ", "b.0001.exr"]);
+}
+
+#[test]
+fn resume_keeps_what_is_whole() {
+    let bench = bench(SHOT);
+    bench.run("warp --shot shot.toml").says(0, &[]);
+    bench.run("warp --shot shot.toml").says(2, &["2 of the frames exist already", "--resume"]);
+    let [first, second] = ["out/w.0001.exr", "out/w.0002.exr"].map(|name| bench.read(name));
+    bench.write("out/w.0002.exr", &second[..second.len() / 2]);
+    let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frames, 1 kept", "frame 2 ->"]);
+    assert!(!ended.stderr.contains("another state"), "{}", ended.stderr);
+    assert_eq!([bench.read("out/w.0001.exr"), bench.read("out/w.0002.exr")], [first, second], "the same bytes");
+    bench.run("warp --shot shot.toml --resume --filter nearest").says(0, &["2 of the kept frames", "another state"]);
+}
+
+#[test]
+fn pictures_stay_pictures() {
+    let bench = bench(&SHOT.replace("w.####.exr", "w.####.png").replace("in/b.####.exr", "in/still.png"));
+    let picture =
+        Frame { channels: frame(FrameSize::new(64, 36)).channels[..4].to_vec(), ..frame(FrameSize::new(64, 36)) };
+    write_picture(&bench.path("in/still.png"), &picture).expect("written");
+    bench.run("warp --shot shot.toml").says(0, &["frame 2 -> out/w.0002.png"]);
+    let whites = |name: &str| {
+        let picture = image::load_from_memory(&bench.read(name)).expect("a PNG file").to_rgb8();
+        (0..64).filter(|&x| picture.get_pixel(x, 18).0[0] > 240).collect::<Vec<u32>>()
+    };
+    assert_eq!(whites("out/w.0001.png"), (28..=36).collect::<Vec<_>>());
+    assert!(whites("out/w.0002.png").first().is_some_and(|&first| (32..=34).contains(&first)));
+    bench.run("warp --shot shot.toml -o out/e.####.exr").says(0, &["frame 2 -> out/e.0002.exr"]);
+}
+
+#[test]
+fn what_cannot_be_warped_is_refused() {
+    let bench = bench(SHOT);
+    let wrong = [
+        ("warp in/b.####.exr", &["--shot", "--lattice", "--stmap"][..]),
+        ("warp --lattice l.json -o a.exr", &["<PLATE>"]),
+        ("warp in/b.####.exr --lattice l.json", &["--output"]),
+        ("warp in/b.####.exr --lattice nowhere.json -o a.####.exr", &["cannot read nowhere.json"]),
+        (
+            "warp in/b.####.exr --shot shot.toml -o in/b.####.exr --overwrite",
+            &["written over what it is made of", "-o"],
+        ),
+        ("warp in/b.####.exr --shot shot.toml -o in/../in/b.%04d.exr", &["written over what it is made of"]),
+        ("warp in/b.####.exr --shot shot.toml -o w.exr", &["no frame counter for 2 frames", "w.####.exr"]),
+        ("warp in/b.####.exr --shot shot.toml -o w.####.png", &["cannot hold the channels", ".exr"]),
+        ("warp in/b.####.exr --shot shot.toml -o w.####.jpg", &["lose its alpha"]),
+        ("warp in/b.####.tif --shot shot.toml", &["EXR, PNG and JPEG"]),
+        ("warp in/b.##.##.exr --shot shot.toml", &["two frame counters"]),
+        ("warp --shot shot.toml --layer al", &["has no layer 'al'", "did you mean"]),
+        ("warp --shot shot.toml --filter sinc", &["ewa, cubic, lanczos or nearest"]),
+        ("warp --shot shot.toml --matte alpha", &["--lattice"]),
+        ("warp --shot shot.toml --strength nan", &["a number is needed"]),
+        (
+            "warp in/c.####.exr --stmap in/b.####.exr -o w.####.exr",
+            &["there are no frames in/c.####.exr", "in/c.0001.exr"],
+        ),
+        ("warp in/b.####.exr --stmap in/b.0001.exr --inverse -o w.####.exr", &["--inverse", "--stmap"]),
+        ("render shot.toml", &["no scene to render", "pinwarp warp"]),
+    ];
+    for (arguments, says) in wrong {
+        bench.run(arguments).says(2, says);
+    }
+    assert!(bench.frames().is_empty());
+}
+
+#[test]
+fn a_plate_of_another_shape_is_another_shot() {
+    let bench = bench(&format!("size = [64, 64]\n{SHOT}"));
+    let shapes = ["in/b.0001.exr shows 64 x 36 pixels, 1.7778 wide to 1 high, the shot is 1.0000 to 1", "2 FAILED"];
+    bench.run("warp --shot shot.toml").says(1, &shapes);
+    // A proxy of the right shape is welcome: 1920 x 1080 by a thirtieth.
+    let proxy = self::bench(&format!("size = [1920, 1080]\n{SHOT}"));
+    proxy.run("warp --shot shot.toml").says(0, &["2 frames"]);
+}
+
+#[test]
+fn lattices_of_the_scene_cannot_warp_plates() {
+    let world = r#"
+scene  = "tiny.gltf"
+plate  = "in/b.####.exr"
+frames = { first = 1, last = 2 }
+size   = [64, 36]
+
+[[layer]]
+name    = "deep"
+lattice = { space = "world", dims = [4, 4, 4] }
+[[layer.pin]]
+anchor = { screen = [0.8, 0.5], frame = 1 }
+keys   = [{ frame = 1, offset = [0.1, 0.0] }]
+"#;
+    let bench = bench(world);
+    bench.run("warp --shot shot.toml -o w.####.exr").says(2, &["lattices of the scene only (deep)", "on the screen"]);
+    bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
+    bench.run("warp in/b.####.exr --lattice l.json -o w.####.exr").says(2, &["lattices of the scene only (deep)"]);
+    bench.run("warp --shot shot.toml").says(2, &["-o warped.####.exr"]);
+}
+
+#[test]
+fn mattes_that_are_not_there_are_named() {
+    let matte = |matte: &str| bench(&SHOT.replace("name    = \"all\"", &format!("matte = {matte}")));
+    let cases = [
+        ("{ channel = \"mask.R\" }", &["no channel \"mask.R\""][..]),
+        ("{ id = \"id.objekt\", values = [7] }", &["no channel \"id.objekt\"", "id.object"]),
+        ("{ cryptomatte = [\"Body\"] }", &["no Cryptomatte"]),
+    ];
+    for (part, says) in cases {
+        matte(part).run("warp --shot shot.toml --frames 2").says(1, says);
+    }
+}
+
+#[test]
+fn a_matted_thing_moves_before_the_rest() {
+    let bench = bench(&SHOT.replace("name    = \"all\"", "matte = { id = \"id.object\", values = [7] }"));
+    let events = bench.run("warp --shot shot.toml --frames 2 --json").says(0, &[]).events();
+    let holes = events.iter().find_map(|event| event["hole_pixels"].as_u64()).expect("holes are counted");
+    assert!((9 * 3..=9 * 6).contains(&holes), "the square leaves 4.5 columns of 9: {holes}");
+    let path = bench.path("out/w.0002.exr");
+    let moved = columns(&path, "id.object", |id| id.to_bits() == 7);
+    assert!(moved.first().is_some_and(|&first| first > 30), "{moved:?}");
+    assert_eq!(columns(&path, "A", |alpha| alpha == 0.0).len(), 4, "what it leaves is empty");
+    let filled = "warp --shot shot.toml --frames 2 --clean in/b.0001.exr -o out/f.####.exr";
+    bench.run(filled).says(0, &[]);
+    assert_eq!(columns(&bench.path("out/f.0002.exr"), "A", |alpha| alpha < 0.999), Vec::<i32>::new());
+}
+
+#[test]
+fn a_warp_can_be_undone() {
+    let bench = bench(SHOT);
+    bench.run("warp --shot shot.toml --frames 2").says(0, &[]);
+    bench.run("warp out/w.####.exr --shot shot.toml --frames 2 --inverse -o back/b.####.exr").says(0, &[]);
+    let back = columns(&bench.path("back/b.0002.exr"), "depth.Z", |depth| depth == 2.0);
+    assert!(back.first().is_some_and(|&first| (27..=29).contains(&first)), "{back:?}");
+    assert!(back.last().is_some_and(|&last| (35..=37).contains(&last)), "{back:?}");
+}

@@ -1,0 +1,178 @@
+//! The geometry path and the plate path are one warp: a scene rendered unwarped, then warped as a picture, shows what
+//! the same scene shows that was warped before it was drawn.
+//!
+//! Compared are pixels whose 5 x 5 neighbourhood shows one thing in both pictures: on outlines, samples of the raster and
+//! of the filter fall differently.
+
+use pinwarp::image::{Frame, read_exr};
+use pinwarp::pipeline::{Existing, PlateWarp, RenderOptions, Setup, WarpDirection, WarpJob, render, warp_frames};
+use pinwarp::plate::{Holes, Matte, MotionRule, WarpRules};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::shot::Shot;
+use pinwarp::space::FrameSize;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+
+/// Frame in which spout and handle are pulled the most, and one on the way there.
+const FRAMES: [i32; 2] = [8, 12];
+
+/// How much a group of channels may differ inside of things.
+struct Limits {
+    channels: &'static [&'static str],
+    mean: f64,
+    /// 99 of 100 samples differ by less.
+    most: f64,
+}
+
+/// Beauty in linear light, depth in metres (the scene is half a metre deep), motion in pixels, ids exactly.
+const LIMITS: [Limits; 5] = [
+    Limits { channels: &["R", "G", "B", "A"], mean: 0.004, most: 0.03 },
+    Limits { channels: &["depth.Z"], mean: 0.001, most: 0.004 },
+    Limits { channels: &["forward.u", "forward.v", "backward.u", "backward.v"], mean: 0.02, most: 0.1 },
+    Limits { channels: &["N.X", "N.Y", "N.Z"], mean: 0.01, most: 0.06 },
+    Limits { channels: &["id.object", "id.layer"], mean: 0.0, most: 0.0 },
+];
+
+/// The teapot that comes with the program, in small.
+fn teapot() -> Shot {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot/shot.toml");
+    let mut shot = Shot::read(&path).expect("a right shot");
+    shot.size = FrameSize::new(480, 270);
+    shot
+}
+
+/// As it is, but nothing moves.
+fn still(shot: &Shot) -> Shot {
+    let mut still = shot.clone();
+    still.layers.iter_mut().for_each(|layer| layer.strength = 0.0);
+    still
+}
+
+fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
+    shot.output.path = folder.join("f.####.exr");
+    let setup = Setup::new(shot).expect("the scene fits the shot");
+    let options = RenderOptions { frames: FRAMES.into(), device: DeviceChoice::Cpu, ..RenderOptions::default() };
+    let summary = render(&setup, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
+    assert_eq!(summary.failed, 0);
+    frames(folder, "f")
+}
+
+fn frames(folder: &Path, name: &str) -> Vec<Frame> {
+    let path = |frame: i32| folder.join(format!("{name}.{frame:04}.exr"));
+    FRAMES.iter().map(|&frame| read_exr(&path(frame)).expect("a frame")).collect()
+}
+
+/// The plates of a folder, warped by a shot.
+fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
+    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), holes, ..WarpRules::default() };
+    let setup = Setup::new(shot).expect("the scene fits the shot");
+    let job = WarpJob {
+        plate: folder.join("f.####.exr"),
+        output: folder.join("w.####.exr"),
+        warp: PlateWarp::Shot(&setup),
+        rules,
+        direction: WarpDirection::Forward,
+        layers: Vec::new(),
+        frames: FRAMES.into(),
+        existing: Existing::Overwrite,
+        device: DeviceChoice::Cpu,
+    };
+    let tell = |event| {
+        if std::env::var_os("SHOW").is_some() {
+            eprintln!("{event:?}");
+        }
+    };
+    let summary = warp_frames(&job, &AtomicBool::new(false), &tell).expect("warped");
+    assert_eq!((summary.warped, summary.failed), (FRAMES.len(), 0));
+    frames(folder, "w")
+}
+
+/// A sample by its place in the display window; `None` outside the data window.
+fn at(frame: &Frame, channel: &str, x: i32, y: i32) -> Option<f32> {
+    let window = frame.data_window;
+    let (column, row) = (u32::try_from(x - window.x).ok()?, u32::try_from(y - window.y).ok()?);
+    let is_inside = column < window.width && row < window.height;
+    let samples = &frame.channel(channel).expect("the channel is in the frame").samples;
+    is_inside.then(|| samples[(row * window.width + column) as usize])
+}
+
+/// What a 5 x 5 neighbourhood shows, where it shows one thing.
+fn thing(frame: &Frame, x: i32, y: i32) -> Option<f32> {
+    let id = |dx, dy| at(frame, "id.object", x + dx, y + dy);
+    let middle = id(0, 0).filter(|&id| id > 0.0)?;
+    (-2..=2).all(|dy| (-2..=2).all(|dx| id(dx, dy) == Some(middle))).then_some(middle)
+}
+
+/// Compares inside of things; the message says which limit is broken, or what was measured.
+fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
+    let (width, height) = (geometry.display.width as i32, geometry.display.height as i32);
+    let pixels: Vec<(i32, i32)> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .filter(|&(x, y)| thing(geometry, x, y).is_some_and(|id| thing(plate, x, y) == Some(id)))
+        .collect();
+    let covered = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| thing(geometry, x, y).is_some()).count();
+    if pixels.len() * 100 < covered * 97 {
+        return Err(format!("only {} of {covered} inner pixels show the same thing", pixels.len()));
+    }
+    let mut said = format!("{} of {covered} pixels", pixels.len());
+    for Limits { channels, mean, most } in &LIMITS {
+        let apart = |name: &str, (x, y): (i32, i32)| {
+            let sample = |frame| f64::from(at(frame, name, x, y).expect("inside both"));
+            (sample(plate) - sample(geometry)).abs()
+        };
+        let mut gaps: Vec<f64> = channels.iter().flat_map(|name| pixels.iter().map(move |&at| apart(name, at))).collect();
+        gaps.sort_by(f64::total_cmp);
+        let found_mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
+        let found_most = gaps[gaps.len() * 99 / 100];
+        said += &format!("; {}: mean {found_mean:.5}, 99 % {found_most:.5}", channels[0]);
+        if found_mean > *mean || found_most > *most {
+            return Err(said);
+        }
+    }
+    Ok(said)
+}
+
+/// What is compared: everything warped by one layer, or one thing of several.
+fn check(shot: &Shot, holes: &Holes) -> Vec<Result<String, String>> {
+    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
+    let expected = rendered(shot.clone(), geometry.path());
+    rendered(still(shot), plates.path());
+    let warped = warped(shot.clone(), holes.clone(), plates.path());
+    warped.iter().zip(&expected).map(|(plate, geometry)| compare(plate, geometry)).collect()
+}
+
+#[test]
+fn a_whole_scene_warped_as_a_picture_is_the_scene_warped() {
+    let mut shot = teapot();
+    shot.layers[0].nodes.clear();
+    shot.layers[0].matte = Some(Matte::Alpha);
+    for outcome in check(&shot, &Holes::Leave) {
+        eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
+    }
+}
+
+/// The number that `id.layer` gives the only layer of the shot.
+const TEAPOT: u32 = 1;
+
+#[test]
+fn a_matted_thing_and_the_scene_behind_it_agree_too() {
+    let mut shot = teapot();
+    shot.layers[0].matte = Some(Matte::Id { channel: "id.layer".into(), values: vec![TEAPOT] });
+    for outcome in check(&shot, &Holes::Geometry) {
+        eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
+    }
+}
+
+#[test]
+fn a_warp_that_is_a_little_too_weak_is_found() {
+    let mut shot = teapot();
+    shot.layers[0].nodes.clear();
+    shot.layers[0].matte = Some(Matte::Alpha);
+    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
+    let expected = rendered(shot.clone(), geometry.path());
+    rendered(still(&shot), plates.path());
+    shot.layers[0].strength = 0.97;
+    let warped = warped(shot, Holes::Leave, plates.path());
+    assert!(compare(&warped[1], &expected[1]).is_err(), "3 % of the way are a pixel and a half");
+}
