@@ -111,7 +111,10 @@ fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
         .flat_map(|y| (0..width).map(move |x| (x, y)))
         .filter(|&(x, y)| thing(geometry, x, y).is_some_and(|id| thing(plate, x, y) == Some(id)))
         .collect();
-    let covered = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| thing(geometry, x, y).is_some()).count();
+    let covered = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .filter(|&(x, y)| thing(geometry, x, y).is_some())
+        .count();
     if pixels.len() * 100 < covered * 97 {
         return Err(format!("only {} of {covered} inner pixels show the same thing", pixels.len()));
     }
@@ -121,7 +124,8 @@ fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
             let sample = |frame| f64::from(at(frame, name, x, y).expect("inside both"));
             (sample(plate) - sample(geometry)).abs()
         };
-        let mut gaps: Vec<f64> = channels.iter().flat_map(|name| pixels.iter().map(move |&at| apart(name, at))).collect();
+        let mut gaps: Vec<f64> =
+            channels.iter().flat_map(|name| pixels.iter().map(move |&at| apart(name, at))).collect();
         gaps.sort_by(f64::total_cmp);
         let found_mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
         let found_most = gaps[gaps.len() * 99 / 100];

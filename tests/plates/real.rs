@@ -72,7 +72,11 @@ fn check_frame(before: &Path, after: &Path) {
             let bad = |samples: &[f32]| samples.iter().filter(|sample| sample.is_nan()).count();
             assert!(bad(&new.samples) <= bad(&old.samples), "{} has new samples that are no numbers", new.name);
         }
-        assert!(old.channels.iter().zip(&new.channels).any(|(old, new)| old.samples != new.samples), "{:?} moved", old.name);
+        assert!(
+            old.channels.iter().zip(&new.channels).any(|(old, new)| old.samples != new.samples),
+            "{:?} moved",
+            old.name
+        );
     }
 }
 
@@ -82,8 +86,12 @@ fn check_told(events: &[WarpEvent], plate: &Plate) {
         WarpEvent::FrameDone(report) if !report.channels.is_empty() => Some(&report.channels),
         _ => None,
     });
-    let told: Vec<_> = told.expect("meanings are told").iter().map(|told| (told.part.clone(), told.channel.clone())).collect();
-    let there = plate.parts.iter().flat_map(|part| part.channels.iter().map(|channel| (part.name.clone(), channel.name.clone())));
+    let told: Vec<_> =
+        told.expect("meanings are told").iter().map(|told| (told.part.clone(), told.channel.clone())).collect();
+    let there = plate
+        .parts
+        .iter()
+        .flat_map(|part| part.channels.iter().map(|channel| (part.name.clone(), channel.name.clone())));
     assert_eq!(told, there.collect::<Vec<_>>());
 }
 
@@ -122,7 +130,12 @@ fn a_flame_without_alpha_goes_through() {
     let flame = |plate: Plate| {
         let frame = plate.into_frame();
         let samples = |name: &str| frame.channel(name).expect("beauty").samples.clone();
-        let light = samples("R").iter().zip(samples("A")).filter(|(_, alpha)| *alpha == 0.0).map(|(red, _)| f64::from(*red)).sum::<f64>();
+        let light = samples("R")
+            .iter()
+            .zip(samples("A"))
+            .filter(|(_, alpha)| *alpha == 0.0)
+            .map(|(red, _)| f64::from(*red))
+            .sum::<f64>();
         (light, samples("R").into_iter().fold(f32::MIN, f32::max))
     };
     let (before, after) = (flame(before), flame(read_plate(&after).expect("a plate")));

@@ -1,8 +1,8 @@
-//! Plates of any kind of picture file.
+//! Kinds of picture files, told by the endings of their names.
 //!
-//! In: paths. Out: [`Plate`]s, and back; the ending of the name decides.
+//! In: paths. Out: what they may hold, whether they are whole, how large their frame is.
 
-use crate::image::{ImageError, Plate, is_complete, read_picture, read_plate, write_picture, write_plate};
+use crate::image::{ImageError, is_complete, read_any};
 use crate::space::FrameSize;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// By the ending of the name; `None`: none that is read here.
+    /// `None`: none that is read here.
     pub(super) fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -25,13 +25,11 @@ impl Kind {
             _ => None,
         }
     }
-}
 
-/// Reads a picture of any kind.
-pub(super) fn read(path: &Path) -> Result<Plate, ImageError> {
-    match Kind::of(path) {
-        Some(Kind::Png | Kind::Jpeg) => read_picture(path).map(Plate::from_frame),
-        Some(Kind::Exr) | None => read_plate(path),
+    /// The kind of a plate.
+    pub(super) fn of_plate(path: &Path) -> Result<Self, ImageError> {
+        let what = "is not the name of a plate; EXR, PNG and JPEG files can be warped";
+        Self::of(path).ok_or_else(|| ImageError::Pattern { pattern: path.to_owned(), what: what.into() })
     }
 }
 
@@ -40,15 +38,8 @@ pub(super) fn read(path: &Path) -> Result<Plate, ImageError> {
 /// # Errors
 /// [`ImageError`] where the plate cannot be read.
 pub fn plate_size(path: &Path) -> Result<FrameSize, ImageError> {
-    read(path).map(|plate| plate.frame_size())
-}
-
-/// Writes a picture of any kind.
-pub(super) fn write(path: &Path, plate: Plate) -> Result<(), ImageError> {
-    match Kind::of(path) {
-        Some(Kind::Png | Kind::Jpeg) => write_picture(path, &plate.into_frame()),
-        Some(Kind::Exr) | None => write_plate(path, &plate),
-    }
+    Kind::of_plate(path)?;
+    read_any(path).map(|plate| plate.frame_size())
 }
 
 /// The file is whole. Pictures that are no EXR files appear whole or not at all.

@@ -63,13 +63,10 @@ impl Plan {
 fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     let fault =
         |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
-    match (Kind::of(plate), Kind::of(output)) {
-        (None, _) => fault(plate, "is not the name of a plate; EXR, PNG and JPEG files can be warped"),
+    match (Kind::of_plate(plate)?, Kind::of(output)) {
         (_, None) => fault(output, "is not the name of a picture file; let it end in .exr (or .png for PNG plates)"),
         (_, Some(Kind::Jpeg)) => fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr"),
-        (Some(Kind::Exr), Some(Kind::Png)) => {
-            fault(output, "cannot hold the channels of an EXR plate; let it end in .exr")
-        }
+        (Kind::Exr, Some(Kind::Png)) => fault(output, "cannot hold the channels of an EXR plate; let it end in .exr"),
         _ => Ok(()),
     }
 }

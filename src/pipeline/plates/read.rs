@@ -3,9 +3,8 @@
 //! In: a [`Plan`]. Out: a [`Loaded`] frame after the other.
 
 use super::super::PipelineError;
-use super::files;
 use super::plan::Plan;
-use crate::image::Plate;
+use crate::image::{Plate, SequencePath, read_any};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Instant;
@@ -50,9 +49,7 @@ impl Reader<'_> {
 
     fn pictures(&self, frame: i32) -> Result<Pictures, PipelineError> {
         let Plan { plate, clean, maps, .. } = self.plan;
-        let read = |path: &Option<crate::image::SequencePath>| {
-            path.as_ref().map(|path| files::read(&path.path_of(frame))).transpose()
-        };
-        Ok(Pictures { plate: files::read(&plate.path_of(frame))?, clean: read(clean)?, map: read(maps)? })
+        let read = |path: &Option<SequencePath>| path.as_ref().map(|path| read_any(&path.path_of(frame))).transpose();
+        Ok(Pictures { plate: read_any(&plate.path_of(frame))?, clean: read(clean)?, map: read(maps)? })
     }
 }

@@ -4,8 +4,8 @@
 
 use super::super::PipelineError;
 use super::plan::Plan;
-use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary, files};
-use crate::image::{FrameMetadata, Plate};
+use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary};
+use crate::image::{FrameMetadata, Plate, write_any};
 use crate::plate::ChannelReport;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
@@ -66,7 +66,7 @@ impl<'a> Writer<'a> {
             device: "CPU".into(),
             camera: None,
         });
-        files::write(&report.path, plate)?;
+        write_any(&report.path, &plate)?;
         report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
         self.summary.read_ms += report.read_ms;
         self.summary.warp_ms += report.warp_ms;
