@@ -1,13 +1,13 @@
 //! What the geometry path shows where a layer of a plate has moved away.
 //!
-//! In: a shot with a scene, the layers that have a matte. Out: the scene of a frame drawn without them.
+//! In: a shot with a scene, the layers that have a matte. Out: the unwarped scene of a frame, drawn without them.
 
 use super::super::draw::draw_frame;
 use super::super::{PipelineError, Setup};
 use crate::image::Plate;
 use crate::raster::{self, ChannelGroup, DeviceChoice, Raster};
 use crate::scene::Scene;
-use crate::shot::{Layer, Shot};
+use crate::shot::Shot;
 use crate::space::FrameSize;
 
 /// Everything that can be drawn: a plate may hold any of it.
@@ -36,14 +36,13 @@ impl<'a> Filler<'a> {
         }
         moved.iter().for_each(|(part, _)| scene.nodes[part.node].mesh = None);
         let mut shot = setup.shot.clone();
-        let kept: Vec<Layer> =
-            shot.layers.drain(..).enumerate().filter(|(index, _)| !is_moved(*index)).map(|(_, layer)| layer).collect();
-        shot.layers = kept;
+        // The layers that are left bend the whole picture, and this with it.
+        shot.layers.clear();
         shot.output.channels = CHANNELS.to_vec();
         Some(Self { shot, scene, device, ready: None })
     }
 
-    /// The frame without what moves, in pixels of a plate of that size.
+    /// The unwarped frame without what has a matte, in pixels of a plate of that size.
     pub(super) fn draw(&mut self, frame: i32, size: FrameSize) -> Result<Plate, PipelineError> {
         let (mut device, setup) = match self.ready.take().filter(|(_, setup)| setup.shot.size == size) {
             Some(ready) => ready,
