@@ -13,6 +13,7 @@ mod job;
 mod plan;
 mod read;
 mod stage;
+mod stmap;
 mod write;
 
 pub use files::plate_size;

@@ -6,17 +6,19 @@ use super::super::PipelineError;
 use super::fill::Filler;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
+use super::stmap::map_of;
 use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, map_of_stmap,
+    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion,
     remap_plate, warp_plate,
 };
-use crate::space::FrameSize;
+use crate::space::{FrameSize, PixelRect};
 use std::borrow::Cow;
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
 
@@ -69,16 +71,20 @@ impl<'a> Stage<'a> {
         self.check_shape(frame, size)?;
         let rules = self.rules(size);
         if let Some(map) = map {
-            return Ok(remap_plate(plate, &map_of_stmap(map, size)?, &rules)?);
+            return Ok(remap_plate(plate, &map_of(map, size, &self.map_path(frame))?, &rules)?);
         }
         let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
             let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
-            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, size.window()), &rules)?);
+            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, reach_of(plate)), &rules)?);
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, size)).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
         Ok(warp_plate(plate, &job)?)
+    }
+
+    fn map_path(&self, frame: i32) -> PathBuf {
+        self.plan.maps.as_ref().map(|maps| maps.path_of(frame)).unwrap_or_default()
     }
 
     /// Proxies and overscan have the shot's shape; another shape is another shot.
@@ -176,4 +182,18 @@ impl<'a> Stage<'a> {
             PlateWarp::Maps(_) => Ok(Vec::new()),
         }
     }
+}
+
+/// The display window and all that is stored around it, relative to the display window.
+fn reach_of(plate: &Plate) -> PixelRect {
+    let display = plate.display;
+    let windows = plate.parts.iter().map(|part| part.data_window).chain([display]);
+    let sides = windows.map(|PixelRect { x, y, width, height }| {
+        [x - display.x, y - display.y, x - display.x + width as i32, y - display.y + height as i32]
+    });
+    let around = sides.fold([0; 4], |[x0, y0, x1, y1], [left, top, right, bottom]| {
+        [x0.min(left), y0.min(top), x1.max(right), y1.max(bottom)]
+    });
+    let [x, y, right, bottom] = around;
+    PixelRect { x, y, width: right.abs_diff(x), height: bottom.abs_diff(y) }
 }
