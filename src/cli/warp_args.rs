@@ -31,7 +31,7 @@ pub(super) struct WarpArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "stmap")]
     pub(super) layer: Vec<String>,
     /// The part of the plate that a lattice file moves: alpha, mask.R, id.object=3,7 or crypto:Body*,Head; default: all.
-    #[arg(long, value_name = "PART", value_parser = parse_matte, requires = "lattice")]
+    #[arg(long, value_name = "PART", value_parser = parse_matte, conflicts_with_all = ["shot", "stmap"])]
     pub(super) matte: Option<Matte>,
     /// Frames that fill what a layer with a matte uncovers, instead of what the shot says: clean.####.exr.
     #[arg(long, value_name = "PLATE")]

@@ -72,7 +72,16 @@ fn a_shot_warps_its_plate() {
     let middle = f64::from(moved.iter().sum::<i32>()) / moved.len() as f64;
     assert!((middle - 36.5).abs() <= 1.0, "4.5 pixels to the right: {moved:?}");
     assert_eq!(columns(&after, "id.object", |id| id.to_bits() == 7), moved, "ids go where depth goes");
-    assert_eq!(columns(&after, "depth.Z", |value| value != 2.0 && value != 10.0), Vec::<i32>::new(), "never blended");
+    assert_eq!(
+        columns(&after, "depth.Z", |value| value == 1e10),
+        [0, 1, 2, 3],
+        "what lies left of the frame is not known"
+    );
+    assert_eq!(
+        columns(&after, "depth.Z", |depth| ![2.0, 10.0, 1e10].contains(&depth)),
+        Vec::<i32>::new(),
+        "never blended"
+    );
 }
 
 #[test]
@@ -168,7 +177,7 @@ fn what_cannot_be_warped_is_refused() {
         ("warp in/b.##.##.exr --shot shot.toml", &["two frame counters"]),
         ("warp --shot shot.toml --layer al", &["has no layer 'al'", "did you mean"]),
         ("warp --shot shot.toml --filter sinc", &["ewa, cubic, lanczos or nearest"]),
-        ("warp --shot shot.toml --matte alpha", &["--lattice"]),
+        ("warp --shot shot.toml --matte alpha", &["--matte", "--shot", "cannot be used"]),
         ("warp --shot shot.toml --strength nan", &["a number is needed"]),
         (
             "warp in/c.####.exr --stmap in/b.####.exr -o w.####.exr",

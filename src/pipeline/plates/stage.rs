@@ -13,8 +13,8 @@ use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion,
-    remap_plate, warp_plate,
+    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, remap_plate,
+    warp_plate,
 };
 use crate::space::{FrameSize, PixelRect};
 use std::borrow::Cow;

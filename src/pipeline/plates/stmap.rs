@@ -102,7 +102,9 @@ mod tests {
     #[test]
     fn what_is_no_map_is_refused() {
         let says = |stmap: &Plate, size| map_of(stmap, size, Path::new("m.exr")).expect_err("refused").to_string();
-        assert!(says(&stmap([0.0; 2]), FrameSize::new(8, 4)).contains("m.exr is for 4 x 2 pixels, the plate shows 8 x 4"));
+        assert!(
+            says(&stmap([0.0; 2]), FrameSize::new(8, 4)).contains("m.exr is for 4 x 2 pixels, the plate shows 8 x 4")
+        );
         let mut bare = stmap([0.0; 2]);
         bare.parts[0].channels.remove(1);
         assert!(says(&bare, FrameSize::new(4, 2)).contains("m.exr has no channels R and G"));

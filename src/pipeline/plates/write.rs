@@ -64,7 +64,7 @@ impl<'a> Writer<'a> {
             frames_per_second: self.rate,
             shot_hash: self.plan.hash.clone(),
             device: "CPU".into(),
-            camera: None,
+            ..FrameMetadata::default()
         });
         write_any(&report.path, &plate)?;
         report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
