@@ -31,7 +31,7 @@ pub(super) enum Command {
     Render(RenderArgs),
     /// Warp finished frames of any renderer: all their channels, by their meaning.
     Warp(Box<WarpArgs>),
-    /// Write a commented, working shot file for a scene.
+    /// Write a commented, working shot file for a scene or a picture.
     New(NewArgs),
     /// Tell everything a render would trip over, without rendering.
     Check(CheckArgs),
@@ -111,7 +111,7 @@ impl From<ExistingArgs> for Existing {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct NewArgs {
-    /// The scene: .glb or .gltf.
+    /// The scene: .glb or .gltf; or a picture: .png, .jpg or .exr.
     pub(super) scene: PathBuf,
     /// The shot file to write.
     #[arg(short, long, value_name = "SHOT", default_value = "shot.toml")]

@@ -2,9 +2,9 @@
 
 use super::args::NewArgs;
 use super::{Outcome, refuse_existing};
-use crate::image::replace_text;
+use crate::image::{picture_size, replace_text};
 use crate::scene::{self, Scene};
-use crate::shot::template::{self, ClipFact, TemplateFacts};
+use crate::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
 use anyhow::Context;
 use std::io::Write;
@@ -20,16 +20,42 @@ const MAX_FRAME: f32 = 999_999.0;
 const DEFAULT_FRAMES: i32 = 24;
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
-    let scene = scene::load(&args.scene)?;
+    let (facts, warnings) = if is_model(&args.scene) {
+        let scene = scene::load(&args.scene)?;
+        (facts(&scene), scene.warnings)
+    } else {
+        (image_facts(&args.scene)?, Vec::new())
+    };
     refuse_existing(&args.output, args.overwrite)?;
     let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;
-    let text = template::write(&path.to_string_lossy(), &facts(&scene));
+    let text = template::write(&path.to_string_lossy(), &facts);
     replace_text(&args.output, &text)?;
-    for warning in &scene.warnings {
+    for warning in &warnings {
         writeln!(std::io::stderr(), "warning: {warning}")?;
     }
     writeln!(std::io::stdout(), "wrote {0}; next: pinwarp render {0} --frames 1 --preview", args.output.display())?;
     Ok(Outcome::Complete)
+}
+
+/// Everything that is no picture by its name is a scene, or none of the two, and the scene's reader says so.
+fn is_model(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    !ending.is_some_and(|ending| ["png", "jpg", "jpeg", "exr"].contains(&ending.as_str()))
+}
+
+/// What the template says about a picture.
+fn image_facts(path: &Path) -> anyhow::Result<TemplateFacts> {
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    Ok(TemplateFacts {
+        subject: Subject::Image,
+        cameras: Vec::new(),
+        has_camera: true,
+        clips: Vec::new(),
+        mesh_nodes: vec![name],
+        frames: [1, DEFAULT_FRAMES],
+        rate: RATE,
+        size: picture_size(path)?,
+    })
 }
 
 /// What the template says about the scene.
@@ -43,6 +69,7 @@ fn facts(scene: &Scene) -> TemplateFacts {
         .first()
         .map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round().min(MAX_FRAME) as i32 + 1);
     TemplateFacts {
+        subject: Subject::Scene,
         has_camera: !cameras.is_empty(),
         cameras,
         clips: scene

@@ -13,7 +13,6 @@ const FOREIGN_NAMES: &[(&str, &str)] =
 
 /// Keys that belong elsewhere, or to nothing yet.
 const FOREIGN_KEYS: &[(&str, &str)] = &[
-    ("image", "warping images is not supported by render yet; give `scene`, a .gltf or .glb file"),
     ("clip", "it belongs into frames: frames = { first = 1, last = 48, clip = \"Walk\" }"),
     ("clip_start", "it belongs into frames: frames = { first = 1, last = 48, clip_start = 1 }"),
     ("loop", "it belongs into frames: frames = { first = 1, last = 48, loop = true }"),
@@ -158,9 +157,8 @@ pub(super) fn unknown_key(key: &str, known: &Map<String, Rules>, path: &str) -> 
 
 /// Another key of the table, misspelt or not supported, already brought the fault of the missing one.
 pub(super) fn stands_for(table: &DeTable, missing: &str, known: &Map<String, Rules>) -> bool {
-    let is_image = |key: &str| missing == "scene" && key == "image";
     let unknown = table.keys().map(|key| key.get_ref().as_ref()).filter(|key| !known.contains_key(*key));
-    let mut meant = unknown.map(|key| is_image(key) || nearest(key, known.keys().map(String::as_str)) == Some(missing));
+    let mut meant = unknown.map(|key| nearest(key, known.keys().map(String::as_str)) == Some(missing));
     meant.any(|is_meant| is_meant)
 }
 

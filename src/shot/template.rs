@@ -8,6 +8,8 @@ use toml_edit::Value;
 /// What the template says about a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemplateFacts {
+    /// What the shot shows.
+    pub subject: Subject,
     /// Names of the cameras, the first one first; nameless ones left out.
     pub cameras: Vec<String>,
     /// The scene has a camera, named or not.
@@ -22,6 +24,15 @@ pub struct TemplateFacts {
     pub rate: f64,
     /// The frame.
     pub size: FrameSize,
+}
+
+/// What a shot shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A glTF scene.
+    Scene,
+    /// A picture.
+    Image,
 }
 
 /// A clip as the template lists it.
@@ -39,7 +50,11 @@ const LISTED_NAMES: usize = 12;
 /// A commented, working shot of `scene_file`, a path relative to the shot file.
 #[must_use]
 pub fn write(scene_file: &str, facts: &TemplateFacts) -> String {
-    [head(scene_file, facts), layer(facts), OUTPUT.to_owned()].join("\n")
+    let (head, output) = match facts.subject {
+        Subject::Scene => (head(scene_file, facts), OUTPUT),
+        Subject::Image => (image_head(scene_file, facts), IMAGE_OUTPUT),
+    };
+    [head, layer(facts), output.to_owned()].join("\n")
 }
 
 fn head(scene_file: &str, facts: &TemplateFacts) -> String {
@@ -68,6 +83,30 @@ shutter = {{ angle = 180, phase = -90 }}    # motion blur centred on the frame; 
 ",
         aspect = facts.size.aspect(),
         pixel_aspect = if pixel_aspect == 1.0 { String::new() } else { format!("pixel_aspect = {pixel_aspect:?}\n") },
+    )
+}
+
+fn image_head(image_file: &str, facts: &TemplateFacts) -> String {
+    let [first, last] = facts.frames;
+    let FrameSize { width, height, .. } = facts.size;
+    format!(
+        "## A shot of pinwarp: a picture, its frames, and layers whose pins bend it.
+## Two # begin an explanation, one # a line to use: take the # away.
+## Lengths on the screen are in frame heights, y up: [0, 0] is the lower left corner, [{aspect:.3}, 1] the upper right.
+version = 1
+image   = {image}
+##        several of one size, from back to front: image = [\"back.png\", \"hair.png\"]; each is a node of its own
+frames  = {{ first = {first}, last = {last}, rate = {rate} }}
+# size  = [{width}, {height}]             # default: the size of the picture
+# shutter = {{ angle = 180, phase = -90 }}  # motion blur centred on the frame; angle = 0: none
+# samples = 16                            # moments of the blur; more: smoother, slower
+# warp  = {{ filter = \"ewa\" }}            # or \"cubic\", \"lanczos\", \"nearest\"
+# step = 2                                # pins move on twos
+# strength = 1.0                          # all pins at once; 0: no warp
+",
+        aspect = facts.size.aspect(),
+        image = quoted(image_file),
+        rate = facts.rate,
     )
 }
 
@@ -104,6 +143,7 @@ fn layer(facts: &TemplateFacts) -> String {
     // A shot of one frame has room for one key.
     let is_moving = middle > f64::from(first);
     let later = if is_moving { pin_key(middle) } else { String::new() };
+    let world = if facts.subject == Subject::Scene { WORLD } else { "" };
     let handle_later = if is_moving { format!(", {{ frame = {middle}, offset = [0.0, 0.1] }}") } else { String::new() };
     format!(
         "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
@@ -116,9 +156,7 @@ name    = \"all\"
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
-## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
-## lattice = {{ space = \"world\", dims = [5, 5, 5], box = \"follow\" }}
-
+{world}
   ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
   ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}
   ## A pin without keys holds its place. Instead of offsets all keys may give a target: a place on the screen.
@@ -150,6 +188,17 @@ fn pin_key(frame: f64) -> String {
   #            {{ frame = {frame}, offset = [0.05, 0.1], rotate = 10.0, scale = 1.1 }}"
     )
 }
+
+/// The other space of lattices.
+const WORLD: &str = "## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
+## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
+";
+
+const IMAGE_OUTPUT: &str = "[output]
+# path = \"out/shot.####.exr\"              # default: out/<name of this file>.####.exr
+channels = [\"beauty\", \"id\"]
+# compression = \"zip\"                     # none, rle, zips, zip, piz, dwaa, dwab
+";
 
 const OUTPUT: &str = "[output]
 # path = \"out/shot.####.exr\"              # default: out/<name of this file>.####.exr

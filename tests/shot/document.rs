@@ -1,7 +1,7 @@
 //! The published schema, the reference page and the template say what the program does.
 
 use super::parse;
-use pinwarp::shot::template::{self, ClipFact, TemplateFacts};
+use pinwarp::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use pinwarp::shot::{OffsetUnit, Rotation, Shot, schema};
 use pinwarp::space::FrameSize;
 use serde_json::Value;
@@ -54,6 +54,7 @@ fn the_example_of_the_reference_is_a_shot() {
 
 fn facts() -> TemplateFacts {
     TemplateFacts {
+        subject: Subject::Scene,
         cameras: vec!["Cam \"A\"".to_owned(), "B".to_owned()],
         has_camera: true,
         clips: vec![ClipFact { name: "Walk\nfast".to_owned(), secs: 1.5 }],
@@ -99,6 +100,7 @@ fn the_examples_of_the_template_work_when_uncommented() {
 #[test]
 fn the_template_suits_a_bare_scene_of_one_frame() {
     let bare = TemplateFacts {
+        subject: Subject::Scene,
         cameras: Vec::new(),
         has_camera: false,
         clips: Vec::new(),

@@ -2,7 +2,7 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
 
-use super::{Check, LayerDefaults};
+use super::{Check, Kind, LayerDefaults};
 use crate::lattice::{Basis, MAX_HANDLES_IN_ALL};
 use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve, RawSpace};
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
@@ -83,7 +83,7 @@ impl Check<'_> {
     fn screen_box(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
         match &raw.bounds {
             // Nothing moves in front of a plate that a box could follow.
-            RawBox::Follow if !shot.has_nodes => BoxRule::Frame,
+            RawBox::Follow if shot.source == Kind::Frame => BoxRule::Frame,
             RawBox::Follow => BoxRule::Follow,
             RawBox::Frame => BoxRule::Frame,
             RawBox::Fixed(corners) => self.fixed_box(corners, &format!("{key}.box.fixed"), shot),

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Document`]. Out: a shot, or all faults of the file.
 
+mod image;
 mod layer;
 mod output;
 mod pin;
@@ -82,15 +83,15 @@ impl Check<'_> {
         let path = self.document.path.to_owned();
         let source = self.source(&raw);
         let frames = self.frames(&raw.frames);
-        let [width, height] = raw.size;
-        let size = FrameSize { width, height, pixel_aspect: raw.pixel_aspect };
+        let images = if let Source::Images(images) = &source { Some(images.as_slice()) } else { None };
+        let size = self.size(&raw, images);
         let defaults = LayerDefaults {
             step: raw.step,
             strength: raw.strength,
             first_frame: frames.first,
             size,
             space: RawSpace::Screen,
-            has_nodes: matches!(source, Source::Scene(_)),
+            source: Kind::of(&source),
         };
         let warp = self.warp(&raw.warp, &source, size);
         let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
@@ -124,11 +125,12 @@ impl Check<'_> {
         FrameRange { first, last, rate, clip_start: raw.clip_start.unwrap_or(first) }
     }
 
-    /// A key of the shot was told to be unknown that was probably meant to be this one.
-    fn has_unknown_key(&self, meant: &str) -> bool {
+    /// A key of the shot was told to be unknown that was probably meant to be one of these.
+    fn has_unknown_key(&self, meant: &[&str]) -> bool {
         let table = self.document.root.get_ref().as_table();
         let known = schema::inlined()["properties"].as_object();
-        table.zip(known).is_some_and(|(table, known)| hints::stands_for(table, meant, known))
+        let stands_for = |(table, known)| meant.iter().any(|meant| hints::stands_for(table, meant, known));
+        table.zip(known).is_some_and(stands_for)
     }
 
     /// Notes names that occur a second time.
@@ -150,8 +152,29 @@ struct LayerDefaults {
     size: FrameSize,
     /// Where the layer's lattice lies.
     space: RawSpace,
-    /// The shot has a scene, so that layers can name nodes of it.
-    has_nodes: bool,
+    /// What the shot's lattices are laid over.
+    source: Kind,
+}
+
+/// What lattices are laid over, and so what layers may name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Nodes of a scene.
+    Scene,
+    /// Pictures: flat nodes.
+    Images,
+    /// The frame itself: no nodes.
+    Frame,
+}
+
+impl Kind {
+    fn of(source: &Source) -> Self {
+        match source {
+            Source::Scene(_) => Self::Scene,
+            Source::Images(_) => Self::Images,
+            Source::Frame => Self::Frame,
+        }
+    }
 }
 
 /// No motion blur.

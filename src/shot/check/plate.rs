@@ -2,7 +2,7 @@
 //!
 //! In: raw tables. Out: [`WarpRules`], [`Matte`]s, paths, and what the shot's lattices are laid over.
 
-use super::{Check, LayerDefaults};
+use super::{Check, Kind, LayerDefaults};
 use crate::image::{ImageError, SequencePath};
 use crate::plate::{Holes, Matte, MotionRule, MotionScale, WarpRules};
 use crate::shot::Source;
@@ -14,20 +14,28 @@ use crate::space::FrameSize;
 use std::path::{Path, PathBuf};
 
 /// What to write where a shot says neither what is seen nor what is warped.
-const SOURCES: &str = "write for example `scene = \"scene.glb\"`, or `plate = \"beauty.####.exr\"` for finished frames";
+const SOURCES: &str = "write for example `scene = \"scene.glb\"`, `image = \"girl.png\"` for a drawing, or `plate = \"beauty.####.exr\"` \
+    for finished frames";
 
 impl Check<'_> {
     /// What the lattices are laid over.
     pub(super) fn source(&mut self, raw: &RawShot) -> Source {
-        let folder = self.folder();
-        if let (None, Some(_)) = (&raw.scene, &raw.plate) {
-            return Source::Frame;
+        let other = [("scene", raw.scene.is_some()), ("plate", raw.plate.is_some())];
+        if let (Some(image), Some((other, _))) = (&raw.image, other.iter().find(|(_, is_given)| *is_given)) {
+            let hint = format!("keep one of `image` and `{other}`");
+            self.fault("image", format!("stands beside `{other}`: is it a drawing or not?"), hint);
+            return Source::Images(self.images(image));
         }
-        // A misspelt key was told already, and it is the cause.
-        if raw.scene.is_none() && !self.has_unknown_key("scene") {
-            self.fault("scene", "is missing", SOURCES);
+        match (&raw.scene, &raw.image, &raw.plate) {
+            (_, Some(image), _) => return Source::Images(self.images(image)),
+            (None, None, Some(_)) => return Source::Frame,
+            // A misspelt key was told already, and it is the cause.
+            (None, None, None) if !self.has_unknown_key(&["scene", "image"]) => {
+                self.fault("scene", "is missing", SOURCES);
+            }
+            _ => {}
         }
-        Source::Scene(folder.join(raw.scene.as_deref().unwrap_or_default()))
+        Source::Scene(self.folder().join(raw.scene.as_deref().unwrap_or_default()))
     }
 
     /// A path that may have a frame counter.
@@ -115,8 +123,10 @@ impl Check<'_> {
 
     /// Refuses what a layer of a shot without a scene cannot have.
     pub(super) fn plate_layer(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) {
-        if shot.has_nodes {
-            return;
+        match shot.source {
+            Kind::Scene => return,
+            Kind::Images => return self.image_layer(raw, key),
+            Kind::Frame => {}
         }
         let parts = [("nodes", raw.nodes.is_some()), ("stiffness", !raw.stiffness.is_empty())];
         for (part, _) in parts.iter().filter(|(_, is_given)| *is_given) {
@@ -133,7 +143,7 @@ impl Check<'_> {
         }
     }
 
-    fn folder(&self) -> PathBuf {
+    pub(super) fn folder(&self) -> PathBuf {
         self.document.path.parent().unwrap_or(Path::new("")).to_owned()
     }
 }

@@ -3,16 +3,18 @@
 //! In: TOML that [`super::structure`] compared with the schema of these types. Out: input of [`super::check`].
 //! The descriptions below are what the published schema says about each key.
 
+mod image;
 mod layer;
 mod plate;
 
+pub(super) use image::*;
 pub(super) use layer::*;
 pub(super) use plate::*;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A shot of pinwarp: a scene or a plate, frames, layers with pins, and what is written.
+/// A shot of pinwarp: a scene, pictures or a plate, frames, layers with pins, and what is written.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, title = "pinwarp shot")]
 pub(super) struct RawShot {
@@ -21,9 +23,12 @@ pub(super) struct RawShot {
     #[schemars(range(min = 1, max = 1))]
     #[expect(dead_code, reason = "compared before the rest of the file is looked at; here for the schema")]
     pub(super) version: u32,
-    /// The glTF scene (.gltf or .glb), relative to the shot file; a shot without one has a `plate`.
+    /// The glTF scene (.gltf or .glb), relative to the shot file; a shot without one has an `image` or a `plate`.
     #[schemars(length(min = 1), example = &"scene.glb")]
     pub(super) scene: Option<String>,
+    /// Instead of a scene: a picture (PNG, JPEG, EXR), or several of one size from back to front, relative to the shot file.
+    #[schemars(example = &"girl.png")]
+    pub(super) image: Option<RawImage>,
     /// Finished frames that `pinwarp warp` warps, relative to the shot file, with #### or %04d for the frame.
     #[schemars(length(min = 1), example = &"beauty.####.exr")]
     pub(super) plate: Option<String>,
@@ -38,14 +43,12 @@ pub(super) struct RawShot {
     pub(super) frames: RawFrames,
     /// Motion blur; without this table there is none.
     pub(super) shutter: Option<RawShutter>,
-    /// Width and height of the frame, pixels.
-    #[serde(default = "default_size")]
+    /// Width and height of the frame, pixels; default: [1920, 1080], of pictures the size of the first.
     #[schemars(inner(range(min = 1, max = 65536)), example = [1920, 1080])]
-    pub(super) size: [u32; 2],
-    /// Width of a pixel divided by its height.
-    #[serde(default = "default_one")]
-    #[schemars(range(min = 0.1, max = 10.0))]
-    pub(super) pixel_aspect: f64,
+    pub(super) size: Option<[u32; 2]>,
+    /// Width of a pixel divided by its height; default: 1, of pictures as the first says.
+    #[schemars(range(min = 0.1, max = 10.0), example = 1.0)]
+    pub(super) pixel_aspect: Option<f64>,
     /// Samples a pixel, spread over the pixel and the shutter.
     #[serde(default = "default_samples")]
     #[schemars(range(min = 1, max = 4096))]
@@ -175,10 +178,6 @@ pub(super) enum RawCompression {
 
 fn default_version() -> u32 {
     1
-}
-
-fn default_size() -> [u32; 2] {
-    [1920, 1080]
 }
 
 fn default_one() -> f64 {

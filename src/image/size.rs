@@ -1,0 +1,29 @@
+//! The size of a picture, without decoding it.
+//!
+//! In: the path of a PNG, JPEG or EXR file. Out: its display window as a [`FrameSize`].
+
+use super::ImageError;
+use crate::space::FrameSize;
+use exr::meta::MetaData;
+use image::ImageReader;
+use std::path::Path;
+
+/// How large a picture is as the viewer sees it. Only its head is read.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be opened or its head is damaged.
+pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
+    let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+    if is_exr {
+        let head = MetaData::read_from_file(path, false).map_err(|failed| super::exr_guard::read_error(path, failed))?;
+        let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
+        let shared = &first.shared_attributes;
+        let [width, height] = [shared.display_window.size.width(), shared.display_window.size.height()]
+            .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+        return Ok(FrameSize { width, height, pixel_aspect: f64::from(shared.pixel_aspect) });
+    }
+    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
+    let reader = reader.map_err(|source| ImageError::reading(path, source))?;
+    let (width, height) = reader.into_dimensions().map_err(|failed| ImageError::damaged(path, failed.to_string()))?;
+    Ok(FrameSize::new(width, height))
+}
