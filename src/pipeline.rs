@@ -19,6 +19,7 @@ mod output;
 mod overlay;
 mod passes;
 mod plates;
+mod pictures;
 mod posed;
 mod produce;
 mod render;

@@ -22,6 +22,7 @@ mod plate_write;
 mod preview;
 mod sequence;
 mod srgb;
+mod size;
 mod window;
 
 pub use atomic::replace_text;
@@ -37,6 +38,7 @@ pub use plate_read::read_plate;
 pub use plate_write::write_plate;
 pub use preview::{Preview, preview, write_png};
 pub use sequence::SequencePath;
+pub use size::picture_size;
 
 use crate::space::PixelRect;
 

@@ -15,7 +15,8 @@ use std::path::Path;
 pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
     let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
     if is_exr {
-        let head = MetaData::read_from_file(path, false).map_err(|failed| super::exr_guard::read_error(path, failed))?;
+        let head =
+            MetaData::read_from_file(path, false).map_err(|failed| super::exr_guard::read_error(path, failed))?;
         let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
         let shared = &first.shared_attributes;
         let [width, height] = [shared.display_window.size.width(), shared.display_window.size.height()]

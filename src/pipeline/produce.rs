@@ -77,7 +77,7 @@ impl Producer<'_> {
         let begun = Instant::now();
         let shot = &self.setup.shot;
         let middle = self.setup.exposed(frame)?;
-        let mut facts = self.facts(frame, &middle);
+        let mut facts = facts(self.setup, (frame, &middle), self.has_overlay, &mut self.jerk);
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
         let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
@@ -102,19 +102,6 @@ impl Producer<'_> {
         Ok(())
     }
 
-    fn facts(&mut self, frame: i32, middle: &Moment) -> Facts {
-        let mut report = report(self.setup, frame, middle);
-        self.jerk.watch(self.setup, middle, &mut report);
-        Facts {
-            report,
-            picture: self.has_overlay.then(|| overlay::Picture::of(self.setup, middle)),
-            camera: CameraMatrices {
-                camera_from_scene: middle.camera.view_from_scene(),
-                screen_from_scene: middle.camera.screen_from_scene(),
-            },
-        }
-    }
-
     /// The geometry of one time, with the neighbours' places where motion is wanted.
     fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
         let setup = self.setup;
@@ -137,6 +124,25 @@ impl Producer<'_> {
             environment: lighting::environment(&setup.shot, &now.pose),
             line_width: LINE_WIDTH.max(1.0 / f64::from(setup.shot.size.height)),
         }))
+    }
+}
+
+/// What a solved frame has to say.
+pub(super) fn facts(
+    setup: &Setup,
+    (frame, middle): (i32, &Moment),
+    has_overlay: bool,
+    jerk: &mut JerkMeter,
+) -> Facts {
+    let mut report = report(setup, frame, middle);
+    jerk.watch(setup, middle, &mut report);
+    Facts {
+        report,
+        picture: has_overlay.then(|| overlay::Picture::of(setup, middle)),
+        camera: CameraMatrices {
+            camera_from_scene: middle.camera.view_from_scene(),
+            screen_from_scene: middle.camera.screen_from_scene(),
+        },
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::draw::{draw_all, tiles};
 use super::output::{frames_to_do, prepare_folder, stale_note};
+use super::pictures::{Wanted, render_pictures};
 use super::produce::Producer;
 use super::write::Writer;
 use super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
@@ -34,6 +35,9 @@ pub fn render(
     tell: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
     let work = Work::plan(setup, options)?;
+    if setup.gallery.is_some() {
+        return Ok(work.paint(cancel, tell));
+    }
     let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
     if let Some(reason) = fallback {
         tell(Event::Note { text: format!("the CPU draws: {reason}") });
@@ -93,11 +97,19 @@ impl<'a> Work<'a> {
         Ok(Self { begun, setup, options, output, frames, kept })
     }
 
+    /// Pictures are warped as pictures; no device draws them.
+    fn paint(self, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
+        let Self { begun, setup, options, output, frames, kept } = self;
+        tell_notes(setup, &kept, tell);
+        let count = frames.len();
+        let wanted = Wanted { options, output, frames, kept: kept.len() };
+        let summary = render_pictures(setup, wanted, cancel, tell);
+        finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, count, (cancel, tell))
+    }
+
     fn run(self, device: &mut dyn Raster, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, setup, options, output, frames, kept } = self;
-        for text in setup.notes.iter().cloned().chain(stale_note(&kept, &setup.shot.hash())) {
-            tell(Event::Note { text });
-        }
+        tell_notes(setup, &kept, tell);
         let (wanted, kept) = (frames.len(), kept.len());
         tell(Event::Started { device: device.name(), frames: wanted, kept });
         let mut writer = Writer::new(setup, options, output, device.name());
@@ -114,11 +126,28 @@ impl<'a> Work<'a> {
             // A panic in the writer is passed on, not swallowed.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
-        let mut summary = Summary { kept, raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
-        summary.is_cancelled = summary.rendered + summary.failed < wanted && cancel.load(Ordering::Relaxed);
-        tell(Event::Finished(summary.clone()));
-        summary
+        let summary = Summary { kept, raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
+        finished(summary, wanted, (cancel, tell))
     }
+}
+
+/// What the user should know before it begins.
+fn tell_notes(setup: &Setup, kept: &[PathBuf], tell: &(dyn Fn(Event) + Sync)) {
+    for text in setup.notes.iter().cloned().chain(stale_note(kept, &setup.shot.hash())) {
+        tell(Event::Note { text });
+    }
+}
+
+/// Tells the end of a render of `wanted` frames.
+fn finished(
+    summary: Summary,
+    wanted: usize,
+    (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
+) -> Summary {
+    let is_cancelled = summary.rendered + summary.failed < wanted && cancel.load(Ordering::Relaxed);
+    let summary = Summary { is_cancelled, ..summary };
+    tell(Event::Finished(summary.clone()));
+    summary
 }
 
 /// Frames are EXR files, and previews are named after them.

@@ -6,6 +6,7 @@ use super::claims::Claims;
 use super::follow::{Bounds, KeptBounds};
 use super::mattes::Mattes;
 use super::passes::mid_shutter;
+use super::pictures::Gallery;
 use super::screen_layer::corners;
 use super::transfer::{self, Loaded};
 use super::{Moment, Pinned, PipelineError, anchors, claims, lighting, stiffness};
@@ -57,6 +58,8 @@ pub struct Setup {
     pub(super) loaded: Vec<Option<Loaded>>,
     /// Names and ids for Cryptomattes.
     pub(super) mattes: Mattes,
+    /// The pictures that the scene stands for.
+    pub(super) gallery: Option<Gallery>,
     camera: CameraSource,
     clip: ClipChoice,
     moments: Mutex<VecDeque<Arc<Moment>>>,
@@ -70,8 +73,10 @@ impl Setup {
     /// # Errors
     /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
-        let scene = load(&shot)?;
-        Self::with_scene(shot, scene)
+        check_size(&shot)?;
+        let (scene, gallery) = load(&shot)?;
+        let setup = Self::with_scene(shot, scene)?;
+        Ok(Self { gallery, ..setup })
     }
 
     /// Ties a shot to a scene that is loaded already, instead of its own.
@@ -80,7 +85,6 @@ impl Setup {
     /// [`PipelineError`] where the scene does not fit the shot.
     pub(super) fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
         let mut notes = scene.warnings.clone();
-        check_size(&shot)?;
         let clip = choose_clip(&shot, &scene, &mut notes)?;
         let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
         if first.parts.is_empty() {
@@ -105,6 +109,7 @@ impl Setup {
             rig: Vec::new(),
             loaded,
             mattes,
+            gallery: None,
             camera,
             clip,
             moments: Mutex::default(),
@@ -246,13 +251,14 @@ fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
     !scene.materials[screen::primitive(scene, part).material].unlit
 }
 
-/// What the shot is about, as a scene.
-fn load(shot: &Shot) -> Result<Scene, PipelineError> {
+/// What the shot is about, as a scene; and the pictures that it stands for.
+fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
     match &shot.source {
-        Source::Scene(path) => Ok(scene::load(path)?),
-        Source::Frame => Ok(scene::frame_card(shot.size.aspect())),
-        Source::Images(_) => {
-            Err(PipelineError::mismatch(shot, "scene", "there is no scene", "give `scene`, a .gltf or .glb file"))
+        Source::Scene(path) => Ok((scene::load(path)?, None)),
+        Source::Frame => Ok((scene::frame_card(shot.size.aspect()), None)),
+        Source::Images(paths) => {
+            let (gallery, scene) = Gallery::hang(shot, paths)?;
+            Ok((scene, Some(gallery)))
         }
     }
 }

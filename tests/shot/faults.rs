@@ -47,7 +47,7 @@ fn keys_and_types() {
         case(["unit =", "uint ="], (26, "layer[0].pin[1].uint"), &["did you mean `unit`?"]),
         case(["ease = {", "eas = {"], (30, "layer[0].handle[0].keys[1].eas"), &["did you mean `ease`?"]),
         case(["scene  =", "scenes  ="], (2, "scenes"), &["did you mean `scene`?"]),
-        case(["scene  =", "image  ="], (2, "image"), &["not supported by render yet", "give `scene`"]),
+        case(["scene  =", "image  ="], (2, "image"), &["\"teapot.glb\" is not the name of a picture", "is a `scene`"]),
         case(["scene  = \"teapot.glb\"", ""], (1, "scene"), &["is missing", "scene = \"scene.glb\"", "plate = "]),
         case(["first = 1,", ""], (4, "frames.first"), &["is missing", "first = 1"]),
         case(

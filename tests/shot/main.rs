@@ -4,6 +4,7 @@ mod document;
 mod edits;
 mod faults;
 mod hostile;
+mod images;
 mod motion;
 mod plates;
 mod world;

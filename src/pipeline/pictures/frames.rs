@@ -1,0 +1,104 @@
+//! Renders the frames of a shot of pictures: one is solved and painted while the last is written.
+//!
+//! In: what a render is asked. Out: files, events, a [`Summary`], as from any render.
+
+use super::super::passes::{PassPlan, mid_shutter, plan_passes};
+use super::super::produce::facts;
+use super::super::write::{Drawn, Writer};
+use super::super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
+use super::paint::Painter;
+use crate::image::SequencePath;
+use crate::raster::{ChannelGroup, PassRole};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::time::Instant;
+
+/// What draws, in events and metadata.
+const DEVICE: &str = "the CPU, as pictures";
+
+/// Frames to render, and where to.
+pub(in crate::pipeline) struct Wanted<'a> {
+    pub(in crate::pipeline) options: &'a RenderOptions,
+    pub(in crate::pipeline) output: SequencePath,
+    pub(in crate::pipeline) frames: Vec<i32>,
+    /// How many stay as they are.
+    pub(in crate::pipeline) kept: usize,
+}
+
+/// Renders them.
+pub(in crate::pipeline) fn render_pictures(
+    setup: &Setup,
+    wanted: Wanted,
+    cancel: &AtomicBool,
+    tell: &(dyn Fn(Event) + Sync),
+) -> Summary {
+    let Wanted { options, output, frames, kept } = wanted;
+    let Some(gallery) = &setup.gallery else { return Summary { kept, ..Summary::default() } };
+    tell_left_out(setup, tell);
+    tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
+    let mut writer = Writer::new(setup, options, output, DEVICE.to_owned());
+    let mut painting = Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
+    std::thread::scope(|scope| {
+        let (drawn, drawns) = sync_channel(1);
+        let writing = scope.spawn(|| writer.run(drawns, tell));
+        for &frame in &frames {
+            if cancel.load(Ordering::Relaxed) || drawn.send(painting.draw(frame)).is_err() {
+                break;
+            }
+        }
+        drop(drawn);
+        // A panic in the writer is passed on, not swallowed.
+        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+    Summary { kept, raster_ms: painting.busy_ms, ..writer.summary() }
+}
+
+/// Says which channels pictures do not have.
+fn tell_left_out(setup: &Setup, tell: &(dyn Fn(Event) + Sync)) {
+    let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
+    let names: Vec<String> =
+        setup.shot.output.channels.iter().filter(is_left_out).map(|group| format!("{group:?}").to_lowercase()).collect();
+    if !names.is_empty() {
+        let text = format!("pictures have colour and ids only: {} is not written; take it out of `channels`", names.join(", "));
+        tell(Event::Note { text });
+    }
+}
+
+/// The thread that solves and paints.
+struct Painting<'a> {
+    setup: &'a Setup,
+    painter: Painter<'a>,
+    options: &'a RenderOptions,
+    jerk: JerkMeter,
+    busy_ms: f64,
+}
+
+impl Painting<'_> {
+    fn draw(&mut self, frame: i32) -> Drawn {
+        self.try_draw(frame).unwrap_or_else(|error| Drawn::Failed(frame, error))
+    }
+
+    fn try_draw(&mut self, frame: i32) -> Result<Drawn, PipelineError> {
+        let begun = Instant::now();
+        let setup = self.setup;
+        let middle = setup.exposed(frame)?;
+        let mut facts = facts(setup, (frame, &middle), self.options.has_overlay, &mut self.jerk);
+        facts.report.geometry_ms = begun.elapsed().as_secs_f64() * 1e3;
+        let begun = Instant::now();
+        let picture = self.painter.frame(&times(setup, frame), &middle, |time| setup.moment(time))?;
+        facts.report.raster_ms = begun.elapsed().as_secs_f64() * 1e3;
+        self.busy_ms += facts.report.raster_ms;
+        Ok(Drawn::Frame(Box::new(picture), Box::new(facts)))
+    }
+}
+
+/// The moments of a frame's exposure; without a shutter its own.
+fn times(setup: &Setup, frame: i32) -> Vec<f64> {
+    let shutter = setup.shot.shutter;
+    if shutter.angle <= 0.0 {
+        return vec![f64::from(frame) + mid_shutter(shutter)];
+    }
+    let is_beauty = |pass: &PassPlan| pass.role != PassRole::Data;
+    let passes = plan_passes(setup.shot.samples, shutter).into_iter().filter(is_beauty);
+    passes.map(|pass| f64::from(frame) + pass.time_frames).collect()
+}

@@ -1,0 +1,101 @@
+//! Shots of pictures: read once, solved like models, and drawn by warping the pictures themselves.
+//!
+//! In: the paths of a shot. Out: a [`Gallery`] and the scene it stands for; frames.
+
+mod frames;
+mod paint;
+mod read;
+
+pub(super) use frames::{Wanted, render_pictures};
+
+use super::PipelineError;
+use crate::image::{Storage, read_any};
+use crate::scene::{Picture, Scene, picture_cards};
+use crate::shot::Shot;
+use crate::space::{FrameSize, PixelRect};
+use read::Sheet;
+use std::path::{Path, PathBuf};
+
+/// The pictures of a shot, from back to front, one a node of its scene.
+#[derive(Clone, Debug)]
+pub(super) struct Gallery {
+    /// Their size as drawn; that of the frame where it was not scaled.
+    frame: FrameSize,
+    sheets: Vec<Sheet>,
+    /// The finest of their channels.
+    storage: Storage,
+}
+
+impl Gallery {
+    /// Reads all pictures, and lays them out as a scene.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where a picture cannot be read, is empty, or does not fit the others or the frame.
+    pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
+        let mut sheets = Vec::new();
+        let mut frame: Option<(FrameSize, &Path)> = None;
+        for path in paths {
+            let plate = read_any(path)?;
+            let size = plate.frame_size();
+            match frame {
+                Some((first, of)) if first != size => return Err(unequal(shot, (first, of), (size, path))),
+                _ => frame = Some((size, path)),
+            }
+            sheets.extend(read::sheets(shot, path, plate)?);
+        }
+        let Some((frame, first)) = frame else {
+            return Err(PipelineError::mismatch(shot, "image", "names no picture", "name one"));
+        };
+        check_shape(shot, frame, first)?;
+        check_names(shot, &sheets)?;
+        let pictures: Vec<Picture> = sheets.iter().map(Sheet::picture).collect();
+        let scene = picture_cards(frame, &pictures)?;
+        let is_half = sheets.iter().all(|sheet| sheet.storage == Storage::Half);
+        let storage = if is_half { Storage::Half } else { Storage::Float };
+        let gallery = Self { frame, sheets, storage }.sized(shot.size);
+        Ok((gallery, scene))
+    }
+
+    /// The same pictures for another frame of the same shape.
+    fn sized(self, size: FrameSize) -> Self {
+        if [self.frame.width, self.frame.height] == [size.width, size.height] {
+            return self;
+        }
+        let sheets = self.sheets.iter().map(|sheet| sheet.scaled(self.frame, size)).collect();
+        Self { frame: size, sheets, ..self }
+    }
+}
+
+fn sides(size: FrameSize) -> String {
+    let FrameSize { width, height, pixel_aspect } = size;
+    let aspect = if pixel_aspect == 1.0 { String::new() } else { format!(" (pixel aspect {pixel_aspect})") };
+    format!("{width} x {height}{aspect}")
+}
+
+fn unequal(shot: &Shot, (first, of): (FrameSize, &Path), (size, path): (FrameSize, &Path)) -> PipelineError {
+    let what =
+        format!("{} shows {} pixels, {} shows {}", of.display(), sides(first), path.display(), sides(size));
+    PipelineError::mismatch(shot, "image", what, "save all pictures of a shot on canvases of one size")
+}
+
+/// A frame of another size shows the pictures scaled; of another shape it cannot.
+fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), PipelineError> {
+    // A side of a scaled frame may be half a pixel off.
+    let slack = 0.5 * (shot.size.pixel_aspect + shot.size.aspect()) / f64::from(shot.size.height);
+    if (frame.aspect() - shot.size.aspect()).abs() <= slack + 1e-6 {
+        return Ok(());
+    }
+    let what = format!("the frame of {} pixels has not the shape of {}, {}", sides(shot.size), path.display(), sides(frame));
+    Err(PipelineError::mismatch(shot, "size", what, "leave `size` out, or give one of the picture's shape"))
+}
+
+/// Layers, pins and pick tell pictures apart by their names.
+fn check_names(shot: &Shot, sheets: &[Sheet]) -> Result<(), PipelineError> {
+    for (index, sheet) in sheets.iter().enumerate() {
+        if let Some(other) = sheets[..index].iter().find(|other| other.name == sheet.name) {
+            let what = format!("{} and {} both hold a picture '{}'", other.path.display(), sheet.path.display(), sheet.name);
+            return Err(PipelineError::mismatch(shot, "image", what, "rename one of them"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! Draws pictures: each is warped as its layer's lattice says, and laid over those behind it.
+//!
+//! In: a [`Gallery`] and solved moments. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
+
+use super::super::{Moment, Setup};
+use super::{Gallery, Sheet};
+use crate::image::{Channel, Frame, Storage};
+use crate::lattice::ScreenLattice;
+use crate::plate::{Field, Filter, Planes, WarpMap, resampled};
+use crate::raster::ChannelGroup;
+use crate::space::{FrameSize, PixelRect};
+use rayon::prelude::*;
+
+/// A pixel shows the first picture that covers at least this much of it, as with surfaces.
+const SEEN: f32 = 0.5;
+
+/// A picture as it lies in the frame at some moment.
+struct Laid {
+    /// What warped it; `None`: nothing.
+    lattice: Option<ScreenLattice>,
+    /// Pixels that it may cover, and its samples there.
+    window: PixelRect,
+    /// R, G, B and A.
+    planes: [Vec<f32>; 4],
+}
+
+/// Draws frames; remembers pictures that did not move between moments of an exposure.
+pub(super) struct Painter<'a> {
+    gallery: &'a Gallery,
+    setup: &'a Setup,
+    /// One a picture.
+    laid: Vec<Option<Laid>>,
+}
+
+impl<'a> Painter<'a> {
+    pub(super) fn new(gallery: &'a Gallery, setup: &'a Setup) -> Self {
+        let laid = gallery.sheets.iter().map(|_| None).collect();
+        Self { gallery, setup, laid }
+    }
+
+    /// The mean of several moments, with the ids of the middle one.
+    ///
+    /// # Errors
+    /// Those of `moment`.
+    pub(super) fn frame<E>(&mut self, times: &[f64], middle: &Moment, moment: impl Fn(f64) -> Result<std::sync::Arc<Moment>, E>) -> Result<Frame, E> {
+        let size = self.gallery.frame;
+        let groups = &self.setup.shot.output.channels;
+        let mut channels = Vec::new();
+        if groups.contains(&ChannelGroup::Beauty) {
+            let mut sum: Option<[Vec<f32>; 4]> = None;
+            for &time in times {
+                let picture = self.beauty(&*moment(time)?);
+                match &mut sum {
+                    None => sum = Some(picture),
+                    Some(sum) => sum.iter_mut().zip(&picture).for_each(|(sum, plane)| add(sum, plane)),
+                }
+            }
+            let planes = scaled(sum.unwrap_or_default(), times.len());
+            let named = ["R", "G", "B", "A"].into_iter().zip(planes);
+            channels.extend(named.map(|(name, samples)| channel(name, self.gallery.storage, samples)));
+        }
+        if groups.contains(&ChannelGroup::Id) {
+            let ids = self.ids(middle);
+            let named = ["id.layer", "id.object"].into_iter().zip(ids);
+            channels.extend(named.map(|(name, samples)| channel(name, Storage::Float, samples)));
+        }
+        let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
+        Ok(Frame { display, data_window: display, pixel_aspect, channels }.crop_to_covered())
+    }
+
+    /// All pictures over one another.
+    fn beauty(&mut self, moment: &Moment) -> [Vec<f32>; 4] {
+        let window = self.gallery.frame.window();
+        let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
+        for index in 0..self.gallery.sheets.len() {
+            lay_over(&mut canvas, window, self.lay(index, moment));
+        }
+        canvas
+    }
+
+    /// Layer and object of the front-most picture of every pixel.
+    fn ids(&mut self, moment: &Moment) -> [Vec<f32>; 2] {
+        let window = self.gallery.frame.window();
+        let mut ids = [vec![0.0; window.area()], vec![0.0; window.area()]];
+        for index in 0..self.gallery.sheets.len() {
+            let layer = self.setup.owners[index].map_or(0, |layer| layer + 1);
+            let here = [layer as f32, (index + 1) as f32];
+            let laid = self.lay(index, moment);
+            for (at, from, count) in shared_rows(window, laid.window) {
+                for pixel in 0..count {
+                    if laid.planes[3][from + pixel] >= SEEN {
+                        (ids[0][at + pixel], ids[1][at + pixel]) = (here[0], here[1]);
+                    }
+                }
+            }
+        }
+        ids
+    }
+
+    /// A picture, warped as at a moment.
+    fn lay(&mut self, index: usize, moment: &Moment) -> &Laid {
+        let owner = self.setup.owners[index];
+        let lattice = owner.and_then(|layer| moment.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
+        let sheet = &self.gallery.sheets[index];
+        let kept = self.laid[index].take().filter(|laid| laid.lattice.as_ref() == lattice);
+        let laid = kept.unwrap_or_else(|| warped(sheet, self.gallery.frame, lattice, self.setup.shot.warp.filter));
+        self.laid[index].insert(laid)
+    }
+}
+
+fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
+    Channel { name: name.to_owned(), storage, samples }
+}
+
+fn warped(sheet: &Sheet, frame: FrameSize, lattice: Option<&ScreenLattice>, filter: Filter) -> Laid {
+    let Some(lattice) = lattice else {
+        return Laid { lattice: None, window: sheet.window, planes: sheet.planes.clone() };
+    };
+    let field = Field::of_layer(lattice.clone());
+    let window = within(field.warped_window(frame, sheet.window), frame);
+    let map = WarpMap::backward(&field, frame, window);
+    let source: Planes = sheet.samples();
+    let planes = resampled(&map, &source, filter);
+    let planes = <[Vec<f32>; 4]>::try_from(planes).expect("a plane comes out for each that goes in");
+    Laid { lattice: Some(lattice.clone()), window, planes }
+}
+
+/// The part of a window that lies in the frame.
+fn within(window: PixelRect, frame: FrameSize) -> PixelRect {
+    let along = |start: i32, length: u32, most: u32| {
+        let end = (i64::from(start) + i64::from(length)).clamp(0, i64::from(most));
+        let start = i64::from(start).clamp(0, end);
+        (start as i32, (end - start) as u32)
+    };
+    let (x, width) = along(window.x, window.width, frame.width);
+    let (y, height) = along(window.y, window.height, frame.height);
+    PixelRect { x, y, width, height }
+}
+
+/// Rows that two windows share: where they begin in each, and their length.
+fn shared_rows(window: PixelRect, other: PixelRect) -> Vec<(usize, usize, usize)> {
+    let [left, top] = [window.x.max(other.x), window.y.max(other.y)];
+    let right = (window.x + window.width as i32).min(other.x + other.width as i32);
+    let bottom = (window.y + window.height as i32).min(other.y + other.height as i32);
+    let count = usize::try_from(right - left).unwrap_or(0);
+    let start = |of: PixelRect, y: i32| (y - of.y) as usize * of.width as usize + (left - of.x) as usize;
+    let rows = if count > 0 { top..bottom } else { 0..0 };
+    rows.map(|y| (start(window, y), start(other, y), count)).collect()
+}
+
+/// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.
+fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, laid: &Laid) {
+    let rows = shared_rows(window, laid.window);
+    let alpha = &laid.planes[3];
+    for (plane, front) in canvas.iter_mut().zip(&laid.planes) {
+        for &(at, from, count) in &rows {
+            let (behind, front, alpha) = (&mut plane[at..at + count], &front[from..from + count], &alpha[from..from + count]);
+            for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
+                // Filters with negative lobes overshoot.
+                *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };
+            }
+        }
+    }
+}
+
+fn add(sum: &mut [f32], plane: &[f32]) {
+    sum.par_iter_mut().zip(plane).for_each(|(sum, sample)| *sum += sample);
+}
+
+/// The mean of a sum; of one picture itself.
+fn scaled(mut planes: [Vec<f32>; 4], count: usize) -> [Vec<f32>; 4] {
+    if count > 1 {
+        let share = 1.0 / count as f32;
+        planes.iter_mut().for_each(|plane| plane.par_iter_mut().for_each(|sample| *sample *= share));
+    }
+    planes
+}

@@ -1,0 +1,101 @@
+//! Shots of pictures: what they may say, and what they may not.
+
+use super::{parse, replaced};
+use pinwarp::shot::template::{self, Subject, TemplateFacts};
+use pinwarp::shot::{BoxRule, LayerSpace, Shot, Source};
+use pinwarp::space::FrameSize;
+use std::path::PathBuf;
+
+/// Two pictures. Tests count its lines.
+const PICTURES: &str = r#"image  = ["back.png", "girls/girl.exr"]
+frames = { first = 1, last = 3 }
+size   = [200, 100]
+
+[[layer]]
+nodes = ["girl*"]
+
+  [[layer.pin]]
+  anchor = { screen = [0.5, 0.5], frame = 1 }
+  keys   = [{ frame = 1, offset = [0.1, 0.0] }]
+"#;
+
+#[test]
+fn pictures_stand_in_for_the_scene() {
+    let shot = parse(PICTURES).unwrap();
+    let paths = ["shots/back.png", "shots/girls/girl.exr"].map(PathBuf::from);
+    assert_eq!((&shot.source, shot.scene()), (&Source::Images(paths.to_vec()), None));
+    assert_eq!(shot.size, FrameSize::new(200, 100));
+    assert_eq!(shot.layers[0].space, LayerSpace::Screen { dims: [10, 10], bounds: BoxRule::Follow });
+    let one = parse(&replaced(PICTURES, "[\"back.png\", \"girls/girl.exr\"]", "\"back.JPG\"")).unwrap();
+    assert_eq!(one.source, Source::Images(vec!["shots/back.JPG".into()]));
+    assert_ne!(one.hash(), shot.hash());
+}
+
+#[test]
+fn the_first_picture_gives_the_size() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::new(30, 20).save(folder.path().join("back.png")).unwrap();
+    let text = replaced(PICTURES, "size   = [200, 100]\n", "");
+    let shot = Shot::parse(&text, &folder.path().join("shot.toml")).unwrap();
+    assert_eq!(shot.size, FrameSize::new(30, 20));
+    let wide = Shot::parse(&format!("pixel_aspect = 2.0\n{text}"), &folder.path().join("shot.toml")).unwrap();
+    assert_eq!(wide.size.aspect(), 3.0);
+    let error = parse(&text).unwrap_err().to_string();
+    assert!(error.starts_with("shots/pot.toml:1: image: cannot read shots/back.png: "), "{error}");
+    assert!(error.contains("mend its path, or give `size`"), "{error}");
+}
+
+/// A change of the shot above, the line and key of its fault, and what is said about it.
+type Case = ([&'static str; 2], usize, &'static str, &'static str);
+
+#[test]
+fn faults_name_line_key_and_remedy() {
+    let cases: &[Case] = &[
+        (["\"back.png\"", "\"back.glb\""], 1, "image[0]", "is not the name of a picture"),
+        (["\"back.png\"", "\"back\""], 1, "image[0]", "give a .png, .jpg or .exr file"),
+        (["\"back.png\"", "\"girls/girl.exr\""], 1, "image[1]", "is listed twice"),
+        (["\"back.png\"", "\"back.####.png\""], 1, "image[0]", "run `pinwarp warp`"),
+        (["\"back.png\"", "\"\""], 1, "image[0]", "is empty"),
+        (["[\"back.png\", \"girls/girl.exr\"]", "[]"], 1, "image", "at least 1"),
+        (["[\"back.png\", \"girls/girl.exr\"]", "3"], 1, "image", "expected text in quotes or a list"),
+        (["size ", "scene = \"a.glb\"\nsize "], 1, "image", "keep one of `image` and `scene`"),
+        (["size ", "plate = \"a.####.exr\"\nsize "], 1, "image", "keep one of `image` and `plate`"),
+        (["image ", "images "], 1, "images", "did you mean `image`?"),
+        (["nodes = ", "lattice.space = \"world\"\nnodes = "], 6, "layer[0].lattice.space", "pictures are flat"),
+        (["size ", "warp.holes = \"geometry\"\nsize "], 3, "warp.holes", "has no scene that could fill holes"),
+    ];
+    for ([from, to], line, key, says) in cases {
+        let error = parse(&replaced(PICTURES, from, to)).expect_err(to).to_string();
+        let place = format!("shots/pot.toml:{line}: {key}: ");
+        assert!(error.lines().any(|fault| fault.starts_with(&place) && fault.contains(says)), "{to}: {error}");
+        assert!(!error.contains("scene: is missing"), "{error}");
+    }
+}
+
+#[test]
+fn the_template_of_a_picture_is_a_working_shot() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::new(30, 20).save(folder.path().join("my girl.png")).unwrap();
+    let facts = TemplateFacts {
+        subject: Subject::Image,
+        cameras: Vec::new(),
+        has_camera: true,
+        clips: Vec::new(),
+        mesh_nodes: vec!["my girl".to_owned()],
+        frames: [1, 24],
+        rate: 24.0,
+        size: FrameSize::new(30, 20),
+    };
+    let text = template::write("my girl.png", &facts);
+    let read = |text: &str| Shot::parse(text, &folder.path().join("shot.toml"));
+    let shot = read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!((shot.size, shot.frames.count()), (FrameSize::new(30, 20), 24));
+    let line = |line: &str| {
+        let is_example = line.trim_start().starts_with("# ");
+        if is_example { line.replacen("# ", "", 1) } else { line.to_owned() }
+    };
+    let all = text.lines().map(line).collect::<Vec<_>>().join("\n");
+    let shot = read(&all).unwrap_or_else(|error| panic!("{error}\n{all}"));
+    assert_eq!((shot.layers[0].pins.len(), shot.samples, shot.shutter.angle), (1, 16, 180.0));
+    assert!(!text.contains("world") && !text.contains("camera"), "{text}");
+}
