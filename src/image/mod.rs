@@ -21,8 +21,8 @@ mod plate_read;
 mod plate_write;
 mod preview;
 mod sequence;
-mod srgb;
 mod size;
+mod srgb;
 mod window;
 
 pub use atomic::replace_text;

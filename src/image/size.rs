@@ -4,8 +4,9 @@
 
 use super::ImageError;
 use crate::space::FrameSize;
+use ::image::metadata::Orientation;
+use ::image::{ImageDecoder, ImageReader};
 use exr::meta::MetaData;
-use image::ImageReader;
 use std::path::Path;
 
 /// How large a picture is as the viewer sees it. Only its head is read.
@@ -25,6 +26,11 @@ pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
     }
     let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
     let reader = reader.map_err(|source| ImageError::reading(path, source))?;
-    let (width, height) = reader.into_dimensions().map_err(|failed| ImageError::damaged(path, failed.to_string()))?;
-    Ok(FrameSize::new(width, height))
+    let mut decoder = reader.into_decoder().map_err(|failed| ImageError::damaged(path, failed.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    let is_lying = matches!(
+        decoder.orientation().unwrap_or(Orientation::NoTransforms),
+        Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH
+    );
+    Ok(if is_lying { FrameSize::new(height, width) } else { FrameSize::new(width, height) })
 }

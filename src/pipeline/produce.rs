@@ -128,12 +128,7 @@ impl Producer<'_> {
 }
 
 /// What a solved frame has to say.
-pub(super) fn facts(
-    setup: &Setup,
-    (frame, middle): (i32, &Moment),
-    has_overlay: bool,
-    jerk: &mut JerkMeter,
-) -> Facts {
+pub(super) fn facts(setup: &Setup, (frame, middle): (i32, &Moment), has_overlay: bool, jerk: &mut JerkMeter) -> Facts {
     let mut report = report(setup, frame, middle);
     jerk.watch(setup, middle, &mut report);
     Facts {

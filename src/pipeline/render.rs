@@ -139,11 +139,7 @@ fn tell_notes(setup: &Setup, kept: &[PathBuf], tell: &(dyn Fn(Event) + Sync)) {
 }
 
 /// Tells the end of a render of `wanted` frames.
-fn finished(
-    summary: Summary,
-    wanted: usize,
-    (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
-) -> Summary {
+fn finished(summary: Summary, wanted: usize, (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
     let is_cancelled = summary.rendered + summary.failed < wanted && cancel.load(Ordering::Relaxed);
     let summary = Summary { is_cancelled, ..summary };
     tell(Event::Finished(summary.clone()));

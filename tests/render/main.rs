@@ -13,6 +13,7 @@ mod layers;
 mod lines;
 mod mattes;
 mod motion;
+mod pictures;
 mod pins;
 mod repeat;
 mod stiffness;

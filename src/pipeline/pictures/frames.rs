@@ -37,7 +37,8 @@ pub(in crate::pipeline) fn render_pictures(
     tell_left_out(setup, tell);
     tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
     let mut writer = Writer::new(setup, options, output, DEVICE.to_owned());
-    let mut painting = Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
+    let mut painting =
+        Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
     std::thread::scope(|scope| {
         let (drawn, drawns) = sync_channel(1);
         let writing = scope.spawn(|| writer.run(drawns, tell));
@@ -56,10 +57,19 @@ pub(in crate::pipeline) fn render_pictures(
 /// Says which channels pictures do not have.
 fn tell_left_out(setup: &Setup, tell: &(dyn Fn(Event) + Sync)) {
     let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
-    let names: Vec<String> =
-        setup.shot.output.channels.iter().filter(is_left_out).map(|group| format!("{group:?}").to_lowercase()).collect();
+    let names: Vec<String> = setup
+        .shot
+        .output
+        .channels
+        .iter()
+        .filter(is_left_out)
+        .map(|group| format!("{group:?}").to_lowercase())
+        .collect();
     if !names.is_empty() {
-        let text = format!("pictures have colour and ids only: {} is not written; take it out of `channels`", names.join(", "));
+        let text = format!(
+            "pictures have colour and ids only: {} is not written; take it out of `channels`",
+            names.join(", ")
+        );
         tell(Event::Note { text });
     }
 }

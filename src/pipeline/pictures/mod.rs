@@ -12,7 +12,7 @@ use super::PipelineError;
 use crate::image::{Storage, read_any};
 use crate::scene::{Picture, Scene, picture_cards};
 use crate::shot::Shot;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameSize;
 use read::Sheet;
 use std::path::{Path, PathBuf};
 
@@ -73,8 +73,7 @@ fn sides(size: FrameSize) -> String {
 }
 
 fn unequal(shot: &Shot, (first, of): (FrameSize, &Path), (size, path): (FrameSize, &Path)) -> PipelineError {
-    let what =
-        format!("{} shows {} pixels, {} shows {}", of.display(), sides(first), path.display(), sides(size));
+    let what = format!("{} shows {} pixels, {} shows {}", of.display(), sides(first), path.display(), sides(size));
     PipelineError::mismatch(shot, "image", what, "save all pictures of a shot on canvases of one size")
 }
 
@@ -85,7 +84,8 @@ fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), Pipelin
     if (frame.aspect() - shot.size.aspect()).abs() <= slack + 1e-6 {
         return Ok(());
     }
-    let what = format!("the frame of {} pixels has not the shape of {}, {}", sides(shot.size), path.display(), sides(frame));
+    let what =
+        format!("the frame of {} pixels has not the shape of {}, {}", sides(shot.size), path.display(), sides(frame));
     Err(PipelineError::mismatch(shot, "size", what, "leave `size` out, or give one of the picture's shape"))
 }
 
@@ -93,7 +93,8 @@ fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), Pipelin
 fn check_names(shot: &Shot, sheets: &[Sheet]) -> Result<(), PipelineError> {
     for (index, sheet) in sheets.iter().enumerate() {
         if let Some(other) = sheets[..index].iter().find(|other| other.name == sheet.name) {
-            let what = format!("{} and {} both hold a picture '{}'", other.path.display(), sheet.path.display(), sheet.name);
+            let what =
+                format!("{} and {} both hold a picture '{}'", other.path.display(), sheet.path.display(), sheet.name);
             return Err(PipelineError::mismatch(shot, "image", what, "rename one of them"));
         }
     }

@@ -42,7 +42,12 @@ impl<'a> Painter<'a> {
     ///
     /// # Errors
     /// Those of `moment`.
-    pub(super) fn frame<E>(&mut self, times: &[f64], middle: &Moment, moment: impl Fn(f64) -> Result<std::sync::Arc<Moment>, E>) -> Result<Frame, E> {
+    pub(super) fn frame<E>(
+        &mut self,
+        times: &[f64],
+        middle: &Moment,
+        moment: impl Fn(f64) -> Result<std::sync::Arc<Moment>, E>,
+    ) -> Result<Frame, E> {
         let size = self.gallery.frame;
         let groups = &self.setup.shot.output.channels;
         let mut channels = Vec::new();
@@ -154,7 +159,8 @@ fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, laid: &Laid) {
     let alpha = &laid.planes[3];
     for (plane, front) in canvas.iter_mut().zip(&laid.planes) {
         for &(at, from, count) in &rows {
-            let (behind, front, alpha) = (&mut plane[at..at + count], &front[from..from + count], &alpha[from..from + count]);
+            let (behind, front, alpha) =
+                (&mut plane[at..at + count], &front[from..from + count], &alpha[from..from + count]);
             for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
                 // Filters with negative lobes overshoot.
                 *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };

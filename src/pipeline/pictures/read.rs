@@ -42,7 +42,11 @@ pub(super) fn sheets(shot: &Shot, path: &Path, plate: Plate) -> Result<Vec<Sheet
         sheets.extend(layers.into_iter().filter_map(|layer| sheet(part, layer)).map(|sheet| Sheet {
             path: path.to_owned(),
             name: if sheet.name.is_empty() { own.clone() } else { sheet.name.clone() },
-            window: PixelRect { x: part.data_window.x - plate.display.x, y: part.data_window.y - plate.display.y, ..part.data_window },
+            window: PixelRect {
+                x: part.data_window.x - plate.display.x,
+                y: part.data_window.y - plate.display.y,
+                ..part.data_window
+            },
             ..sheet
         }));
     }

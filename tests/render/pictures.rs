@@ -1,0 +1,220 @@
+//! Shots of pictures: nothing moves to the bit, pins move smoothly, pictures lie over one another.
+
+use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
+use pinwarp::pipeline::{Event, RenderOptions, Setup, render};
+use pinwarp::shot::Shot;
+use pinwarp::space::{FrameSize, PixelRect};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+
+const SIZE: PixelRect = PixelRect { x: 0, y: 0, width: 96, height: 64 };
+
+/// Where things lie: a disc of a size around a place.
+fn disc(x: f32, y: f32, radius: f32) -> impl Fn(f32, f32) -> f32 {
+    move |px, py| (radius + 0.5 - (px - x).hypot(py - y)).clamp(0.0, 1.0)
+}
+
+/// A picture of a field's coverage in a colour that runs across, negative and bright values included.
+fn drawn(window: PixelRect, prefix: &str, coverage: impl Fn(f32, f32) -> f32) -> Vec<Channel> {
+    let place = |k: usize| {
+        let (x, y) = (k % window.width as usize, k / window.width as usize);
+        (x as f32 + window.x as f32 + 0.5, y as f32 + window.y as f32 + 0.5)
+    };
+    let channel = |name: &str, value: &dyn Fn(f32, f32) -> f32| {
+        let samples = (0..window.area()).map(|k| {
+            let (x, y) = place(k);
+            // Not −0: what holds nothing is not stored.
+            half_rounded(value(x, y)) + 0.0
+        });
+        Channel { name: format!("{prefix}{name}"), storage: Storage::Half, samples: samples.collect() }
+    };
+    vec![
+        channel("R", &|x, y| coverage(x, y) * (x * 0.02 - 0.3)),
+        channel("G", &|x, y| coverage(x, y) * 3.7),
+        channel("B", &|x, y| coverage(x, y) * y * 0.01),
+        channel("A", &|x, y| coverage(x, y)),
+    ]
+}
+
+/// To eleven bits, so that a half holds it.
+fn half_rounded(value: f32) -> f32 {
+    f32::from_bits((value.to_bits() + 0x1000) & !0x1fff)
+}
+
+/// A folder with pictures.
+struct Wall {
+    folder: TempDir,
+}
+
+impl Wall {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    fn hang(&self, name: &str, data_window: PixelRect, channels: Vec<Channel>) -> Frame {
+        let frame = Frame { display: SIZE, data_window, pixel_aspect: 1.0, channels };
+        let path = self.folder.path().join(name);
+        write_exr(&path, &frame, &FrameMetadata::default(), Compression::Zip).expect("the folder can be written to");
+        frame
+    }
+
+    fn shot(&self, text: &str) -> Shot {
+        let text = format!("frames = {{ first = 1, last = 2 }}\noutput.path = \"out/f.####.exr\"\n{text}");
+        Shot::parse(&text, &self.folder.path().join("shot.toml")).expect("a right shot")
+    }
+
+    /// The first frame, and what was said on the way.
+    fn render(&self, shot: Shot) -> (Frame, Vec<String>) {
+        let notes = Mutex::new(Vec::new());
+        let options =
+            RenderOptions { frames: vec![1], has_preview: true, has_overlay: true, ..RenderOptions::default() };
+        let tell = |event: Event| {
+            if let Event::Note { text } | Event::FrameFailed { error: text, .. } = event {
+                notes.lock().expect("nobody panics").push(text);
+            }
+        };
+        let setup = Setup::new(shot).expect("the pictures are there");
+        let summary = render(&setup, &options, &AtomicBool::new(false), &tell).expect("it renders");
+        assert_eq!((summary.rendered, summary.failed), (1, 0));
+        let path = self.folder.path().join("out/f.0001.exr");
+        assert!(path.with_extension("png").exists());
+        (read_exr(&path).expect("it was written"), notes.into_inner().expect("nobody panics"))
+    }
+
+    fn fault(&self, shot: Shot) -> String {
+        Setup::new(shot).expect_err("a fault").to_string()
+    }
+}
+
+/// A sample by place in the frame; 0 outside the data window.
+fn sample(frame: &Frame, channel: &str, x: i32, y: i32) -> f32 {
+    let window = frame.data_window;
+    let (column, row) = (x - window.x, y - window.y);
+    let is_inside = (0..window.width as i32).contains(&column) && (0..window.height as i32).contains(&row);
+    let channel = frame.channel(channel).expect("the channel is written");
+    if is_inside { channel.samples[row as usize * window.width as usize + column as usize] } else { 0.0 }
+}
+
+const PIN: &str = "[[layer]]\nlattice.dims = [5, 5]\n[[layer.pin]]\nanchor = { screen = [0.6, 0.5] }\nkeys = ";
+
+#[test]
+fn where_nothing_moves_every_sample_keeps_its_bits() {
+    let wall = Wall::new();
+    let window = PixelRect { x: 5, y: 3, width: 70, height: 50 };
+    let picture = wall.hang("girl.exr", window, drawn(window, "", disc(40.0, 30.0, 18.3)));
+    for layers in ["", "[[layer]]\n", &format!("{PIN}[{{ frame = 1, offset = [0, 0] }}]\n")] {
+        let (frame, _) = wall.render(wall.shot(&format!("image = \"girl.exr\"\n{layers}")));
+        assert_eq!(frame.display, SIZE, "the frame is as large as the picture");
+        for name in ["R", "G", "B", "A"] {
+            for (x, y) in (0..64).flat_map(|y| (0..96).map(move |x| (x, y))) {
+                let [found, wanted] = [&frame, &picture].map(|frame| sample(frame, name, x, y));
+                assert_eq!(found.to_bits(), wanted.to_bits(), "{name} at {x}, {y}: {found}, not {wanted}; {layers}");
+            }
+        }
+        std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
+    }
+}
+
+#[test]
+fn a_pin_carries_the_picture_along() {
+    let wall = Wall::new();
+    wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 18.0)));
+    // A single pin of the default solver is a translation: 8 pixels to the right, 4 up.
+    let keys = "[{ frame = 1, offset = [0.125, 0.0625] }]\n";
+    let (frame, notes) = wall.render(wall.shot(&format!("image = \"girl.exr\"\n{PIN}{keys}")));
+    for (x, y, wanted) in
+        [(48, 26, 1.0), (48 - 16, 26, 1.0), (48 + 16, 26, 1.0), (40 - 16, 30, 0.0), (48, 26 + 19, 0.0)]
+    {
+        assert!((sample(&frame, "A", x, y) - wanted).abs() < 0.02, "{x}, {y}: {}", sample(&frame, "A", x, y));
+    }
+    let red = sample(&frame, "R", 50, 26);
+    assert!((red - (42.5 * 0.02 - 0.3)).abs() < 2e-3, "{red}");
+    assert!(notes.iter().any(|note| note.contains("pictures have colour and ids only")), "{notes:?}");
+}
+
+#[test]
+fn pictures_lie_in_the_order_of_the_list_and_of_their_layers() {
+    let wall = Wall::new();
+    wall.hang("back.exr", SIZE, drawn(SIZE, "", |_, _| 1.0));
+    let mut channels = drawn(SIZE, "arm.", disc(30.0, 30.0, 12.0));
+    channels.extend(drawn(SIZE, "head.", disc(40.0, 30.0, 12.0)));
+    wall.hang("girl.exr", SIZE, channels);
+    let text = "image = [\"back.exr\", \"girl.exr\"]\n[[layer]]\nname = \"head\"\nnodes = [\"head\"]\n";
+    let setup = Setup::new(wall.shot(text)).expect("the pictures are there");
+    let names: Vec<&str> = setup.scene.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["back", "arm", "head", "camera"]);
+    let (frame, _) = wall.render(wall.shot(text));
+    let ids = |x: i32, y: i32| (sample(&frame, "id.layer", x, y), sample(&frame, "id.object", x, y));
+    assert_eq!((ids(2, 2), ids(22, 30), ids(36, 30)), ((0.0, 1.0), (0.0, 2.0), (1.0, 3.0)));
+    assert_eq!(sample(&frame, "A", 2, 2), 1.0);
+    // Half covered by the head's rim: what lies behind shows through.
+    let behind = 0.01 * 30.5;
+    assert!((sample(&frame, "B", 36, 30) - behind).abs() < 1e-3);
+}
+
+#[test]
+fn a_shutter_blurs_the_warp() {
+    let wall = Wall::new();
+    wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 14.0)));
+    let keys = "[{ frame = 0, offset = [-0.2, 0.0] }, { frame = 2, offset = [0.2, 0.0] }]\n";
+    let edge = |shutter: &str| {
+        let text = format!("image = \"girl.exr\"\nshutter = {{ angle = {shutter} }}\nsamples = 8\n{PIN}{keys}");
+        let (frame, _) = wall.render(wall.shot(&text));
+        std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
+        (sample(&frame, "A", 40, 30), sample(&frame, "A", 56, 30))
+    };
+    let (still, blurred) = (edge("0"), edge("360"));
+    assert!(still.0 == 1.0 && still.1 < 0.01, "{still:?}");
+    // The disc runs over 0.2 frame heights: 12.8 pixels.
+    assert!((blurred.0 - 1.0).abs() < 1e-3 && blurred.1 > 0.1 && blurred.1 < 0.5, "{blurred:?}");
+}
+
+#[test]
+fn pictures_are_scaled_with_the_frame() {
+    let wall = Wall::new();
+    wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 18.0)));
+    let mut shot = wall.shot("image = \"girl.exr\"\n");
+    let triangles =
+        |shot: &Shot| Setup::new(shot.clone()).expect("a setup").scene.meshes[0].primitives[0].triangles.clone();
+    let whole = triangles(&shot);
+    shot.size = FrameSize::new(48, 32);
+    assert_eq!(triangles(&shot), whole, "pins name triangles");
+    let (frame, _) = wall.render(shot);
+    let area: f32 = frame.channel("A").expect("alpha").samples.iter().sum();
+    let wanted = std::f32::consts::PI * 9.0 * 9.0;
+    assert!((area / wanted - 1.0).abs() < 0.03, "{area} of {wanted}");
+}
+
+#[test]
+fn faults_say_what_to_do() {
+    let wall = Wall::new();
+    wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 18.0)));
+    wall.hang("empty.exr", SIZE, drawn(SIZE, "", |_, _| 0.0));
+    wall.hang(
+        "depth.exr",
+        SIZE,
+        vec![Channel { name: "Z".into(), storage: Storage::Float, samples: vec![1.0; SIZE.area()] }],
+    );
+    std::fs::create_dir(wall.folder.path().join("b")).expect("a folder");
+    std::fs::copy(wall.folder.path().join("girl.exr"), wall.folder.path().join("b/girl.exr")).expect("a copy");
+    image::RgbaImage::from_pixel(10, 10, image::Rgba([255; 4]))
+        .save(wall.folder.path().join("small.png"))
+        .expect("saved");
+    std::fs::write(wall.folder.path().join("torn.png"), b"no picture").expect("written");
+    let cases = [
+        ("image = \"empty.exr\"", "its alpha is 0 everywhere"),
+        ("image = \"depth.exr\"", "has no channels R, G, B or Y"),
+        ("image = [\"girl.exr\", \"small.png\"]", "canvases of one size"),
+        ("image = [\"girl.exr\", \"b/girl.exr\"]", "both hold a picture 'girl'"),
+        ("image = \"girl.exr\"\nsize = [100, 100]", "has not the shape of"),
+        ("image = [\"girl.exr\", \"torn.png\"]", "torn.png"),
+        ("image = \"girl.exr\"\n[[layer]]\nnodes = [\"gril\"]", "did you mean \"girl\"?"),
+    ];
+    for (text, wanted) in cases {
+        let error = wall.fault(wall.shot(text));
+        assert!(error.contains(wanted), "{text}: {error}");
+    }
+    assert!(Path::new(wall.folder.path()).exists());
+}
