@@ -37,18 +37,12 @@ impl<const D: usize> Lattice<D> {
         assert_eq!(is_occupied.len(), self.grid.cell_count(), "one entry a cell");
         let margin = usize::from(self.grid.basis == Basis::Bspline);
         let mut folds = Folds { cells: Vec::new(), occupied_count: 0, least_det: f64::INFINITY };
-        let probes = (self.grid.basis == Basis::Bernstein).then(|| self.probe());
-        for (cell, &is_occupied) in is_occupied.iter().enumerate() {
-            let wanted = if is_occupied { folds.least_det } else { f64::NEG_INFINITY };
-            let least = match (&probes, self.grid.basis) {
-                (Some(probes), _) => probes[cell],
-                (None, Basis::Barytri) => self.least_of_simplices(cell),
-                (None, _) => match self.rough_bound(cell) {
-                    // Most cells end here: far from a fold, and not the worst.
-                    rough if rough > 0.0 && rough >= wanted => rough,
-                    _ => least_of(self.determinant(cell), wanted),
-                },
-            };
+        let bounds = match self.grid.basis {
+            Basis::Bernstein => self.probe(),
+            Basis::Barytri => (0..is_occupied.len()).map(|cell| self.least_of_simplices(cell)).collect(),
+            Basis::Bspline | Basis::Bilinear => self.proven_bounds(is_occupied),
+        };
+        for (cell, (&least, &is_occupied)) in bounds.iter().zip(is_occupied).enumerate() {
             if is_occupied {
                 folds.least_det = folds.least_det.min(least);
             }
@@ -69,41 +63,61 @@ impl<const D: usize> Lattice<D> {
         self.folds(&vec![true; self.grid.cell_count()]).cells
     }
 
-    /// A lower bound of det J in a cell, cheap and rough: slopes lie between the steps from handle to handle.
-    fn rough_bound(&self, cell: usize) -> f64 {
-        let side = if self.grid.basis == Basis::Bspline { 4 } else { 2_usize };
-        let first: usize =
-            self.grid.cell_place(cell).iter().enumerate().map(|(axis, place)| place * self.grid.stride(axis)).sum();
-        let mut slopes = [[[f64::INFINITY, f64::NEG_INFINITY]; D]; D];
-        let mut total = 0.0;
-        for number in 0..side.pow(D as u32) {
-            let place = |axis: usize| number / side.pow(axis as u32) % side;
-            let from = first + (0..D).map(|axis| place(axis) * self.grid.stride(axis)).sum::<usize>();
-            for axis in (0..D).filter(|&axis| place(axis) + 1 < side) {
-                let to = from + self.grid.stride(axis);
-                for (d, slopes) in slopes.iter_mut().enumerate() {
-                    let step = (self.handles[to][d] - self.handles[from][d]) / self.grid.pitch(axis);
-                    slopes[axis] = [slopes[axis][0].min(step), slopes[axis][1].max(step)];
-                    total += step;
-                }
+    /// A lower bound of det J for each cell, with the right sign; near to the least of the occupied cells in one of them.
+    fn proven_bounds(&self, is_occupied: &[bool]) -> Vec<f64> {
+        let mut bounds = self.rough_bounds();
+        let is_open = |cell: &usize| is_occupied[*cell] || bounds[*cell] <= 0.0;
+        let mut open: Vec<usize> = (0..bounds.len()).filter(is_open).collect();
+        // The worst first, so that most cells need no more than their rough bound: far from a fold, and not the worst.
+        open.sort_unstable_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
+        let mut least = f64::INFINITY;
+        for cell in open {
+            if bounds[cell] > 0.0 && bounds[cell] >= least {
+                break;
+            }
+            let wanted = if is_occupied[cell] { least } else { f64::NEG_INFINITY };
+            bounds[cell] = least_of(self.determinant(cell), wanted);
+            if is_occupied[cell] {
+                least = least.min(bounds[cell]);
             }
         }
-        let minor = |a: usize, b: usize| {
-            let [first, second] = [&slopes[D - 2], &slopes[D - 1]];
-            let (plus, minus) = (range(first[a], second[b]), range(first[b], second[a]));
-            [plus[0] - minus[1], plus[1] - minus[0]]
+        bounds
+    }
+
+    /// Cheap and rough lower bounds of det J, for each cell: slopes lie between the steps from handle to handle.
+    fn rough_bounds(&self) -> Vec<f64> {
+        if !self.handles.as_flattened().iter().all(|x| x.is_finite()) {
+            return vec![f64::NEG_INFINITY; self.grid.cell_count()];
+        }
+        let ranges: [Vec<[[f64; 2]; D]>; D] = std::array::from_fn(|axis| self.slope_ranges(axis));
+        let bound = |cell: usize| {
+            let places = self.grid.cell_place(cell).into_iter().enumerate();
+            let first: usize = places.map(|(axis, place)| place * self.grid.stride(axis)).sum();
+            rough_determinant::<D>(&std::array::from_fn(|d| std::array::from_fn(|axis| ranges[axis][first][d])))
         };
-        if !f64::is_finite(total) {
-            return f64::NEG_INFINITY;
+        (0..self.grid.cell_count()).map(bound).collect()
+    }
+
+    /// For each handle: least and greatest slope along `axis`, by coordinate, among the handles of the cell that begins
+    /// there. Handles without such a cell hold anything.
+    fn slope_ranges(&self, axis: usize) -> Vec<[[f64; 2]; D]> {
+        let side = if self.grid.basis == Basis::Bspline { 4 } else { 2_usize };
+        let (count, step) = (self.handles.len(), self.grid.stride(axis));
+        let per_pitch = 1.0 / self.grid.pitch(axis);
+        let slope = |handle: usize| {
+            let (from, to) = (&self.handles[handle], &self.handles[(handle + step).min(count - 1)]);
+            std::array::from_fn(|d| [(to[d] - from[d]) * per_pitch; 2])
+        };
+        let mut ranges: Vec<[[f64; 2]; D]> = (0..count).map(slope).collect();
+        // Each round widens the windows by one handle.
+        for along in 0..D {
+            let ahead = self.grid.stride(along);
+            let rounds = if along == axis { side - 2 } else { side - 1 };
+            for _ in 0..rounds {
+                (ahead..count).for_each(|next| ranges[next - ahead] = joined(&ranges[next - ahead], &ranges[next]));
+            }
         }
-        if D == 2 {
-            return minor(0, 1)[0];
-        }
-        [minor(1, 2), minor(2, 0), minor(0, 1)]
-            .iter()
-            .zip(slopes[0])
-            .map(|(minor, slope)| range(slope, *minor)[0])
-            .sum()
+        ranges
     }
 
     /// det J in a cell of a basis that is a product of axes.
@@ -231,6 +245,27 @@ fn least_of<const D: usize>(patch: Patch<D>, wanted: f64) -> f64 {
         }
     }
     least
+}
+
+/// The ranges that hold both.
+fn joined<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> [[f64; 2]; D] {
+    std::array::from_fn(|d| {
+        let ([low, high], [least, most]) = (a[d], b[d]);
+        [if least < low { least } else { low }, if most > high { most } else { high }]
+    })
+}
+
+/// A lower bound of the determinant of a matrix whose entries lie in ranges.
+fn rough_determinant<const D: usize>(slopes: &[[[f64; 2]; D]; D]) -> f64 {
+    let minor = |a: usize, b: usize| {
+        let [first, second] = [&slopes[D - 2], &slopes[D - 1]];
+        let (plus, minus) = (range(first[a], second[b]), range(first[b], second[a]));
+        [plus[0] - minus[1], plus[1] - minus[0]]
+    };
+    if D == 2 {
+        return minor(0, 1)[0];
+    }
+    [minor(1, 2), minor(2, 0), minor(0, 1)].iter().zip(slopes[0]).map(|(minor, slope)| range(slope, *minor)[0]).sum()
 }
 
 /// Least and greatest product of values from two ranges.
