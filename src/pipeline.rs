@@ -4,12 +4,14 @@
 //! Frame N is a function of the shot and N alone; what is kept between frames is only what would be computed again.
 
 mod anchors;
+mod bake;
 mod claims;
 mod coarse;
 mod draw;
 mod error;
 mod follow;
 mod jerk;
+mod lattice_objects;
 mod layer_pins;
 mod lighting;
 mod mattes;
@@ -33,6 +35,7 @@ mod world;
 mod write;
 
 pub use anchors::{Pinned, Rest};
+pub use bake::BakeTimes;
 pub use error::PipelineError;
 pub use jerk::{Jerk, JerkMeter};
 pub use moment::{LayerState, Moment, PinState};

@@ -15,7 +15,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("image", &["space", "spelling"]),
     ("solve", &["lattice", "space", "spelling"]),
     ("plate", &["image", "lattice", "space", "spelling"]),
-    ("export", &["image", "lattice", "plate", "space"]),
+    ("export", &["image", "lattice", "plate", "scene", "space"]),
     ("compare", &["image", "lattice", "solve", "space"]),
     ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
     ("shot", &["image", "lattice", "plate", "raster", "solve", "space", "spelling"]),

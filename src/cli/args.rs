@@ -41,7 +41,7 @@ pub(super) enum Command {
     Solve(SolveArgs),
     /// Deform a problem or a shot's layer with several methods, side by side.
     Compare(CompareArgs),
-    /// Write the solved lattices of a shot for other shots and programs.
+    /// Write the warp of a shot for other shots and programs.
     Export(ExportArgs),
     /// Give the lattices of a file other dims or another basis, and keep the edit.
     Resize(ResizeArgs),
@@ -163,7 +163,8 @@ pub(super) struct SolveArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ExportArgs {
-    /// The shot file.
+    /// The shot file; a lattice file (.json) where no scene is needed.
+    #[arg(value_name = "SHOT-OR-LATTICES")]
     pub(super) shot: PathBuf,
     /// What is written.
     #[arg(long, value_name = "FORMAT", value_enum)]
@@ -171,10 +172,10 @@ pub(super) struct ExportArgs {
     /// The file to write; default: the shot's name with the format's ending.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Frames to solve, e.g. 1-48x2,60; default: the shot's range.
+    /// Frames to export, e.g. 1-48x2,60; default: all of the shot or the file.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Replace a file that is already there.
+    /// Replace files that are already there.
     #[arg(long)]
     pub(super) overwrite: bool,
 }
@@ -182,8 +183,12 @@ pub(super) struct ExportArgs {
 /// What `export` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum ExportFormat {
-    /// The program's own open format, see docs/LATTICE.md.
+    /// Solved lattices in the program's own open format, see docs/LATTICE.md.
     LatticeJson,
+    /// A Python script that builds lattice objects with keyed shapes, and the scene beside it.
+    Blender,
+    /// The warped scene, one morph target a frame (.glb).
+    Gltf,
 }
 
 #[derive(Debug, clap::Args)]

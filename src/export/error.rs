@@ -35,6 +35,14 @@ pub enum ExportError {
         /// How to fix it.
         hint: String,
     },
+    /// A .glb file cannot hold it.
+    #[error(
+        "the scene with its deformed meshes has {bytes} bytes, a .glb file holds 4 GiB; export fewer frames (--frames)"
+    )]
+    TooLarge {
+        /// Size of the file.
+        bytes: usize,
+    },
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] ImageError),

@@ -59,6 +59,23 @@ impl LatticeFile {
         check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
     }
 
+    /// The same of some frames only; `None` where no layer has any of them.
+    #[must_use]
+    pub fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
+        for layer in &mut self.layers {
+            match &mut layer.track {
+                Track::Screen(lattices) => lattices.retain(|frame, _| frames.contains(frame)),
+                Track::World(lattices) => lattices.retain(|frame, _| frames.contains(frame)),
+            }
+            layer.placements.retain(|frame, _| frames.contains(frame));
+        }
+        self.layers.retain(|layer| match &layer.track {
+            Track::Screen(lattices) => !lattices.is_empty(),
+            Track::World(lattices) => !lattices.is_empty(),
+        });
+        (!self.layers.is_empty()).then_some(self)
+    }
+
     /// Writes the file, whole or not at all.
     ///
     /// # Errors

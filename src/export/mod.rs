@@ -2,7 +2,9 @@
 //!
 //! In: lattices. Out: files. Lattice files are read back, too: see [`LatticeFile`].
 
+pub mod blender;
 mod error;
+pub mod gltf;
 mod lattice_file;
 mod raw;
 

@@ -37,7 +37,15 @@ pub(super) fn replace_file(
 /// # Errors
 /// [`ImageError::Io`] where the disk is full or the folder cannot be written.
 pub fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
-    replace_file(path, |file| file.write_all(text.as_bytes()).map_err(|source| ImageError::writing(path, source)))
+    replace_bytes(path, text.as_bytes())
+}
+
+/// Puts bytes into a file, whole or not at all.
+///
+/// # Errors
+/// [`ImageError::Io`] where the disk is full or the folder cannot be written.
+pub fn replace_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    replace_file(path, |file| file.write_all(bytes).map_err(|source| ImageError::writing(path, source)))
 }
 
 /// Temporary files are private by default; a frame is for everybody whom the umask lets in.

@@ -25,7 +25,7 @@ mod size;
 mod srgb;
 mod window;
 
-pub use atomic::replace_text;
+pub use atomic::{replace_bytes, replace_text};
 pub use complete::is_complete;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;

@@ -44,6 +44,8 @@ pub struct Setup {
     pub notes: Vec<String>,
     /// One a part of every pose: the layer that claims it.
     pub owners: Vec<Option<usize>>,
+    /// One a part: the node that carries it.
+    pub(super) part_nodes: Vec<usize>,
     /// One a layer: the parts it claims.
     pub(super) parts_of_layer: Vec<Vec<usize>>,
     /// One a part: stiffness of its triangles; empty: 1 everywhere.
@@ -61,7 +63,8 @@ pub struct Setup {
     /// The pictures that the scene stands for.
     pub(super) gallery: Option<Gallery>,
     camera: CameraSource,
-    clip: ClipChoice,
+    /// Which clip moves the scene.
+    pub(super) clip: ClipChoice,
     moments: Mutex<VecDeque<Arc<Moment>>>,
     screen_bounds: KeptBounds<2>,
     world_bounds: KeptBounds<3>,
@@ -102,6 +105,7 @@ impl Setup {
             scene,
             notes,
             owners,
+            part_nodes: first.parts.iter().map(|part| part.node).collect(),
             parts_of_layer,
             stiffness,
             carriers,
@@ -148,6 +152,14 @@ impl Setup {
             CameraSource::Automatic(camera) => camera,
         };
         (pose, camera)
+    }
+
+    /// The camera that was framed for the shot, where the scene brings none.
+    pub(super) const fn automatic_camera(&self) -> Option<Camera> {
+        match self.camera {
+            CameraSource::Automatic(camera) => Some(camera),
+            CameraSource::Node(_) => None,
+        }
     }
 
     /// The solved scene in the middle of a frame's exposure: what its data channels show.

@@ -84,6 +84,23 @@ pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
     }
 }
 
+/// The nodes of a scene at one time, relative to their parents.
+#[derive(Clone, Debug, Default)]
+pub struct LocalPose {
+    /// parent_from_node, one a node.
+    pub parent_from_node: Vec<DMat4>,
+    /// Morph weights, one list a node.
+    pub weights: Vec<Vec<f64>>,
+}
+
+/// The nodes at `seconds` of the chosen clip, without what they carry: times run as in [`pose`].
+#[must_use]
+pub fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
+    let clip = choice.clip.and_then(|index| scene.clips.get(index));
+    let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
+    LocalPose { parent_from_node: moved.parent_from_node, weights: moved.weights }
+}
+
 /// Time inside the clip.
 fn clip_seconds(clip: &Clip, is_looped: bool, seconds: f64) -> f64 {
     let end = f64::from(clip.end_secs);

@@ -48,6 +48,11 @@ impl File {
         Ok(file)
     }
 
+    /// The buffers of the JSON, in its order.
+    pub(super) fn buffers(&self) -> &[Vec<u8>] {
+        &self.buffers
+    }
+
     fn resolve_buffer(&self, index: usize, chunk: &mut Option<Vec<u8>>) -> Result<Vec<u8>, SceneError> {
         let buffer = &self.root.buffers[index];
         let bytes = match (&buffer.uri, index) {

@@ -34,18 +34,26 @@ pub(super) struct Parsed {
 pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Parsed, SceneError> {
     let invalid = |what| SceneError::Invalid { path: path.to_owned(), what };
     let (text, binary) = split_container(path, bytes)?;
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let mut value: Value =
-        serde_json::from_slice(text).map_err(|error| invalid(format!("its JSON does not parse: {error}")))?;
-    if !value.is_object() {
-        return Err(invalid("its JSON is not an object".to_owned()));
-    }
+    let mut value = object(path, text)?;
     check_version(path, &value)?;
     check_extensions(path, &value, warnings)?;
     strip_foreign(&mut value);
     mend(&mut value, warnings);
     let root = json::deserialize::from_value(value.clone()).map_err(|error| invalid(locate(&value, &error)))?;
     Ok(Parsed { root, binary })
+}
+
+/// The JSON of `bytes` as it stands: neither checked nor mended.
+pub(super) fn untouched(path: &Path, bytes: &[u8]) -> Result<Value, SceneError> {
+    object(path, split_container(path, bytes)?.0)
+}
+
+fn object(path: &Path, text: &[u8]) -> Result<Value, SceneError> {
+    let invalid = |what| SceneError::Invalid { path: path.to_owned(), what };
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let value: Value =
+        serde_json::from_slice(text).map_err(|error| invalid(format!("its JSON does not parse: {error}")))?;
+    if value.is_object() { Ok(value) } else { Err(invalid("its JSON is not an object".to_owned())) }
 }
 
 /// The JSON text and, in a .glb, the range of the binary chunk.

@@ -52,6 +52,7 @@ fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {
         images: textures.images,
         clips: animation::load(file, &tree, &mut nodes, warnings)?,
         nodes,
+        file_from_scene: tree.file_from_scene,
         ..Scene::default()
     };
     skin::check_influences(file, &scene)?;

@@ -19,6 +19,7 @@ mod material;
 mod mesh;
 mod nodes;
 mod outline;
+mod pack;
 mod pictures;
 mod skin;
 mod texture;
@@ -28,6 +29,7 @@ pub use error::SceneError;
 pub use find::FindError;
 pub use load::load;
 pub use look::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
+pub use pack::{Packed, pack};
 pub use pictures::{Picture, picture_cards};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
@@ -40,6 +42,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// All nodes of the scene; a parent has a smaller index than its children.
     pub nodes: Vec<Node>,
+    /// One a node: its place among the nodes of the file; empty for scenes that came from no file.
+    pub file_from_scene: Vec<usize>,
     /// Meshes that nodes refer to.
     pub meshes: Vec<Mesh>,
     /// Skins that nodes refer to.

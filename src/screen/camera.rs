@@ -105,6 +105,12 @@ impl Camera {
         }
     }
 
+    /// The lens.
+    #[must_use]
+    pub const fn lens(&self) -> Lens {
+        self.lens
+    }
+
     /// Distance of the near plane, metres.
     #[must_use]
     pub const fn near(&self) -> f64 {

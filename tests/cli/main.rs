@@ -1,11 +1,14 @@
 //! The program, run as a user runs it: what it says, what it leaves behind, and how it exits.
 
+#[path = "../support/python.rs"]
+mod python;
 #[path = "../support/tiny.rs"]
 mod tiny;
 
 mod compare;
 mod disks;
 mod existing;
+mod export;
 mod lattices;
 mod options;
 mod pins;

@@ -1,0 +1,74 @@
+//! `pinwarp export --to blender`: a script that builds lattice objects, and the scene that it imports.
+
+use super::gltf::packed_scene;
+use super::{Source, frames, moved_layers, output};
+use crate::cli::args::ExportArgs;
+use crate::cli::{Outcome, refuse_existing};
+use crate::export::blender::{BlenderLayer, BlenderScene, BlenderWay, number_nodes, script};
+use crate::export::gltf::glb;
+use crate::image::{replace_bytes, replace_text};
+use crate::pipeline::{BakeTimes, Setup};
+use anyhow::bail;
+use std::io::{self, Write};
+use std::path::Path;
+
+pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let output = output(args, "blender.py")?;
+    let scene_path = output.with_extension("glb");
+    refuse_existing(&scene_path, args.overwrite)?;
+    let setup = Source::with_scene(args, "Blender needs the scene")?;
+    let moved = moved_layers(&setup);
+    if moved.is_empty() {
+        bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());
+    }
+    let mut frames = frames(args, &setup);
+    frames.sort_unstable();
+    let layers = moved.iter().map(|&layer| setup.blender_layer(layer, &frames)).collect::<Result<Vec<_>, _>>()?;
+    let is_baked = |layer: usize| {
+        moved.iter().zip(&layers).any(|(&moved, told)| moved == layer && matches!(told.way, BlenderWay::Baked(_)))
+    };
+    let baked = setup.bake(&frames, BakeTimes::Frames, is_baked, |frame| tracing::info!("frame {frame} deformed"))?;
+    let mut packed = packed_scene(&setup)?;
+    number_nodes(&mut packed, &setup.scene);
+    replace_bytes(&scene_path, &glb(packed, &baked)?)?;
+    drop(baked);
+    let scene = blender_scene(&setup, (&frames, &scene_path), layers);
+    replace_text(&output, &script(&scene))?;
+    report(&scene, (&output, &scene_path))?;
+    Ok(Outcome::Complete)
+}
+
+fn blender_scene(setup: &Setup, (frames, path): (&[i32], &Path), layers: Vec<BlenderLayer>) -> BlenderScene {
+    let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
+    let (_, camera) = setup.view(f64::from(ends[0]));
+    BlenderScene {
+        scene_file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        rate: setup.shot.frames.rate,
+        frames: ends,
+        later: setup.file_frames(frames),
+        size: setup.shot.size,
+        camera: (setup.blender_camera(), camera.lens()),
+        layers,
+    }
+}
+
+fn report(scene: &BlenderScene, (script, file): (&Path, &Path)) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "wrote {} and {}", script.display(), file.display())?;
+    writeln!(out, "run it: blender --python {}", script.display())?;
+    if scene.later > 0 {
+        writeln!(out, "note: frames in Blender are {} later than the shot's, which start below 0", scene.later)?;
+    }
+    for layer in &scene.layers {
+        match &layer.way {
+            BlenderWay::Lattice(lattice) => {
+                let [x, y, z] = lattice.dims;
+                writeln!(out, "layer '{}': a lattice object of {x} x {y} x {z} points, exact", layer.name)?;
+            }
+            BlenderWay::Baked(why) => {
+                writeln!(out, "layer '{}': baked shape keys, no lattice: {why}", layer.name)?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! `pinwarp export --to gltf`: the warped scene as a .glb file with one morph target a frame.
+
+use super::{Source, frames, is_on_screen, moved_layers, output};
+use crate::cli::Outcome;
+use crate::cli::args::ExportArgs;
+use crate::export::gltf::{NodeMotion, glb};
+use crate::image::replace_bytes;
+use crate::pipeline::{BakeTimes, PipelineError, Setup};
+use crate::scene::{Packed, pack};
+use anyhow::bail;
+use std::io::{self, Write};
+
+pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let output = output(args, "warped.glb")?;
+    let setup = Source::with_scene(args, "a glTF file needs the scene")?;
+    let layers = moved_layers(&setup);
+    if layers.is_empty() {
+        bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());
+    }
+    let frames = frames(args, &setup);
+    let baked = setup.bake(
+        &frames,
+        BakeTimes::Clip,
+        |layer| layers.contains(&layer),
+        |frame| {
+            tracing::info!("frame {frame} deformed");
+        },
+    )?;
+    let packed = packed_scene(&setup)?;
+    replace_bytes(&output, &glb(packed, &baked)?)?;
+    let nodes = baked.nodes.len();
+    writeln!(io::stdout(), "wrote {}: {} frames, {nodes} deformed nodes", output.display(), frames.len())?;
+    match baked.motion {
+        NodeMotion::Keys { shift_secs } if shift_secs > 0.0 => {
+            writeln!(io::stdout(), "note: its clip starts {shift_secs:.3} s later than the scene's")?;
+        }
+        NodeMotion::Sampled(_) => writeln!(io::stdout(), "note: the clip loops, so its nodes have a key a frame")?,
+        NodeMotion::Keys { .. } => {}
+    }
+    for layer in layers {
+        writeln!(io::stdout(), "layer '{}': {}", setup.shot.layers[layer].name, accuracy(&setup, layer))?;
+    }
+    Ok(Outcome::Complete)
+}
+
+/// What is exact.
+fn accuracy(setup: &Setup, layer: usize) -> &'static str {
+    if is_on_screen(setup, layer) {
+        "warped on the screen: its vertices move across the view at their own depth, so the picture is right from the \
+         shot's camera only; its normals stay"
+    } else {
+        "warped in the scene: exact at the exported frames"
+    }
+}
+
+/// The file of a shot's scene, ready to be edited.
+pub(super) fn packed_scene(setup: &Setup) -> anyhow::Result<Packed> {
+    let Some(scene) = setup.shot.scene() else {
+        bail!("the shot has no glTF scene that could be exported; give `scene`, a .gltf or .glb file");
+    };
+    Ok(pack(scene).map_err(PipelineError::from)?)
+}

@@ -1,0 +1,24 @@
+//! `pinwarp export --to lattice-json`: solved lattices in the program's own format.
+
+use super::{Source, output};
+use crate::cli::Outcome;
+use crate::cli::args::ExportArgs;
+use crate::export::{LatticeTrack, Track};
+use std::io::{self, Write};
+
+pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let output = output(args, "lattice.json")?;
+    let file = Source::open(args)?.into_lattices(args)?;
+    file.write(&output)?;
+    let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
+    let count = file.layers.iter().map(frame_count).max().unwrap_or(0);
+    writeln!(io::stdout(), "wrote {}: {count} frames of {}", output.display(), names.join(", "))?;
+    Ok(Outcome::Complete)
+}
+
+fn frame_count(layer: &LatticeTrack) -> usize {
+    match &layer.track {
+        Track::Screen(lattices) => lattices.len(),
+        Track::World(lattices) => lattices.len(),
+    }
+}

@@ -1,0 +1,94 @@
+//! `pinwarp export`: what is exported, of which frames, to where.
+
+mod blender;
+mod gltf;
+mod lattice_json;
+
+use super::args::{ExportArgs, ExportFormat};
+use super::{Outcome, refuse_existing};
+use crate::export::LatticeFile;
+use crate::pipeline::{Setup, lattices};
+use crate::shot::{LayerSpace, Shot};
+use anyhow::bail;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    match args.to {
+        ExportFormat::LatticeJson => lattice_json::run(args),
+        ExportFormat::Blender => blender::run(args),
+        ExportFormat::Gltf => gltf::run(args),
+    }
+}
+
+/// What is exported.
+enum Source {
+    /// A shot with its scene.
+    Shot(Box<Setup>),
+    /// Lattices that were solved before.
+    Lattices(LatticeFile),
+}
+
+impl Source {
+    /// Reads a shot, or a lattice file (`.json`).
+    fn open(args: &ExportArgs) -> anyhow::Result<Self> {
+        if args.shot.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
+        }
+        let setup = Setup::new(Shot::read(&args.shot)?)?;
+        for note in &setup.notes {
+            writeln!(io::stderr(), "note: {note}")?;
+        }
+        Ok(Self::Shot(Box::new(setup)))
+    }
+
+    /// A shot, for exports that need its scene.
+    fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<Setup> {
+        match Self::open(args)? {
+            Self::Shot(setup) => Ok(*setup),
+            Self::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
+        }
+    }
+
+    /// The lattices of the frames asked for.
+    fn into_lattices(self, args: &ExportArgs) -> anyhow::Result<LatticeFile> {
+        match self {
+            Self::Shot(setup) => {
+                let file = lattices(&setup, &frames(args, &setup), |frame| tracing::info!("frame {frame} solved"))?;
+                Ok(file)
+            }
+            Self::Lattices(file) => match &args.frames {
+                Some(list) => file.of_frames(&list.0).ok_or_else(|| {
+                    anyhow::anyhow!("{} has no lattice in the frames asked for (--frames)", args.shot.display())
+                }),
+                None => Ok(file),
+            },
+        }
+    }
+}
+
+/// The frames asked for, else the shot's range.
+fn frames(args: &ExportArgs, setup: &Setup) -> Vec<i32> {
+    let range = setup.shot.frames;
+    args.frames.clone().map_or_else(|| (range.first..=range.last).collect(), |list| list.0)
+}
+
+/// The path asked for, else the input's with another ending; refuses to replace what is there.
+fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf> {
+    let output = args.output.clone().unwrap_or_else(|| args.shot.with_extension(ending));
+    refuse_existing(&output, args.overwrite)?;
+    Ok(output)
+}
+
+/// Layers that something moves, in the shot's order.
+fn moved_layers(setup: &Setup) -> Vec<usize> {
+    let layers = setup.shot.layers.iter().enumerate();
+    let is_moved =
+        |layer: &crate::shot::Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
+    layers.filter(|(_, layer)| is_moved(layer)).map(|(index, _)| index).collect()
+}
+
+/// Whether a layer is warped on the screen.
+fn is_on_screen(setup: &Setup, layer: usize) -> bool {
+    matches!(setup.shot.layers[layer].space, LayerSpace::Screen { .. })
+}

@@ -1,0 +1,109 @@
+//! The clip of an exported scene: the file's own keys, moved in time, and the weights of the deformed meshes.
+//!
+//! In: a clip and frames. Out: one animation in the file.
+
+use super::baked::{BakedScene, NodeMotion, SampledNode};
+use super::buffer::{add, add_times, push};
+use crate::scene::{Interpolation, Packed, Track, TrackValues};
+use glam::{Quat, Vec4};
+use serde_json::{Value, json};
+
+/// Replaces the animations of the file by one that plays the clip and the deformed meshes together.
+pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>) {
+    if let Some(root) = packed.json.as_object_mut() {
+        root.remove("animations");
+    }
+    let clip = baked.clip.and_then(|clip| baked.scene.clips.get(clip));
+    let name = clip.map_or("pinwarp", |clip| clip.name.as_str());
+    let mut animation = json!({ "name": name, "samplers": [], "channels": [] });
+    match &baked.motion {
+        NodeMotion::Keys { shift_secs } => {
+            let tracks = clip.iter().flat_map(|clip| &clip.tracks);
+            tracks.for_each(|track| Moving { packed, baked, animation: &mut animation }.track(track, *shift_secs));
+        }
+        NodeMotion::Sampled(nodes) => {
+            let times: Vec<f32> = baked.times_secs.iter().map(|&time| time as f32).collect();
+            let input = add_times(packed, &times);
+            nodes.iter().for_each(|node| Moving { packed, baked, animation: &mut animation }.samples(node, input));
+        }
+    }
+    add_weights(packed, baked, &mut animation);
+    if animation["channels"].as_array().is_some_and(|channels| !channels.is_empty()) {
+        push(&mut packed.json, "animations", animation);
+    }
+}
+
+/// The clip while channels are added to it.
+struct Moving<'a> {
+    packed: &'a mut Packed,
+    baked: &'a BakedScene<'a>,
+    animation: &'a mut Value,
+}
+
+impl Moving<'_> {
+    fn track(&mut self, track: &Track, shift_secs: f64) {
+        // Deformed meshes have other targets than those that the clip weighs.
+        if matches!(track.values, TrackValues::Weights(_)) && self.is_deformed(track.node) {
+            return;
+        }
+        let shifted = |time: &f32| (f64::from(*time) + shift_secs) as f32;
+        let input = add_times(self.packed, &track.times.iter().map(shifted).collect::<Vec<_>>());
+        let as_vectors = |turns: &[Quat]| turns.iter().map(|turn| Vec4::from(*turn)).collect::<Vec<_>>();
+        let (path, output) = match &track.values {
+            TrackValues::Translation(values) => ("translation", add(self.packed, values)),
+            TrackValues::Rotation(values) => ("rotation", add(self.packed, &as_vectors(values))),
+            TrackValues::Scale(values) => ("scale", add(self.packed, values)),
+            TrackValues::Weights(values) => ("weights", add(self.packed, values)),
+        };
+        let interpolation = match track.interpolation {
+            Interpolation::Step => "STEP",
+            Interpolation::Linear => "LINEAR",
+            Interpolation::CubicSpline => "CUBICSPLINE",
+        };
+        self.channel(track.node, path, json!({ "input": input, "output": output, "interpolation": interpolation }));
+    }
+
+    fn samples(&mut self, node: &SampledNode, input: usize) {
+        let mut outputs = vec![
+            ("translation", add(self.packed, &node.translations)),
+            ("rotation", add(self.packed, &node.rotations)),
+            ("scale", add(self.packed, &node.scales)),
+        ];
+        if !node.weights.is_empty() && !self.is_deformed(node.node) {
+            outputs.push(("weights", add(self.packed, &node.weights)));
+        }
+        for (path, output) in outputs {
+            self.channel(node.node, path, json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
+        }
+        // Only translation, rotation and scale may be animated.
+        let node = &mut self.packed.json["nodes"][self.baked.scene.file_from_scene[node.node]];
+        node.as_object_mut().and_then(|node| node.remove("matrix"));
+    }
+
+    fn channel(&mut self, node: usize, path: &str, sampler: Value) {
+        let sampler = push(self.animation, "samplers", sampler);
+        let node = self.baked.scene.file_from_scene[node];
+        push(self.animation, "channels", json!({ "sampler": sampler, "target": { "node": node, "path": path } }));
+    }
+
+    fn is_deformed(&self, node: usize) -> bool {
+        self.baked.nodes.iter().any(|deformed| deformed.node == node)
+    }
+}
+
+/// Frame k shows target k alone; between frames neighbours are mixed, as lattice files say.
+fn add_weights(packed: &mut Packed, baked: &BakedScene<'_>, animation: &mut Value) {
+    if baked.nodes.is_empty() {
+        return;
+    }
+    let count = baked.frames.len();
+    let times: Vec<f32> = baked.times_secs.iter().map(|&time| time as f32).collect();
+    let weights: Vec<f32> = (0..count * count).map(|k| f32::from(u8::from(k / count == k % count))).collect();
+    let (input, output) = (add_times(packed, &times), add(packed, &weights));
+    let sampler = json!({ "input": input, "output": output, "interpolation": "LINEAR" });
+    let sampler = push(animation, "samplers", sampler);
+    for node in &baked.nodes {
+        let node = baked.scene.file_from_scene[node.node];
+        push(animation, "channels", json!({ "sampler": sampler, "target": { "node": node, "path": "weights" } }));
+    }
+}

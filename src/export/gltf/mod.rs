@@ -1,0 +1,75 @@
+//! The warped scene as a .glb file: deformed meshes become morph targets, one a frame; all else stays.
+//!
+//! In: the packed file of a scene, and its deformed meshes. Out: the bytes of a .glb file (glTF 2.0, section 4).
+
+mod baked;
+mod buffer;
+mod clip;
+mod mesh;
+
+pub use baked::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
+
+use super::ExportError;
+use crate::scene::{Lens, Packed};
+use buffer::push;
+use serde_json::{Value, json};
+
+const MAGIC: &[u8; 4] = b"glTF";
+const VERSION: u32 = 2;
+/// Bytes of the file's header, and of a chunk's.
+const HEADERS: [usize; 2] = [12, 8];
+
+/// The file with its deformed meshes and their clip.
+///
+/// # Errors
+/// [`ExportError::TooLarge`] beyond the 4 GiB that the format can count.
+pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, ExportError> {
+    for node in &baked.nodes {
+        mesh::write(&mut packed, baked, node);
+    }
+    clip::write(&mut packed, baked);
+    if let Some(camera) = &baked.camera {
+        add_camera(&mut packed.json, camera);
+    }
+    container(packed)
+}
+
+fn add_camera(json: &mut Value, camera: &AddedCamera) {
+    let near = camera.near;
+    let lens = match camera.lens {
+        Lens::Perspective { yfov } => {
+            json!({ "name": "pinwarp", "type": "perspective", "perspective": { "yfov": yfov, "znear": near } })
+        }
+        Lens::Orthographic { ymag } => json!({ "name": "pinwarp", "type": "orthographic",
+            "orthographic": { "xmag": ymag, "ymag": ymag, "znear": near, "zfar": 1e6 } }),
+    };
+    let number = push(json, "cameras", lens);
+    let matrix = camera.scene_from_camera.to_cols_array();
+    let extras = json!({ "pinwarp_node": "added" });
+    let node = json!({ "name": "pinwarp camera", "camera": number, "matrix": matrix, "extras": extras });
+    let node = push(json, "nodes", node);
+    let scene = json["scene"].as_u64().unwrap_or(0) as usize;
+    if json["scenes"].get(scene).is_some() {
+        push(&mut json["scenes"][scene], "nodes", json!(node));
+    }
+}
+
+/// Header, JSON chunk padded with spaces, binary chunk padded with zeros.
+fn container(mut packed: Packed) -> Result<Vec<u8>, ExportError> {
+    packed.binary.resize(packed.binary.len().next_multiple_of(4), 0);
+    packed.json["buffers"] = json!([{ "byteLength": packed.binary.len() }]);
+    let mut text = packed.json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = HEADERS[0] + 2 * HEADERS[1] + text.len() + packed.binary.len();
+    let length = u32::try_from(total).map_err(|_| ExportError::TooLarge { bytes: total })?;
+    let mut bytes = Vec::with_capacity(total);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&length.to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &packed.binary)] {
+        bytes.extend_from_slice(&(chunk.len() as u32).to_le_bytes());
+        bytes.extend_from_slice(kind);
+        bytes.extend_from_slice(chunk);
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,212 @@
+//! The warp of layers as deformed meshes, for programs that know no lattices (or not ours).
+//!
+//! In: a [`Setup`], frames, layers. Out: a [`BakedScene`]: every vertex in the space of its node, frame by frame.
+
+use super::{Moment, PipelineError, Setup};
+use crate::export::blender::nominal_rate;
+use crate::export::gltf::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
+use crate::lattice::ScreenLattice;
+use crate::pose::{LocalPose, Pose, PosedPart, local_pose};
+use crate::screen::{Camera, primitive};
+use crate::space::ScreenVector;
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
+use rayon::prelude::*;
+
+/// Least vertices a thread takes at once.
+const CHUNK: usize = 2048;
+
+/// Which moment of an exported file a frame of the shot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BakeTimes {
+    /// The clip keeps its times; later where a frame would lie before 0.
+    Clip,
+    /// Frame N lies at N / rate seconds, so that programs which count frames from 0 show the shot's own numbers; whole
+    /// seconds later where a frame would lie before 0.
+    Frames,
+}
+
+/// Whole seconds of frames that lead from `first` to 0 or later.
+fn frames_to_zero(first: i32, rate: f64) -> i32 {
+    let second = rate.ceil().max(1.0) as i32;
+    let lacking = (-first).max(0);
+    (lacking + second - 1) / second * second
+}
+
+impl Setup {
+    /// The scene with the layers that `is_baked` picks told as deformed meshes. `tell` hears every frame that is done.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn bake(
+        &self,
+        frames: &[i32],
+        times: BakeTimes,
+        is_baked: impl Fn(usize) -> bool,
+        mut tell: impl FnMut(i32),
+    ) -> Result<BakedScene<'_>, PipelineError> {
+        let mut frames = frames.to_vec();
+        frames.sort_unstable();
+        let owned = |part: &usize| self.owners[*part].is_some_and(&is_baked);
+        let parts: Vec<usize> = (0..self.owners.len()).filter(owned).collect();
+        let mut nodes = self.at_rest(&parts, frames.first().copied().unwrap_or_default());
+        for &frame in &frames {
+            let moment = self.moment(f64::from(frame))?;
+            let lattices = moment.lattices(&self.owners);
+            let mut shapes = parts.iter().map(|&part| {
+                let node_from_scene = node_from_scene(&moment.pose, moment.pose.parts[part].node);
+                shape(&moment, (part, lattices[part]), node_from_scene)
+            });
+            nodes.iter_mut().flat_map(|node| &mut node.parts).for_each(|part| part.shapes.extend(shapes.next()));
+            tell(frame);
+        }
+        let times_secs = frames.iter().map(|&frame| self.file_secs(frame, &frames, times)).collect();
+        let (clip, camera, motion) = (self.clip.clip, self.added_camera(), self.motion(&frames, times));
+        Ok(BakedScene { scene: &self.scene, clip, frames, times_secs, motion, nodes, camera })
+    }
+
+    /// The vertices as the unwarped scene has them in a frame, and no shapes yet: one node for each that has `parts`.
+    fn at_rest(&self, parts: &[usize], frame: i32) -> Vec<BakedNode> {
+        let (rest, _) = self.view(f64::from(frame));
+        let mut nodes: Vec<BakedNode> = Vec::new();
+        for posed in parts.iter().map(|&part| &rest.parts[part]) {
+            let source = primitive(&self.scene, posed);
+            // What only its node places keeps the numbers of its file.
+            let base = if source.influences.is_empty() && source.targets.is_empty() {
+                let (positions, normals) = (source.positions.clone(), source.normals.clone());
+                BakedShape { positions, normals, tangents: source.tangents.clone() }
+            } else {
+                in_node(posed, node_from_scene(&rest, posed.node))
+            };
+            let part = BakedPart { primitive: posed.primitive, base, shapes: Vec::new() };
+            match nodes.last_mut() {
+                Some(last) if last.node == posed.node => last.parts.push(part),
+                _ => nodes.push(BakedNode { node: posed.node, parts: vec![part] }),
+            }
+        }
+        nodes
+    }
+
+    /// The time of a frame in the file, seconds.
+    fn file_secs(&self, frame: i32, frames: &[i32], times: BakeTimes) -> f64 {
+        match times {
+            BakeTimes::Clip => self.shot.frames.seconds(f64::from(frame)) + self.shift_secs(frames),
+            BakeTimes::Frames => f64::from(frame + self.file_frames(frames)) / nominal_rate(self.shot.frames.rate),
+        }
+    }
+
+    /// How much later than in its own file a clip starts, so that no frame lies before 0; seconds.
+    fn shift_secs(&self, frames: &[i32]) -> f64 {
+        let first = frames.first().copied().unwrap_or_default();
+        (-self.shot.frames.seconds(f64::from(first))).max(0.0)
+    }
+
+    /// How many frames a file with [`BakeTimes::Frames`] is later than the shot: none where all its frames are 0 or later.
+    #[must_use]
+    pub fn file_frames(&self, frames: &[i32]) -> i32 {
+        let first = frames.iter().copied().min().unwrap_or_default();
+        frames_to_zero(first, self.shot.frames.rate)
+    }
+
+    /// Keys as they are where a file's player can follow them: none repeats a clip.
+    fn motion(&self, frames: &[i32], times: BakeTimes) -> NodeMotion {
+        if times == BakeTimes::Clip && !self.clip.is_looped {
+            return NodeMotion::Keys { shift_secs: self.shift_secs(frames) };
+        }
+        let clip = self.clip.clip.and_then(|clip| self.scene.clips.get(clip));
+        let mut moving: Vec<usize> = clip.iter().flat_map(|clip| &clip.tracks).map(|track| track.node).collect();
+        moving.sort_unstable();
+        moving.dedup();
+        let seconds = |&frame: &i32| self.shot.frames.seconds(f64::from(frame));
+        let poses: Vec<LocalPose> =
+            frames.iter().map(seconds).map(|seconds| local_pose(&self.scene, self.clip, seconds)).collect();
+        NodeMotion::Sampled(moving.into_iter().map(|node| sampled(node, &poses)).collect())
+    }
+
+    /// The camera, where the file has none.
+    fn added_camera(&self) -> Option<AddedCamera> {
+        let camera = self.automatic_camera()?;
+        let scene_from_camera = camera.scene_from_view().as_mat4();
+        Some(AddedCamera { scene_from_camera, lens: camera.lens(), near: camera.near() as f32 })
+    }
+}
+
+/// A node in some frames.
+fn sampled(node: usize, poses: &[LocalPose]) -> SampledNode {
+    let mut sampled = SampledNode { node, translations: vec![], rotations: vec![], scales: vec![], weights: vec![] };
+    let mut last = DQuat::IDENTITY;
+    for pose in poses {
+        let (scale, rotation, translation) = pose.parent_from_node[node].to_scale_rotation_translation();
+        last = if rotation.dot(last) < 0.0 { -rotation } else { rotation };
+        sampled.translations.push(translation.as_vec3());
+        sampled.rotations.push(Vec4::from(last.as_quat()));
+        sampled.scales.push(scale.as_vec3());
+        sampled.weights.extend(pose.weights[node].iter().map(|&weight| weight as f32));
+    }
+    sampled
+}
+
+/// `None` where the node is squashed flat: nothing of it can be seen.
+fn node_from_scene(pose: &Pose, node: usize) -> Option<DMat4> {
+    let placed = pose.scene_from_node[node].as_dmat4();
+    let is_invertible = placed.determinant().abs() > f64::MIN_POSITIVE;
+    is_invertible.then(|| placed.inverse())
+}
+
+/// A part in the space of its node.
+fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
+    let Some(node_from_scene) = node_from_scene else {
+        let (positions, normals) = (vec![Vec3::ZERO; posed.positions.len()], vec![Vec3::Z; posed.positions.len()]);
+        return BakedShape { positions, normals, tangents: posed.tangents.clone() };
+    };
+    let place = |point: DVec3| node_from_scene.transform_point3(point).as_vec3();
+    let linear = DMat3::from_mat4(node_from_scene);
+    // Normals of the scene are those of the node times the inverse transpose of its placement, so back: its transpose.
+    let turned = |by: DMat3, direction: Vec3| (by * direction.as_dvec3()).try_normalize().unwrap_or(DVec3::Z).as_vec3();
+    let back = linear.inverse().transpose();
+    let side = linear.determinant().signum() as f32;
+    let tangent = |tangent: &Vec4| turned(linear, tangent.truncate()).extend(tangent.w * side);
+    BakedShape {
+        positions: posed.positions.par_iter().with_min_len(CHUNK).map(|point| place(point.0.as_dvec3())).collect(),
+        normals: posed.normals.par_iter().with_min_len(CHUNK).map(|normal| turned(back, normal.0)).collect(),
+        tangents: posed.tangents.iter().map(tangent).collect(),
+    }
+}
+
+/// A part of a moment, warped, in the space of its node. World layers have moved the pose already; those of the screen
+/// move each vertex across the view at its own depth, which leaves its place in the picture where the lattice puts it.
+fn shape(
+    moment: &Moment,
+    (part, lattice): (usize, Option<&ScreenLattice>),
+    node_from_scene: Option<DMat4>,
+) -> BakedShape {
+    let mut baked = in_node(&moment.pose.parts[part], node_from_scene);
+    if let (Some(lattice), Some(node_from_scene)) = (lattice, node_from_scene) {
+        let scene_points = &moment.pose.parts[part].positions;
+        let seen = &moment.mesh.parts[part].vertices;
+        baked.positions.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(vertex, position)| {
+            let by = across(&moment.camera, lattice, seen[vertex]);
+            let moved = scene_points[vertex].0.as_dvec3() + by;
+            *position = node_from_scene.transform_point3(moved).as_vec3();
+        });
+    }
+    baked
+}
+
+/// How a lattice of the screen moves a point of the scene at its depth; not at all behind the camera.
+pub(super) fn across(camera: &Camera, lattice: &ScreenLattice, seen: crate::screen::Projected) -> DVec3 {
+    if seen.w <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let by: ScreenVector = lattice.warp(seen.point()) - seen.point();
+    camera.scene_from_screen_vector(by, seen.w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_count_frames_from_zero() {
+        assert_eq!([0, 7, -1, -24, -25].map(|first| frames_to_zero(first, 24.0)), [0, 0, 24, 24, 48]);
+    }
+}

@@ -1,0 +1,227 @@
+//! The lattices of a shot as objects that stand in its scene, for programs whose lattices do so.
+//!
+//! In: a [`Setup`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
+//! reason why there is none.
+
+use super::{LayerState, Moment, PipelineError, Setup};
+use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
+use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
+use crate::pose::Pose;
+use crate::screen::{Camera, Projected, primitive};
+use crate::shot::LayerSpace;
+use crate::space::ScreenVector;
+use glam::{DMat4, DVec3};
+
+/// A layer lies at one distance where its vertices' differ by less than this share.
+const FLATNESS: f64 = 1e-6;
+
+/// Vertices count as inside where they leave the box by less than this share of its side.
+const BORDER: f64 = 1e-7;
+
+/// Frames of a layer: `None` where it is not warped.
+type Poses = Vec<(i32, Option<LatticePose>)>;
+
+/// Why a layer cannot be a lattice object.
+type Reason = String;
+
+impl Setup {
+    /// How a layer travels to Blender.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
+        let name = self.shot.layers[index].name.clone();
+        let way = match self.lattice_object(index, frames)? {
+            Ok(lattice) => BlenderWay::Lattice(lattice),
+            Err(reason) => BlenderWay::Baked(reason),
+        };
+        Ok(BlenderLayer { name, way })
+    }
+
+    /// The node of the shot's camera.
+    #[must_use]
+    pub fn blender_camera(&self) -> CameraNode {
+        match self.scene.find_camera(self.shot.camera.as_deref()) {
+            Ok(node) => CameraNode::OfScene(node),
+            Err(_) => CameraNode::Added,
+        }
+    }
+
+    fn lattice_object(&self, index: usize, frames: &[i32]) -> Result<Result<LatticeObject, Reason>, PipelineError> {
+        let mut poses = Poses::new();
+        let mut built = None;
+        for &frame in frames {
+            let moment = self.moment(f64::from(frame))?;
+            let Some((basis, dims)) = built_of(&moment.layers[index]) else {
+                poses.push((frame, None));
+                continue;
+            };
+            match blend_of(basis) {
+                Ok(blend) => built = Some((blend, dims)),
+                Err(reason) => return Ok(Err(reason)),
+            }
+            match self.lattice_pose(&moment, index) {
+                Ok(pose) => poses.push((frame, pose)),
+                Err(reason) => return Ok(Err(format!("in frame {frame} {reason}"))),
+            }
+        }
+        let still = || "it is not warped in any of the frames".to_owned();
+        let Some((blend, dims)) = built else { return Ok(Err(still())) };
+        let mut nodes: Vec<usize> = self.parts_of_layer[index].iter().map(|&part| self.part_nodes[part]).collect();
+        nodes.dedup();
+        Ok(filled(poses, dims).map(|frames| LatticeObject { nodes, dims, blend, frames }).ok_or_else(still))
+    }
+
+    fn lattice_pose(&self, moment: &Moment, index: usize) -> Result<Option<LatticePose>, Reason> {
+        let frame = moment.frame as i32;
+        match (self.shot.layers[index].space, &moment.layers[index]) {
+            (LayerSpace::World { .. }, state) => {
+                let Some(world) = &state.world else { return Ok(None) };
+                let (rest, _) = self.view(moment.frame);
+                self.all_inside(&rest, index, &world.lattice)?;
+                Ok(Some(world_pose(frame, &world.lattice)))
+            }
+            (LayerSpace::Screen { .. }, state) => {
+                let Some(solution) = &state.solution else { return Ok(None) };
+                let corners = self.corners_seen(moment, index);
+                let Some(&(anchor, seen)) = corners.first() else { return Ok(None) };
+                check_flat(&corners, &solution.lattice.grid)?;
+                Ok(Some(card_pose(frame, &solution.lattice, (&moment.camera, anchor, seen))))
+            }
+        }
+    }
+
+    fn all_inside(&self, rest: &Pose, index: usize, lattice: &SceneLattice) -> Result<(), Reason> {
+        let grid = &lattice.lattice.grid;
+        for &part in &self.parts_of_layer[index] {
+            let posed = &rest.parts[part];
+            let source = primitive(&self.scene, posed);
+            let mut corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
+            let place = |corner: u32| lattice.frame.box_from_scene(posed.positions[corner as usize].0.as_dvec3());
+            if corners.any(|&corner| !is_inside(grid, place(corner).to_array())) {
+                return Err(
+                    "some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Places of a layer's vertices in the scene and on the screen, those that are drawn.
+    fn corners_seen(&self, moment: &Moment, index: usize) -> Vec<(DVec3, Projected)> {
+        let of_part = |&part: &usize| {
+            let posed = &moment.pose.parts[part];
+            let source = primitive(&self.scene, posed);
+            let corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
+            let places = corners
+                .map(|&corner| corner as usize)
+                .map(move |corner| (posed.positions[corner].0.as_dvec3(), moment.mesh.parts[part].vertices[corner]));
+            places.collect::<Vec<_>>()
+        };
+        self.parts_of_layer[index].iter().flat_map(of_part).collect()
+    }
+}
+
+/// Basis and points an axis of a layer's lattice; `None` where it is not warped.
+fn built_of(state: &LayerState) -> Option<(Basis, [usize; 3])> {
+    let on_screen = state.solution.as_ref().map(|solution| &solution.lattice.grid);
+    let in_scene = state.world.as_ref().map(|world| &world.lattice.lattice.grid);
+    let flat = on_screen.map(|grid| (grid.basis, [grid.dims[0], grid.dims[1], 1]));
+    flat.or(in_scene.map(|grid| (grid.basis, grid.dims)))
+}
+
+fn blend_of(basis: Basis) -> Result<LatticeBlend, Reason> {
+    match basis {
+        Basis::Bspline => Ok(LatticeBlend::Bspline),
+        Basis::Bilinear => Ok(LatticeBlend::Linear),
+        Basis::Bernstein => Err("Blender's lattices know no Bernstein polynomials".to_owned()),
+        Basis::Barytri => Err("Blender's lattices know no barycentric cells".to_owned()),
+    }
+}
+
+/// Frames without a warp rest where a neighbour stands.
+fn filled(poses: Poses, dims: [usize; 3]) -> Option<Vec<LatticePose>> {
+    let mut last = poses.iter().find_map(|(_, pose)| pose.as_ref()).map(|pose| pose.scene_from_lattice)?;
+    let count = dims.iter().product();
+    let fill = |(frame, pose): (i32, Option<LatticePose>)| {
+        let pose =
+            pose.unwrap_or_else(|| LatticePose { frame, scene_from_lattice: last, moved: vec![[0.0; 3]; count] });
+        last = pose.scene_from_lattice;
+        pose
+    };
+    Some(poses.into_iter().map(fill).collect())
+}
+
+fn is_inside<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> bool {
+    (0..D).all(|axis| {
+        let slack = BORDER * grid.size(axis);
+        (grid.lo[axis] - slack..=grid.hi[axis] + slack).contains(&point[axis])
+    })
+}
+
+/// Whether a lattice of the screen is a lattice of the scene: the same shift of the screen is the same shift of every
+/// vertex.
+fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reason> {
+    let ws = || corners.iter().map(|(_, seen)| seen.w);
+    let (least, most) = (ws().fold(f64::INFINITY, f64::min), ws().fold(f64::NEG_INFINITY, f64::max));
+    if least <= 0.0 || most - least > FLATNESS * most {
+        return Err(
+            "its vertices stand at several distances from a perspective camera, so no lattice of the scene moves \
+                    them as one of the screen does"
+                .into(),
+        );
+    }
+    if corners.iter().any(|(_, seen)| !is_inside(grid, seen.point().0.to_array())) {
+        return Err("some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into());
+    }
+    Ok(())
+}
+
+/// From the outermost handle of an axis to the other, in sizes of the box: the first and last handle of a B-spline rest
+/// one span outside.
+fn reach(basis: Basis, count: usize) -> f64 {
+    match basis {
+        Basis::Bspline => (count - 1) as f64 / (count - 3) as f64,
+        _ => 1.0,
+    }
+}
+
+fn extents<const D: usize>(grid: &Grid<D>) -> [f64; D] {
+    std::array::from_fn(|axis| grid.size(axis) * reach(grid.basis, grid.dims[axis]))
+}
+
+/// How far the handles are from their rest, in sizes of the lattice.
+fn moved<const D: usize>(lattice: &Lattice<D>) -> Vec<[f64; 3]> {
+    let extents = extents(&lattice.grid);
+    let rest = lattice.grid.at_rest().handles;
+    let of_handle = |(handle, rest): (&[f64; D], &[f64; D])| {
+        std::array::from_fn(|axis| if axis < D { (handle[axis] - rest[axis]) / extents[axis] } else { 0.0 })
+    };
+    lattice.handles.iter().zip(&rest).map(of_handle).collect()
+}
+
+fn world_pose(frame: i32, placed: &SceneLattice) -> LatticePose {
+    let grid = &placed.lattice.grid;
+    let center = DVec3::from(std::array::from_fn(|axis| 0.5 * (grid.lo[axis] + grid.hi[axis])));
+    let [x, y, z] = extents(grid);
+    let axes = placed.frame.axes();
+    let columns = [axes.x_axis * x, axes.y_axis * y, axes.z_axis * z];
+    let scene_from_lattice = affine(columns, placed.frame.scene_from_box(center));
+    LatticePose { frame, scene_from_lattice, moved: moved(&placed.lattice) }
+}
+
+/// The lattice of a card: in the plane across the view that holds `anchor`, which is seen at `seen`.
+fn card_pose(frame: i32, lattice: &ScreenLattice, (camera, anchor, seen): (&Camera, DVec3, Projected)) -> LatticePose {
+    let grid = &lattice.grid;
+    let across = |x: f64, y: f64| camera.scene_from_screen_vector(ScreenVector::new(x, y), seen.w);
+    let [width, height] = extents(grid);
+    let center = [0, 1].map(|axis| 0.5 * (grid.lo[axis] + grid.hi[axis]));
+    let at = seen.point().0;
+    let origin = anchor + across(center[0] - at.x, center[1] - at.y);
+    let columns = [across(width, 0.0), across(0.0, height), camera.towards_viewer().as_dvec3()];
+    LatticePose { frame, scene_from_lattice: affine(columns, origin), moved: moved(lattice) }
+}
+
+fn affine([x, y, z]: [DVec3; 3], origin: DVec3) -> DMat4 {
+    DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0))
+}
