@@ -43,6 +43,8 @@ pub(super) enum Command {
     Compare(CompareArgs),
     /// Write the warp of a shot for other shots and programs.
     Export(ExportArgs),
+    /// Find the lattice that carries landmarks of one picture or pose onto those of another.
+    Fit(FitArgs),
     /// Give the lattices of a file other dims or another basis, and keep the edit.
     Resize(ResizeArgs),
     /// List what can draw.
@@ -175,9 +177,24 @@ pub(super) struct ExportArgs {
     /// Frames to export, e.g. 1-48x2,60; default: all of the shot or the file.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
+    /// Keep complete frames of a sequence that are already there, write the rest.
+    #[arg(long, conflicts_with = "overwrite")]
+    pub(super) resume: bool,
     /// Replace files that are already there.
     #[arg(long)]
     pub(super) overwrite: bool,
+    /// Maps of this layer alone, for an element that is matted; default: of the whole picture.
+    #[arg(long, value_name = "NAME")]
+    pub(super) layer: Option<String>,
+    /// Maps that undo the warp.
+    #[arg(long)]
+    pub(super) inverse: bool,
+    /// Size of maps in pixels, e.g. 1920x1080; default: the shot's, else 1080 lines.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Pixels that maps tell of around the frame.
+    #[arg(long, value_name = "PIXELS", default_value = "0", value_parser = clap::value_parser!(u32).range(0..=16384))]
+    pub(super) overscan: u32,
 }
 
 /// What `export` writes.
@@ -185,10 +202,45 @@ pub(super) struct ExportArgs {
 pub(super) enum ExportFormat {
     /// Solved lattices in the program's own open format, see docs/LATTICE.md.
     LatticeJson,
+    /// Maps of where every pixel comes from, for any compositor (EXR, 32 bits).
+    Stmap,
+    /// A Nuke script: the STMaps applied, and the lattices as grids.
+    Nuke,
     /// A Python script that builds lattice objects with keyed shapes, and the scene beside it.
     Blender,
     /// The warped scene, one morph target a frame (.glb).
     Gltf,
+    /// Displacement maps for After Effects, and the settings of its effect.
+    AfterEffects,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct FitArgs {
+    /// What is bent: a picture (its alpha tells the shape), or a shot or scene in one frame.
+    pub(super) a: PathBuf,
+    /// What it shall look like: a picture or a shot, of which only the size counts.
+    pub(super) b: PathBuf,
+    /// Points of A and where they are in B: JSON or CSV, see docs/EXPORT.md.
+    #[arg(long, value_name = "FILE")]
+    pub(super) pairs: PathBuf,
+    /// Handles an axis.
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "10,10")]
+    pub(super) dims: Vec<usize>,
+    /// How handles are blended: bspline, bernstein, bilinear or barytri; default: bspline.
+    #[arg(long, value_name = "BASIS", value_parser = parse_basis)]
+    pub(super) basis: Option<Basis>,
+    /// Frame of a shot, and number of the frame in the lattice file; default: the shot's first, else 1.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(super) frame: Option<i32>,
+    /// Layer of a shot; default: its only one.
+    #[arg(long, value_name = "NAME")]
+    pub(super) layer: Option<String>,
+    /// The lattice file to write.
+    #[arg(short, long, value_name = "FILE", default_value = "fit.lattice.json")]
+    pub(super) output: PathBuf,
+    /// Replace a file that is already there.
+    #[arg(long)]
+    pub(super) overwrite: bool,
 }
 
 #[derive(Debug, clap::Args)]
@@ -246,6 +298,14 @@ pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
 /// A basis by the name it has in shot files.
 fn parse_basis(text: &str) -> Result<Basis, String> {
     serde_json::from_value(text.into()).map_err(|_| "use bspline, bernstein, bilinear or barytri".to_owned())
+}
+
+/// A size in pixels.
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=16384).contains(side));
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| "two whole numbers from 1 to 16384 with an x between them are needed, e.g. 1920x1080".to_owned())
 }
 
 /// Two numbers with a comma between them.

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod devices;
 mod export;
+mod fit;
 mod frames;
 mod new;
 mod pick;
@@ -61,6 +62,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Resize(args) => resize::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {

@@ -2,11 +2,18 @@
 //!
 //! In: lattices. Out: files. Lattice files are read back, too: see [`LatticeFile`].
 
+mod after_effects;
 pub mod blender;
 mod error;
 pub mod gltf;
+mod landmarks;
 mod lattice_file;
+pub mod nuke;
 mod raw;
+mod stmap;
 
+pub use after_effects::DisplacementNote;
 pub use error::ExportError;
+pub use landmarks::{Landmark, LandmarkUnit, Landmarks};
 pub use lattice_file::{LatticeFile, LatticeTrack, Track, lattice_at};
+pub use stmap::{displacement, greatest_offset, stmap};

@@ -4,6 +4,7 @@
 //! Samples that a file cannot hold are contained, never refused: [`write_exr`] says how.
 
 mod atomic;
+mod codes;
 mod complete;
 pub mod cryptomatte;
 mod draw;
@@ -26,6 +27,7 @@ mod srgb;
 mod window;
 
 pub use atomic::{replace_bytes, replace_text};
+pub use codes::write_codes;
 pub use complete::is_complete;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;

@@ -1,8 +1,12 @@
 //! `pinwarp export`: what is exported, of which frames, to where.
 
+mod after_effects;
 mod blender;
 mod gltf;
 mod lattice_json;
+mod maps;
+mod nuke;
+mod stmap;
 
 use super::args::{ExportArgs, ExportFormat};
 use super::{Outcome, refuse_existing};
@@ -16,7 +20,10 @@ use std::path::PathBuf;
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     match args.to {
         ExportFormat::LatticeJson => lattice_json::run(args),
+        ExportFormat::Stmap => stmap::run(args),
+        ExportFormat::Nuke => nuke::run(args),
         ExportFormat::Blender => blender::run(args),
+        ExportFormat::AfterEffects => after_effects::run(args),
         ExportFormat::Gltf => gltf::run(args),
     }
 }

@@ -1,0 +1,181 @@
+//! Maps of the screen, frame by frame: what `--to stmap`, `nuke` and `after-effects` have in common.
+//!
+//! In: lattices and the flags of the command line. Out: the map of each frame; files written where they are missing.
+
+use super::Source;
+use crate::cli::args::ExportArgs;
+use crate::export::{LatticeFile, LatticeTrack, Track};
+use crate::image::{SequencePath, is_complete};
+use crate::lattice::Lattice;
+use crate::plate::{Field, WarpMap};
+use crate::space::{FrameSize, PixelRect};
+use anyhow::{anyhow, bail};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Height of the maps of a lattice file, which knows no pixels.
+const DEFAULT_HEIGHT: f64 = 1080.0;
+
+/// The maps of a shot or of a lattice file.
+pub(super) struct Maps {
+    /// The lattices, of the screen only.
+    pub(super) lattices: LatticeFile,
+    /// The display window.
+    pub(super) size: FrameSize,
+    /// The pixels that are told of.
+    window: PixelRect,
+    direction: Direction,
+    reach: Reach,
+}
+
+/// Which way a map leads.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Direction {
+    /// To where a pixel of the warped picture comes from.
+    Backward,
+    /// To where a pixel of the picture goes: it undoes the warp.
+    Forward,
+}
+
+/// What happens around the boxes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    /// A whole picture: it fades.
+    Picture,
+    /// One layer on its own: it moves on.
+    Layer,
+}
+
+impl Maps {
+    /// Solves or reads the lattices.
+    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
+        let source = Source::open(args)?;
+        let shot_size = match &source {
+            Source::Shot(setup) => Some(setup.shot.size),
+            Source::Lattices(_) => None,
+        };
+        let mut lattices = source.into_lattices(args)?;
+        keep_screen_layers(&mut lattices, args)?;
+        let size = match (args.size, shot_size) {
+            (Some([width, height]), _) => {
+                FrameSize { width, height, pixel_aspect: lattices.frame_aspect * f64::from(height) / f64::from(width) }
+            }
+            (None, Some(size)) => size,
+            (None, None) => {
+                FrameSize::new((DEFAULT_HEIGHT * lattices.frame_aspect).round().max(1.0) as u32, DEFAULT_HEIGHT as u32)
+            }
+        };
+        let size = squared(size);
+        let window = overscanned(size, args.overscan);
+        let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
+        let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
+        Ok(Self { lattices, size, window, direction, reach })
+    }
+
+    /// Width and height of a map.
+    pub(super) const fn pixels(&self) -> [u32; 2] {
+        [self.window.width, self.window.height]
+    }
+
+    /// Frames in which anything is warped, increasing.
+    pub(super) fn frames(&self) -> Vec<i32> {
+        let of_layer = |layer: &LatticeTrack| screen(layer).map(|track| track.keys().copied().collect::<Vec<_>>());
+        let all: BTreeSet<i32> = self.lattices.layers.iter().filter_map(of_layer).flatten().collect();
+        all.into_iter().collect()
+    }
+
+    /// The map of a frame: all layers, one after the other as they lie over each other in the shot.
+    pub(super) fn map(&self, frame: i32) -> WarpMap {
+        let lattices = self.lattices.layers.iter().filter_map(|layer| screen(layer)?.get(&frame).cloned());
+        let field = match self.reach {
+            Reach::Picture => Field::chain(lattices.map(Field::of_picture).collect()),
+            Reach::Layer => Field::chain(lattices.map(Field::of_layer).collect()),
+        };
+        match self.direction {
+            Direction::Backward => WarpMap::backward(&field, self.size, self.window),
+            Direction::Forward => WarpMap::forward(&field, self.size, self.window),
+        }
+    }
+}
+
+fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {
+    match &layer.track {
+        Track::Screen(lattices) => Some(lattices),
+        Track::World(_) => None,
+    }
+}
+
+/// Takes out layers that were not asked for or that no picture can hold.
+fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::Result<()> {
+    let names: Vec<String> = lattices.layers.iter().map(|layer| layer.name.clone()).collect();
+    if let Some(wanted) = &args.layer {
+        lattices.layers.retain(|layer| layer.name == *wanted);
+        if lattices.layers.is_empty() {
+            let hint = crate::spelling::hint(wanted, names.iter().map(String::as_str));
+            bail!("{} has no warped layer '{wanted}'; {hint}", args.shot.display());
+        }
+    }
+    for layer in lattices.layers.iter().filter(|layer| screen(layer).is_none()) {
+        let why = "is warped in the scene, which no map of the screen can tell; render it, or export gltf or blender";
+        writeln!(io::stderr(), "note: layer '{}' {why}", layer.name)?;
+    }
+    lattices.layers.retain(|layer| screen(layer).is_some());
+    if lattices.layers.is_empty() {
+        return Err(anyhow!("no layer of {} is warped on the screen: there is no map to write", args.shot.display()));
+    }
+    Ok(())
+}
+
+/// Pixels that are square but for rounding are square.
+fn squared(size: FrameSize) -> FrameSize {
+    let is_square = (size.pixel_aspect - 1.0).abs() * f64::from(size.width) <= 1.0;
+    if is_square { FrameSize::new(size.width, size.height) } else { size }
+}
+
+fn overscanned(size: FrameSize, by: u32) -> PixelRect {
+    let PixelRect { width, height, .. } = size.window();
+    PixelRect { x: -(by as i32), y: -(by as i32), width: width + 2 * by, height: height + 2 * by }
+}
+
+/// What became of a sequence.
+#[derive(Default)]
+pub(super) struct Written {
+    pub(super) new: usize,
+    pub(super) kept: usize,
+}
+
+/// Writes the frames of a sequence; with `--resume` complete ones stay.
+pub(super) fn write_frames(
+    args: &ExportArgs,
+    pattern: &Path,
+    frames: &[i32],
+    mut write: impl FnMut(i32, &Path) -> anyhow::Result<()>,
+) -> anyhow::Result<Written> {
+    let sequence = SequencePath::parse(pattern)?;
+    sequence.check_frame_count(frames.len())?;
+    if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
+        && !args.overwrite
+        && !args.resume
+    {
+        bail!("{} exists already; use --resume to keep or --overwrite to replace what is there", there.display());
+    }
+    let mut written = Written::default();
+    for &frame in frames {
+        let path = sequence.path_of(frame);
+        if args.resume && is_whole(&path) {
+            written.kept += 1;
+            continue;
+        }
+        write(frame, &path)?;
+        written.new += 1;
+        tracing::info!("{} written", path.display());
+    }
+    Ok(written)
+}
+
+/// Files appear whole or not at all; EXR files are looked into all the same.
+fn is_whole(path: &Path) -> bool {
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    path.exists() && (!is_exr || is_complete(path))
+}

@@ -1,0 +1,44 @@
+//! `pinwarp export --to stmap`: a sequence of maps for any compositor.
+
+use super::maps::{Maps, Written, write_frames};
+use crate::cli::Outcome;
+use crate::cli::args::ExportArgs;
+use crate::export::stmap;
+use crate::image::{Compression, FrameMetadata, write_exr};
+use std::io::{self, Write};
+use std::path::Path;
+
+pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
+    let maps = Maps::open(args)?;
+    let written = write(args, &maps, &pattern)?;
+    told(&pattern, &written)?;
+    Ok(Outcome::Complete)
+}
+
+/// Writes the maps of all frames.
+pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::Result<Written> {
+    write_frames(args, pattern, &maps.frames(), |frame, path| {
+        let map = maps.map(frame);
+        if !map.folded_pixels.is_empty() {
+            let count = map.folded_pixels.len();
+            writeln!(
+                io::stderr(),
+                "note: frame {frame}: {count} pixels lie in folds, where a map shows one of the sheets"
+            )?;
+        }
+        let metadata = FrameMetadata {
+            frame,
+            frames_per_second: maps.lattices.rate,
+            shot_hash: String::new(),
+            device: "CPU".into(),
+            camera: None,
+        };
+        Ok(write_exr(path, &stmap(&map), &metadata, Compression::Zip)?)
+    })
+}
+
+pub(super) fn told(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
+    let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
+    writeln!(io::stdout(), "wrote {}: {new} frames{kept}", pattern.display())
+}

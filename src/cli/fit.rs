@@ -1,0 +1,157 @@
+//! `pinwarp fit`: a lattice from landmarks.
+
+use super::args::FitArgs;
+use super::{Outcome, refuse_existing};
+use crate::export::{LandmarkUnit, Landmarks, LatticeFile, LatticeTrack, Track};
+use crate::image::read_any;
+use crate::lattice::Basis;
+use crate::pipeline::{Registration, Setup, picture_shape, register};
+use crate::shot::Shot;
+use crate::solve::Shape;
+use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint, ScreenVector};
+use crate::spelling;
+use anyhow::{Context, bail};
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Frames a second of a lattice file that comes from pictures.
+const PICTURE_RATE: f64 = 24.0;
+
+/// A landmark that is farther off than this, in pixels, is told why.
+const MISSED_PX: f64 = 0.05;
+
+/// What the lattice is laid over.
+struct Subject {
+    shape: Shape<2>,
+    size: FrameSize,
+    frame: i32,
+    rate: f64,
+    /// Name of the layer.
+    name: String,
+}
+
+pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
+    refuse_existing(&args.output, args.overwrite)?;
+    let dims = <[usize; 2]>::try_from(args.dims.as_slice())
+        .ok()
+        .with_context(|| format!("--dims has {} numbers, a lattice of the screen has 2 axes", args.dims.len()))?;
+    let landmarks = Landmarks::read(&args.pairs)?;
+    let subject = subject(args)?;
+    let pairs = pairs(&landmarks, subject.size, size_of(&args.b)?);
+    let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or(Basis::Bspline))?;
+    tell(&landmarks, &found, subject.size)?;
+    let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
+    let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements: BTreeMap::new() };
+    let file = LatticeFile { frame_aspect: subject.size.aspect(), rate: subject.rate, layers: vec![track] };
+    file.write(&args.output)?;
+    let output = args.output.display();
+    writeln!(io::stdout(), "wrote {output}: {} x {} handles, {} landmarks", dims[0], dims[1], pairs.len())?;
+    writeln!(io::stdout(), "lay it over a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}")?;
+    Ok(Outcome::Complete)
+}
+
+/// What `A` shows: a layer of a shot or a scene in one frame, or a picture.
+fn subject(args: &FitArgs) -> anyhow::Result<Subject> {
+    match extension(&args.a).as_str() {
+        "toml" => shot_subject(Shot::read(&args.a)?, args),
+        "glb" | "gltf" => {
+            // Quoted as TOML strings are, which JSON's are, too.
+            let scene = serde_json::to_string(&args.a.file_name().unwrap_or_default().to_string_lossy())?;
+            let text = format!(
+                "version = 1\nscene = {scene}\nframes = {{ first = 0, last = 0, rate = 24 }}\nsize = [1920, 1080]\n\
+                 [[layer]]\nname = \"all\"\n"
+            );
+            shot_subject(Shot::parse(&text, &args.a)?, args)
+        }
+        _ => picture_subject(args),
+    }
+}
+
+fn shot_subject(shot: Shot, args: &FitArgs) -> anyhow::Result<Subject> {
+    let names: Vec<String> = shot.layers.iter().map(|layer| layer.name.clone()).collect();
+    let layer = match &args.layer {
+        Some(name) => names.iter().position(|other| other == name).with_context(|| {
+            let hint = spelling::hint(name, names.iter().map(String::as_str));
+            format!("{} has no layer '{name}'; {hint}", args.a.display())
+        })?,
+        None if names.len() == 1 => 0,
+        None => bail!("{} has {} layers; choose one with --layer", args.a.display(), names.len()),
+    };
+    let frame = args.frame.unwrap_or(shot.frames.first);
+    let (size, rate) = (shot.size, shot.frames.rate);
+    let setup = Setup::new(shot)?;
+    let shape = setup.layer_shape(layer, frame)?;
+    if shape.triangles.is_empty() {
+        bail!("nothing of layer '{}' is seen in frame {frame} of {}", names[layer], args.a.display());
+    }
+    Ok(Subject { shape, size, frame, rate, name: names[layer].clone() })
+}
+
+fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
+    let plate = read_any(&args.a)?;
+    let size = display_size(plate.display, plate.pixel_aspect);
+    let Some(part) = plate.parts.first() else { bail!("{} holds no picture", args.a.display()) };
+    let alpha = part.channels.iter().find(|channel| channel.name == "A").map(|channel| channel.samples.as_slice());
+    let window = PixelRect {
+        x: part.data_window.x - plate.display.x,
+        y: part.data_window.y - plate.display.y,
+        ..part.data_window
+    };
+    let shape = picture_shape(&args.a, (size, window), alpha)?;
+    let name = args.a.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Subject { shape, size, frame: args.frame.unwrap_or(1), rate: PICTURE_RATE, name })
+}
+
+/// Size of what `B` shows.
+fn size_of(path: &Path) -> anyhow::Result<FrameSize> {
+    if extension(path) == "toml" {
+        return Ok(Shot::read(path)?.size);
+    }
+    let plate = read_any(path)?;
+    Ok(display_size(plate.display, plate.pixel_aspect))
+}
+
+fn display_size(display: PixelRect, pixel_aspect: f64) -> FrameSize {
+    FrameSize { width: display.width, height: display.height, pixel_aspect }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// The pairs on A's screen. B is laid over A with equal heights, middle on middle.
+fn pairs(landmarks: &Landmarks, a: FrameSize, b: FrameSize) -> Vec<[ScreenPoint; 2]> {
+    let place = |size: FrameSize, [x, y]: [f64; 2]| match landmarks.unit {
+        LandmarkUnit::Pixels => size.screen_from_image(ImagePoint::new(x, y)),
+        LandmarkUnit::Frame => ScreenPoint::new(x, y),
+    };
+    let shift = ScreenVector::new(0.5 * (a.aspect() - b.aspect()), 0.0);
+    landmarks.pairs.iter().map(|pair| [place(a, pair.a), place(b, pair.b) + shift]).collect()
+}
+
+/// What is left between the points, and what folds.
+fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    let px = |length: f64| length * f64::from(size.height);
+    for (pair, &residual) in landmarks.pairs.iter().zip(&found.residuals) {
+        writeln!(out, "  {:<16} {:8.3} px off", pair.name, px(residual))?;
+    }
+    let name_of = |pin: usize| format!("'{}'", landmarks.pairs[pin].name);
+    let missed = found.report.pin_misses.iter().filter(|miss| px(miss.distance) > MISSED_PX);
+    for miss in missed {
+        let reason = miss.reason.words(name_of).replace("pin '", "'");
+        writeln!(out, "warning: landmark {} is off: {reason}", name_of(miss.pin))?;
+    }
+    match found.report.folded_model_cells {
+        0 => {}
+        count => writeln!(
+            out,
+            "warning: {count} cells fold over what is seen; look for landmarks that are swapped, or leave some out"
+        )?,
+    }
+    for warning in &found.report.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}

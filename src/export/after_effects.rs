@@ -1,0 +1,65 @@
+//! What an After Effects user has to type in: the settings of the Displacement Map effect, in words.
+//!
+//! In: the reach of a sequence of maps. Out: a text that lies beside them. docs/AFTER_EFFECTS.md tells the whole way.
+
+/// The settings of a sequence of maps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplacementNote {
+    /// The maps: `shot.displacement_37px.####.png`.
+    pub maps: String,
+    /// Pixels at either end of the range.
+    pub reach_px: u32,
+    /// Size of the maps in pixels.
+    pub size: [u32; 2],
+    /// First and last frame.
+    pub frames: [i32; 2],
+    /// Frames a second.
+    pub rate: f64,
+}
+
+impl DisplacementNote {
+    /// The text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { maps, reach_px, size: [width, height], frames: [first, last], rate } = self;
+        let reach = f64::from(*reach_px);
+        let of_file = reach / 32767.0;
+        let of_program = reach / 16384.0;
+        format!(
+            "Displacement maps for After Effects, written by `pinwarp export --to after-effects`.\n\n\
+             maps:      {maps}, frames {first} to {last}, {rate} a second, {width} x {height} pixels, 16 bits\n\
+             element:   the unwarped picture or matted layer, of the same size\n\n\
+             1. Set the project to 16 bits per channel, no working colour space (or preserve the maps' RGB).\n\
+             2. Import element and maps as sequences at {rate} frames a second; put both into one composition, the maps\n   \
+             hidden.\n\
+             3. On the element: Effect > Distort > Displacement Map.\n   \
+             Displacement Map Layer: the maps.\n   \
+             Use For Horizontal Displacement: Red.    Max Horizontal Displacement: {reach_px}\n   \
+             Use For Vertical Displacement:   Green.  Max Vertical Displacement:   {reach_px}\n   \
+             Displacement Map Behavior: Center Map. Edge Behavior: no wrap. Expand Output: on.\n\
+             4. The maps say where each pixel comes from (red: right, green: down; half: no way at all). This was not\n   \
+             tried in After Effects: if things move the wrong way, type -{reach_px}.\n\n\
+             Precision: one step of the files is {of_file:.5} px, one step of a 16-bit project {of_program:.5} px.\n"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reach_and_precision_are_told() {
+        let note = DisplacementNote {
+            maps: "a.displacement_64px.####.png".into(),
+            reach_px: 64,
+            size: [1920, 1080],
+            frames: [1, 2],
+            rate: 24.0,
+        };
+        let text = note.text();
+        for part in ["a.displacement_64px.####.png", "Displacement: 64", "0.00195 px", "0.00391 px", "-64"] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! `export --to stmap`, `nuke` and `after-effects`: maps that compositors read.
+
+use crate::python;
+use crate::support::{Bench, HEAD, OUTPUT, PIN, names_in};
+use pinwarp::image::{Frame, read_exr};
+use std::path::Path;
+
+fn read(bench: &Bench, name: &str) -> Frame {
+    read_exr(&bench.path(name)).expect("a frame")
+}
+
+/// A channel at a pixel of the display window; 0 outside the data window.
+fn at(frame: &Frame, channel: &str, [x, y]: [i32; 2]) -> f32 {
+    let window = frame.data_window;
+    let (column, row) = (x - window.x, y - window.y);
+    let is_inside = (0..window.width as i32).contains(&column) && (0..window.height as i32).contains(&row);
+    let samples = &frame.channel(channel).expect("the channel").samples;
+    if is_inside { samples[(row * window.width as i32 + column) as usize] } else { 0.0 }
+}
+
+fn pixels() -> impl Iterator<Item = [i32; 2]> {
+    (0..36).flat_map(|y| (0..64).map(move |x| [x, y]))
+}
+
+#[test]
+fn maps_are_written_kept_and_replaced_like_frames() {
+    let bench = Bench::new();
+    let told = bench.run("export shot.toml --to stmap -o st/m.####.exr").says(0, &[]).stdout;
+    assert!(told.contains("m.####.exr: 2 frames"), "{told}");
+    assert_eq!(names_in(&bench.path("st")), ["m.0001.exr", "m.0002.exr"]);
+    // Nothing moves in the first frame: the identity, to the bit.
+    let still = read(&bench, "st/m.0001.exr");
+    for [x, y] in pixels() {
+        let [u, v] = [(x as f32 + 0.5) / 64.0, 1.0 - (y as f32 + 0.5) / 36.0];
+        assert_eq!([at(&still, "R", [x, y]), at(&still, "G", [x, y])], [u, v], "pixel {x}, {y}");
+    }
+    bench.run("export shot.toml --to stmap -o st/m.####.exr").says(2, &["m.0001.exr exists already", "--resume"]);
+    std::fs::remove_file(bench.path("st/m.0002.exr")).expect("it is there");
+    let told = bench.run("export shot.toml --to stmap -o st/m.####.exr --resume").says(0, &[]).stdout;
+    assert!(told.contains("1 frames, 1 kept"), "{told}");
+    bench.run("export shot.toml --to stmap -o st/m.####.exr --overwrite --frames 2").says(0, &[]);
+    bench.run("export shot.toml --to stmap -o st/m.exr").says(2, &["no frame counter for 2 frames"]);
+    bench.run("export shot.toml --to stmap --layer al").says(2, &["no warped layer 'al'", "did you mean"]);
+    bench.run("export shot.toml --to stmap --size 64").says(2, &["1920x1080"]);
+}
+
+#[test]
+fn a_lattice_file_gives_the_maps_of_its_shot() {
+    let bench = Bench::new();
+    bench.run("export shot.toml --to lattice-json").says(0, &[]);
+    bench.run("export shot.toml --to stmap -o a.####.exr --frames 2").says(0, &[]);
+    bench.run("export shot.lattice.json --to stmap -o b.####.exr --frames 2 --size 64x36").says(0, &[]);
+    assert_eq!(read(&bench, "a.0002.exr").channels, read(&bench, "b.0002.exr").channels);
+    bench.run("export shot.lattice.json --to stmap -o c.####.exr --frames 7").says(2, &["no lattice in the frames"]);
+    bench.run("export shot.lattice.json --to lattice-json -o d.json --frames 2").says(0, &[]);
+    bench.run("export d.json --to stmap -o d.####.exr").says(0, &[]);
+    let [height, width] = [1080, 1920].map(|side: u32| side);
+    let window = read(&bench, "d.0002.exr").data_window;
+    assert_eq!((window.width, window.height), (width, height), "without pixels of its own it has 1080 lines");
+}
+
+#[test]
+fn the_inverse_undoes_the_map_and_overscan_goes_around() {
+    let bench = Bench::new();
+    for flags in ["--inverse -o inverse.####.exr", "--overscan 8 -o wide.####.exr", "-o plain.####.exr"] {
+        bench.run(&format!("export shot.toml --to stmap --frames 2 {flags}")).says(0, &[]);
+    }
+    let [inverse, wide, plain] = ["inverse.0002.exr", "wide.0002.exr", "plain.0002.exr"].map(|name| read(&bench, name));
+    let window = wide.data_window;
+    assert_eq!((window.x, window.y, window.width, window.height), (-8, -8, 80, 52));
+    assert!(pixels().all(|pixel| at(&wide, "R", pixel) == at(&plain, "R", pixel)), "the middle of both is one");
+    assert!(at(&wide, "R", [-8, 0]) < 0.0, "measured by the display window");
+    // From a pixel to where it goes and from there back (bilinear) is the pixel.
+    let mut moved = 0.0_f32;
+    for [x, y] in pixels().filter(|[x, y]| (16..48).contains(x) && (9..27).contains(y)) {
+        let goes = [at(&inverse, "R", [x, y]) * 64.0 - 0.5, (1.0 - at(&inverse, "G", [x, y])) * 36.0 - 0.5];
+        let corner = goes.map(|side| side.floor());
+        let share = [goes[0] - corner[0], goes[1] - corner[1]];
+        let mix = |channel: &str| {
+            let near = |i: i32, j: i32| at(&wide, channel, [corner[0] as i32 + i, corner[1] as i32 + j]);
+            let row = |j: i32| near(0, j) * (1.0 - share[0]) + near(1, j) * share[0];
+            row(0) * (1.0 - share[1]) + row(1) * share[1]
+        };
+        let back = [mix("R") * 64.0 - 0.5, (1.0 - mix("G")) * 36.0 - 0.5];
+        assert!((back[0] - x as f32).hypot(back[1] - y as f32) < 0.05, "{x}, {y} comes back to {back:?}");
+        moved = moved.max((goes[0] - x as f32).hypot(goes[1] - y as f32));
+    }
+    assert!(moved > 1.0, "the warp moves pixels: {moved}");
+}
+
+const ST_WARP: &str = r#"
+import OpenImageIO as oiio, sys
+picture, stmap = oiio.ImageBuf(sys.argv[1]), oiio.ImageBuf(sys.argv[2])
+warped = oiio.ImageBufAlgo.st_warp(picture, stmap, "triangle", 0.0, 0, 1, False, True)
+assert not warped.has_error, warped.geterror()
+warped.write(sys.argv[3])
+"#;
+
+#[test]
+fn openimageio_warps_by_our_maps_as_we_do() {
+    let bench = Bench::new();
+    bench.render("").says(0, &[]);
+    bench.write("still.toml", format!("{HEAD}{OUTPUT}").replace("out/f", "out/s").as_bytes());
+    bench.run("render still.toml --device cpu").says(0, &[]);
+    bench.run("export shot.toml --to stmap -o st.####.exr --frames 2").says(0, &[]);
+    let [still, map, out] = ["out/s.0002.exr", "st.0002.exr", "warped.exr"].map(|name| bench.path(name));
+    let arguments: Vec<_> = [&still, &map, &out].into_iter().map(|path: &std::path::PathBuf| path.as_os_str()).collect();
+    if python::run(&["OpenImageIO"], ST_WARP, &arguments).is_none() {
+        return;
+    }
+    let share_off = |a: &Path, b: &Path| {
+        let [a, b] = [a, b].map(|path| read_exr(path).expect("a frame"));
+        let is_off = |&pixel: &[i32; 2]| (at(&a, "A", pixel) - at(&b, "A", pixel)).abs() > 0.6;
+        pixels().filter(is_off).count() as f64 / (64.0 * 36.0)
+    };
+    let wanted = bench.path("out/f.0002.exr");
+    assert!(share_off(&wanted, &out) < 0.004, "{}", share_off(&wanted, &out));
+    assert!(share_off(&wanted, &still) > 0.01, "the comparison can fail: {}", share_off(&wanted, &still));
+}
+
+#[test]
+fn nuke_gets_a_script_beside_its_maps() {
+    let bench = Bench::with_shot(&format!("{HEAD}{PIN}{OUTPUT}").replace("name = \"all\"", "name = \"left arm\""));
+    let told = bench.run("export shot.toml --to nuke -o comp/arm.nk").says(0, &[]).stdout;
+    assert!(told.contains("wrote comp/arm.nk: an STMap and 1 grids (GridWarp3, not verified in Nuke)"), "{told}");
+    assert_eq!(names_in(&bench.path("comp")), ["arm.nk", "arm.stmap.0001.exr", "arm.stmap.0002.exr"]);
+    let text = String::from_utf8(bench.read("comp/arm.nk")).expect("text");
+    for part in ["file \"arm.stmap.####.exr\"", "uv rgb", "name pinwarp_grid_left_arm", "{curve L x1 ", "first 1\n last 2"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    bench.run("export shot.toml --to nuke -o comp/arm.nk").says(2, &["arm.nk exists already"]);
+}
+
+#[test]
+fn after_effects_gets_maps_and_their_settings() {
+    let bench = Bench::new();
+    let told = bench.run("export shot.toml --to after-effects -o ae/shot").says(0, &[]).stdout;
+    // The pin moves by (.1, .05) of 36 lines.
+    assert!(told.contains("max displacement 4 px, steps of 0.00012 px"), "{told}");
+    let names = names_in(&bench.path("ae"));
+    assert_eq!(names, ["shot.after-effects.txt", "shot.displacement_4px.0001.png", "shot.displacement_4px.0002.png"]);
+    let png = bench.read("ae/shot.displacement_4px.0001.png");
+    assert_eq!(&png[..4], b"\x89PNG");
+    let note = String::from_utf8(bench.read("ae/shot.after-effects.txt")).expect("text");
+    assert!(note.contains("Max Horizontal Displacement: 4"), "{note}");
+}
+
+#[test]
+fn world_layers_have_no_maps() {
+    let world = HEAD.replace("dims = [4, 4]", "space = \"world\", dims = [4, 4, 4]");
+    let bench = Bench::with_shot(&format!("{world}{PIN}{OUTPUT}"));
+    bench.run("export shot.toml --to stmap").says(2, &["is warped in the scene", "there is no map to write"]);
+}
