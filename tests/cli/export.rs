@@ -65,8 +65,15 @@ fn sheet() -> Value {
     Tiny { lens: Lens::Perspective(0.25), ..Tiny::of(vec![part]) }.json()
 }
 
+/// A second pin, which stays: one alone would only shift the lattice as a whole.
+const HOLD: &str = r#"
+  [[layer.pin]]
+  name = "hold"
+  anchor = { node = "Quad", triangle = 1, barycentric = [0.0, 1.0, 0.0] }
+"#;
+
 fn usual(scene: &Value) -> Bench {
-    Bench::with(scene, &format!("{HEAD}{PIN}{OUTPUT}"))
+    Bench::with(scene, &format!("{HEAD}{PIN}{HOLD}{OUTPUT}"))
 }
 
 fn shot_of(scene: &str) -> PathBuf {
@@ -240,15 +247,16 @@ fn lattice_objects_of_the_world_move_vertices_like_ours_in_blender() {
 fn cards_get_lattice_objects_and_what_has_depth_is_baked() {
     let cards = Tiny::of(vec![grid("Quad", [-0.4, -0.4, 0.4, 0.4], 6)]);
     let far = Tiny { lens: Lens::Perspective(0.25), camera_velocity: [0.5, 0.2, -0.7], ..cards.clone() };
-    let bernstein = format!("{HEAD}{PIN}").replace("dims = [4, 4]", "dims = [4, 4], basis = \"bernstein\"");
+    let plain = format!("{HEAD}{PIN}{HOLD}");
+    let bernstein = plain.replace("dims = [4, 4]", "dims = [5, 4], basis = \"bernstein\"");
     let cells = bernstein.replace("bernstein", "bilinear");
-    let early = format!("{HEAD}{PIN}").replace("first = 1, last = 2,", "first = -30, last = -29, clip_start = -30,");
+    let early = plain.replace("first = 1, last = 2,", "first = -30, last = -29, clip_start = -30,");
     let early = early.replace("frame = 1,", "frame = -30,").replace("frame = 2,", "frame = -29,");
     let cases = [
-        ("orthographic", cards.json(), format!("{HEAD}{PIN}"), 1, "a lattice object of 4 x 4 x 1 points", 0),
-        ("cells", cards.json(), cells, 1, "a lattice object of 4 x 4 x 1 points", 0),
-        ("card", far.json(), format!("{HEAD}{PIN}"), 1, "a lattice object of 4 x 4 x 1 points", 0),
-        ("depth", sheet(), format!("{HEAD}{PIN}"), 0, "baked shape keys, no lattice: in frame 1 its vertices", 0),
+        ("orthographic", cards.json(), plain.clone(), 1, "a lattice object of 4 x 4 x 1 points", 0),
+        ("cells", cards.json(), cells, 1, "a lattice object of 5 x 4 x 1 points", 0),
+        ("card", far.json(), plain.clone(), 1, "a lattice object of 4 x 4 x 1 points", 0),
+        ("depth", sheet(), plain, 0, "baked shape keys, no lattice: in frame 1 its vertices", 0),
         ("bernstein", cards.json(), bernstein, 0, "no Bernstein polynomials", 0),
         ("early", cards.json(), early, 1, "48 later than the shot's", 48),
     ];

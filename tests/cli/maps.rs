@@ -104,7 +104,8 @@ fn openimageio_warps_by_our_maps_as_we_do() {
     bench.run("render still.toml --device cpu").says(0, &[]);
     bench.run("export shot.toml --to stmap -o st.####.exr --frames 2").says(0, &[]);
     let [still, map, out] = ["out/s.0002.exr", "st.0002.exr", "warped.exr"].map(|name| bench.path(name));
-    let arguments: Vec<_> = [&still, &map, &out].into_iter().map(|path: &std::path::PathBuf| path.as_os_str()).collect();
+    let arguments: Vec<_> =
+        [&still, &map, &out].into_iter().map(|path: &std::path::PathBuf| path.as_os_str()).collect();
     if python::run(&["OpenImageIO"], ST_WARP, &arguments).is_none() {
         return;
     }
@@ -125,7 +126,9 @@ fn nuke_gets_a_script_beside_its_maps() {
     assert!(told.contains("wrote comp/arm.nk: an STMap and 1 grids (GridWarp3, not verified in Nuke)"), "{told}");
     assert_eq!(names_in(&bench.path("comp")), ["arm.nk", "arm.stmap.0001.exr", "arm.stmap.0002.exr"]);
     let text = String::from_utf8(bench.read("comp/arm.nk")).expect("text");
-    for part in ["file \"arm.stmap.####.exr\"", "uv rgb", "name pinwarp_grid_left_arm", "{curve L x1 ", "first 1\n last 2"] {
+    for part in
+        ["file \"arm.stmap.####.exr\"", "uv rgb", "name pinwarp_grid_left_arm", "{curve L x1 ", "first 1\n last 2"]
+    {
         assert!(text.contains(part), "{part}: {text}");
     }
     bench.run("export shot.toml --to nuke -o comp/arm.nk").says(2, &["arm.nk exists already"]);

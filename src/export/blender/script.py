@@ -71,14 +71,23 @@ def add_lattice(layer):
     return thing
 
 
+def spread(thing):
+    """From the first to the last point of each axis: Blender's versions lay them out differently."""
+    points = [point.co for point in thing.data.points]
+    sides = [max(point[axis] for point in points) - min(point[axis] for point in points) for axis in range(3)]
+    return [side or 1.0 for side in sides]
+
+
 def add_shapes(thing, frames):
     rest = thing.shape_key_add(name="Basis", from_mix=False)
     points = [0.0] * (3 * len(thing.data.points))
     rest.data.foreach_get("co", points)
+    sides = spread(thing)
     numbers = [frame["frame"] for frame in frames]
     for at, frame in enumerate(frames):
         key = thing.shape_key_add(name=f"frame_{frame['shot_frame']:04d}", from_mix=False)
-        key.data.foreach_set("co", [a + b for a, b in zip(points, frame["moved"])])
+        moved = [by * sides[k % 3] for k, by in enumerate(frame["moved"])]
+        key.data.foreach_set("co", [a + b for a, b in zip(points, moved)])
         for neighbour in numbers[max(at - 1, 0):at + 2]:
             key.value = 1.0 if neighbour == frame["frame"] else 0.0
             key.keyframe_insert("value", frame=neighbour)
@@ -90,10 +99,11 @@ def place(thing, frames):
     thing.rotation_mode = "QUATERNION"
     matrices = [frame["scene_from_lattice"] for frame in frames]
     moves = any(matrix != matrices[0] for matrix in matrices)
+    fit = Matrix.Diagonal([1.0 / side for side in spread(thing)]).to_4x4()
     turn = None
     for frame in frames if moves else frames[:1]:
         rows = Matrix([frame["scene_from_lattice"][4 * row:4 * row + 4] for row in range(4)])
-        location, rotation, scale = (BLENDER_FROM_GLTF @ rows).decompose()
+        location, rotation, scale = (BLENDER_FROM_GLTF @ rows @ fit).decompose()
         if turn is not None:
             rotation.make_compatible(turn)
         turn = rotation.copy()
