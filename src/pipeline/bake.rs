@@ -7,6 +7,7 @@ use crate::export::blender::nominal_rate;
 use crate::export::gltf::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
 use crate::lattice::ScreenLattice;
 use crate::pose::{LocalPose, Pose, PosedPart, local_pose};
+use crate::scene::Packed;
 use crate::screen::{Camera, primitive};
 use crate::space::ScreenVector;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
@@ -49,7 +50,7 @@ impl Setup {
         let owned = |part: &usize| self.owners[*part].is_some_and(&is_baked);
         let parts: Vec<usize> = (0..self.owners.len()).filter(owned).collect();
         let mut nodes = self.at_rest(&parts, frames.first().copied().unwrap_or_default());
-        for &frame in &frames {
+        for &frame in frames.iter().filter(|_| !parts.is_empty()) {
             let moment = self.moment(f64::from(frame))?;
             let lattices = moment.lattices(&self.owners);
             let mut shapes = parts.iter().map(|&part| {
@@ -62,6 +63,15 @@ impl Setup {
         let times_secs = frames.iter().map(|&frame| self.file_secs(frame, &frames, times)).collect();
         let (clip, camera, motion) = (self.clip.clip, self.added_camera(), self.motion(&frames, times));
         Ok(BakedScene { scene: &self.scene, clip, frames, times_secs, motion, nodes, camera })
+    }
+
+    /// Takes the meshes of everything but a layer out of the file of the scene.
+    pub fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
+        let others = self.part_nodes.iter().zip(&self.owners).filter(|(_, owner)| **owner != Some(layer));
+        for (&node, _) in others {
+            let node = &mut packed.json["nodes"][self.scene.file_from_scene[node]];
+            node.as_object_mut().and_then(|node| node.remove("mesh"));
+        }
     }
 
     /// The vertices as the unwarped scene has them in a frame, and no shapes yet: one node for each that has `parts`.

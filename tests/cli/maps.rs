@@ -135,17 +135,28 @@ fn nuke_gets_a_script_beside_its_maps() {
 }
 
 #[test]
-fn after_effects_gets_maps_and_their_settings() {
+fn after_effects_gets_elements_maps_and_their_settings() {
     let bench = Bench::new();
     let told = bench.run("export shot.toml --to after-effects -o ae/shot").says(0, &[]).stdout;
     // The pin moves by (.1, .05) of 36 lines.
     assert!(told.contains("max displacement 4 px, steps of 0.00012 px"), "{told}");
+    let wanted = ["after-effects.txt", "displacement_4px.0001.png", "displacement_4px.0002.png", "element.0001.exr"];
     let names = names_in(&bench.path("ae"));
-    assert_eq!(names, ["shot.after-effects.txt", "shot.displacement_4px.0001.png", "shot.displacement_4px.0002.png"]);
-    let png = bench.read("ae/shot.displacement_4px.0001.png");
-    assert_eq!(&png[..4], b"\x89PNG");
-    let note = String::from_utf8(bench.read("ae/shot.after-effects.txt")).expect("text");
+    assert!(wanted.iter().all(|name| names.contains(&format!("shot.all.{name}"))), "{names:?}");
+    assert_eq!(&bench.read("ae/shot.all.displacement_4px.0001.png")[..4], b"\x89PNG");
+    let note = String::from_utf8(bench.read("ae/shot.all.after-effects.txt")).expect("text");
     assert!(note.contains("Max Horizontal Displacement: 4"), "{note}");
+    // The element is the layer as it is without pins.
+    bench.write("still.toml", format!("{HEAD}{OUTPUT}").replace("out/f", "out/s").as_bytes());
+    bench.run("render still.toml --device cpu").says(0, &[]);
+    let [element, still] = ["ae/shot.all.element.0002.exr", "out/s.0002.exr"].map(|name| read(&bench, name));
+    assert!(pixels().all(|pixel| (at(&element, "A", pixel) - at(&still, "A", pixel)).abs() < 1e-3));
+    bench.run("export shot.toml --to after-effects -o ae/shot").says(2, &["exists already"]);
+    bench.run("export shot.toml --to after-effects -o ae/shot --resume").says(0, &[]);
+    // Maps alone come from a lattice file.
+    bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
+    bench.run("export l.json --to after-effects -o ae/l --size 64x36").says(0, &[]);
+    assert_eq!(bench.read("ae/l.all.displacement_4px.0002.png"), bench.read("ae/shot.all.displacement_4px.0002.png"));
 }
 
 #[test]

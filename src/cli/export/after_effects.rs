@@ -1,28 +1,69 @@
-//! `pinwarp export --to after-effects`: displacement maps, and the settings of the effect that applies them.
+//! `pinwarp export --to after-effects`: for each layer its element, unwarped on nothing, the displacement maps that warp
+//! it, and the settings of the effect that applies them.
 
+use super::gltf::packed_scene;
 use super::maps::{Maps, write_frames};
 use super::stmap::told;
+use super::{Source, frames, is_on_screen, moved_layers};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
+use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{replace_text, write_codes};
-use anyhow::bail;
+use crate::pipeline::{BakeTimes, Event, Existing, RenderOptions, Setup, render};
+use crate::shot::{Shot, Source as ShotSource};
+use anyhow::{Context, bail};
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// After Effects displaces no farther, pixels.
+const MOST_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
-    let maps = Maps::open(args)?;
+    for (name, maps) in Maps::open(args)?.by_layer() {
+        displace(args, &named(&stem, &name), &maps)?;
+    }
+    let Source::Shot(setup) = Source::open(args)? else { return Ok(Outcome::Complete) };
+    let mut outcome = Outcome::Complete;
+    for layer in moved_layers(&setup).into_iter().filter(|&layer| is_on_screen(&setup, layer)) {
+        let name = &setup.shot.layers[layer].name;
+        if args.layer.as_ref().is_none_or(|wanted| wanted == name)
+            && !element(args, &setup, (layer, &named(&stem, name)))?
+        {
+            outcome = Outcome::Partial;
+        }
+    }
+    Ok(outcome)
+}
+
+/// The stem of a layer's files: names of layers are free text.
+fn named(stem: &Path, layer: &str) -> PathBuf {
+    let plain: String = layer.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect();
+    let mut name = stem.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{plain}"));
+    stem.with_file_name(name)
+}
+
+fn with_ending(stem: &Path, ending: &str) -> PathBuf {
+    let mut name = stem.file_name().unwrap_or_default().to_owned();
+    name.push(ending);
+    stem.with_file_name(name)
+}
+
+/// The maps of a layer and the note beside them.
+fn displace(args: &ExportArgs, stem: &Path, maps: &Maps) -> anyhow::Result<()> {
     let frames = maps.frames();
     // All frames share one scale, so the farthest way of all has to be known first.
     let farthest = frames.iter().map(|&frame| greatest_offset(&maps.map(frame))).fold(0.0, f64::max);
     let reach_px = farthest.ceil().max(1.0) as u32;
-    if reach_px > 32000 {
-        bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace (32000)");
+    if reach_px > MOST_PX {
+        bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
     }
-    let pattern = stem.with_extension(format!("displacement_{reach_px}px.####.png"));
+    let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
     let written = write_frames(args, &pattern, &frames, |frame, path| {
-        let map = maps.map(frame);
-        Ok(write_codes(path, maps.pixels(), &displacement(&map, f64::from(reach_px)))?)
+        Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), f64::from(reach_px)))?)
     })?;
     let note = DisplacementNote {
         maps: pattern.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -31,10 +72,41 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         frames: [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default()),
         rate: maps.lattices.rate,
     };
-    let note_path = stem.with_extension("after-effects.txt");
+    let note_path = with_ending(stem, ".after-effects.txt");
     replace_text(&note_path, &note.text())?;
     told(&pattern, &written)?;
     let step = f64::from(reach_px) / 32767.0;
     writeln!(io::stdout(), "wrote {}: max displacement {reach_px} px, steps of {step:.5} px", note_path.display())?;
-    Ok(Outcome::Complete)
+    Ok(())
+}
+
+/// Renders a layer alone, unwarped, on nothing; tells whether all frames came out.
+fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> anyhow::Result<bool> {
+    let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
+    let scene = folder.path().join("layer.glb");
+    let frames = frames(args, setup);
+    let mut packed = packed_scene(setup)?;
+    setup.hide_all_but(layer, &mut packed);
+    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is told frame by frame.
+    let told = if setup.shot.is_looped { frames.clone() } else { vec![setup.shot.frames.clip_start] };
+    let baked = setup.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
+    crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;
+    let pattern = with_ending(stem, ".element.####.exr");
+    let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..setup.shot.clone() };
+    shot.is_looped = false;
+    shot.output.path.clone_from(&pattern);
+    let existing = match (args.resume, args.overwrite) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Overwrite,
+        _ => Existing::Refuse,
+    };
+    let options = RenderOptions { frames, existing, ..RenderOptions::default() };
+    let tell = |event: Event| {
+        if let Event::FrameFailed { frame, error } = event {
+            tracing::error!("frame {frame}: {error}");
+        }
+    };
+    let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
+    writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;
+    Ok(summary.failed == 0)
 }

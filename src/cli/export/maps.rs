@@ -50,7 +50,11 @@ enum Reach {
 impl Maps {
     /// Solves or reads the lattices.
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
-        let source = Source::open(args)?;
+        Self::of(Source::open(args)?, args)
+    }
+
+    /// The maps of what is exported.
+    pub(super) fn of(source: Source, args: &ExportArgs) -> anyhow::Result<Self> {
         let shot_size = match &source {
             Source::Shot(setup) => Some(setup.shot.size),
             Source::Lattices(_) => None,
@@ -71,6 +75,15 @@ impl Maps {
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
         Ok(Self { lattices, size, window, direction, reach })
+    }
+
+    /// Maps of each layer alone, for elements that are matted.
+    pub(super) fn by_layer(&self) -> Vec<(String, Self)> {
+        let alone = |layer: &LatticeTrack| {
+            let lattices = LatticeFile { layers: vec![layer.clone()], ..self.lattices.clone() };
+            (layer.name.clone(), Self { lattices, reach: Reach::Layer, ..*self })
+        };
+        self.lattices.layers.iter().map(alone).collect()
     }
 
     /// Width and height of a map.

@@ -1,4 +1,4 @@
-"""Warped scene for Blender (3.6 or later), written by `pinwarp export --to blender`.
+"""Warped scene for Blender (tried in 5.0), written by `pinwarp export --to blender`.
 
 Run it in an empty file: blender --python THIS_FILE, or open it in the text editor and press Run.
 It imports @SCENE@, which has to lie beside it, and deforms these layers:
