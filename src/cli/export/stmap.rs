@@ -33,6 +33,7 @@ pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::R
             shot_hash: String::new(),
             device: "CPU".into(),
             camera: None,
+            mattes: Default::default(),
         };
         Ok(write_exr(path, &stmap(&map), &metadata, Compression::Zip)?)
     })
