@@ -31,7 +31,7 @@ fn maps_are_written_kept_and_replaced_like_frames() {
     // Nothing moves in the first frame: the identity, to the bit.
     let still = read(&bench, "st/m.0001.exr");
     for [x, y] in pixels() {
-        let [u, v] = [(x as f32 + 0.5) / 64.0, 1.0 - (y as f32 + 0.5) / 36.0];
+        let [u, v] = [(f64::from(x) + 0.5) / 64.0, 1.0 - (f64::from(y) + 0.5) / 36.0].map(|place| place as f32);
         assert_eq!([at(&still, "R", [x, y]), at(&still, "G", [x, y])], [u, v], "pixel {x}, {y}");
     }
     bench.run("export shot.toml --to stmap -o st/m.####.exr").says(2, &["m.0001.exr exists already", "--resume"]);
