@@ -113,7 +113,8 @@ fn openimageio_warps_by_our_maps_as_we_do() {
     }
     let share_off = |a: &Path, b: &Path| {
         let [a, b] = [a, b].map(|path| read_exr(path).expect("a frame"));
-        let is_off = |&pixel: &[i32; 2]| (at(&a, "A", pixel) - at(&b, "A", pixel)).abs() > 0.6;
+        // One sample a pixel puts an edge up to half a pixel off before it is warped, and mixing it half a pixel more.
+        let is_off = |&pixel: &[i32; 2]| (at(&a, "A", pixel) - at(&b, "A", pixel)).abs() > 0.75;
         pixels().filter(is_off).count() as f64 / (64.0 * 36.0)
     };
     let wanted = bench.path("out/f.0002.exr");
