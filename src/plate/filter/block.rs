@@ -5,6 +5,7 @@
 
 use super::Planes;
 use super::border::Extent;
+use pulp::{Simd, WithSimd};
 
 /// What infinities become: the greatest finite half, as sums of it stay finite.
 const GREATEST: f32 = 65504.0;
@@ -42,25 +43,38 @@ pub(super) struct Block {
     pub(super) presence: Vec<Texel>,
 }
 
-impl Block {
-    /// Reads a rectangle of up to four planes.
-    pub(super) fn fill(&mut self, source: &Planes, extents: &[Extent; 2], reach: &Reach) {
-        self.low = reach.low;
-        self.stride = reach.size(0);
-        self.texels.clear();
-        self.texels.resize(self.stride * reach.size(1) + SPARE, [0.0; 4]);
-        self.presence.clear();
+/// Reads a rectangle of up to four planes.
+pub(super) struct FillBlock<'a> {
+    pub(super) block: &'a mut Block,
+    pub(super) source: &'a Planes<'a>,
+    pub(super) extents: &'a [Extent; 2],
+    pub(super) reach: &'a Reach,
+}
+
+impl WithSimd for FillBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { block, source, extents, reach } = self;
+        block.low = reach.low;
+        block.stride = reach.size(0);
+        block.texels.resize(block.stride * reach.size(1) + SPARE, [0.0; 4]);
+        block.presence.clear();
         let mut all_finite = true;
-        for (row, texels) in self.texels.chunks_exact_mut(self.stride).take(reach.size(1)).enumerate() {
-            if let Some(y) = extents[1].sample(reach.low[1] + row as i32) {
-                all_finite &= fill_row(source, y, &extents[0], reach.low[0], texels);
+        for (row, texels) in block.texels.chunks_exact_mut(block.stride).take(reach.size(1)).enumerate() {
+            match extents[1].sample(reach.low[1] + row as i32) {
+                Some(y) => all_finite &= fill_row(source, y, &extents[0], reach.low[0], texels),
+                None => texels.fill([0.0; 4]),
             }
         }
         if !all_finite {
-            self.contain();
+            block.contain();
         }
     }
+}
 
+impl Block {
     /// Replaces what is no finite number.
     fn contain(&mut self) {
         let lacks = self.texels.iter().flatten().any(|sample| sample.is_nan());
@@ -79,6 +93,7 @@ fn finite(sample: f32) -> f32 {
 }
 
 /// Reads a row from sample `low`; whether all samples are finite.
+#[inline(always)]
 fn fill_row(source: &Planes, y: usize, extent: &Extent, low: i32, texels: &mut [Texel]) -> bool {
     let count = extent.count;
     let begin = low.clamp(0, count);
@@ -86,30 +101,34 @@ fn fill_row(source: &Planes, y: usize, extent: &Extent, low: i32, texels: &mut [
     let (before, inside) = texels.split_at_mut((begin - low).clamp(0, texels.len() as i32) as usize);
     let (inside, after) = inside.split_at_mut((end - begin) as usize);
     let row = y * count as usize;
-    let planes: Vec<&[f32]> =
-        source.planes.iter().map(|plane| &plane[row + begin as usize..row + end as usize]).collect();
-    let texel_at = |x: usize| std::array::from_fn(|k| source.planes.get(k).map_or(0.0, |plane| plane[row + x]));
-    let beyond = |texels: &mut [Texel], place: i32| {
-        if let Some(x) = extent.sample(place) {
-            texels.fill(texel_at(x));
+    interleave(source, row + begin as usize, inside);
+    for (texels, place) in [(before, -1), (after, count)] {
+        let beyond = |x| std::array::from_fn(|k| source.planes.get(k).map_or(0.0, |plane| plane[row + x]));
+        texels.fill(extent.sample(place).map_or([0.0; 4], beyond));
+    }
+    // A sum of products with 0 is 0 or NaN, and needs no branch a sample.
+    let mut sum = [0.0; 4];
+    for texel in texels {
+        for k in 0..4 {
+            sum[k] += 0.0 * texel[k];
         }
-    };
-    beyond(before, -1);
-    beyond(after, count);
-    interleave(&planes, inside);
-    let held = before.iter().chain(after.iter()).flatten().all(|sample| sample.is_finite());
-    inside.iter().flatten().fold(true, |all, sample| all & sample.is_finite()) & held
+    }
+    sum == [0.0; 4]
 }
 
-/// Puts planes side by side; missing ones are left 0.
-fn interleave(planes: &[&[f32]], texels: &mut [Texel]) {
-    if let [r, g, b, a] = planes {
-        for ((((texel, r), g), b), a) in texels.iter_mut().zip(*r).zip(*g).zip(*b).zip(*a) {
+/// Puts planes side by side from a sample on.
+#[inline(always)]
+fn interleave(source: &Planes, begin: usize, texels: &mut [Texel]) {
+    if let [r, g, b, a] = source.planes[..] {
+        let count = texels.len();
+        let [r, g, b, a] = [r, g, b, a].map(|plane| &plane[begin..begin + count]);
+        for ((((texel, r), g), b), a) in texels.iter_mut().zip(r).zip(g).zip(b).zip(a) {
             *texel = [*r, *g, *b, *a];
         }
         return;
     }
-    for (k, plane) in planes.iter().enumerate() {
-        texels.iter_mut().zip(*plane).for_each(|(texel, sample)| texel[k] = *sample);
+    texels.fill([0.0; 4]);
+    for (k, plane) in source.planes.iter().enumerate() {
+        texels.iter_mut().zip(&plane[begin..]).for_each(|(texel, sample)| texel[k] = *sample);
     }
 }

@@ -39,11 +39,11 @@ impl Extent {
         (0..self.count).contains(&place).then_some(place as usize)
     }
 
-    /// How much of a pixel centred at `place + fraction` lies inside the sides that cut, 0 to 1.
+    /// How much of a pixel centred at `sample + fraction` lies inside the sides that cut, 0 to 1.
     #[inline(always)]
-    pub(super) fn coverage(self, place: i32, fraction: f32) -> f32 {
-        let before = if self.goes_on[0] { place as f32 + 1.0 + fraction } else { 1.0 };
-        let after = if self.goes_on[1] { (self.count - place) as f32 - fraction } else { 1.0 };
+    pub(super) fn coverage(self, sample: f32, fraction: f32) -> f32 {
+        let before = if self.goes_on[0] { sample + 1.0 + fraction } else { 1.0 };
+        let after = if self.goes_on[1] { self.count as f32 - sample - fraction } else { 1.0 };
         before.min(after).clamp(0.0, 1.0)
     }
 }

@@ -26,7 +26,8 @@ pub fn footprint(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &m
     ];
     let Some(places) = places(offset, start, extents) else { return };
     let shape = Shape::at(map, column, row);
-    let coverage = extents[0].coverage(places[0].0, places[0].1) * extents[1].coverage(places[1].0, places[1].1);
+    let coverage =
+        extents[0].coverage(places[0].0 as f32, places[0].1) * extents[1].coverage(places[1].0 as f32, places[1].1);
     let sum = gather(&places, &shape, extents, source_window.width as usize, taps);
     // Far beyond a held side every tap is the last sample, but nothing of it is covered.
     taps.retain_mut(|(_, weight)| {

@@ -2,100 +2,197 @@
 //!
 //! In: texels from a pixel's first tap on, weights. Out: the sum, four planes at once.
 
-use super::block::Texel;
-use super::profile::{Weights, catmull_rom, fma};
+use super::block::{Block, Texel};
+use super::places::Place;
+use super::profile::{Cubic, Lanczos, Profile, Weights, catmull_rom};
 use super::shape::Shape;
+use super::simd::{LANES, load, store};
+use crate::plate::Filter;
+use pulp::{Simd, WithSimd};
 
-/// Texels of two neighbours.
-type Pair = [f32; 8];
+/// Places within a register.
+const STEPS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Two texels as one register.
+/// The `k`-th two texels of a row as one register.
 #[inline(always)]
-fn pair(texels: &[Texel]) -> Pair {
-    let [a, b] = [texels[0], texels[1]];
-    [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
+fn pair<S: Simd>(texels: &[f32], k: usize) -> S::f32s {
+    load::<S>(texels[LANES * k..].first_chunk().expect("a block ends with spare texels"))
 }
 
+/// The weights of two texels as one register.
 #[inline(always)]
-fn add<const FUSED: bool>(sum: &mut Pair, weights: &Pair, texels: &Pair) {
-    (0..8).for_each(|k| sum[k] = fma::<FUSED>(weights[k], texels[k], sum[k]));
+fn twice<S: Simd>(a: f32, b: f32) -> S::f32s {
+    load::<S>(&[a, a, a, a, b, b, b, b])
 }
 
+/// The sum of both texels of a register.
 #[inline(always)]
-fn twice(a: f32, b: f32) -> Pair {
-    [a, a, a, a, b, b, b, b]
-}
-
-#[inline(always)]
-fn halves(sum: &Pair) -> Texel {
-    std::array::from_fn(|k| sum[k] + sum[k + 4])
+fn halves<S: Simd>(sum: S::f32s) -> Texel {
+    let sum = store::<S>(sum);
+    [sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6], sum[3] + sum[7]]
 }
 
 /// A separable filter of 2·`PAIRS` taps a side; `texels` begins at the first tap.
 #[inline(always)]
-pub(super) fn separable<const PAIRS: usize, const FUSED: bool>(
+fn separable<const PAIRS: usize, S: Simd>(
+    simd: S,
     texels: &[Texel],
     stride: usize,
-    across: &Weights,
-    down: &Weights,
+    [across, down]: [&Weights; 2],
 ) -> Texel {
-    let mut columns = [[0.0; 8]; PAIRS];
-    for (row, weight) in down[..2 * PAIRS].iter().enumerate() {
-        let taps = &texels[row * stride..][..2 * PAIRS];
+    let mut columns = [simd.splat_f32s(0.0); PAIRS];
+    for row in 0..2 * PAIRS {
+        let taps = texels[row * stride..][..2 * PAIRS].as_flattened();
+        let weight = simd.splat_f32s(down[row]);
         for (k, column) in columns.iter_mut().enumerate() {
-            add::<FUSED>(column, &[*weight; 8], &pair(&taps[2 * k..]));
+            *column = simd.mul_add_e_f32s(weight, pair::<S>(taps, k), *column);
         }
     }
-    let mut sum = [0.0; 8];
+    let mut sum = simd.splat_f32s(0.0);
     for (k, column) in columns.iter().enumerate() {
-        add::<FUSED>(&mut sum, &twice(across[2 * k], across[2 * k + 1]), column);
+        sum = simd.mul_add_e_f32s(twice::<S>(across[2 * k], across[2 * k + 1]), *column, sum);
     }
-    halves(&sum)
+    halves::<S>(sum)
 }
 
-/// Catmull-Rom along the axes of a widened footprint, normalised. `texels` is the whole block, `base` the place in it of the sample
-/// before the pixel's place, `fraction` how far behind that sample the place lies.
+/// Catmull-Rom along the axes of a widened footprint, normalised. `texels` is the whole block, `base` the place in it of
+/// the sample before the pixel's place, `fraction` how far behind that sample the place lies.
 #[inline(always)]
-pub(super) fn widened<const FUSED: bool>(
-    texels: &[Texel],
-    stride: usize,
-    base: [usize; 2],
-    fraction: [f32; 2],
-    shape: &Shape,
-) -> Texel {
-    let [xx, xy, yy] = shape.filter_from_source;
-    let (mut sum, mut weight_sum) = ([0.0; 8], [0.0; 8]);
-    let reach = shape.reach.map(|reach| 2.0 * reach);
-    for y in (fraction[1] - reach[1]).ceil() as isize..=(fraction[1] + reach[1]).floor() as isize {
+fn widened<S: Simd>(simd: S, block: (&[Texel], usize), base: [usize; 2], fraction: [f32; 2], shape: &Shape) -> Texel {
+    let (texels, stride) = block;
+    let (mut sum, mut weight_sum) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
+    let reach = [2.0 * shape.reach[0], 2.0 * shape.reach[1]];
+    let edges = Edges::of(shape);
+    let (mut first, mut last) = whole(fraction[0] - reach[0], fraction[0] + reach[0]);
+    let is_narrow = last - first < LANES as i32;
+    let (top, bottom) = whole(fraction[1] - reach[1], fraction[1] + reach[1]);
+    for y in top..bottom + 1 {
         let dy = y as f32 - fraction[1];
-        let [low, high] = chord(shape, dy, reach[0]);
-        let (first, last) = ((low + fraction[0]).ceil() as isize, (high + fraction[0]).floor() as isize);
-        let row = (base[1] as isize + y) as usize * stride;
-        for x in (first..=last).step_by(8) {
-            let weights: Weights = std::array::from_fn(|k| {
-                let dx = x as f32 + k as f32 - fraction[0];
-                let across = catmull_rom::<FUSED>(fma::<FUSED>(xx, dx, xy * dy));
-                across * catmull_rom::<FUSED>(fma::<FUSED>(xy, dx, yy * dy))
-            });
-            let taps = &texels[(row as isize + base[0] as isize + x) as usize..][..8];
-            for k in 0..4 {
-                add::<FUSED>(&mut sum, &twice(weights[2 * k], weights[2 * k + 1]), &pair(&taps[2 * k..]));
+        if !is_narrow {
+            let [low, high] = edges.chord(dy, reach[0]);
+            (first, last) = whole(fraction[0] + low, fraction[0] + high);
+        }
+        let row = (base[1] as i32 + y) * stride as i32 + base[0] as i32;
+        let mut x = first;
+        while x <= last {
+            let weights = weights(simd, [x as f32 - fraction[0], dy], shape.filter_from_source);
+            let taps = texels[(row + x) as usize..][..LANES].as_flattened();
+            let each = store::<S>(weights);
+            for k in 0..LANES / 2 {
+                sum = simd.mul_add_e_f32s(twice::<S>(each[2 * k], each[2 * k + 1]), pair::<S>(taps, k), sum);
             }
-            (0..8).for_each(|k| weight_sum[k] += weights[k]);
+            weight_sum = simd.add_f32s(weight_sum, weights);
+            x += LANES as i32;
         }
     }
-    let norm = 1.0 / weight_sum.iter().sum::<f32>();
-    halves(&sum).map(|x| x * norm)
+    let norm = 1.0 / simd.reduce_sum_f32s(weight_sum);
+    let [r, g, b, a] = halves::<S>(sum);
+    [r * norm, g * norm, b * norm, a * norm]
 }
 
-/// Where a row cuts the filter's square of "radius" 2: from and to, in source distances.
+/// Weights of eight samples from a distance on.
 #[inline(always)]
-fn chord(shape: &Shape, dy: f32, reach: f32) -> [f32; 2] {
-    let [xx, xy, yy] = shape.filter_from_source;
-    let (low, high) = ((-2.0 - xy * dy) / xx, (2.0 - xy * dy) / xx);
-    if xy.abs() < 1e-6 {
-        return [low.max(-reach), high.min(reach)];
+fn weights<S: Simd>(simd: S, [dx, dy]: [f32; 2], [xx, xy, yy]: [f32; 3]) -> S::f32s {
+    let dx = simd.add_f32s(simd.splat_f32s(dx), load::<S>(&STEPS));
+    let u = simd.mul_add_e_f32s(simd.splat_f32s(xx), dx, simd.splat_f32s(xy * dy));
+    let v = simd.mul_add_e_f32s(simd.splat_f32s(xy), dx, simd.splat_f32s(yy * dy));
+    simd.mul_f32s(catmull_rom(simd, u), catmull_rom(simd, v))
+}
+
+/// The whole numbers in a range: first and last.
+#[inline(always)]
+fn whole(low: f32, high: f32) -> (i32, i32) {
+    (low.ceil() as i32, high.floor() as i32)
+}
+
+/// The edges of a filter's square of "radius" 2 in the source.
+struct Edges {
+    /// What a row further down adds to the distance along a row at which an edge is met, and half the distance of the two
+    /// edges along a row; of both pairs of edges.
+    pairs: [[f32; 2]; 2],
+}
+
+impl Edges {
+    #[inline(always)]
+    fn of(shape: &Shape) -> Self {
+        let [xx, xy, yy] = shape.filter_from_source;
+        // Edges along the rows are never met: any distance that no footprint has will do.
+        let level = [0.0, 1e6];
+        let second = if xy.abs() < 1e-5 { level } else { [-yy / xy, 2.0 / xy.abs()] };
+        Self { pairs: [[-xy / xx, 2.0 / xx], second] }
     }
-    let ends = [(-2.0 - yy * dy) / xy, (2.0 - yy * dy) / xy];
-    [low.max(ends[0].min(ends[1])).max(-reach), high.min(ends[0].max(ends[1])).min(reach)]
+
+    /// Where a row cuts the square: from and to, within `reach`.
+    #[inline(always)]
+    fn chord(&self, dy: f32, reach: f32) -> [f32; 2] {
+        let [[a, b], [c, d]] = self.pairs;
+        let low = (a * dy - b).max(c * dy - d);
+        [low.max(-reach), (a * dy + b).min(c * dy + d).min(reach)]
+    }
+}
+
+/// Filters an area.
+pub(super) struct Sums<'a> {
+    pub(super) filter: Filter,
+    /// Weights of Lanczos.
+    pub(super) table: &'a [Weights],
+    pub(super) block: &'a Block,
+    /// The block's texels, or which of them are there.
+    pub(super) texels: &'a [Texel],
+    pub(super) places: &'a [Place],
+    /// As many as places, or none: all are plain.
+    pub(super) shapes: &'a [Shape],
+    pub(super) sums: &'a mut [Texel],
+}
+
+impl WithSimd for Sums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let table = self.table;
+        match self.filter {
+            Filter::Ewa => self.run_shapes(simd),
+            Filter::Lanczos => self.run_plain::<3, S>(simd, Lanczos(table)),
+            Filter::Cubic | Filter::Nearest => self.run_plain::<2, S>(simd, Cubic),
+        }
+    }
+}
+
+impl Sums<'_> {
+    /// The same filter for all pixels.
+    #[inline(always)]
+    fn run_plain<const PAIRS: usize, S: Simd>(self, simd: S, profile: impl Profile<PAIRS>) {
+        let (stride, low) = (self.block.stride, self.block.low);
+        let low = [(low[0] + PAIRS as i32 - 1) as f32, (low[1] + PAIRS as i32 - 1) as f32];
+        for (place, sum) in self.places.iter().zip(self.sums) {
+            // Nowhere is NaN, and so becomes texel 0; its sum is not used.
+            let first =
+                (place.sample[1] - low[1]) as i32 as usize * stride + (place.sample[0] - low[0]) as i32 as usize;
+            let across = profile.weights(simd, place.fraction[0]);
+            let down = profile.weights(simd, place.fraction[1]);
+            let found = separable::<PAIRS, S>(simd, &self.texels[first..], stride, [&across, &down]);
+            *sum = if place.is_nowhere() { [0.0; 4] } else { found };
+        }
+    }
+
+    /// Footprints.
+    #[inline(always)]
+    fn run_shapes<S: Simd>(self, simd: S) {
+        let (stride, low) = (self.block.stride, [self.block.low[0] as f32, self.block.low[1] as f32]);
+        for ((place, shape), sum) in self.places.iter().zip(self.shapes).zip(self.sums) {
+            if place.is_nowhere() {
+                continue;
+            }
+            let base = [(place.sample[0] - low[0]) as i32 as usize, (place.sample[1] - low[1]) as i32 as usize];
+            if !shape.is_unit() {
+                *sum = widened(simd, (self.texels, stride), base, place.fraction, shape);
+                continue;
+            }
+            let across = Cubic.weights(simd, place.fraction[0]);
+            let down = Cubic.weights(simd, place.fraction[1]);
+            let texels = &self.texels[(base[1] - 1) * stride + base[0] - 1..];
+            *sum = separable::<2, S>(simd, texels, stride, [&across, &down]);
+        }
+    }
 }

@@ -9,8 +9,10 @@ mod border;
 mod footprint;
 mod kernel;
 mod nearest;
+mod places;
 mod profile;
 mod shape;
+mod simd;
 mod tile;
 
 #[cfg(test)]

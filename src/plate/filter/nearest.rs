@@ -8,9 +8,8 @@ use super::border::Extent;
 /// `start` is the pixel's own sample, in samples of the source.
 #[inline(always)]
 pub(super) fn nearest_sample(offset: [f32; 2], start: [i32; 2], extents: &[Extent; 2]) -> Option<usize> {
-    let place = |axis: usize| {
-        let sample = start[axis] as f32 + (offset[axis] + 0.5).floor();
-        (sample >= 0.0 && sample < extents[axis].count as f32).then_some(sample as usize)
-    };
-    Some(place(1)? * extents[0].count as usize + place(0)?)
+    let x = start[0] as f32 + (offset[0] + 0.5).floor();
+    let y = start[1] as f32 + (offset[1] + 0.5).floor();
+    let is_inside = (x >= 0.0) & (y >= 0.0) & (x < extents[0].count as f32) & (y < extents[1].count as f32);
+    if is_inside { Some(y as usize * extents[0].count as usize + x as usize) } else { None }
 }

@@ -5,67 +5,80 @@
 //! Catmull-Rom: R. Keys, "Cubic convolution interpolation for digital image processing", 1981, with a = -0.5
 //! (OpenImageIO's and Nuke's; OpenCV's INTER_CUBIC has -0.75 and rings more). Lanczos: C. Duchon, 1979, three lobes.
 
+use super::simd::{LANES, load, store};
+use pulp::Simd;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// Weights of up to eight samples side by side.
-pub(super) type Weights = [f32; 8];
+pub(super) type Weights = [f32; LANES];
 
 /// Steps of a table of weights a sample; between them weights are linear: 1.1e-6 off at most.
 const STEPS: usize = 1024;
 
 /// Powers of the fraction (rows 0 to 3) to the weights of the samples at -1, 0, 1 and 2.
-const CATMULL_ROM: [[f32; 4]; 4] =
-    [[0.0, 1.0, 0.0, 0.0], [-0.5, 0.0, 0.5, 0.0], [1.0, -2.5, 2.0, -0.5], [-0.5, 1.5, -1.5, 0.5]];
+const CATMULL_ROM: [Weights; 4] = [
+    [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [-0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, -2.5, 2.0, -0.5, 0.0, 0.0, 0.0, 0.0],
+    [-0.5, 1.5, -1.5, 0.5, 0.0, 0.0, 0.0, 0.0],
+];
 
 static LANCZOS: LazyLock<Vec<Weights>> =
     LazyLock::new(|| (0..=STEPS).map(|step| lanczos_exact(step as f64 / STEPS as f64)).collect());
 
-/// A product, and a sum: fused where the processor can, since a call to a library would be slow.
-#[inline(always)]
-pub(super) fn fma<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
+/// A separable filter, the same for every pixel.
+pub(super) trait Profile<const PAIRS: usize>: Copy {
+    /// Weights of 2·`PAIRS` samples, from the one 1 − `PAIRS` behind the place's own.
+    fn weights<S: Simd>(self, simd: S, fraction: f32) -> Weights;
 }
 
-/// Catmull-Rom weights of the four samples from -1.
-#[inline(always)]
-pub(super) fn cubic<const FUSED: bool>(fraction: f32) -> Weights {
-    let mut weights = [0.0; 8];
-    for (k, weight) in weights[..4].iter_mut().enumerate() {
-        let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|power| CATMULL_ROM[power][k]);
-        *weight = fma::<FUSED>(fma::<FUSED>(fma::<FUSED>(c3, fraction, c2), fraction, c1), fraction, c0);
-    }
-    weights
-}
+#[derive(Clone, Copy)]
+pub(super) struct Cubic;
 
-/// Catmull-Rom at a distance.
-#[inline(always)]
-pub(super) fn catmull_rom<const FUSED: bool>(distance: f32) -> f32 {
-    let t = distance.abs();
-    let near = fma::<FUSED>(fma::<FUSED>(1.5, t, -2.5), t * t, 1.0);
-    let far = fma::<FUSED>(fma::<FUSED>(fma::<FUSED>(-0.5, t, 2.5), t, -4.0), t, 2.0);
-    if t < 1.0 {
-        near
-    } else if t < 2.0 {
-        far
-    } else {
-        0.0
+#[derive(Clone, Copy)]
+pub(super) struct Lanczos<'a>(pub(super) &'a [Weights]);
+
+impl Profile<2> for Cubic {
+    #[inline(always)]
+    fn weights<S: Simd>(self, simd: S, fraction: f32) -> Weights {
+        let fraction = simd.splat_f32s(fraction);
+        let [c0, c1, c2, c3] = &CATMULL_ROM;
+        let high = simd.mul_add_e_f32s(load::<S>(c3), fraction, load::<S>(c2));
+        let low = simd.mul_add_e_f32s(high, fraction, load::<S>(c1));
+        store::<S>(simd.mul_add_e_f32s(low, fraction, load::<S>(c0)))
     }
 }
 
-/// The table of Lanczos weights, for [`lanczos`].
+impl Profile<3> for Lanczos<'_> {
+    #[inline(always)]
+    fn weights<S: Simd>(self, simd: S, fraction: f32) -> Weights {
+        let place = fraction * STEPS as f32;
+        // Where a pixel sees nothing, the fraction is NaN and the step 0.
+        let step = (place as i32 as usize).min(STEPS - 1);
+        let part = simd.splat_f32s(place - step as f32);
+        let (low, high) = (load::<S>(&self.0[step]), load::<S>(&self.0[step + 1]));
+        store::<S>(simd.mul_add_e_f32s(part, simd.sub_f32s(high, low), low))
+    }
+}
+
+/// Catmull-Rom at eight distances.
+#[inline(always)]
+pub(super) fn catmull_rom<S: Simd>(simd: S, distance: S::f32s) -> S::f32s {
+    let splat = |x: f32| simd.splat_f32s(x);
+    let t = simd.abs_f32s(distance);
+    // Beyond 2 the outer piece is read at 2, where it is 0.
+    let u = simd.min_f32s(t, splat(2.0));
+    let near = simd.mul_add_e_f32s(splat(1.5), t, splat(-2.5));
+    let near = simd.mul_add_e_f32s(near, simd.mul_f32s(t, t), splat(1.0));
+    let far = simd.mul_add_e_f32s(splat(-0.5), u, splat(2.5));
+    let far = simd.mul_add_e_f32s(simd.mul_add_e_f32s(far, u, splat(-4.0)), u, splat(2.0));
+    simd.select_f32s(simd.less_than_f32s(t, splat(1.0)), near, far)
+}
+
+/// The table of Lanczos weights, for [`Lanczos`].
 pub(super) fn lanczos_table() -> &'static [Weights] {
     &LANCZOS
-}
-
-/// Lanczos weights of the six samples from -2.
-#[inline(always)]
-pub(super) fn lanczos<const FUSED: bool>(table: &[Weights], fraction: f32) -> Weights {
-    let place = fraction * STEPS as f32;
-    let step = (place as usize).min(STEPS - 1);
-    let part = place - step as f32;
-    let (low, high) = (&table[step], &table[step + 1]);
-    std::array::from_fn(|k| fma::<FUSED>(part, high[k] - low[k], low[k]))
 }
 
 fn lanczos_exact(fraction: f64) -> Weights {

@@ -52,8 +52,7 @@ impl Shape {
         if !(mean + radius > SLACK * SLACK) || !radius.is_finite() {
             return Self::UNIT;
         }
-        let axis = |squared: f32| (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT);
-        let (long, short) = (axis(mean + radius), axis(mean - radius));
+        let (long, short) = (held(mean + radius), held(mean - radius));
         // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
         let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
         let (along, aside) = (half * scale, b * scale);
@@ -67,6 +66,12 @@ impl Shape {
     }
 }
 
+/// A half axis of the footprint from an eigenvalue of J Jᵀ.
+#[inline(always)]
+fn held(squared: f32) -> f32 {
+    (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT)
+}
+
 /// How offsets change along an axis, a pixel: the smaller of both sides' differences, since the other may cross a fold
 /// or a hole. 0 where neither side has one.
 #[inline(always)]
@@ -74,8 +79,8 @@ fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]
     let here = offsets[index];
     let before = if sides[0] { difference(here, offsets[index - stride]) } else { [f32::NAN; 2] };
     let after = if sides[1] { difference(offsets[index + stride], here) } else { [f32::NAN; 2] };
-    let size = |d: [f32; 2]| d[0] * d[0] + d[1] * d[1];
-    let (first, second) = (size(before), size(after));
+    let first = before[0] * before[0] + before[1] * before[1];
+    let second = after[0] * after[0] + after[1] * after[1];
     if first.is_nan() && second.is_nan() {
         [0.0; 2]
     } else if second.is_nan() || first <= second {

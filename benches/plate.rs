@@ -1,0 +1,171 @@
+//! Warps of finished frames, against OpenCV and OpenImageIO in one run: `cargo bench --bench plate`.
+//!
+//! Needs Python 3 with numpy, opencv-python and OpenImageIO (`PYTHON` names another interpreter); says so where they
+//! are missing. All runs of a size take turns, the fastest of each counts: other work on the machine disturbs all alike.
+
+use pinwarp::plate::{Filter, Planes, WarpMap, resample_into, resampled};
+use pinwarp::space::FrameSize;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+/// Turns that everybody gets; slow ones fewer.
+const TURNS: usize = 15;
+/// Milliseconds after which one is slow.
+const SLOW_MS: f64 = 600.0;
+
+/// A warp to time.
+struct Case {
+    frame: FrameSize,
+    map: WarpMap,
+    planes: Vec<Vec<f32>>,
+}
+
+/// One row of the table.
+struct Row {
+    name: &'static str,
+    run: Run,
+}
+
+#[derive(Clone, Copy)]
+enum Run {
+    /// Ours, into memory that is there.
+    Ours(Filter),
+    /// Ours, into fresh memory.
+    Fresh(Filter),
+    /// Package and filter.
+    Peer(&'static str),
+}
+
+impl Case {
+    /// A picture of noise on waves, carried by a smooth warp that shrinks and grows by a tenth and turns a little.
+    fn new(width: u32, height: u32) -> Self {
+        let frame = FrameSize::new(width, height);
+        let mut map = WarpMap::identity(frame, frame.window());
+        for (index, to) in map.offsets.iter_mut().enumerate() {
+            let x = (index % width as usize) as f32 / width as f32;
+            let y = (index / width as usize) as f32 / width as f32;
+            let size = 0.016 * width as f32;
+            *to = [size * (6.3 * y + 2.0 * x).sin(), size * (6.3 * x + 1.0 * y).cos()];
+        }
+        let sample = |k: usize| (0.001 * k as f32).sin() + 0.5 * ((k as f32 * 12.9898).sin() * 43_758.547).fract();
+        let plane = |p: usize| (0..frame.window().area()).map(|k| sample(k + 7919 * p)).collect();
+        Self { frame, map, planes: (0..4).map(plane).collect() }
+    }
+
+    fn source(&self) -> Planes<'_> {
+        Planes { window: self.frame.window(), planes: self.planes.iter().map(Vec::as_slice).collect() }
+    }
+
+    /// Writes what the peers read: interleaved samples and offsets.
+    fn write(&self, folder: &Path) {
+        let area = self.frame.window().area();
+        let texels: Vec<f32> =
+            (0..area).flat_map(|k| (0..4).map(move |p| (p, k))).map(|(p, k)| self.planes[p][k]).collect();
+        std::fs::write(folder.join("source"), bytemuck::cast_slice(&texels))
+            .expect("a temporary folder can be written");
+        let offsets = bytemuck::cast_slice(&self.map.offsets);
+        std::fs::write(folder.join("offsets"), offsets).expect("a temporary folder can be written");
+    }
+}
+
+/// The Python process that times the peers.
+struct Peers {
+    child: Child,
+    ask: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Peers {
+    fn start(case: &Case, folder: &Path) -> Option<Self> {
+        let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/plate.py");
+        let sizes = [case.frame.width, case.frame.height].map(|size| size.to_string());
+        let mut command = Command::new(python);
+        command.arg(script).args(sizes).arg(folder.join("source")).arg(folder.join("offsets"));
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
+        let (ask, answers) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
+        Some(Self { child, ask, answers })
+    }
+
+    /// Milliseconds of one run; NaN where nobody answers.
+    fn time(&mut self, what: &str, threads: usize) -> f64 {
+        let mut answer = String::new();
+        let asked = writeln!(self.ask, "{what} {threads}").and_then(|()| self.answers.read_line(&mut answer));
+        asked.ok().and_then(|_| answer.trim().parse().ok()).unwrap_or(f64::NAN)
+    }
+
+    fn stop(mut self) {
+        drop(self.ask);
+        let _ = self.child.wait();
+    }
+}
+
+fn rows() -> Vec<Row> {
+    let row = |name, run| Row { name, run };
+    vec![
+        row("nearest", Run::Ours(Filter::Nearest)),
+        row("cubic", Run::Ours(Filter::Cubic)),
+        row("cubic, fresh memory", Run::Fresh(Filter::Cubic)),
+        row("lanczos (6x6)", Run::Ours(Filter::Lanczos)),
+        row("ewa", Run::Ours(Filter::Ewa)),
+        row("OpenCV nearest", Run::Peer("opencv nearest")),
+        row("OpenCV bilinear", Run::Peer("opencv linear")),
+        row("OpenCV bicubic", Run::Peer("opencv cubic")),
+        row("OpenCV lanczos (8x8)", Run::Peer("opencv lanczos")),
+        row("OpenImageIO catmull-rom", Run::Peer("openimageio cubic")),
+        row("OpenImageIO lanczos3", Run::Peer("openimageio lanczos")),
+    ]
+}
+
+/// Milliseconds of one run of a row.
+fn time(run: Run, case: &Case, pool: &ThreadPool, outputs: &mut [Vec<f32>], peers: &mut Option<Peers>) -> f64 {
+    let source = case.source();
+    let start = Instant::now();
+    match run {
+        Run::Ours(filter) => pool.install(|| resample_into(&case.map, &source, filter, outputs)),
+        Run::Fresh(filter) => drop(pool.install(|| resampled(&case.map, &source, filter))),
+        Run::Peer(what) => {
+            return peers.as_mut().map_or(f64::NAN, |peers| peers.time(what, pool.current_num_threads()));
+        }
+    }
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// The fastest run of every row with so many threads.
+fn measure(case: &Case, threads: usize, peers: &mut Option<Peers>) -> Vec<f64> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+    let mut outputs = vec![vec![0.0; case.frame.window().area()]; 4];
+    let rows = rows();
+    let mut fastest = vec![f64::INFINITY; rows.len()];
+    for turn in 0..TURNS {
+        for (row, fastest) in rows.iter().zip(&mut fastest) {
+            if turn < 3 || *fastest < SLOW_MS {
+                *fastest = fastest.min(time(row.run, case, &pool, &mut outputs, peers));
+            }
+        }
+    }
+    fastest
+}
+
+fn main() {
+    for (width, height) in [(1920, 1080), (3840, 2160)] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let case = Case::new(width, height);
+        case.write(folder.path());
+        let mut peers = Peers::start(&case, folder.path());
+        if peers.is_none() {
+            println!(
+                "SKIPPED: no peers; pip install numpy opencv-python OpenImageIO, and name the interpreter in PYTHON"
+            );
+        }
+        let [one, two] = [1, 2].map(|threads| measure(&case, threads, &mut peers));
+        println!("{width}x{height}, RGBA float, ms{:>14}{:>12}", "1 thread", "2 threads");
+        for ((row, one), two) in rows().iter().zip(one).zip(two) {
+            println!("  {:<28}{one:>12.1}{two:>12.1}", row.name);
+        }
+        peers.into_iter().for_each(Peers::stop);
+    }
+}

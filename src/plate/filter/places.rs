@@ -1,0 +1,137 @@
+//! Where the pixels of a tile lie in the source.
+//!
+//! In: the offsets of a map, the picture's extent. Out: for each pixel the sample before it and how far behind that it
+//! lies; the rectangle of the source that its filter needs.
+
+use super::block::Reach;
+use super::border::Extent;
+use super::shape::Shape;
+use super::tile::Area;
+use crate::plate::WarpMap;
+use pulp::{Simd, WithSimd};
+
+/// Pixels side by side in a register: x and y of each.
+const LANES: usize = 4;
+
+/// Place of a pixel in the source; NaN where it lies nowhere near the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// The sample before it on both axes: whole numbers.
+    pub(super) sample: [f32; 2],
+    /// How far behind that sample it lies, 0 to 1.
+    pub(super) fraction: [f32; 2],
+}
+
+impl Place {
+    const NOWHERE: Self = Self { sample: [f32::NAN; 2], fraction: [f32::NAN; 2] };
+
+    #[inline(always)]
+    pub(super) fn is_nowhere(&self) -> bool {
+        self.sample[0].is_nan()
+    }
+}
+
+/// What [`FindPlaces`] found out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Samples before the pixels that lie near the picture: least and greatest on both axes; none where least > greatest.
+    low: [f32; 2],
+    high: [f32; 2],
+    /// Pixels that do not move.
+    pub(super) still: usize,
+}
+
+impl Found {
+    /// The samples that filters with so many taps on each side need.
+    pub(super) fn reach(&self, taps: i32) -> Option<Reach> {
+        let low = self.low.map(|least| (least as i32).saturating_add(1 - taps));
+        let high = self.high.map(|greatest| (greatest as i32).saturating_add(1 + taps));
+        (self.low[0] <= self.high[0]).then_some(Reach { low, high })
+    }
+}
+
+/// Finds the places of an area.
+pub(super) struct FindPlaces<'a> {
+    pub(super) map: &'a WarpMap,
+    pub(super) area: Area,
+    /// The sample at the place of the area's first pixel.
+    pub(super) start: [i32; 2],
+    pub(super) extents: &'a [Extent; 2],
+    /// Taps on each side: pixels further from the picture see nothing.
+    pub(super) taps: i32,
+    pub(super) places: &'a mut Vec<Place>,
+}
+
+impl WithSimd for FindPlaces<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Found {
+        let mut found = Found { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], still: 0 };
+        let limit = -self.taps as f32;
+        let beyond = [(self.extents[0].count + self.taps) as f32, (self.extents[1].count + self.taps) as f32];
+        self.places.clear();
+        for row in 0..self.area.height {
+            let offsets = self.map.row(self.area.row + row, self.area.column, self.area.width);
+            let y = (self.start[1] + row as i32) as f32;
+            for (chunk, offsets) in offsets.chunks(LANES).enumerate() {
+                let x = self.start[0] as f32 + (chunk * LANES) as f32;
+                let mut places = [Place::NOWHERE; LANES];
+                for (k, (place, offset)) in places.iter_mut().zip(offsets).enumerate() {
+                    let whole = [offset[0].floor(), offset[1].floor()];
+                    let sample = [x + k as f32 + whole[0], y + whole[1]];
+                    let near =
+                        (sample[0] >= limit) & (sample[0] < beyond[0]) & (sample[1] >= limit) & (sample[1] < beyond[1]);
+                    found.still += usize::from((offset[0] == 0.0) & (offset[1] == 0.0));
+                    if near {
+                        *place = Place { sample, fraction: [offset[0] - whole[0], offset[1] - whole[1]] };
+                    }
+                }
+                for place in &places {
+                    for axis in 0..2 {
+                        // Comparisons with NaN fail.
+                        let sample = place.sample[axis];
+                        found.low[axis] = if sample < found.low[axis] { sample } else { found.low[axis] };
+                        found.high[axis] = if sample > found.high[axis] { sample } else { found.high[axis] };
+                    }
+                }
+                self.places.extend_from_slice(&places[..offsets.len()]);
+            }
+        }
+        found
+    }
+}
+
+/// Finds the footprints of an area; the greatest number of taps on each side that one of them needs.
+pub(super) struct FindShapes<'a> {
+    pub(super) map: &'a WarpMap,
+    pub(super) area: Area,
+    pub(super) shapes: &'a mut Vec<Shape>,
+}
+
+impl WithSimd for FindShapes<'_> {
+    type Output = i32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> i32 {
+        let Area { column, row, width, height } = self.area;
+        self.shapes.clear();
+        let mut reach = 0.0_f32;
+        for row in row..row + height {
+            for column in column..column + width {
+                let shape = Shape::at(self.map, column, row);
+                reach = reach.max(shape.reach[0]).max(shape.reach[1]);
+                self.shapes.push(shape);
+            }
+        }
+        if reach > 1.0 { (2.0 * reach) as i32 + 1 } else { 2 }
+    }
+}
+
+impl WarpMap {
+    /// Offsets of a part of a row.
+    #[inline(always)]
+    fn row(&self, row: usize, column: usize, count: usize) -> &[[f32; 2]] {
+        &self.offsets[row * self.window.width as usize + column..][..count]
+    }
+}
