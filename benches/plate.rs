@@ -11,10 +11,10 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-/// Turns that everybody gets; slow ones fewer.
-const TURNS: usize = 15;
-/// Milliseconds after which one is slow.
-const SLOW_MS: f64 = 600.0;
+/// Turns that everybody gets at least, and at most.
+const TURNS: [usize; 2] = [2, 25];
+/// Milliseconds after which one gets no more turns.
+const ENOUGH_MS: f64 = 3000.0;
 
 /// A warp to time.
 struct Case {
@@ -139,11 +139,13 @@ fn measure(case: &Case, threads: usize, peers: &mut Option<Peers>) -> Vec<f64> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
     let mut outputs = vec![vec![0.0; case.frame.window().area()]; 4];
     let rows = rows();
-    let mut fastest = vec![f64::INFINITY; rows.len()];
-    for turn in 0..TURNS {
-        for (row, fastest) in rows.iter().zip(&mut fastest) {
-            if turn < 3 || *fastest < SLOW_MS {
-                *fastest = fastest.min(time(row.run, case, &pool, &mut outputs, peers));
+    let (mut fastest, mut spent) = (vec![f64::INFINITY; rows.len()], vec![0.0; rows.len()]);
+    for turn in 0..TURNS[1] {
+        for (k, row) in rows.iter().enumerate() {
+            if turn < TURNS[0] || spent[k] < ENOUGH_MS {
+                let time = time(row.run, case, &pool, &mut outputs, peers);
+                fastest[k] = fastest[k].min(time);
+                spent[k] += time;
             }
         }
     }

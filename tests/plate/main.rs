@@ -3,8 +3,11 @@
 #[path = "../support/assets.rs"]
 mod assets;
 mod data;
+mod filters;
 mod layers;
 mod map;
 mod meanings;
+#[path = "../support/python.rs"]
+mod python;
 mod support;
 mod warp;
