@@ -3,7 +3,8 @@
 //! Needs Python 3 with numpy, opencv-python and OpenImageIO (`PYTHON` names another interpreter); says so where they
 //! are missing. All runs of a size take turns, the fastest of each counts: other work on the machine disturbs all alike.
 
-use pinwarp::plate::{Filter, Planes, WarpMap, resample_into, resampled};
+use pinwarp::lattice::{Basis, Grid};
+use pinwarp::plate::{Field, Filter, Planes, WarpMap, resample_into, resampled};
 use pinwarp::space::FrameSize;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::{BufRead, BufReader, Write};
@@ -20,6 +21,8 @@ const ENOUGH_MS: f64 = 3000.0;
 struct Case {
     frame: FrameSize,
     map: WarpMap,
+    /// A lattice of 10 x 10 handles over the whole frame.
+    field: Field,
     planes: Vec<Vec<f32>>,
 }
 
@@ -31,6 +34,8 @@ struct Row {
 
 #[derive(Clone, Copy)]
 enum Run {
+    /// Building the map from a field.
+    Map,
     /// Ours, into memory that is there.
     Ours(Filter),
     /// Ours, into fresh memory.
@@ -52,7 +57,7 @@ impl Case {
         }
         let sample = |k: usize| (0.001 * k as f32).sin() + 0.5 * ((k as f32 * 12.9898).sin() * 43_758.547).fract();
         let plane = |p: usize| (0..frame.window().area()).map(|k| sample(k + 7919 * p)).collect();
-        Self { frame, map, planes: (0..4).map(plane).collect() }
+        Self { frame, map, field: field(frame), planes: (0..4).map(plane).collect() }
     }
 
     fn source(&self) -> Planes<'_> {
@@ -69,6 +74,16 @@ impl Case {
         let offsets = bytemuck::cast_slice(&self.map.offsets);
         std::fs::write(folder.join("offsets"), offsets).expect("a temporary folder can be written");
     }
+}
+
+/// A smooth warp of the whole picture, up to a twentieth of its height.
+fn field(frame: FrameSize) -> Field {
+    let mut lattice = Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0; 2], hi: [frame.aspect(), 1.0] }.at_rest();
+    for (k, handle) in lattice.handles.iter_mut().enumerate() {
+        let k = k as f64;
+        *handle = [handle[0] + 0.05 * (0.9 * k).sin(), handle[1] + 0.05 * (1.7 * k).cos()];
+    }
+    Field::of_picture(lattice)
 }
 
 /// The Python process that times the peers.
@@ -106,6 +121,7 @@ impl Peers {
 fn rows() -> Vec<Row> {
     let row = |name, run| Row { name, run };
     vec![
+        row("map of a 10x10 lattice", Run::Map),
         row("nearest", Run::Ours(Filter::Nearest)),
         row("cubic", Run::Ours(Filter::Cubic)),
         row("cubic, fresh memory", Run::Fresh(Filter::Cubic)),
@@ -125,6 +141,7 @@ fn time(run: Run, case: &Case, pool: &ThreadPool, outputs: &mut [Vec<f32>], peer
     let source = case.source();
     let start = Instant::now();
     match run {
+        Run::Map => drop(pool.install(|| WarpMap::backward(&case.field, case.frame, case.frame.window()))),
         Run::Ours(filter) => pool.install(|| resample_into(&case.map, &source, filter, outputs)),
         Run::Fresh(filter) => drop(pool.install(|| resampled(&case.map, &source, filter))),
         Run::Peer(what) => {
