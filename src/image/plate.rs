@@ -93,6 +93,13 @@ impl Plate {
         FrameSize { width: self.display.width, height: self.display.height, pixel_aspect: self.pixel_aspect }
     }
 
+    /// Whether pinwarp rendered it: not whether it warped a frame of another program, whose software it leaves noted.
+    #[must_use]
+    pub fn is_own_render(&self) -> bool {
+        let software = self.parts.first().and_then(|part| part.attributes.software_name.as_ref());
+        software.is_some_and(|software| string(software).starts_with("pinwarp "))
+    }
+
     /// Notes in the first part which frame of which shot this is, so that [`super::read_metadata`] finds it. What the
     /// plate says of its software, rate and camera stays.
     pub fn set_metadata(&mut self, metadata: &FrameMetadata) {

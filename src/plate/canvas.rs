@@ -181,8 +181,28 @@ pub(super) fn find_maps(canvases: &mut [Canvas], frame: FrameSize, movers: &[Mov
         if mover.now.reach() == 0.0 || window.area() == 0 {
             continue;
         }
-        let map = Arc::new(WarpMap::backward(&mover.now, frame, window));
-        give_map(canvases, index, &map);
+        if mover.matte.is_none() {
+            give_map(canvases, index, &Arc::new(WarpMap::backward(&mover.now, frame, window)));
+            continue;
+        }
+        let mut maps = WarpMap::backward_sheets(&mover.now, frame, window).into_iter();
+        give_map(canvases, index, &Arc::new(maps.next().expect("one sheet is always in front")));
+        maps.for_each(|folded| lay_behind(canvases, index, &folded));
+    }
+}
+
+/// Adds what a layer shows behind itself, where it lies over itself.
+fn lay_behind(canvases: &mut [Canvas], mover: usize, map: &WarpMap) {
+    let seen: Vec<f32> = map.offsets.iter().map(|offset| f32::from(u8::from(!offset[0].is_nan()))).collect();
+    let folded = bounds(&seen, map.window);
+    for canvas in canvases {
+        let Some(place) = canvas.sheets.iter().position(|sheet| sheet.mover == mover) else { continue };
+        let window = cut(folded, canvas.sheets[place].window);
+        if window.area() > 0 {
+            let map = Some(Arc::new(cut_map(map, window)));
+            let sheet = Sheet { window, map, ..canvas.sheets[place].clone() };
+            canvas.sheets.insert(place, sheet);
+        }
     }
 }
 

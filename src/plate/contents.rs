@@ -121,10 +121,15 @@ impl<'a> Contents<'a> {
         }
         report.warnings.extend(guessed.into_iter().map(|((_, treatment), names)| {
             format!(
-                "nothing says what {} holds: {treatment}; if that is wrong, say so under [warp.meanings]",
+                "nothing says what {} holds: {treatment}; if that is wrong, name it under [[warp.channels]]",
                 names.join(", ")
             )
         }));
+        let is_disparity = |entry: &&Entry| entry.name.full.to_lowercase().starts_with("disparity");
+        if let Some(entry) = self.entries.iter().find(is_disparity) {
+            let name = &entry.name.full;
+            report.warnings.push(format!("{name}: values stay, though the warp changes the disparity of the views"));
+        }
     }
 }
 
@@ -138,10 +143,31 @@ impl Entry {
         }
     }
 
+    /// Whether both are the picture's own red, green, blue or alpha, or both depth, of one view.
+    pub(super) fn has_role_of(&self, other: &Self) -> bool {
+        let (own, theirs) = (&self.name, &other.name);
+        let is_same = self.known.meaning == other.known.meaning && own.view == theirs.view;
+        is_same
+            && match self.known.meaning {
+                Meaning::Depth => true,
+                Meaning::Color | Meaning::Alpha => {
+                    own.component.eq_ignore_ascii_case(&theirs.component) && own.is_beauty() && theirs.is_beauty()
+                }
+                _ => false,
+            }
+    }
+
     /// Half floats are for light: no need to worry anybody.
     fn needs_a_word(&self, contents: &Contents) -> bool {
         let is_half = contents.channel(self.place).storage == crate::image::Storage::Half;
         self.known.reason == MeaningReason::Guess && !(is_half && self.known.meaning == Meaning::Color)
+    }
+}
+
+impl ChannelName {
+    /// Whether this is a channel of the picture itself.
+    fn is_beauty(&self) -> bool {
+        self.segments.last().is_none_or(|layer| BEAUTY.contains(&layer.to_lowercase().as_str()))
     }
 }
 

@@ -59,19 +59,31 @@ impl Drawing<'_> {
         }
         for (place, entries) in by_alpha {
             let alpha = place.map(|place| self.contents.over(place, canvas.source, 0.0));
-            let shared = Shared {
-                entries,
-                overlay: canvas.overlay(alpha.as_deref(), self.rules.filter),
-                picks: canvas.picks(alpha.as_deref()),
-            };
-            if report.hole_pixels == 0 {
-                let holes = shared.overlay.holes.iter().flatten();
-                report.hole_pixels = holes.filter(|hole| **hole > HOLE).count();
-            }
+            let is_copied = |entry: &&Entry| !matches!(entry.known.meaning, Meaning::Color | Meaning::Alpha);
+            let picks = if entries.iter().any(is_copied) { canvas.picks(alpha.as_deref()) } else { Vec::new() };
+            let overlay = canvas.overlay(alpha.as_deref(), self.rules.filter);
+            let shared = Shared { entries, overlay, picks };
+            self.report_holes(&shared, report);
             self.draw_colors(canvas, &shared, planes, report);
             self.draw_data(canvas, &shared, planes);
             self.draw_mattes(canvas, &shared, planes);
             self.draw_vectors(canvas, &shared, planes, report);
+        }
+    }
+
+    /// Counts the holes of the first view that has some, and tells which channels nothing fills.
+    fn report_holes(&self, shared: &Shared, report: &mut PlateReport) {
+        let holes = shared.overlay.holes.iter().flatten().filter(|hole| **hole > HOLE).count();
+        if report.hole_pixels == 0 {
+            report.hole_pixels = holes;
+        }
+        let Some(filling) = self.filling.as_ref().filter(|filling| holes > 0 && filling.refusal.is_none()) else {
+            return;
+        };
+        let missing = shared.entries.iter().filter(|entry| filling.find(entry).is_none());
+        let names: Vec<&str> = missing.map(|entry| entry.name.full.as_str()).collect();
+        if !names.is_empty() {
+            report.warnings.push(format!("what fills the holes has no {}: they stay empty there", names.join(", ")));
         }
     }
 
@@ -109,9 +121,19 @@ impl Drawing<'_> {
 
     pub(super) fn copy(&self, entry: &Entry, canvas: &Canvas, shared: &Shared) -> Vec<f32> {
         let empty = if entry.known.meaning == Meaning::Depth { EMPTY_DEPTH } else { 0.0 };
-        let filling = shared.picks.contains(&Pick::Hole).then(|| self.fill(entry, canvas, Filter::Nearest)).flatten();
-        let samples = &self.contents.channel(entry.place).samples;
-        copied(&shared.picks, samples, empty, |at| filling.as_ref().map(|filling| filling[at]))
+        let mut plane = copied(&shared.picks, &self.contents.channel(entry.place).samples, empty);
+        self.fill_picked(entry, canvas, shared, &mut plane);
+        plane
+    }
+
+    /// Puts what fills holes into a channel that is never blended.
+    pub(super) fn fill_picked(&self, entry: &Entry, canvas: &Canvas, shared: &Shared, plane: &mut [f32]) {
+        let Some(filling) = &self.filling else { return };
+        let Some(place) = filling.find(entry) else { return };
+        let samples = plane.iter_mut().zip(&shared.picks).enumerate();
+        samples.filter(|(_, (_, pick))| **pick == Pick::Hole).for_each(|(at, (sample, _))| {
+            *sample = filling.nearest(place, canvas, at).unwrap_or(*sample);
+        });
     }
 
     fn draw_mattes(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned) {
@@ -134,9 +156,7 @@ impl Drawing<'_> {
         }
         // Half a pair of ranks cannot be read: it stays data.
         for entry in entries {
-            if !planes.contains_key(&entry.place) {
-                planes.insert(entry.place, self.copy(entry, canvas, shared));
-            }
+            planes.entry(entry.place).or_insert_with(|| self.copy(entry, canvas, shared));
         }
     }
 

@@ -5,6 +5,7 @@
 use super::canvas::Canvas;
 use super::contents::{Contents, Entry, Place};
 use super::matte::moved;
+use super::nearest::{nearest_source, place_in};
 use super::over::BATCH;
 use super::{Filter, Planes, resampled};
 use crate::image::Plate;
@@ -29,7 +30,8 @@ impl<'a> Filling<'a> {
         Self { contents: Contents::of(fill, &[]), refusal }
     }
 
-    /// The channel of the same name: in the part of that name, else in the same view.
+    /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture and the
+    /// depth of other programs, whatever they call them.
     pub(super) fn find(&self, entry: &Entry) -> Option<Place> {
         if self.refusal.is_some() {
             return None;
@@ -37,7 +39,17 @@ impl<'a> Filling<'a> {
         let same = || self.contents.entries.iter().filter(|other| other.name.full == entry.name.full);
         let in_part = same().find(|other| other.name.part == entry.name.part);
         let in_view = || same().find(|other| other.name.view == entry.name.view);
-        in_part.or_else(in_view).map(|other| other.place)
+        let in_role = || self.contents.entries.iter().find(|other| entry.has_role_of(other));
+        in_part.or_else(in_view).or_else(in_role).map(|other| other.place)
+    }
+
+    /// The nearest sample of a channel at a pixel of a canvas, counted in its window; `None` where it has none.
+    pub(super) fn nearest(&self, place: Place, canvas: &Canvas, at: usize) -> Option<f32> {
+        let width = canvas.window.width as usize;
+        let pixel = [canvas.window.x + (at % width) as i32, canvas.window.y + (at / width) as i32];
+        let offset = canvas.base().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
+        let index = place_in(self.contents.window(place), nearest_source(pixel, offset)?)?;
+        Some(self.contents.channel(place).samples[index])
     }
 
     /// A channel as it is seen at the back of a canvas; 0 where it has nothing.

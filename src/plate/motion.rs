@@ -52,8 +52,7 @@ impl Vectors<'_> {
         let stored = self.uv.map(|channel| channel[index]);
         let per_unit = DVec2::from_array(self.rule.pixels_per_unit);
         let pixels = DVec2::new(f64::from(stored[0]), f64::from(stored[1])) * per_unit;
-        // Also false where a component is no number.
-        if !(pixels.length() < MOST) {
+        if !pixels.is_finite() || pixels.length() > MOST {
             return stored;
         }
         let other = if self.direction == Meaning::Backward { &mover.previous } else { &mover.next };

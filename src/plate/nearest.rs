@@ -119,17 +119,11 @@ pub(super) fn place_in(window: PixelRect, [x, y]: [i32; 2]) -> Option<usize> {
     is_inside.then(|| row * window.width as usize + column)
 }
 
-/// The samples that the picks show; `empty` where there is none. `filling` answers for holes, by the place in the canvas.
-pub(super) fn copied(
-    picks: &[Pick],
-    samples: &[f32],
-    empty: f32,
-    filling: impl Fn(usize) -> Option<f32> + Sync,
-) -> Vec<f32> {
-    let sample = |(at, pick): (usize, &Pick)| match pick {
-        Pick::Sample { index, .. } => samples[*index as usize],
-        Pick::Hole => filling(at).unwrap_or(empty),
-        Pick::Nothing => empty,
+/// The samples that the picks show; `empty` where there is none.
+pub(super) fn copied(picks: &[Pick], samples: &[f32], empty: f32) -> Vec<f32> {
+    let sample = |pick: &Pick| match *pick {
+        Pick::Sample { index, .. } => samples[index as usize],
+        Pick::Hole | Pick::Nothing => empty,
     };
-    picks.par_iter().enumerate().with_min_len(BATCH).map(sample).collect()
+    picks.par_iter().with_min_len(BATCH).map(sample).collect()
 }

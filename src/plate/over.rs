@@ -99,9 +99,7 @@ impl Canvas<'_> {
                 Some(result) => {
                     for (plane, mut seen) in result.iter_mut().zip(seen) {
                         self.each_row(sheet, plane, &mut seen, |at, under, over| {
-                            // What cannot be seen does not count, whatever it is.
-                            let left = if below[at] == 0.0 { 0.0 } else { *under * below[at] };
-                            *under = *over + left;
+                            *under = laid(*over, *under, below[at])
                         });
                     }
                 }
@@ -149,6 +147,11 @@ fn left_below(filled: f32, share: f32, cover: f32) -> f32 {
         return 1.0;
     }
     (1.0 - shared / filled * (cover / share)).clamp(0.0, 1.0)
+}
+
+/// A sample over another. What cannot be seen does not count, whatever it is.
+fn laid(over: f32, under: f32, below: f32) -> f32 {
+    if below == 0.0 { over } else { over + under * below }
 }
 
 /// Shares of samples. What has no share does not count, whatever it is; so do numbers that are none.

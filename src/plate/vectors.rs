@@ -3,7 +3,7 @@
 //! In: the entries of a canvas. Out: pairs of channels, what is known of how they are stored, and their warped samples.
 
 use super::canvas::Canvas;
-use super::contents::{Contents, Entry, Place};
+use super::contents::{Entry, Place};
 use super::draw::{Drawing, Planned, Shared};
 use super::motion::Vectors;
 use super::{Meaning, MotionRule, NormalRule, PlateReport};
@@ -12,11 +12,11 @@ use super::{Meaning, MotionRule, NormalRule, PlateReport};
 const PAIRS: [[&str; 2]; 7] =
     [["u", "v"], ["x", "y"], ["r", "g"], ["z", "w"], ["nx", "ny"], ["red", "green"], ["horizontal", "vertical"]];
 
-/// Why vectors pass through as they are.
+/// What is not known where vectors pass through as they are.
 enum Unknown {
-    NoPair,
-    NoRule,
-    NoTime,
+    Pair,
+    Rule,
+    Time,
 }
 
 impl Drawing<'_> {
@@ -60,20 +60,23 @@ impl Drawing<'_> {
         layer: &[&Entry],
         direction: Meaning,
     ) -> Result<[(Place, Vec<f32>); 2], Unknown> {
-        let movers = self.movers.ok_or(Unknown::NoTime)?;
-        let [u, v] = pair(layer).filter(|_| layer.len() == 2).ok_or(Unknown::NoPair)?;
-        let rule = self.rule_of(u, direction).ok_or(Unknown::NoRule)?;
+        let movers = self.movers.ok_or(Unknown::Time)?;
+        let [u, v] = pair(layer).filter(|_| layer.len() == 2).ok_or(Unknown::Pair)?;
+        let rule = self.rule_of(u, direction).ok_or(Unknown::Rule)?;
         let uv = [u, v].map(|entry| &self.contents.channel(entry.place).samples[..]);
         let vectors = Vectors { uv, direction, rule };
         let [us, vs] = canvas.motion(vectors, &shared.picks, movers, self.contents.plate.frame_size());
-        Ok([(u.place, us), (v.place, vs)])
+        Ok([(u, us), (v, vs)].map(|(entry, mut plane)| {
+            self.fill_picked(entry, canvas, shared, &mut plane);
+            (entry.place, plane)
+        }))
     }
 
     /// How a layer's vectors are stored: as the shot says, or as a program is known to do it.
     fn rule_of(&self, entry: &Entry, direction: Meaning) -> Option<MotionRule> {
         let pixels = MotionRule { pixels_per_unit: [1.0; 2] };
         let is_blender = entry.name.layer_word() == Some("vector");
-        let is_known = is_blender || is_own(self.contents);
+        let is_known = is_blender || self.contents.plate.is_own_render();
         let mut rule = self.rules.motion.or(is_known.then_some(pixels))?;
         if is_blender && direction == Meaning::Forward {
             // Cycles stores this frame's place less the next one's.
@@ -88,7 +91,7 @@ impl Drawing<'_> {
                 report.warnings.push(format!("{}: not turned, since x and y are not both there", names(&layer)));
                 continue;
             };
-            if is_own(self.contents) {
+            if self.contents.plate.is_own_render() {
                 report.warnings.push(format!("{}: not turned, since they lie in scene space", names(&layer)));
                 continue;
             }
@@ -103,20 +106,15 @@ impl Unknown {
     fn in_words(&self, layer: &[&Entry]) -> String {
         let names = names(layer);
         match self {
-            Self::NoPair => format!("{names}: kept as they are, since motion needs two components, u and v"),
-            Self::NoRule => format!(
-                "{names}: motion vectors keep their values, since nothing says how they are stored; say so under [warp.motion]"
+            Self::Pair => format!("{names}: kept as they are, since motion needs two components, u and v"),
+            Self::Rule => format!(
+                "{names}: motion vectors keep their values, since nothing says how they are stored; say so with `motion` under [warp]"
             ),
-            Self::NoTime => {
+            Self::Time => {
                 format!("{names}: motion vectors keep their values, since a map does not tell of other frames")
             }
         }
     }
-}
-
-/// Whether pinwarp wrote the plate.
-fn is_own(contents: &Contents) -> bool {
-    contents.plate.parts.iter().any(|part| part.text("pinwarp").is_some())
 }
 
 /// Entries of one layer each.

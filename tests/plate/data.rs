@@ -2,7 +2,7 @@
 
 use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
-use pinwarp::image::{Channel, Plate, Storage};
+use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, LayerJob, Matte, MotionRule, NormalRule, WarpMap, WarpRules, footprint, remap_plate};
 use pinwarp::space::{FrameSize, PixelRect};
@@ -214,4 +214,20 @@ fn normals_stay_or_turn() {
     let (sin, cos) = 30.0_f32.to_radians().sin_cos();
     let turned = moved(NormalRule::Rotate);
     assert!(turned.iter().zip([0.6 * cos, 0.6 * sin, 0.8]).all(|(a, b)| (a - b).abs() < 1e-4), "{turned:?}");
+}
+
+#[test]
+fn vectors_and_normals_of_our_own_renders_are_known() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let make = |name: &str, value: f32| channel(name, Storage::Float, SQUARE, move |_, _| value);
+    let channels = vec![make("N.X", 0.6), make("N.Y", 0.0), make("forward.u", 3.0), make("forward.v", 0.0)];
+    let frame = Frame { display: SQUARE, data_window: SQUARE, pixel_aspect: 1.0, channels };
+    let path = folder.path().join("own.exr");
+    write_exr(&path, &frame, &FrameMetadata::default(), Compression::Zip).expect("the folder is there");
+    let own = read_plate(&path).expect("just written");
+    let rules = WarpRules { normals: NormalRule::Rotate, ..WarpRules::default() };
+    let (moved, report) = warped(&own, vec![quarter_turn()], &rules);
+    assert!((middle(&moved, "forward.v") - 3.0).abs() < 1e-4);
+    assert_eq!(middle(&moved, "N.X"), 0.6);
+    assert!(report.warnings.iter().any(|warning| warning.contains("scene space")), "{:?}", report.warnings);
 }

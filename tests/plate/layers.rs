@@ -2,6 +2,7 @@
 
 use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, Storage};
+use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpRules, warp_plate};
 use pinwarp::space::PixelRect;
 
@@ -165,9 +166,7 @@ fn numbers_that_are_none_do_not_spread() {
         }
     };
     let picture = plate(FRAME, FRAME, vec![channel("R", Storage::Half, FRAME, bad)]);
-    let mut lattice =
-        pinwarp::lattice::Grid { dims: [4, 4], basis: pinwarp::lattice::Basis::Bspline, lo: [-8.0; 2], hi: [8.0; 2] }
-            .at_rest();
+    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0; 2], hi: [8.0; 2] }.at_rest();
     lattice.handles.iter_mut().for_each(|handle| handle[0] += 0.4 / 16.0);
     let (moved, report) = warped(&picture, vec![layer("all", Field::of_layer(lattice), None)], &WarpRules::default());
     assert_eq!(report.contained_samples, 2);
@@ -209,4 +208,28 @@ fn a_matte_that_the_plate_lacks_is_named() {
     );
     let none = refused(Matte::Cryptomatte { layer: None, names: vec!["Teapot".into()] });
     assert!(matches!(none, PlateError::NoCryptomatte { .. }), "{none}");
+}
+
+#[test]
+fn a_folded_layer_shows_what_lies_behind_where_it_is_transparent_in_front() {
+    // Right of column 12 the layer turns back and lies over itself; only its left half is opaque.
+    let lattice = {
+        let mut lattice = Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0] }.at_rest();
+        for handle in &mut lattice.handles {
+            // Columns 0, 8, 16 and 24 of the frame go to 0, 16, 8 and 24.
+            handle[0] = [0.0, 1.0, 0.5, 1.5][(handle[0] * 2.0).round() as usize];
+        }
+        lattice
+    };
+    let left = |x: u32, _: u32| f32::from(u8::from(x < 12));
+    let channels = vec![
+        channel("A", Storage::Half, FRAME, left),
+        channel("R", Storage::Half, FRAME, |x, y| left(x, y) * 2.0),
+        channel("mask.A", Storage::Half, FRAME, |_, _| 1.0),
+    ];
+    let picture = plate(FRAME, FRAME, channels);
+    let moved = warped(&picture, vec![layer("all", Field::of_layer(lattice), mask())], &WarpRules::default()).0;
+    // 12 comes from 6 (opaque), from 12 (turned over) and from 20 (transparent).
+    assert!(at(&moved, "A", 10, 8) > 0.9, "{}", at(&moved, "A", 10, 8));
+    assert!(at(&moved, "A", 20, 8) < 0.1, "{}", at(&moved, "A", 20, 8));
 }

@@ -38,6 +38,11 @@ fn meaning_by_name(name: &ChannelName, storage: Storage) -> Option<Meaning> {
     if storage == Storage::Uint {
         return Some(Meaning::Id);
     }
+    // Ids or coverage of which the other half is missing.
+    let is_rank = |word: &str| word.contains("crypto") && word.ends_with(|letter: char| letter.is_ascii_digit());
+    if name.layer_word().is_some_and(is_rank) {
+        return Some(Meaning::Data);
+    }
     let component = name.component.as_str();
     if let Some(meaning) = name.layer_word().and_then(|word| meaning_of_layer(word, component)) {
         return Some(meaning);
