@@ -45,6 +45,8 @@ pub(super) enum Command {
     Export(ExportArgs),
     /// Find the lattice that carries landmarks of one picture or pose onto those of another.
     Fit(FitArgs),
+    /// Lay the solved lattices of one shot over a picture, another model or another shot, and render it.
+    Transfer(TransferArgs),
     /// Give the lattices of a file other dims or another basis, and keep the edit.
     Resize(ResizeArgs),
     /// List what can draw.
@@ -62,6 +64,13 @@ pub(super) enum Command {
 pub(super) struct RenderArgs {
     /// The shot file.
     pub(super) shot: PathBuf,
+    #[command(flatten)]
+    pub(super) draw: DrawArgs,
+}
+
+/// What is drawn of a shot, how, and where it goes.
+#[derive(Debug, clap::Args)]
+pub(super) struct DrawArgs {
     /// Frames to render, e.g. 1-48x2,60; default: the shot's range.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
@@ -244,6 +253,44 @@ pub(super) struct FitArgs {
 }
 
 #[derive(Debug, clap::Args)]
+pub(super) struct TransferArgs {
+    /// The lattice file, as `pinwarp export --to lattice-json` writes it.
+    #[arg(long, value_name = "FILE")]
+    pub(super) lattice: PathBuf,
+    /// What it bends: a picture (.png, .jpg, .exr), a scene (.glb, .gltf), or a shot (.toml).
+    #[arg(long, value_name = "TARGET")]
+    pub(super) onto: PathBuf,
+    /// Layer of the lattice file; default: its only one, onto a shot the one of the same name.
+    #[arg(long, value_name = "NAME")]
+    pub(super) layer: Option<String>,
+    /// Where the lattices go; default: box, with --landmarks landmarks.
+    #[arg(long, value_name = "HOW", value_enum)]
+    pub(super) fit: Option<FitKind>,
+    /// Pairs of screen points there and here, frame heights: [[[0.5,0.5],[0.9,0.4]]], or a JSON file that holds them.
+    #[arg(long, value_name = "PAIRS", allow_hyphen_values = true)]
+    pub(super) landmarks: Option<String>,
+    /// How much of the deformation: 0 none, 1 all, more exaggerates.
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_strength, allow_hyphen_values = true)]
+    pub(super) strength: f64,
+    /// The shot file to write for a picture or a scene; default: none for pictures, NAME.toml beside the frames for scenes.
+    #[arg(long, value_name = "SHOT")]
+    pub(super) shot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) draw: DrawArgs,
+}
+
+/// Where transferred lattices go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum FitKind {
+    /// Their box becomes the box of what they bend.
+    Box,
+    /// Landmarks shift, turn and scale them.
+    Landmarks,
+    /// The same place on the screen.
+    AsIs,
+}
+
+#[derive(Debug, clap::Args)]
 pub(super) struct ResizeArgs {
     /// The lattice file.
     pub(super) lattices: PathBuf,
@@ -306,6 +353,12 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
         .ok_or_else(|| "two whole numbers from 1 to 16384 with an x between them are needed, e.g. 1920x1080".to_owned())
+}
+
+/// A strength as shots take it.
+fn parse_strength(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| (-100.0..=100.0).contains(number));
+    number.ok_or_else(|| "a number from -100 to 100 is needed, e.g. 0.8".to_owned())
 }
 
 /// Two numbers with a comma between them.

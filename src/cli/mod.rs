@@ -17,6 +17,7 @@ mod resize;
 mod solve;
 mod warp;
 mod warp_args;
+mod transfer;
 
 pub use args::Args;
 
@@ -63,6 +64,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Fit(args) => fit::run(&args),
+        Command::Transfer(args) => transfer::run(&args),
         Command::Resize(args) => resize::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {

@@ -38,7 +38,7 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
 }
 
 /// Everything that is no picture by its name is a scene, or none of the two, and the scene's reader says so.
-fn is_model(path: &Path) -> bool {
+pub(super) fn is_model(path: &Path) -> bool {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     !ending.is_some_and(|ending| ["png", "jpg", "jpeg", "exr"].contains(&ending.as_str()))
 }
@@ -85,7 +85,7 @@ fn facts(scene: &Scene) -> TemplateFacts {
 }
 
 /// The scene's path as seen from the shot file's folder: relative where it lies below it, else absolute.
-fn path_between(folder: &Path, scene: &Path) -> anyhow::Result<PathBuf> {
+pub(super) fn path_between(folder: &Path, scene: &Path) -> anyhow::Result<PathBuf> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = folder
         .canonicalize()

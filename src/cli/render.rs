@@ -1,7 +1,7 @@
 //! `pinwarp render`.
 
 use super::Outcome;
-use super::args::RenderArgs;
+use super::args::{DrawArgs, RenderArgs};
 use super::progress::Teller;
 use crate::pipeline::{self, RenderOptions, Setup};
 use crate::shot::Shot;
@@ -9,7 +9,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
-    let mut shot = Shot::read(&args.shot)?;
+    draw(Shot::read(&args.shot)?, &args.draw)
+}
+
+/// Renders a shot as asked.
+pub(super) fn draw(mut shot: Shot, args: &DrawArgs) -> anyhow::Result<Outcome> {
     shot.size = args.scale.of(shot.size);
     shot.samples = args.samples.unwrap_or(shot.samples);
     if let Some(output) = &args.output {

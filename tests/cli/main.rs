@@ -20,5 +20,6 @@ mod stopping;
 mod support;
 mod tools;
 mod warps;
+mod transfer;
 mod words;
 mod worlds;

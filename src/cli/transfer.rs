@@ -1,0 +1,208 @@
+//! `pinwarp transfer`: a shot whose layers take their lattices from a file, made for the occasion and rendered.
+
+use super::args::{FitKind, TransferArgs};
+use super::new::path_between;
+use super::{Outcome, refuse_existing, render};
+use crate::export::{LatticeFile, LatticeTrack, Track};
+use crate::image::replace_text;
+use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
+use crate::space::ScreenPoint;
+use crate::spelling;
+use anyhow::{Context, bail};
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Lines of frames that show a scene whose size nobody said.
+const LINES: f64 = 1080.0;
+
+pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
+    let lattices = LatticeFile::read(&args.lattice)?;
+    let fit = fit(args)?;
+    let shot = match Target::of(&args.onto)? {
+        Target::Shot => onto_shot(args, &lattices, &fit)?,
+        target => onto_file(args, (&lattices, &fit), target)?,
+    };
+    render::draw(shot, &args.draw)
+}
+
+/// What lattices are laid over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    Picture,
+    Scene,
+    Shot,
+}
+
+impl Target {
+    /// By the ending of the name.
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let target = match ending.as_deref() {
+            Some("png" | "jpg" | "jpeg" | "exr") => Self::Picture,
+            Some("glb" | "gltf") => Self::Scene,
+            Some("toml") => Self::Shot,
+            _ => bail!(
+                "--onto {}: give a picture (.png, .jpg, .exr), a scene (.glb, .gltf) or a shot (.toml)",
+                path.display()
+            ),
+        };
+        if !path.is_file() {
+            bail!("--onto {}: there is no such file; check the path for typing errors", path.display());
+        }
+        Ok(target)
+    }
+}
+
+/// Where the lattices go, as asked.
+fn fit(args: &TransferArgs) -> anyhow::Result<TransferFit> {
+    match (args.fit, &args.landmarks) {
+        (Some(FitKind::Landmarks) | None, Some(text)) => Ok(TransferFit::Landmarks(landmarks(text)?)),
+        (Some(FitKind::Landmarks), None) => bail!("--fit landmarks needs --landmarks: pairs of points there and here"),
+        (Some(_), Some(_)) => bail!("--landmarks goes with --fit landmarks; leave one of them out"),
+        (Some(FitKind::AsIs), None) => Ok(TransferFit::AsIs),
+        (Some(FitKind::Box) | None, None) => Ok(TransferFit::Box),
+    }
+}
+
+/// Pairs of points from the text itself, or from the file it names.
+fn landmarks(text: &str) -> anyhow::Result<Vec<[ScreenPoint; 2]>> {
+    const WANTED: &str = "pairs of screen points are needed, there and here: [[[0.5,0.5],[0.9,0.4]]]";
+    let is_inline = text.trim_start().starts_with('[');
+    let json = if is_inline {
+        text.to_owned()
+    } else {
+        std::fs::read_to_string(text).with_context(|| format!("--landmarks: cannot read {text}"))?
+    };
+    let pairs: Vec<[[f64; 2]; 2]> = serde_json::from_str(&json).with_context(|| format!("--landmarks: {WANTED}"))?;
+    if pairs.is_empty() || pairs.iter().flatten().flatten().any(|number| !number.is_finite()) {
+        bail!("--landmarks: {WANTED}");
+    }
+    Ok(pairs.into_iter().map(|pair| pair.map(|[x, y]| ScreenPoint::new(x, y))).collect())
+}
+
+/// The track asked for, else the one that is named like the layer it goes to, else the only one.
+fn track<'a>(args: &TransferArgs, file: &'a LatticeFile, layer: Option<&str>) -> anyhow::Result<&'a LatticeTrack> {
+    let names = || file.layers.iter().map(|layer| layer.name.as_str());
+    let named = |name: &str| file.layers.iter().find(|track| track.name == name);
+    let path = args.lattice.display();
+    let found = match (&args.layer, file.layers.as_slice()) {
+        (Some(name), _) => {
+            named(name).with_context(|| format!("{path} has no layer '{name}'; {}", spelling::hint(name, names())))?
+        }
+        (None, [only]) => only,
+        (None, _) => layer.and_then(named).with_context(|| {
+            format!("{path} has {} layers; choose one with --layer: {}", file.layers.len(), spelling::list(names()))
+        })?,
+    };
+    match found.track {
+        Track::Screen(_) => Ok(found),
+        Track::World(_) => bail!(
+            "'{}' of {path} is a lattice of the scene; only lattices of the screen can be laid over something else",
+            found.name
+        ),
+    }
+}
+
+/// Another shot: its layers of the screen take lattices instead of their pins.
+fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyhow::Result<Shot> {
+    if args.shot.is_some() {
+        bail!("--shot names the file to write for a picture or a scene; {} is a shot already", args.onto.display());
+    }
+    let mut shot = Shot::read(&args.onto)?;
+    let is_screen = |space: &LayerSpace| matches!(space, LayerSpace::Screen { .. });
+    if !shot.layers.iter().any(|layer| is_screen(&layer.space)) {
+        bail!("{} has no layers on the screen that lattices could move; add a [[layer]]", args.onto.display());
+    }
+    for layer in shot.layers.iter_mut().filter(|layer| is_screen(&layer.space)) {
+        let name = track(args, file, Some(&layer.name))?.name.clone();
+        layer.transfer =
+            Some(Transfer { file: args.lattice.clone(), layer: Some(name), fit: fit.clone(), start: None });
+        (layer.pins, layer.handles, layer.stiffness) = Default::default();
+        layer.strength *= args.strength;
+    }
+    Ok(shot)
+}
+
+/// A picture or a scene: a shot is written around it.
+fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: Target) -> anyhow::Result<Shot> {
+    let track = track(args, file, None)?;
+    let path = shot_path(args, target);
+    let text = text(args, (file, track, fit), (&path, target))?;
+    let shot = Shot::parse(&text, &path)?;
+    if args.shot.is_some() || target == Target::Scene {
+        let is_same = std::fs::read_to_string(&path).is_ok_and(|there| there == text);
+        if !is_same {
+            refuse_existing(&path, args.draw.existing.overwrite)?;
+            replace_text(&path, &text)?;
+            writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
+        }
+    }
+    Ok(shot)
+}
+
+/// Where the shot lies, or would lie.
+fn shot_path(args: &TransferArgs, target: Target) -> PathBuf {
+    let stem = |path: &Path| path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let beside = |path: &Path| {
+        let name = stem(path);
+        let name = name.trim_end_matches(|letter: char| letter == '#' || letter == '.');
+        path.with_file_name(format!("{name}.toml"))
+    };
+    match (&args.shot, &args.draw.output, target) {
+        (Some(path), ..) => path.clone(),
+        (None, Some(output), Target::Scene) => beside(output),
+        _ => PathBuf::from(format!("{}.toml", stem(&args.onto))),
+    }
+}
+
+/// A shot of one layer.
+fn text(
+    args: &TransferArgs,
+    (file, track, fit): (&LatticeFile, &LatticeTrack, &TransferFit),
+    (path, target): (&Path, Target),
+) -> anyhow::Result<String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(&path_between(folder, file)?.to_string_lossy()));
+    let frames = match &track.track {
+        Track::Screen(lattices) => [lattices.keys().next(), lattices.keys().next_back()].map(|frame| frame.copied()),
+        Track::World(_) => [None; 2],
+    };
+    let [first, last] = frames.map(Option::unwrap_or_default);
+    let (key, size) = match target {
+        Target::Picture => ("image", String::new()),
+        _ => ("scene", format!("size    = [{}, {LINES}]\n", (file.frame_aspect * LINES).round())),
+    };
+    let channels = if target == Target::Picture { "channels = [\"beauty\", \"id\"]\n" } else { "" };
+    Ok(format!(
+        "# Lattices of another shot, laid over {what}.\nversion = 1\n{key}   = {what}\n\
+         frames  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n{size}\n\
+         [[layer]]\nname     = {name}\nstrength = {strength:?}\n\
+         transfer = {{ lattice = {lattice}, layer = {name}, fit = {fit} }}\n\n[output]\n{channels}",
+        what = from_here(&args.onto)?,
+        rate = file.rate,
+        name = quoted(&track.name),
+        strength = args.strength,
+        lattice = from_here(&args.lattice)?,
+        fit = fit_text(fit),
+    ))
+}
+
+fn fit_text(fit: &TransferFit) -> String {
+    match fit {
+        TransferFit::Box => "\"box\"".to_owned(),
+        TransferFit::AsIs => "\"as-is\"".to_owned(),
+        TransferFit::Landmarks(pairs) => {
+            let pair = |pair: &[ScreenPoint; 2]| {
+                let [a, b] = pair.map(|point| format!("[{:?}, {:?}]", point.0.x, point.0.y));
+                format!("[{a}, {b}]")
+            };
+            format!("{{ landmarks = [{}] }}", pairs.iter().map(pair).collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+/// A text as TOML: JSON's escapes are TOML's.
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
