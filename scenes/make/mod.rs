@@ -1,9 +1,12 @@
 //! The scenes of this folder, made by code.
 //!
-//! Out: the bytes of each .glb file, the same on every run. `cargo run --example make_scenes` writes them.
+//! Out: the bytes of each .glb and .png file, the same on every run. `cargo run --example make_scenes` writes them.
 
+mod cat;
+mod drawing;
 mod fields;
 pub(crate) mod figures;
+pub(crate) mod flag;
 pub(crate) mod gingerman;
 mod glb;
 mod gnome;
@@ -30,5 +33,8 @@ pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
         ("gingerman/gingerman.glb", gingerman::scene()?),
         ("walker/walker.glb", walker::scene()?),
         ("hare/hare.glb", hare::scene()),
+        ("flag/flag.png", flag::cloth()?),
+        ("flag/pole.png", flag::pole()?),
+        ("cat/cat.png", cat::picture()?),
     ])
 }

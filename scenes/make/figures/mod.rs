@@ -3,7 +3,7 @@
 //! Out: problem files of `scenes/figures/`: one connected body each, with face and buttons as isolated parts in front.
 
 mod dinosaur;
-mod draw;
+pub(crate) mod draw;
 mod frog;
 mod ginger;
 mod girl;
