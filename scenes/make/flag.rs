@@ -1,13 +1,13 @@
 //! The flag of the paper's image figure, and its pole: two pictures of one size.
 //!
-//! Out: PNG files. The canvas is 3 : 2; the flag fills x from 0.3 to 1.3 and y from 0.18 to 0.82, frame heights.
+//! Out: PNG files. The canvas is 3 : 2; the flag fills x from 0.25 to 1.25 and y from 0.22 to 0.84, frame heights.
 
 use super::drawing::{Shape, colour, drawn};
 use glam::DVec2;
 use image::ImageError;
 
 /// Lower left and upper right corner of the flag, frame heights.
-pub(crate) const FLAG: [DVec2; 2] = [DVec2::new(0.25, 0.22), DVec2::new(1.25, 0.84)];
+const FLAG: [DVec2; 2] = [DVec2::new(0.25, 0.22), DVec2::new(1.25, 0.84)];
 
 const PIXELS: [u32; 2] = [720, 480];
 

@@ -6,7 +6,7 @@ mod cat;
 mod drawing;
 mod fields;
 pub(crate) mod figures;
-pub(crate) mod flag;
+mod flag;
 pub(crate) mod gingerman;
 mod glb;
 mod gnome;

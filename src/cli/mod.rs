@@ -15,9 +15,9 @@ mod progress;
 mod render;
 mod resize;
 mod solve;
+mod transfer;
 mod warp;
 mod warp_args;
-mod transfer;
 
 pub use args::Args;
 

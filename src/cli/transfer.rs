@@ -5,6 +5,7 @@ use super::new::path_between;
 use super::{Outcome, refuse_existing, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::replace_text;
+use crate::pipeline::Existing;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;
 use crate::spelling;
@@ -128,12 +129,16 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
 fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: Target) -> anyhow::Result<Shot> {
     let track = track(args, file, None)?;
     let path = shot_path(args, target);
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
     let text = text(args, (file, track, fit), (&path, target))?;
     let shot = Shot::parse(&text, &path)?;
     if args.shot.is_some() || target == Target::Scene {
         let is_same = std::fs::read_to_string(&path).is_ok_and(|there| there == text);
         if !is_same {
-            refuse_existing(&path, args.draw.existing.overwrite)?;
+            let is_replaced = Existing::from(args.draw.existing) == Existing::Overwrite;
+            refuse_existing(&path, is_replaced)?;
             replace_text(&path, &text)?;
             writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
         }

@@ -62,7 +62,8 @@ impl<'a> Writer<'a> {
         let begun = Instant::now();
         let Facts { mut report, picture, camera } = facts;
         report.path = self.output.path_of(report.frame);
-        let has_mattes = self.setup.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
+        let has_mattes =
+            self.setup.gallery.is_none() && self.setup.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
         let metadata = FrameMetadata {
             frame: report.frame,
             frames_per_second: self.setup.shot.frames.rate,

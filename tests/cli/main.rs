@@ -19,7 +19,7 @@ mod shots;
 mod stopping;
 mod support;
 mod tools;
-mod warps;
 mod transfer;
+mod warps;
 mod words;
 mod worlds;

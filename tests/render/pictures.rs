@@ -2,6 +2,7 @@
 
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
 use pinwarp::pipeline::{Event, RenderOptions, Setup, render};
+use pinwarp::raster::ChannelGroup;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
@@ -123,7 +124,9 @@ fn a_pin_carries_the_picture_along() {
     wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 18.0)));
     // A single pin of the default solver is a translation: 8 pixels to the right, 4 up.
     let keys = "[{ frame = 1, offset = [0.125, 0.0625] }]\n";
-    let (frame, notes) = wall.render(wall.shot(&format!("image = \"girl.exr\"\n{PIN}{keys}")));
+    let mut shot = wall.shot(&format!("image = \"girl.exr\"\n{PIN}{keys}"));
+    shot.output.channels.push(ChannelGroup::Depth);
+    let (frame, notes) = wall.render(shot);
     for (x, y, wanted) in
         [(48, 26, 1.0), (48 - 16, 26, 1.0), (48 + 16, 26, 1.0), (40 - 16, 30, 0.0), (48, 26 + 19, 0.0)]
     {

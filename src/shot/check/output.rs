@@ -28,7 +28,10 @@ impl Check<'_> {
         });
         Output {
             path: folder.join(path),
-            channels: raw.channels.as_ref().map_or(DEFAULT_CHANNELS.to_vec(), |channels| self.channels(channels)),
+            channels: raw
+                .channels
+                .as_ref()
+                .map_or_else(|| default_channels(source), |channels| self.channels(channels)),
             compression: raw.compression.map_or_else(Compression::default, Compression::from),
         }
     }
@@ -57,6 +60,15 @@ impl Check<'_> {
             }
         }
         raw.iter().map(|&channel| channel.into()).collect()
+    }
+}
+
+/// What there is: pictures have no depth.
+fn default_channels(source: &Source) -> Vec<ChannelGroup> {
+    if let Source::Images(_) = source {
+        vec![ChannelGroup::Beauty, ChannelGroup::Id]
+    } else {
+        DEFAULT_CHANNELS.to_vec()
     }
 }
 
