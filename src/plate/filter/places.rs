@@ -42,6 +42,15 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// NaN counts for nothing: comparisons with it fail.
+    #[inline(always)]
+    fn include(&mut self, sample: [f32; 2]) {
+        for (axis, sample) in sample.into_iter().enumerate() {
+            self.low[axis] = if sample < self.low[axis] { sample } else { self.low[axis] };
+            self.high[axis] = if sample > self.high[axis] { sample } else { self.high[axis] };
+        }
+    }
+
     /// The samples that filters with so many taps on each side need.
     pub(super) fn reach(&self, taps: i32) -> Option<Reach> {
         let low = self.low.map(|least| (least as i32).saturating_add(1 - taps));
@@ -88,12 +97,7 @@ impl WithSimd for FindPlaces<'_> {
                     }
                 }
                 for place in &places {
-                    for axis in 0..2 {
-                        // Comparisons with NaN fail.
-                        let sample = place.sample[axis];
-                        found.low[axis] = if sample < found.low[axis] { sample } else { found.low[axis] };
-                        found.high[axis] = if sample > found.high[axis] { sample } else { found.high[axis] };
-                    }
+                    found.include(place.sample);
                 }
                 self.places.extend_from_slice(&places[..offsets.len()]);
             }

@@ -48,11 +48,11 @@ impl Shape {
         let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
         let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
         let radius = (half * half + b * b).sqrt();
-        // Also where J is not a number or infinite: comparisons fail.
-        if !(mean + radius > SLACK * SLACK) || !radius.is_finite() {
+        let longest = mean + radius;
+        if longest <= SLACK * SLACK || !longest.is_finite() {
             return Self::UNIT;
         }
-        let (long, short) = (held(mean + radius), held(mean - radius));
+        let (long, short) = (held(longest), held(mean - radius));
         // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
         let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
         let (along, aside) = (half * scale, b * scale);
