@@ -68,7 +68,7 @@ impl Landmarks {
             return Err(("pairs".into(), "is empty".into(), "give at least one pair of points"));
         }
         for (number, pair) in self.pairs.iter_mut().enumerate() {
-            if pair.a.iter().chain(&pair.b).any(|value| !(value.abs() <= 1e9)) {
+            if pair.a.iter().chain(&pair.b).any(|value| !(-1e9..=1e9).contains(value)) {
                 let what = format!("is {:?} to {:?}", pair.a, pair.b);
                 return Err((format!("pairs[{number}]"), what, "give numbers within the pictures"));
             }
