@@ -24,7 +24,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         ExportFormat::Nuke => nuke::run(args),
         ExportFormat::Blender => blender::run(args),
         ExportFormat::AfterEffects => after_effects::run(args),
-        ExportFormat::Gltf => gltf::run(args),
+        ExportFormat::Gltf => self::gltf::run(args),
     }
 }
 
