@@ -11,10 +11,10 @@ use crate::space::PixelRect;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-/// Pixels, in the source and in the picture, between lines of the fine net.
-const FINE: f64 = 1.0;
+/// Pixels, in the source and in the picture, between lines of the fine net; what it finds is put right by searches.
+const FINE: f64 = 2.0;
 /// Lines of the fine net of a cell.
-const MOST_LINES: f64 = 96.0;
+const MOST_LINES: f64 = 64.0;
 /// A sheet moves by no more than this when it is put right, in pixels; beyond, the search has slipped onto another.
 const SLIP: f64 = 2.0;
 /// Sources nearer than this are one, in pixels.

@@ -47,29 +47,34 @@ impl Patch {
     }
 
     /// Offsets of the pixels of row `y` of a block of `size`: the first of `row` is the block's first.
-    #[inline(always)]
     pub(super) fn fill(&self, size: usize, y: usize, row: &mut [[f32; 2]]) {
         let scale = 1.0 / size as f64;
-        let mut power = 1.0;
-        let cubic = self.row(y as f64 * scale).map(|c| {
-            let c = c * power;
-            power *= scale;
-            std::array::from_fn::<f32, LANES, _>(|lane| c[lane % 2] as f32)
-        });
+        let [c0, c1, c2, c3] = self.row(y as f64 * scale);
+        let cubic = [spread(c0), spread(c1 * scale), spread(c2 * scale.powi(2)), spread(c3 * scale.powi(3))];
         let mut place: [f32; LANES] = std::array::from_fn(|lane| (lane / 2) as f32);
-        let mut chunks = row.as_flattened_mut().chunks_exact_mut(LANES);
-        for chunk in &mut chunks {
-            for lane in 0..LANES {
-                let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|k| cubic[k][lane]);
-                chunk[lane] = ((c3 * place[lane] + c2) * place[lane] + c1) * place[lane] + c0;
-                place[lane] += (LANES / 2) as f32;
-            }
+        let (chunks, rest) = row.as_flattened_mut().as_chunks_mut::<LANES>();
+        for chunk in chunks {
+            *chunk = values(&cubic, &place);
+            place.iter_mut().for_each(|place| *place += (LANES / 2) as f32);
         }
-        for (lane, slot) in chunks.into_remainder().iter_mut().enumerate() {
-            let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|k| cubic[k][lane]);
-            *slot = ((c3 * place[lane] + c2) * place[lane] + c1) * place[lane] + c0;
-        }
+        rest.copy_from_slice(&values(&cubic, &place)[..rest.len()]);
     }
+}
+
+/// x and y in turn.
+fn spread(c: DVec2) -> [f32; LANES] {
+    let (x, y) = (c.x as f32, c.y as f32);
+    [x, y, x, y, x, y, x, y]
+}
+
+/// A cubic at four places, x and y in turn.
+#[inline(always)]
+fn values([c0, c1, c2, c3]: &[[f32; LANES]; 4], t: &[f32; LANES]) -> [f32; LANES] {
+    let mut sums = *c3;
+    for lane in 0..LANES {
+        sums[lane] = ((sums[lane] * t[lane] + c2[lane]) * t[lane] + c1[lane]) * t[lane] + c0[lane];
+    }
+    sums
 }
 
 /// The cubic between two values with slopes.

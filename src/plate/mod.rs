@@ -30,6 +30,7 @@ mod normals;
 mod over;
 mod report;
 mod rules;
+mod stmap;
 mod vectors;
 mod warp;
 
@@ -38,4 +39,5 @@ pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
+pub use stmap::{map_of_stmap, stmap_of};
 pub use warp::{LayerJob, PlateJob, has_motion, remap_plate, warp_plate};

@@ -79,4 +79,23 @@ pub enum PlateError {
         /// Width and height of the plate's display window.
         plate: [u32; 2],
     },
+    /// A picture that was to be an STMap has no pair of channels for it.
+    #[error("the picture holds no STMap: it has the channels {found}; write u and v as R and G, 32-bit float")]
+    NoStMap {
+        /// What there is.
+        found: String,
+    },
+    /// The values of an STMap are not shares of the frame.
+    #[error(
+        "channel \"{channel}\" of the STMap holds {found}, which is no share of a frame; divide pixels by the display \
+         window, {frame:?}: u = (x + 0.5)/width, v = 1 - (y + 0.5)/height"
+    )]
+    StMapInPixels {
+        /// Name of the channel of u.
+        channel: String,
+        /// The first such u and v.
+        found: String,
+        /// Width and height of the display window.
+        frame: [u32; 2],
+    },
 }

@@ -6,8 +6,10 @@ mod data;
 mod filters;
 mod layers;
 mod map;
+mod map_folds;
 mod meanings;
 #[path = "../support/python.rs"]
 mod python;
+mod stmap;
 mod support;
 mod warp;

@@ -1,0 +1,129 @@
+//! Maps of any lattice, folded ones too: every pixel comes from somewhere that goes there, and what overlaps is told.
+
+use super::map::{BASES, random};
+use glam::DVec2;
+use pinwarp::lattice::Basis;
+use pinwarp::plate::{Field, WarpMap};
+use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
+
+const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 };
+/// Reaches out of the frame on all sides.
+const WINDOW: PixelRect = PixelRect { x: -23, y: -11, width: 201, height: 117 };
+
+/// Every pixel and where it came from, and how far from the pixel that place goes.
+fn misses(field: &Field, map: &WarpMap) -> Vec<f64> {
+    let width = map.window.width as usize;
+    let miss = |index: usize| {
+        let (x, y) = (map.window.x + (index % width) as i32, map.window.y + (index / width) as i32);
+        let Some(source) = map.source(x, y) else { return f64::INFINITY };
+        let there = field.carry(map.frame.screen_from_image(ImagePoint(DVec2::from(source))));
+        (map.frame.image_from_screen(there).0 - DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)).length()
+    };
+    (0..map.window.area()).map(miss).collect()
+}
+
+/// Whether the field turns over where a pixel came from.
+fn is_turned_over(field: &Field, map: &WarpMap, index: u32) -> bool {
+    let (x, y) = (map.window.x + (index % map.window.width) as i32, map.window.y + (index / map.window.width) as i32);
+    let source = map.source(x, y).expect("it comes from somewhere");
+    field.carry_with_gradient(map.frame.screen_from_image(ImagePoint(DVec2::from(source)))).1.determinant() < -1e-3
+}
+
+#[test]
+fn every_pixel_comes_from_somewhere_that_goes_there() {
+    for seed in 0..6 {
+        for basis in BASES {
+            // From a gentle bend to a crumpled sheet.
+            let lattice = random(basis, 0.15 + 0.25 * f64::from(seed), seed);
+            let frame = FrameSize { pixel_aspect: if seed % 2 == 0 { 1.0 } else { 1.42 }, ..FRAME };
+            for field in [Field::of_layer(lattice.clone()), Field::of_picture(lattice.clone())] {
+                let map = WarpMap::backward(&field, frame, WINDOW);
+                let misses = misses(&field, &map);
+                let mut is_folded = vec![false; misses.len()];
+                map.folded_pixels.iter().for_each(|&index| is_folded[index as usize] = true);
+                let plain = misses.iter().zip(&is_folded).filter(|(_, folded)| !**folded).map(|(miss, _)| *miss);
+                let (worst_plain, worst) = (plain.fold(0.0, f64::max), misses.iter().copied().fold(0.0, f64::max));
+                // Searches stop at the creases of cells; there the net's own answer stays.
+                let limits = if basis.is_local() && basis != Basis::Bspline { [0.5, 0.5] } else { [2e-2, 0.2] };
+                assert!(worst_plain < limits[0] && worst < limits[1], "{basis:?} {seed}: {worst_plain} {worst}");
+                let precise = misses.iter().filter(|miss| **miss < 1e-3).count();
+                assert!(precise * 1000 > misses.len() * 995, "{basis:?} {seed}: {precise} of {}", misses.len());
+                let turned = map.folded_pixels.iter().filter(|&&index| is_turned_over(&field, &map, index)).count();
+                assert!(turned * 100 <= map.folded_pixels.len() + 400, "{basis:?} {seed}: {turned}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_map_that_is_a_pixel_off_is_noticed() {
+    let field = Field::of_picture(random(Basis::Bspline, 0.2, 1));
+    let mut map = WarpMap::backward(&field, FRAME, WINDOW);
+    map.offsets.iter_mut().for_each(|offset| offset[0] += 1.0);
+    let misses = misses(&field, &map);
+    assert!(misses.iter().all(|miss| *miss > 0.1));
+}
+
+/// A lattice that is pulled over itself.
+fn pulled_over() -> Field {
+    let mut lattice = random(Basis::Bspline, 0.0, 0);
+    let by = 2.6 * lattice.grid.pitch(0);
+    for handle in lattice.handles.iter_mut().filter(|handle| handle[0] < 0.9 && (0.3..0.7).contains(&handle[1])) {
+        handle[0] += by;
+    }
+    Field::of_layer(lattice)
+}
+
+#[test]
+fn folds_are_told_where_turned_over_parts_land() {
+    let field = pulled_over();
+    let map = WarpMap::backward(&field, FRAME, WINDOW);
+    let mut is_folded = vec![false; WINDOW.area()];
+    map.folded_pixels.iter().for_each(|&index| is_folded[index as usize] = true);
+    let mut landed = vec![false; WINDOW.area()];
+    for k in 0..(1600 * 900) {
+        let point = ImagePoint(DVec2::new(0.1 * f64::from(k % 1600), 0.1 * f64::from(k / 1600)));
+        let (image, gradient) = field.carry_with_gradient(FRAME.screen_from_image(point));
+        let at = FRAME.image_from_screen(image).0.floor() - DVec2::new(f64::from(WINDOW.x), f64::from(WINDOW.y));
+        if gradient.determinant() < 0.0 && at.min_element() >= 0.0 && at.x < 201.0 && at.y < 117.0 {
+            landed[at.y as usize * 201 + at.x as usize] = true;
+        }
+    }
+    let (both, either) = is_folded
+        .iter()
+        .zip(&landed)
+        .fold((0, 0), |(both, either), (a, b)| (both + usize::from(*a && *b), either + usize::from(*a || *b)));
+    // Pixels on the crease are partly covered.
+    assert!(both > 200 && both * 10 > either * 8, "{both} of {either}");
+}
+
+#[test]
+fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
+    let field = pulled_over();
+    let sheets = WarpMap::backward_sheets(&field, FRAME, WINDOW);
+    let front = WarpMap::backward(&field, FRAME, WINDOW);
+    assert!(sheets.len() >= 2);
+    assert_eq!(sheets[0], front);
+    let behind = sheets[1].offsets.iter().enumerate().filter(|(_, offset)| offset[0].is_finite());
+    let behind: Vec<u32> = behind.map(|(index, _)| index as u32).collect();
+    let near = behind.iter().filter(|index| front.folded_pixels.binary_search(index).is_ok()).count();
+    assert!(behind.len() > 200 && near * 10 > behind.len() * 8, "{near} of {}", behind.len());
+    for &index in &behind {
+        let length = |map: &WarpMap| map.offsets[index as usize].iter().map(|x| x * x).sum::<f32>();
+        assert!(length(&front) >= length(&sheets[1]), "what moved further lies in front");
+    }
+}
+
+#[test]
+fn steps_across_the_edge_of_a_sheet_do_not_count() {
+    let map = WarpMap::backward(&pulled_over(), FRAME, WINDOW);
+    let torn = (0..WINDOW.area() - 1)
+        .filter(|&index| (map.offsets[index + 1][0] - map.offsets[index][0]).abs() > 10.0 && index % 201 != 200);
+    let mut count = 0;
+    for index in torn {
+        let slopes = map.jacobian(index);
+        assert!(slopes[0][0].abs() < 9.0, "{index}: {slopes:?}");
+        count += 1;
+    }
+    assert!(count > 5);
+}
