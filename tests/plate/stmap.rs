@@ -136,15 +136,15 @@ fn openimageio_warps_with_our_stmap_as_we_do() {
     assert!(rest[1] < 1e-5, "identity: {rest:?}");
     for field in [
         Field::of_picture(random(Basis::Bspline, 0.2, 5)),
-        Field::of_layer(random(Basis::Bernstein, 0.5, 6)),
-        Field::of_picture(random(Basis::Bspline, 0.9, 7)),
+        // Nothing comes from beyond the border of the picture, where programs differ.
+        Field::of_layer(random(Basis::Bernstein, 0.2, 6)),
     ] {
         let mut map = WarpMap::backward(&field, FRAME, WINDOW);
         let ours = warped(&picture, &map);
         let Some([mean, most]) = difference(&picture, &map, &ours) else { return };
-        println!("mean {mean:.2e}, most {most:.2e}, folded {}", map.folded_pixels.len());
-        // Filters differ by less than a thousandth of the waves' height; at the edges of folds they see other pixels.
-        assert!(mean < 1e-3 && (most < 1e-2 || !map.folded_pixels.is_empty()), "{mean} {most}");
+        println!("mean {mean:.2e}, most {most:.2e}");
+        // Measured: 2e-7 and 2e-6 of the waves' height.
+        assert!(mean < 1e-5 && most < 1e-3, "{mean} {most}");
         map.offsets.iter_mut().for_each(|offset| offset[0] += 1.0);
         let [mean, most] = difference(&picture, &map, &ours).expect("it was there");
         assert!(mean > 1e-2 && most > 3e-2, "a pixel off: {mean} {most}");
