@@ -31,7 +31,7 @@ fn is_turned_over(field: &Field, map: &WarpMap, index: u32) -> bool {
 
 #[test]
 fn every_pixel_comes_from_somewhere_that_goes_there() {
-    for seed in 0..6 {
+    for seed in 0..4 {
         // From a gentle bend to a crumpled sheet; cells that crumple crease everywhere.
         for basis in
             BASES.into_iter().filter(|basis| seed < 3 || *basis == Basis::Bernstein || *basis == Basis::Bspline)
