@@ -27,10 +27,10 @@ struct Limits {
 
 /// Beauty in linear light, depth in metres (the scene is half a metre deep), motion in pixels, ids exactly.
 const LIMITS: [Limits; 5] = [
-    Limits { channels: &["R", "G", "B", "A"], mean: 0.004, most: 0.03 },
+    Limits { channels: &["R", "G", "B", "A"], mean: 0.0015, most: 0.008 },
     Limits { channels: &["depth.Z"], mean: 0.001, most: 0.004 },
-    Limits { channels: &["forward.u", "forward.v", "backward.u", "backward.v"], mean: 0.02, most: 0.1 },
-    Limits { channels: &["N.X", "N.Y", "N.Z"], mean: 0.01, most: 0.06 },
+    Limits { channels: &["forward.u", "forward.v", "backward.u", "backward.v"], mean: 0.02, most: 0.07 },
+    Limits { channels: &["N.X", "N.Y", "N.Z"], mean: 0.006, most: 0.06 },
     Limits { channels: &["id.object", "id.layer"], mean: 0.0, most: 0.0 },
 ];
 
