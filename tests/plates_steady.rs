@@ -1,4 +1,6 @@
-//! Long sequences: memory does not grow, every frame depends on itself alone.
+//! Long sequences of plates: memory does not grow, every frame depends on itself alone.
+//!
+//! A program of its own, so that no other test uses memory beside it.
 
 use pinwarp::image::{Channel, Frame, Plate, Storage, write_plate};
 use pinwarp::pipeline::{Existing, PlateWarp, Setup, WarpDirection, WarpJob, warp_frames};
