@@ -1,6 +1,7 @@
 //! The inner loops: weighted sums of texels.
 //!
-//! In: texels from a pixel's first tap on, weights. Out: the sum, four planes at once.
+//! In: texels from a pixel's first tap on, weights. Out: the sum, four planes at once; footprints hold it within the
+//! range of their nearest texels, since the negative weights beside a flame of 400 would dig a black rim.
 
 use super::block::{Block, Texel};
 use super::places::Place;
@@ -32,6 +33,45 @@ fn halves<S: Simd>(sum: S::f32s) -> Texel {
     [sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6], sum[3] + sum[7]]
 }
 
+/// The least and the greatest of some texels, a pair at a time.
+#[derive(Clone, Copy)]
+struct Range<S: Simd> {
+    low: S::f32s,
+    high: S::f32s,
+}
+
+impl<S: Simd> Range<S> {
+    #[inline(always)]
+    fn empty(simd: S) -> Self {
+        Self { low: simd.splat_f32s(f32::INFINITY), high: simd.splat_f32s(f32::NEG_INFINITY) }
+    }
+
+    /// Counts a pair of texels in, where `out` is 0, or leaves them out, where it is infinite.
+    #[inline(always)]
+    fn with(self, simd: S, pair: S::f32s, out: S::f32s) -> Self {
+        let low = simd.min_f32s(self.low, simd.add_f32s(pair, out));
+        Self { low, high: simd.max_f32s(self.high, simd.sub_f32s(pair, out)) }
+    }
+
+    /// The nearest value of the range. An empty one holds nothing back.
+    #[inline(always)]
+    fn hold(self, texel: Texel) -> Texel {
+        let (low, high) = (store::<S>(self.low), store::<S>(self.high));
+        std::array::from_fn(|k| {
+            let (low, high) = (low[k].min(low[k + 4]), high[k].max(high[k + 4]));
+            if low <= high { texel[k].clamp(low, high) } else { texel[k] }
+        })
+    }
+}
+
+/// The four texels around a place; `texels` begins at the one before it.
+#[inline(always)]
+fn around<S: Simd>(simd: S, texels: &[Texel], stride: usize) -> Range<S> {
+    let nothing = simd.splat_f32s(0.0);
+    let row = |y: usize| pair::<S>(texels[y * stride..][..2].as_flattened(), 0);
+    Range::empty(simd).with(simd, row(0), nothing).with(simd, row(1), nothing)
+}
+
 /// A separable filter of 2·`PAIRS` taps a side; `texels` begins at the first tap.
 #[inline(always)]
 fn separable<const PAIRS: usize, S: Simd>(
@@ -61,6 +101,7 @@ fn separable<const PAIRS: usize, S: Simd>(
 fn widened<S: Simd>(simd: S, block: (&[Texel], usize), base: [usize; 2], fraction: [f32; 2], shape: &Shape) -> Texel {
     let (texels, stride) = block;
     let (mut sum, mut weight_sum) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
+    let mut near = Range::empty(simd);
     let reach = [2.0 * shape.reach[0], 2.0 * shape.reach[1]];
     let edges = Edges::of(shape);
     let (mut first, mut last) = whole(fraction[0] - reach[0], fraction[0] + reach[0]);
@@ -75,28 +116,33 @@ fn widened<S: Simd>(simd: S, block: (&[Texel], usize), base: [usize; 2], fractio
         let row = (base[1] as i32 + y) * stride as i32 + base[0] as i32;
         let mut x = first;
         while x <= last {
-            let weights = weights(simd, [x as f32 - fraction[0], dy], shape.filter_from_source);
+            let (weights, out) = weights(simd, [x as f32 - fraction[0], dy], shape.filter_from_source);
             let taps = texels[(row + x) as usize..][..LANES].as_flattened();
-            let each = store::<S>(weights);
+            let (each, out) = (store::<S>(weights), store::<S>(out));
             for k in 0..LANES / 2 {
-                sum = simd.mul_add_e_f32s(twice::<S>(each[2 * k], each[2 * k + 1]), pair::<S>(taps, k), sum);
+                let pair = pair::<S>(taps, k);
+                sum = simd.mul_add_e_f32s(twice::<S>(each[2 * k], each[2 * k + 1]), pair, sum);
+                near = near.with(simd, pair, twice::<S>(out[2 * k], out[2 * k + 1]));
             }
             weight_sum = simd.add_f32s(weight_sum, weights);
             x += LANES as i32;
         }
     }
     let norm = 1.0 / simd.reduce_sum_f32s(weight_sum);
-    let [r, g, b, a] = halves::<S>(sum);
-    [r * norm, g * norm, b * norm, a * norm]
+    near.hold(halves::<S>(sum).map(|value| value * norm))
 }
 
-/// Weights of eight samples from a distance on.
+/// Weights of eight samples from a distance on; and 0 for those in the filter's inner square, where weights are
+/// positive, infinity for the others.
 #[inline(always)]
-fn weights<S: Simd>(simd: S, [dx, dy]: [f32; 2], [xx, xy, yy]: [f32; 3]) -> S::f32s {
+fn weights<S: Simd>(simd: S, [dx, dy]: [f32; 2], [xx, xy, yy]: [f32; 3]) -> (S::f32s, S::f32s) {
     let dx = simd.add_f32s(simd.splat_f32s(dx), load::<S>(&STEPS));
     let u = simd.mul_add_e_f32s(simd.splat_f32s(xx), dx, simd.splat_f32s(xy * dy));
     let v = simd.mul_add_e_f32s(simd.splat_f32s(xy), dx, simd.splat_f32s(yy * dy));
-    simd.mul_f32s(catmull_rom(simd, u), catmull_rom(simd, v))
+    let furthest = simd.max_f32s(simd.abs_f32s(u), simd.abs_f32s(v));
+    let is_inside = simd.less_than_f32s(furthest, simd.splat_f32s(1.0));
+    let out = simd.select_f32s(is_inside, simd.splat_f32s(0.0), simd.splat_f32s(f32::INFINITY));
+    (simd.mul_f32s(catmull_rom(simd, u), catmull_rom(simd, v)), out)
 }
 
 /// The whole numbers in a range: first and last.
@@ -191,8 +237,9 @@ impl Sums<'_> {
             }
             let across = Cubic.weights(simd, place.fraction[0]);
             let down = Cubic.weights(simd, place.fraction[1]);
-            let texels = &self.texels[(base[1] - 1) * stride + base[0] - 1..];
-            *sum = separable::<2, S>(simd, texels, stride, [&across, &down]);
+            let first = (base[1] - 1) * stride + base[0] - 1;
+            let found = separable::<2, S>(simd, &self.texels[first..], stride, [&across, &down]);
+            *sum = around::<S>(simd, &self.texels[first + stride + 1..], stride).hold(found);
         }
     }
 }
