@@ -151,7 +151,7 @@ fn shot_path(args: &TransferArgs, target: Target) -> PathBuf {
     let stem = |path: &Path| path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let beside = |path: &Path| {
         let name = stem(path);
-        let name = name.trim_end_matches(|letter: char| letter == '#' || letter == '.');
+        let name = name.trim_end_matches(['#', '.']);
         path.with_file_name(format!("{name}.toml"))
     };
     match (&args.shot, &args.draw.output, target) {

@@ -6,8 +6,11 @@ use pinwarp::image::{Plate, read_plate};
 use pinwarp::plate::{Field, WarpRules};
 use pinwarp::space::PixelRect;
 
+/// Name, data window, and the names and sample bits of the channels.
+type PartBits = (Option<String>, PixelRect, Vec<(String, Vec<u32>)>);
+
 /// Bits of every sample of every channel, by part and name.
-fn bits(plate: &Plate) -> Vec<(Option<String>, PixelRect, Vec<(String, Vec<u32>)>)> {
+fn bits(plate: &Plate) -> Vec<PartBits> {
     let of_part = |part: &pinwarp::image::PlatePart| {
         let channels = part
             .channels

@@ -42,7 +42,7 @@ impl Prepared {
     /// What decides where it covers, and how much.
     fn of_alpha(material: &Material, scene: &Scene) -> Self {
         let is_opaque = material.alpha == AlphaMode::Opaque;
-        let base_color_texture = if is_opaque { None } else { material.base_color_texture.clone() };
+        let base_color_texture = if is_opaque { None } else { material.base_color_texture };
         let factors = Material {
             base_color: material.base_color,
             base_color_texture,
