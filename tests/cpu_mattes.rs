@@ -41,10 +41,15 @@ fn cards(cards: &[Card]) -> Geometry {
 
 /// Drawn with 8 x 8 samples a pixel, spread evenly over it, that weigh the same.
 fn render(geometry: &Geometry, frame: FrameSize, channels: &[ChannelGroup]) -> Frame {
+    render_passes(geometry, frame, (channels, 64))
+}
+
+/// Drawn with the first of these samples.
+fn render_passes(geometry: &Geometry, frame: FrameSize, (channels, passes): (&[ChannelGroup], u32)) -> Frame {
     let mut raster = CpuRaster::new(&scene());
-    let target = Target { frame, window: frame.window(), channels: channels.to_vec(), beauty_passes: 64 };
+    let target = Target { frame, window: frame.window(), channels: channels.to_vec(), beauty_passes: passes };
     raster.start(&target).expect("the window is small");
-    for k in 0..64_u32 {
+    for k in 0..passes {
         let jitter_px = (Vec2::new((k % 8) as f32, (k / 8) as f32) - 3.5) / 8.0;
         raster.draw(&Pass { geometry, jitter_px, role: PassRole::Beauty }).expect("a frame was started");
     }
@@ -116,6 +121,16 @@ fn coverage_sums_to_alpha_everywhere() {
         partly += usize::from(alpha > 0.0 && alpha < 1.0);
     }
     assert!(partly > 500, "{partly} pixels are partly covered");
+}
+
+#[test]
+fn rounding_never_makes_more_than_the_whole() {
+    let card = cards(&[([0.0, 0.0, 1.0, 1.0], "card", 0)]);
+    for passes in [3, 7, 24, 49] {
+        let picture = render_passes(&card, FrameSize::new(2, 2), (&MATTES, passes));
+        let share = coverage(&picture, "CryptoObject", "card", 0);
+        assert!(share <= 1.0 && share > 0.99999, "{share} with {passes} passes");
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! In: a path. Out: [`Plate`] with everything that the file holds, but for the smaller levels of mip maps.
 
+use super::cryptomatte::take_in_manifests;
 use super::exr_file::string;
 use super::plate::no_shared_attributes;
 use super::{Channel, ImageError, Plate, PlatePart, Storage, exr_guard};
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Reads a flat EXR file: all parts, views, channels and attributes. Tiles stay tiles; of mip maps the largest level is
-/// read, and [`Plate::left_out`] says so.
+/// read, and [`Plate::left_out`] says so. Manifests of Cryptomattes that lie beside the file are taken into the header.
 ///
 /// # Errors
 /// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
@@ -26,7 +27,7 @@ pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
     let image = read.map_err(|failed| exr_guard::read_error(path, failed))?;
     let shared = image.attributes;
     let parts = image.layer_data.into_iter().map(|layer| plate_part(path, layer));
-    let plate = Plate {
+    let mut plate = Plate {
         display: rect(path, shared.display_window.position, shared.display_window.size)?,
         pixel_aspect: f64::from(shared.pixel_aspect),
         parts: parts.collect::<Result<_, _>>()?,
@@ -36,6 +37,7 @@ pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
     if plate.parts.is_empty() {
         return Err(ImageError::damaged(path, "it has no parts"));
     }
+    take_in_manifests(&mut plate, path);
     Ok(plate)
 }
 

@@ -2,18 +2,16 @@
 //!
 //! In: a name and a manifest, or attributes of a foreign header. Out: attributes, or [`MatteHeader`].
 
+use super::Manifest;
 use super::hash::murmur3_32;
-use super::{Manifest, MatteId};
-use crate::image::ImageError;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// One Cryptomatte of a header.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MatteHeader {
     /// Its name: `CryptoObject`; the channels begin with it.
     pub name: String,
-    /// Names and ids; empty where the header has none, or a side file holds it.
+    /// Names and ids; empty where the header has none, or a side file holds it, which `read_plate` takes in where it can.
     pub manifest: Manifest,
     /// A file with the manifest, beside the picture; empty manifests only.
     pub side_file: Option<String>,
@@ -71,26 +69,6 @@ impl MatteHeader {
         headers.sort_by(|a, b| a.name.cmp(&b.name));
         headers
     }
-
-    /// Reads the manifest from its side file, where the header names one and holds none; the path is relative to the
-    /// picture's.
-    ///
-    /// # Errors
-    /// [`ImageError::Io`] where the side file cannot be read.
-    pub fn read_side_file(&mut self, picture: &Path) -> Result<(), ImageError> {
-        let Some(file) = self.side_file.as_ref().filter(|_| self.manifest.is_empty()) else { return Ok(()) };
-        let path = picture.parent().unwrap_or(Path::new("")).join(file);
-        let text = std::fs::read_to_string(&path).map_err(|source| ImageError::reading(&path, source))?;
-        self.manifest = Manifest::from_json(&text);
-        Ok(())
-    }
-
-    /// The id of a name in this Cryptomatte: the manifest's word counts, else its hash.
-    #[must_use]
-    pub fn id_of(&self, name: &str) -> MatteId {
-        let known = self.manifest.iter().find_map(|(other, id)| (other == name).then_some(id));
-        known.unwrap_or_else(|| MatteId::of_name(name))
-    }
 }
 
 #[cfg(test)]
@@ -144,18 +122,10 @@ mod tests {
     }
 
     #[test]
-    fn a_side_file_lies_beside_the_picture() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let named = header("CryptoObject");
-        std::fs::write(folder.path().join("m.json"), named.manifest.to_json()).expect("written");
-        let mut read =
-            MatteHeader { manifest: Manifest::default(), side_file: Some("./m.json".into()), ..named.clone() };
-        assert!(read.attributes().contains(&("cryptomatte/3ae39a5/manif_file".into(), "./m.json".into())));
-        read.read_side_file(&folder.path().join("a.exr")).expect("it is there");
-        assert_eq!(read.manifest, named.manifest);
-        assert_eq!(read.id_of("bunny").to_string(), "13851a76");
-        read.manifest = Manifest::default();
-        let error = read.read_side_file(Path::new("nowhere/a.exr")).expect_err("it is not there").to_string();
-        assert!(error.contains("nowhere"), "{error}");
+    fn a_side_file_is_named_instead_of_the_names() {
+        let side_file = Some("./m.json".to_owned());
+        let header = MatteHeader { manifest: Manifest::default(), side_file, ..header("CryptoObject") };
+        assert!(header.attributes().contains(&("cryptomatte/3ae39a5/manif_file".into(), "./m.json".into())));
+        assert!(header.attributes().iter().all(|(name, _)| !name.ends_with("/manifest")));
     }
 }

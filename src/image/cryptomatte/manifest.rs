@@ -67,12 +67,6 @@ impl Manifest {
         self.ids.is_empty()
     }
 
-    /// The name of an id.
-    #[must_use]
-    pub fn name_of(&self, id: MatteId) -> Option<&str> {
-        self.iter().find_map(|(name, other)| (other == id).then_some(name))
-    }
-
     /// The ids that patterns select. A pattern is a name as it stands, a name with `*` and `?`, or an id: eight
     /// hexadecimal digits as in manifests, or the number in the pixels as Nuke's lists have it, `<3.36000126251e-27>`. Without any names in the manifest a plain name
     /// selects the id it hashes to.

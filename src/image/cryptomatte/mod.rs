@@ -13,12 +13,14 @@ mod header;
 mod layer;
 mod manifest;
 mod ranks;
+mod side;
 
 pub use hash::MatteId;
 pub use header::MatteHeader;
 pub use layer::{MatteLayer, RankChannels, matte_layers, rank_channel_names};
 pub use manifest::{Manifest, Selection, clean_name};
 pub use ranks::Coverage;
+pub(super) use side::take_in_manifests;
 
 /// Ranks that the specification suggests: three RGBA layers.
 pub const USUAL_RANKS: usize = 6;

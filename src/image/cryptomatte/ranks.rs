@@ -54,13 +54,6 @@ impl Coverage {
             rank.copy_from_slice(&[id.sample(), *share]);
         }
     }
-
-    /// Adds the ranks of a pixel (id, coverage, id, coverage …) with a weight.
-    pub fn add_ranks(&mut self, ranks: impl IntoIterator<Item = [f32; 2]>, weight: f32) {
-        for [id, share] in ranks {
-            self.add(MatteId::from_sample(id), share * weight);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -78,19 +71,6 @@ mod tests {
         let mut ranks = [9.0; 4];
         coverage.write(&mut ranks);
         assert_eq!(ranks, [a.sample(), 0.5, b.sample(), 0.375]);
-    }
-
-    #[test]
-    fn ranks_written_and_read_are_the_same_pixel() {
-        let mut coverage = Coverage::default();
-        coverage.add(MatteId::of_name("a"), 0.75);
-        coverage.add(MatteId::of_name("b"), 0.25);
-        let mut ranks = [0.0; 12];
-        coverage.write(&mut ranks);
-        let mut again = Coverage::default();
-        again.add_ranks(ranks.chunks_exact(2).map(|rank| [rank[0], rank[1]]), 0.5);
-        assert_eq!((again.of(MatteId::of_name("a")), again.of(MatteId::of_name("b"))), (0.375, 0.125));
-        assert_eq!(again.ranked().len(), 2, "zeros at the end are nothing");
     }
 
     #[test]

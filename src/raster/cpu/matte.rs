@@ -135,7 +135,8 @@ fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): 
             mattes.of(y * side + x).for_each(|entry| coverage.add(entry.ids[layer], entry.share));
             for (rank, &(id, share)) in planes.chunks_exact_mut(2).zip(coverage.ranked()) {
                 rank[0][y * width + left + x] = id.sample();
-                rank[1][y * width + left + x] = share;
+                // The sum of rounded weights may pass the whole by a bit.
+                rank[1][y * width + left + x] = share.min(1.0);
             }
         }
     }
