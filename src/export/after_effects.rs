@@ -1,6 +1,9 @@
-//! What an After Effects user has to type in: the settings of the Displacement Map effect, in words.
+//! Displacement maps for After Effects, and what its user has to type in.
 //!
-//! In: the reach of a sequence of maps. Out: a text that lies beside them. docs/AFTER_EFFECTS.md tells the whole way.
+//! In: maps, the reach of their sequence. Out: 16-bit codes; the settings of the Displacement Map effect in words, a text
+//! that lies beside them. docs/AFTER_EFFECTS.md tells the whole way.
+
+use crate::plate::WarpMap;
 
 /// The settings of a sequence of maps.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +47,30 @@ impl DisplacementNote {
     }
 }
 
+/// The farthest way of any pixel along x or y, in pixels.
+#[must_use]
+pub fn greatest_offset(map: &WarpMap) -> f64 {
+    map.offsets.iter().flatten().filter(|offset| offset.is_finite()).fold(0.0, |most, by| most.max(f64::from(by.abs())))
+}
+
+/// Offsets as 16-bit red (x, right) and green (y, DOWN): ½ is none, 0 and 1 are `reach` pixels. Blue is 0, and pixels
+/// that show nothing stay where they are.
+///
+/// Rows from the top, 3 values a pixel. The step between two values is `reach` / 32767 pixels.
+#[must_use]
+pub fn displacement(map: &WarpMap, reach: f64) -> Vec<u16> {
+    let value = |by: f32| {
+        let share = if by.is_finite() { f64::from(by) / reach.max(f64::MIN_POSITIVE) } else { 0.0 };
+        // 32768 is the middle of programs that count to 65536.
+        (32768.0 + 32767.0 * share.clamp(-1.0, 1.0)).round() as u16
+    };
+    map.offsets.iter().flat_map(|&[x, y]| [value(x), value(y), 0]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::FrameSize;
 
     #[test]
     fn reach_and_precision_are_told() {
@@ -61,5 +85,15 @@ mod tests {
         for part in ["a.displacement_64px.####.png", "Displacement: 64", "0.00195 px", "0.00391 px", "-64"] {
             assert!(text.contains(part), "{part}: {text}");
         }
+    }
+
+    #[test]
+    fn displacements_are_centred_and_reach_both_ends() {
+        let frame = FrameSize::new(4, 1);
+        let mut map = WarpMap::identity(frame, frame.window());
+        map.offsets = vec![[0.0, 3.0], [-3.0, 1.5], [f32::NAN, 0.0], [9.0, -9.0]];
+        assert_eq!(greatest_offset(&map), 9.0);
+        let values = displacement(&map, 3.0);
+        assert_eq!(values, [32768, 65535, 0, 1, 49152, 0, 32768, 32768, 0, 65535, 1, 0]);
     }
 }

@@ -10,10 +10,8 @@ mod landmarks;
 mod lattice_file;
 pub mod nuke;
 mod raw;
-mod stmap;
 
-pub use after_effects::DisplacementNote;
+pub use after_effects::{DisplacementNote, displacement, greatest_offset};
 pub use error::ExportError;
 pub use landmarks::{Landmark, LandmarkUnit, Landmarks};
 pub use lattice_file::{LatticeFile, LatticeTrack, Track, lattice_at};
-pub use stmap::{displacement, greatest_offset, stmap};

@@ -67,6 +67,14 @@ pub enum PipelineError {
     /// A plate cannot be warped as the shot asks.
     #[error(transparent)]
     Plate(#[from] PlateError),
+    /// A picture that was to be an STMap is none, or one for another plate.
+    #[error("{path}: {source}")]
+    StMap {
+        /// The picture.
+        path: PathBuf,
+        /// Why.
+        source: PlateError,
+    },
     /// What is asked cannot be done.
     #[error("{what}; {hint}")]
     Unusable {

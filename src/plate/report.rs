@@ -85,6 +85,12 @@ pub enum PlateError {
         /// What there is.
         found: String,
     },
+    /// The channels of an STMap hold no fractions.
+    #[error("channel \"{channel}\" of the STMap holds whole numbers; write shares of the frame as 32-bit float")]
+    StMapOfIntegers {
+        /// The channel.
+        channel: String,
+    },
     /// The values of an STMap are not shares of the frame.
     #[error(
         "channel \"{channel}\" of the STMap holds {found}, which is no share of a frame; divide pixels by the display \

@@ -1,12 +1,13 @@
 //! STMaps: maps as pictures that other compositors read and write.
 //!
-//! In: a [`WarpMap`] or a frame of channels. Out: the other. u = (x + .5)/W, v = 1 − (y + .5)/H with y from the top and
+//! In: a [`WarpMap`], or a picture of any program. Out: the other. u = (x + .5)/W, v = 1 − (y + .5)/H with y from the top and
 //! W, H of the display window, also where the data window reaches beyond it: the identity is exact in OpenImageIO's
 //! `st_warp`, in Nuke and in Natron; (x / (W − 1)) is not.
 
 use super::{PlateError, WarpMap};
-use crate::image::{Channel, Frame, Storage};
+use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
 use crate::space::{FrameSize, PixelRect};
+use rayon::prelude::*;
 
 /// Layers and names under which STMaps lie in files, likeliest first.
 const NAMES: [[&str; 2]; 5] = [["R", "G"], ["u", "v"], ["U", "V"], ["X", "Y"], ["red", "green"]];
@@ -37,39 +38,48 @@ pub fn stmap_of(map: &WarpMap) -> Frame {
     stmap
 }
 
-/// The map that an STMap holds: channels R and G (u and v, forward.u and forward.v, ... where there is no such layer).
-/// Where they are no finite numbers, and where the alpha of the same layer is 0, nothing is seen. What single precision
-/// cannot tell from rest rests.
+/// The map that an STMap holds: channels R and G (u and v, forward.u and forward.v, ... where there is no such layer) of
+/// the first part that has them. Where they are no finite numbers, and where the alpha of the same layer is 0, nothing
+/// is seen. What single precision cannot tell from rest rests.
 ///
 /// # Errors
-/// [`PlateError::NoStMap`] where there are no such channels; [`PlateError::StMapInPixels`] where the values are no
-/// shares of the frame.
-pub fn map_of_stmap(stmap: &Frame) -> Result<WarpMap, PlateError> {
-    let (layer, [u, v]) = channels_of(stmap)?;
-    let alpha = stmap.channel(&format!("{layer}A"));
-    let display = stmap.display;
-    let frame = FrameSize { width: display.width, height: display.height, pixel_aspect: stmap.pixel_aspect };
-    let window = stmap.data_window;
-    let window = PixelRect { x: window.x - display.x, y: window.y - display.y, ..window };
-    let mut map = WarpMap::identity(frame, window);
-    for (index, offset) in map.offsets.iter_mut().enumerate() {
-        let place = [u.samples[index], v.samples[index]];
-        let is_covered = alpha.is_none_or(|alpha| alpha.samples[index] > 0.0);
-        if !(is_covered && place.iter().all(|share| share.is_finite())) {
-            *offset = [f32::NAN; 2];
-            continue;
-        }
-        if place.iter().any(|share| share.abs() > FURTHEST) {
-            return Err(in_pixels(u, place, [display.width, display.height]));
-        }
-        let rest = rest(frame, window, index);
-        let [du, dv] = [0, 1].map(|axis| {
-            let moved = f64::from(place[axis]) - rest[axis];
-            if moved.abs() <= REST * rest[axis].abs().max(1.0) { 0.0 } else { moved }
-        });
-        *offset = [(du * f64::from(frame.width)) as f32, (-dv * f64::from(frame.height)) as f32];
+/// [`PlateError::NoStMap`] where there are no such channels; [`PlateError::StMapOfIntegers`] where they hold whole
+/// numbers; [`PlateError::StMapInPixels`] where the values are no shares of the frame.
+pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
+    let Found { part, layer, uv } = found_in(stmap)?;
+    if let Some(channel) = uv.iter().find(|channel| channel.storage == Storage::Uint) {
+        return Err(PlateError::StMapOfIntegers { channel: channel.name.clone() });
     }
-    Ok(map)
+    let alpha = part.channel(&format!("{layer}A")).map(|alpha| alpha.samples.as_slice());
+    let (display, window) = (stmap.display, part.data_window);
+    let mut map =
+        WarpMap::identity(stmap.frame_size(), PixelRect { x: window.x - display.x, y: window.y - display.y, ..window });
+    let place = |index: usize| uv.map(|channel| channel.samples[index]);
+    let (frame, window) = (map.frame, map.window);
+    map.offsets.par_iter_mut().enumerate().for_each(|(index, offset)| {
+        let is_seen = alpha.is_none_or(|alpha| alpha[index] > 0.0);
+        *offset = if is_seen { offset_of(place(index), rest(frame, window, index), frame) } else { [f32::NAN; 2] };
+    });
+    let is_pixels = |&index: &usize| {
+        let is_seen = map.offsets[index].iter().all(|offset| offset.is_finite());
+        is_seen && place(index).iter().any(|share| share.abs() > FURTHEST)
+    };
+    match (0..map.offsets.len()).find(is_pixels) {
+        Some(index) => Err(in_pixels(uv[0], place(index), [frame.width, frame.height])),
+        None => Ok(map),
+    }
+}
+
+/// From the centre of a pixel to the place (u, v), in pixels, y down; NaN where it is no place.
+fn offset_of(place: [f32; 2], rest: [f64; 2], frame: FrameSize) -> [f32; 2] {
+    if !place.iter().all(|share| share.is_finite()) {
+        return [f32::NAN; 2];
+    }
+    let [du, dv] = [0, 1].map(|axis| {
+        let moved = f64::from(place[axis]) - rest[axis];
+        if moved.abs() <= REST * rest[axis].abs().max(1.0) { 0.0 } else { moved }
+    });
+    [(du * f64::from(frame.width)) as f32, (-dv * f64::from(frame.height)) as f32]
 }
 
 /// u and v of a pixel at rest.
@@ -80,24 +90,32 @@ fn rest(frame: FrameSize, window: PixelRect, index: usize) -> [f64; 2] {
     [(x + 0.5) / f64::from(frame.width), (f64::from(frame.height) - y - 0.5) / f64::from(frame.height)]
 }
 
-/// The channels of the likeliest layer, and its name with the dot.
-fn channels_of(stmap: &Frame) -> Result<(String, [&Channel; 2]), PlateError> {
-    let layers = || {
-        let named =
-            stmap.channels.iter().map(|channel| channel.name.rfind('.').map_or("", |dot| &channel.name[..=dot]));
-        std::iter::once("").chain(named)
-    };
+/// Where an STMap lies in a file.
+struct Found<'a> {
+    part: &'a PlatePart,
+    /// Name of the layer with its dot; empty: none.
+    layer: &'a str,
+    uv: [&'a Channel; 2],
+}
+
+/// The likeliest layer of the first part that has one.
+fn found_in(stmap: &Plate) -> Result<Found<'_>, PlateError> {
+    stmap.parts.iter().find_map(found_in_part).ok_or_else(|| {
+        let channels = stmap.parts.iter().flat_map(|part| &part.channels);
+        let found: Vec<&str> = channels.map(|channel| channel.name.as_str()).collect();
+        PlateError::NoStMap { found: found.join(", ") }
+    })
+}
+
+fn found_in_part(part: &PlatePart) -> Option<Found<'_>> {
+    let layer_of = |channel: &'_ Channel| channel.name.rfind('.').map_or(0, |dot| dot + 1);
+    let layers =
+        || std::iter::once("").chain(part.channels.iter().map(move |channel| &channel.name[..layer_of(channel)]));
     let pairs = NAMES.iter().flat_map(|names| layers().map(move |layer| (layer, names)));
-    for (layer, [u, v]) in pairs {
-        let found = [u, v].map(|name| stmap.channel(&format!("{layer}{name}")));
-        if let [Some(u), Some(v)] = found
-            && [u, v].iter().all(|channel| channel.samples.len() == stmap.data_window.area())
-        {
-            return Ok((layer.to_owned(), [u, v]));
-        }
-    }
-    let found: Vec<&str> = stmap.channels.iter().map(|channel| channel.name.as_str()).collect();
-    Err(PlateError::NoStMap { found: found.join(", ") })
+    pairs.into_iter().find_map(|(layer, [u, v])| {
+        let [u, v] = [u, v].map(|name| part.channel(&format!("{layer}{name}")));
+        Some(Found { part, layer, uv: [u?, v?] })
+    })
 }
 
 fn in_pixels(u: &Channel, place: [f32; 2], frame: [u32; 2]) -> PlateError {

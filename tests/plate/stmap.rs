@@ -2,9 +2,9 @@
 
 use super::map::random;
 use super::python;
-use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
+use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_exr, write_exr};
 use pinwarp::lattice::Basis;
-use pinwarp::plate::{Field, Filter, Planes, PlateError, WarpMap, map_of_stmap, resampled, stmap_of};
+use pinwarp::plate::{Field, Filter, Planes, PlateError, WarpMap, resampled, stmap_of};
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
 
@@ -25,6 +25,10 @@ fn metadata() -> FrameMetadata {
 
 fn write(path: &Path, frame: &Frame) {
     write_exr(path, frame, &metadata(), Compression::Zip).expect("the folder is ours");
+}
+
+fn map_of_stmap(stmap: &Frame) -> Result<WarpMap, PlateError> {
+    pinwarp::plate::map_of_stmap(&Plate::from_frame(stmap.clone()))
 }
 
 /// A picture of waves, three channels.
@@ -101,6 +105,25 @@ fn stmaps_of_others_are_contained_or_refused_with_a_hint() {
     stmap.channels[0].name = "depth.Z".into();
     let refused = map_of_stmap(&stmap).expect_err("no pair");
     assert_eq!(refused, PlateError::NoStMap { found: "depth.Z, G, B, A".into() });
+    stmap.channels[0] = Channel { name: "R".into(), storage: Storage::Uint, ..stmap.channels[0].clone() };
+    let refused = map_of_stmap(&stmap).expect_err("whole numbers");
+    assert_eq!(refused, PlateError::StMapOfIntegers { channel: "R".into() });
+}
+
+#[test]
+fn stmaps_are_measured_by_the_display_window_wherever_it_lies() {
+    let map = WarpMap::backward(&Field::of_picture(random(Basis::Bspline, 0.2, 4)), FRAME, WINDOW);
+    let mut stmap = stmap_of(&map);
+    for window in [&mut stmap.display, &mut stmap.data_window] {
+        (window.x, window.y) = (window.x + 10, window.y - 20);
+    }
+    // It need not be the first thing in the file.
+    let mut plate = Plate::from_frame(stmap.clone());
+    let other = Channel { name: "depth.Z".into(), ..stmap.channels[2].clone() };
+    plate.parts.insert(0, plate.parts[0].with_channels(plate.parts[0].data_window, vec![other]));
+    let found = pinwarp::plate::map_of_stmap(&plate).expect("its second part is one");
+    assert_eq!(found, map_of_stmap(&stmap_of(&map)).expect("it is one"));
+    assert_eq!(found.window, WINDOW);
 }
 
 /// Mean and greatest difference between `st_warp` of OpenImageIO and ours, away from the borders.

@@ -3,8 +3,8 @@
 use super::maps::{Maps, Written, write_frames};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
-use crate::export::stmap;
 use crate::image::{Compression, FrameMetadata, write_exr};
+use crate::plate::stmap_of;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::R
             camera: None,
             mattes: Default::default(),
         };
-        Ok(write_exr(path, &stmap(&map), &metadata, Compression::Zip)?)
+        Ok(write_exr(path, &stmap_of(&map), &metadata, Compression::Zip)?)
     })
 }
 

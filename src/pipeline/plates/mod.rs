@@ -13,7 +13,6 @@ mod job;
 mod plan;
 mod read;
 mod stage;
-mod stmap;
 mod write;
 
 pub use files::plate_size;

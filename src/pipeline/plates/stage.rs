@@ -6,15 +6,14 @@ use super::super::PipelineError;
 use super::fill::Filler;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
-use super::stmap::map_of;
 use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, remap_plate,
-    warp_plate,
+    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, map_of_stmap,
+    remap_plate, warp_plate,
 };
 use crate::space::{FrameSize, PixelRect};
 use std::borrow::Cow;
@@ -71,7 +70,8 @@ impl<'a> Stage<'a> {
         self.check_shape(frame, size)?;
         let rules = self.rules(size);
         if let Some(map) = map {
-            return Ok(remap_plate(plate, &map_of(map, size, &self.map_path(frame))?, &rules)?);
+            let warped = map_of_stmap(map).and_then(|map| remap_plate(plate, &map, &rules));
+            return warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source });
         }
         let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
