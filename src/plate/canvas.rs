@@ -4,7 +4,7 @@
 
 use super::contents::{Contents, Entry};
 use super::matte::{Ground, Share};
-use super::nearest::{nearest_source, place_in};
+use super::nearest::{nearest_source, pixel_at, place_in};
 use super::{Field, Matte, PlateError, PlateJob, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
@@ -124,14 +124,29 @@ impl<'a> Canvas<'a> {
         let seen: Vec<f32> = (0..map.window.area())
             .into_par_iter()
             .map(|index| {
-                let width = map.window.width as usize;
-                let pixel = [map.window.x + (index % width) as i32, map.window.y + (index / width) as i32];
-                let source = nearest_source(pixel, map.offsets[index]);
+                let source = nearest_source(pixel_at(map.window, index), map.offsets[index]);
                 f32::from(u8::from(source.is_some_and(|source| place_in(self.source, source).is_some())))
             })
             .collect();
         let seen = bounds(&seen, map.window);
         cut(grown(seen), union(map.frame.window(), self.source))
+    }
+
+    /// Pixels that show a layer where it lies over itself.
+    pub(super) fn folded_pixels(&self) -> usize {
+        let mut is_folded = vec![false; self.window.area()];
+        for sheet in &self.sheets {
+            let folded = sheet.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
+            let pixels = folded.map(|index| pixel_at(sheet.window, index)).filter(|&pixel| self.has(sheet, pixel));
+            pixels.filter_map(|pixel| place_in(self.window, pixel)).for_each(|index| is_folded[index] = true);
+        }
+        is_folded.into_iter().filter(|is_folded| *is_folded).count()
+    }
+
+    /// Whether a sheet has anything of the picture at a pixel.
+    fn has(&self, sheet: &Sheet, pixel: [i32; 2]) -> bool {
+        let share = |source: usize| sheet.share.pixels.as_ref().map_or(1.0, |share| share[source]);
+        self.source_of(sheet, pixel).is_some_and(|source| share(source) > 0.0)
     }
 
     /// What lies at the bottom, wherever it comes from.
@@ -199,7 +214,7 @@ fn lay_behind(canvases: &mut [Canvas], mover: usize, map: &WarpMap) {
         let Some(place) = canvas.sheets.iter().position(|sheet| sheet.mover == mover) else { continue };
         let window = cut(folded, canvas.sheets[place].window);
         if window.area() > 0 {
-            let map = Some(Arc::new(cut_map(map, window)));
+            let map = Some(Arc::new(map.cut_to(window)));
             let sheet = Sheet { window, map, ..canvas.sheets[place].clone() };
             canvas.sheets.insert(place, sheet);
         }
@@ -212,24 +227,11 @@ pub(super) fn give_map(canvases: &mut [Canvas], mover: usize, map: &Arc<WarpMap>
     for sheet in canvases.iter_mut().flat_map(|canvas| &mut canvas.sheets).filter(|sheet| sheet.mover == mover) {
         let known = cuts.iter().find(|known| known.window == sheet.window).cloned();
         let part = known.unwrap_or_else(|| {
-            cuts.push(Arc::new(cut_map(map, sheet.window)));
+            cuts.push(Arc::new(map.cut_to(sheet.window)));
             Arc::clone(&cuts[cuts.len() - 1])
         });
         sheet.map = Some(part);
     }
-}
-
-/// A map over another window; nothing is seen where it told nothing.
-fn cut_map(map: &WarpMap, window: PixelRect) -> WarpMap {
-    let mut part = WarpMap::identity(map.frame, window);
-    let inside = cut(map.window, window);
-    part.offsets.fill([f32::NAN; 2]);
-    for y in inside.y..inside.y + inside.height as i32 {
-        let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (inside.x - of.x) as usize;
-        let length = inside.width as usize;
-        part.offsets[start(window)..][..length].copy_from_slice(&map.offsets[start(map.window)..][..length]);
-    }
-    part
 }
 
 /// The sum of all shares of layers with a matte, at most 1: mattes of one picture share its pixels among them.

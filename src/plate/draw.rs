@@ -43,6 +43,9 @@ impl Drawing<'_> {
         for canvas in canvases {
             let shares = canvas.sheets.iter().filter_map(|sheet| sheet.share.warning.clone());
             report.warnings.extend(shares);
+            if report.folded_pixels == 0 {
+                report.folded_pixels = canvas.folded_pixels();
+            }
             self.draw_canvas(canvas, &mut planes, report);
         }
         let mut seen = std::collections::BTreeSet::new();

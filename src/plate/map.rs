@@ -64,7 +64,12 @@ impl WarpMap {
                 maps[depth].set(sheet);
             }
         }
-        maps[1..].iter_mut().for_each(|map| map.window = window);
+        let (front, behind) = maps.split_first_mut().expect("the sheet in front is always there");
+        for map in behind {
+            map.window = window;
+            let is_seen = |&&index: &&u32| !map.offsets[index as usize][0].is_nan();
+            map.folded_pixels = front.folded_pixels.iter().filter(is_seen).copied().collect();
+        }
         maps
     }
 

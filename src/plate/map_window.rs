@@ -1,10 +1,12 @@
-//! The data window of a warped picture.
+//! The data window of a warped picture, and the part of a map that a window needs.
 //!
-//! In: a [`Field`], the frame and a data window. Out: all pixels that can receive anything of it.
+//! In: a [`Field`], the frame and a data window; a map. Out: all pixels that can receive anything of it; a smaller map.
 
-use super::Field;
+use super::canvas::cut;
 use super::map_mesh::Net;
 use super::map_view::{Direction, View, corner, extent};
+use super::nearest::{pixel_at, place_in};
+use super::{Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
 
@@ -60,4 +62,21 @@ fn folded_points(view: View, lo: DVec2, hi: DVec2) -> impl Iterator<Item = DVec2
 fn rect(lo: DVec2, hi: DVec2) -> PixelRect {
     let size = (hi - lo).max(DVec2::ZERO);
     PixelRect { x: lo.x as i32, y: lo.y as i32, width: size.x as u32, height: size.y as u32 }
+}
+
+impl WarpMap {
+    /// The map over another window; nothing is seen where it told nothing.
+    pub(super) fn cut_to(&self, window: PixelRect) -> Self {
+        let mut part = Self::identity(self.frame, window);
+        let inside = cut(self.window, window);
+        part.offsets.fill([f32::NAN; 2]);
+        for y in inside.y..inside.y + inside.height as i32 {
+            let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (inside.x - of.x) as usize;
+            let length = inside.width as usize;
+            part.offsets[start(window)..][..length].copy_from_slice(&self.offsets[start(self.window)..][..length]);
+        }
+        let place = |&index: &u32| place_in(window, pixel_at(self.window, index as usize)).map(|index| index as u32);
+        part.folded_pixels = self.folded_pixels.iter().filter_map(place).collect();
+        part
+    }
 }

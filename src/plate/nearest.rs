@@ -100,8 +100,7 @@ impl Canvas<'_> {
 
     /// The pixel of the source at a place in it, from the upper left corner of the display window.
     pub(super) fn source_pixel(&self, index: usize) -> [i32; 2] {
-        let width = self.source.width as usize;
-        [self.source.x + (index % width) as i32, self.source.y + (index / width) as i32]
+        pixel_at(self.source, index)
     }
 }
 
@@ -117,6 +116,12 @@ pub(super) fn place_in(window: PixelRect, [x, y]: [i32; 2]) -> Option<usize> {
     let row = usize::try_from(i64::from(y) - i64::from(window.y)).ok()?;
     let is_inside = column < window.width as usize && row < window.height as usize;
     is_inside.then(|| row * window.width as usize + column)
+}
+
+/// The pixel at a place in a window.
+pub(super) const fn pixel_at(window: PixelRect, index: usize) -> [i32; 2] {
+    let width = window.width as usize;
+    [window.x + (index % width) as i32, window.y + (index / width) as i32]
 }
 
 /// The samples that the picks show; `empty` where there is none.

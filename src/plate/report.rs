@@ -12,6 +12,8 @@ pub struct PlateReport {
     pub channels: Vec<ChannelReport>,
     /// Pixels of the first view's picture that a matted layer left and nothing covers; filled ones are counted too.
     pub hole_pixels: usize,
+    /// Pixels of the first view's picture where a layer lies over itself. Its front is seen; the warp cannot be undone there.
+    pub folded_pixels: usize,
     /// Samples of colour that were no number (made 0) or infinite (made 65504) and would have spread to their neighbours.
     pub contained_samples: usize,
     /// What the user should know, in plain words.

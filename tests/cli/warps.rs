@@ -95,8 +95,37 @@ fn json_lines_tell_what_was_done() {
     assert!(channels.iter().any(|channel| channel["channel"] == "depth.Z" && channel["meaning"] == "depth"));
     assert!(done[1]["channels"].is_null(), "told once: {}", done[1]);
     assert!(done.iter().all(|event| event["read_ms"].is_f64() && event["hole_pixels"] == 0), "{events:?}");
+    assert!(done.iter().all(|event| event["folded_pixels"] == 0), "{events:?}");
     let last = events.last().expect("events");
     assert_eq!((&last["event"], &last["warped"], &last["failed"]), (&"finished".into(), &2.into(), &0.into()));
+}
+
+#[test]
+fn what_is_left_out_of_plates_is_told_once() {
+    let bench = bench(SHOT);
+    for number in [1, 2] {
+        let mut plate = Plate::from_frame(frame(FrameSize::new(64, 36)));
+        plate.parts[0].set_text("cryptomatte/1234567/name", "CryptoObject");
+        plate.parts[0].set_text("cryptomatte/1234567/manif_file", "names.json");
+        write_plate(&bench.path(&format!("in/b.000{number}.exr")), &plate).expect("written");
+    }
+    let told =
+        bench.run("warp --shot shot.toml").says(0, &["note: left out of the plate from frame 1 on", "names.json"]);
+    assert_eq!(told.stderr.matches("left out").count() + told.stdout.matches("left out").count(), 1, "{}", told.stderr);
+}
+
+#[test]
+fn stmaps_that_are_none_are_named() {
+    let bench = bench(SHOT);
+    let stmap = Plate::from_frame(frame(FrameSize::new(32, 18)));
+    write_plate(&bench.path("m.exr"), &stmap).expect("written");
+    let says = ["m.exr: the map is for a frame of [32, 18] pixels, the plate shows [64, 36]"];
+    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(1, &says);
+    let channels = stmap.parts[0].channels[3..].to_vec();
+    let blind = stmap.with_parts(vec![stmap.parts[0].with_channels(stmap.parts[0].data_window, channels)]);
+    write_plate(&bench.path("m.exr"), &blind).expect("written");
+    let says = ["m.exr: the picture holds no STMap: it has the channels A, depth.Z, id.object"];
+    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(1, &says);
 }
 
 #[test]

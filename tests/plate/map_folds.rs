@@ -1,9 +1,11 @@
 //! Maps of any lattice, folded ones too: every pixel comes from somewhere that goes there, and what overlaps is told.
 
 use super::map::{BASES, random};
+use super::support::{channel, layer, plate, warped};
 use glam::DVec2;
+use pinwarp::image::Storage;
 use pinwarp::lattice::Basis;
-use pinwarp::plate::{Field, WarpMap};
+use pinwarp::plate::{Field, Matte, WarpMap, WarpRules};
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 
 const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 };
@@ -107,6 +109,8 @@ fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
     let front = WarpMap::backward(&field, FRAME, WINDOW);
     assert!(sheets.len() >= 2);
     assert_eq!(sheets[0], front);
+    let told = sheets[1].folded_pixels.iter().all(|&index| sheets[1].offsets[index as usize][0].is_finite());
+    assert!(told && sheets[1].folded_pixels.len() > 200);
     let behind = sheets[1].offsets.iter().enumerate().filter(|(_, offset)| offset[0].is_finite());
     let behind: Vec<u32> = behind.map(|(index, _)| index as u32).collect();
     let near = behind.iter().filter(|index| front.folded_pixels.binary_search(index).is_ok()).count();
@@ -115,6 +119,26 @@ fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
         let length = |map: &WarpMap| map.offsets[index as usize].iter().map(|x| x * x).sum::<f32>();
         assert!(length(&front) >= length(&sheets[1]), "what moved further lies in front");
     }
+}
+
+#[test]
+fn a_warped_plate_tells_where_it_lies_over_itself() {
+    let field = pulled_over();
+    let wanted = WarpMap::backward(&field, FRAME, FRAME.window()).folded_pixels.len();
+    let whole = |_: u32, _: u32| 1.0;
+    let far = |x: u32, _: u32| if x < 10 { 1.0 } else { 0.0 };
+    let channels = [("R", &whole as &dyn Fn(u32, u32) -> f32), ("near.A", &whole), ("far.A", &far)];
+    let channels = channels.map(|(name, value)| channel(name, Storage::Half, FRAME.window(), value));
+    let plate = plate(FRAME.window(), FRAME.window(), channels.into());
+    let folded = |field: &Field, matte: Option<&str>| {
+        let matte = matte.map(|name| Matte::Channel(name.into()));
+        warped(&plate, vec![layer("all", field.clone(), matte)], &WarpRules::default()).1.folded_pixels
+    };
+    assert!(wanted > 200);
+    assert_eq!(folded(&field, None), wanted);
+    assert_eq!(folded(&field, Some("near.A")), wanted, "both sheets, but each pixel once");
+    assert_eq!(folded(&field, Some("far.A")), 0, "the layer has nothing there");
+    assert_eq!(folded(&Field::of_layer(random(Basis::Bspline, 0.2, 1)), None), 0);
 }
 
 #[test]

@@ -32,7 +32,7 @@ impl Gallery {
     /// # Errors
     /// [`PipelineError`] where a picture cannot be read, is empty, or does not fit the others or the frame.
     pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
-        let mut sheets = Vec::new();
+        let (mut sheets, mut left_out) = (Vec::new(), Vec::new());
         let mut frame: Option<(FrameSize, &Path)> = None;
         for path in paths {
             let plate = read_any(path)?;
@@ -41,6 +41,7 @@ impl Gallery {
                 Some((first, of)) if first != size => return Err(unequal(shot, (first, of), (size, path))),
                 _ => frame = Some((size, path)),
             }
+            left_out.extend(plate.left_out.iter().map(|what| format!("left out of {}: {what}", path.display())));
             sheets.extend(read::sheets(shot, path, plate)?);
         }
         let Some((frame, first)) = frame else {
@@ -49,7 +50,8 @@ impl Gallery {
         check_shape(shot, frame, first)?;
         check_names(shot, &sheets)?;
         let pictures: Vec<Picture> = sheets.iter().map(Sheet::picture).collect();
-        let scene = picture_cards(frame, &pictures)?;
+        let mut scene = picture_cards(frame, &pictures)?;
+        scene.warnings.extend(left_out);
         let is_half = sheets.iter().all(|sheet| sheet.storage == Storage::Half);
         let storage = if is_half { Storage::Half } else { Storage::Float };
         let gallery = Self { frame, sheets, storage }.sized(shot.size);

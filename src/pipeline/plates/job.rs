@@ -102,6 +102,8 @@ pub struct WarpReport {
     pub write_ms: f64,
     /// Pixels that a layer left and nothing covers; filled ones are counted, too.
     pub hole_pixels: usize,
+    /// Pixels where a layer lies over itself; its front is seen, and the warp cannot be undone there. STMaps do not tell.
+    pub folded_pixels: usize,
     /// Samples of colour that were no number or infinite.
     pub contained_samples: usize,
     /// What every channel was taken for; only where it differs from the frame before.

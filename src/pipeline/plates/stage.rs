@@ -44,13 +44,14 @@ impl<'a> Stage<'a> {
         for Loaded { frame, pictures, read_ms } in loads {
             let begun = Instant::now();
             let outcome = pictures.and_then(|pictures| self.warp(frame, &pictures)).map(|(plate, report)| {
-                let PlateReport { channels, hole_pixels, contained_samples, warnings } = report;
+                let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
                     frame,
                     read_ms,
                     warp_ms,
                     hole_pixels,
+                    folded_pixels,
                     contained_samples,
                     channels,
                     warnings,

@@ -22,6 +22,8 @@ pub(super) struct Writer<'a> {
     rate: f64,
     /// What the channels of the frame before were taken for.
     told: Vec<ChannelReport>,
+    /// What of the plates before was not read.
+    left_out: Vec<String>,
     summary: WarpSummary,
 }
 
@@ -32,12 +34,15 @@ impl<'a> Writer<'a> {
             PlateWarp::Lattices { file, .. } => file.rate,
             PlateWarp::Maps(_) => 0.0,
         };
-        Self { plan, rate, told: Vec::new(), summary: WarpSummary::default() }
+        Self { plan, rate, told: Vec::new(), left_out: Vec::new(), summary: WarpSummary::default() }
     }
 
     /// Writes everything that arrives; one failed frame does not stop the others.
     pub(super) fn run(&mut self, warps: Receiver<Warped>, tell: &(dyn Fn(WarpEvent) + Sync)) {
         for Warped { frame, outcome } in warps {
+            if let Ok((plate, _)) = &outcome {
+                self.tell_left_out(frame, plate, tell);
+            }
             match outcome.and_then(|(plate, report)| self.write(plate, report)) {
                 Ok(report) => {
                     self.summary.warped += 1;
@@ -47,6 +52,16 @@ impl<'a> Writer<'a> {
                     self.summary.failed += 1;
                     tell(WarpEvent::FrameFailed { frame, error: error.to_string() });
                 }
+            }
+        }
+    }
+
+    /// What a plate has and a warped one has not; frames of a sequence mostly agree, so each thing is told once.
+    fn tell_left_out(&mut self, frame: i32, plate: &Plate, tell: &(dyn Fn(WarpEvent) + Sync)) {
+        for what in &plate.left_out {
+            if !self.left_out.contains(what) {
+                tell(WarpEvent::Note { text: format!("left out of the plate from frame {frame} on: {what}") });
+                self.left_out.push(what.clone());
             }
         }
     }
