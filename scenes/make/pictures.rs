@@ -1,11 +1,13 @@
 //! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
-//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it. Names as arguments: only theirs.
+//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it, docs/flag.png and docs/transfer.png. Names as arguments: only theirs.
+
+mod flag_sheet;
 
 use anyhow::{Context as _, bail};
-use image::{RgbImage, imageops};
-use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, render};
+use image::{RgbImage, RgbaImage, imageops};
+use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, lattices, render};
 use pinwarp::raster::DeviceChoice;
-use pinwarp::shot::Shot;
+use pinwarp::shot::{Shot, Transfer, TransferFit};
 use pinwarp::solve::{Disc, Settings};
 use pinwarp::space::FrameSize;
 use std::path::Path;
@@ -25,9 +27,11 @@ struct Picture {
     shift: i64,
 }
 
-const PICTURES: [Picture; 4] = [
+const PICTURES: [Picture; 6] = [
     Picture { scene: "teapot", frame: 12, height: 336, width: 596, shift: 0 },
     Picture { scene: "gingerman", frame: 8, height: 480, width: 480, shift: 0 },
+    Picture { scene: "flag", frame: 6, height: 336, width: 500, shift: 0 },
+    Picture { scene: "cat", frame: 8, height: 400, width: 400, shift: 0 },
     Picture { scene: "hare", frame: 8, height: 480, width: 400, shift: -10 },
     Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -40 },
 ];
@@ -51,6 +55,12 @@ fn main() -> anyhow::Result<()> {
     if wanted.is_empty() || wanted.iter().any(|name| name == "bulge") {
         bulge(&folder)?;
     }
+    if wanted.is_empty() || wanted.iter().any(|name| name == "flag") {
+        flag_sheet::strip(&folder)?.save(folder.join("../docs/flag.png")).context("writing docs/flag.png")?;
+    }
+    if wanted.is_empty() || wanted.iter().any(|name| name == "transfer") {
+        transfer(&folder)?;
+    }
     Ok(())
 }
 
@@ -69,6 +79,27 @@ fn bulge(folder: &Path) -> anyhow::Result<()> {
         imageops::replace(&mut strip, &part, column * i64::from(SIDE + GAP), 0);
     }
     strip.save(folder.join("../docs/bulge.png")).context("writing docs/bulge.png")
+}
+
+/// The gingerman at rest and bent, and its lattices over a drawn cat.
+fn transfer(folder: &Path) -> anyhow::Result<()> {
+    const SIDE: u32 = 300;
+    const FRAME: i32 = 8;
+    let scratch = tempfile::tempdir()?;
+    let file = scratch.path().join("ginger.json");
+    let ginger = Shot::read(&folder.join("gingerman/shot.toml"))?;
+    lattices(&Setup::new(ginger.clone())?, &[1, FRAME], |_| ())?.write(&file)?;
+    let mut cat = Shot::read(&folder.join("cat/shot.toml"))?;
+    for layer in &mut cat.layers {
+        layer.pins.clear();
+        layer.transfer = Some(Transfer { file: file.clone(), layer: None, fit: TransferFit::Box, start: None });
+    }
+    let mut strip = RgbImage::from_pixel(4 * SIDE + 3 * GAP, SIDE, image::Rgb([255; 3]));
+    for (column, (shot, frame)) in (0..).zip([(&ginger, 1), (&ginger, FRAME), (&cat, 1), (&cat, FRAME)]) {
+        let panel = rendered(shot.clone(), SIDE, frame)?;
+        imageops::replace(&mut strip, &panel, column * i64::from(SIDE + GAP), 0);
+    }
+    strip.save(folder.join("../docs/transfer.png")).context("writing docs/transfer.png")
 }
 
 /// The frame with the warp at `strength`, cut to the picture's half.
@@ -106,5 +137,13 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
     if summary.rendered != 1 {
         bail!("frame {frame} of {path} was not rendered");
     }
-    Ok(image::open(scratch.path().join(format!("frame.{frame:04}.png")))?.into_rgb8())
+    Ok(over_white(&image::open(scratch.path().join(format!("frame.{frame:04}.png")))?.into_rgba8()))
+}
+
+/// Straight alpha over white paper.
+fn over_white(picture: &RgbaImage) -> RgbImage {
+    RgbImage::from_fn(picture.width(), picture.height(), |x, y| {
+        let [r, g, b, a] = picture.get_pixel(x, y).0.map(f32::from);
+        image::Rgb([r, g, b].map(|code| (code * a / 255.0 + 255.0 - a).round() as u8))
+    })
 }
