@@ -43,7 +43,7 @@ pub use jerk::{Jerk, JerkMeter};
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
 pub use passes::{PassPlan, plan_passes};
-pub use plates::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, plate_size, warp_frames};
+pub use plates::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use posed::PosedLayer;
 pub use render::{render, render_on};
 pub use report::report;

@@ -5,8 +5,8 @@ use super::progress::Teller;
 use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
 use crate::export::LatticeFile;
-use crate::image::SequencePath;
-use crate::pipeline::{self, PlateWarp, Setup, WarpDirection, WarpJob, plate_size};
+use crate::image::{SequencePath, picture_size};
+use crate::pipeline::{self, PlateWarp, Setup, WarpDirection, WarpJob};
 use crate::plate::{Holes, WarpRules};
 use crate::shot::{Shot, Source};
 use anyhow::{Context, bail};
@@ -44,7 +44,7 @@ fn setup(args: &WarpArgs) -> anyhow::Result<Setup> {
     shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
     if shot.source == Source::Frame && !shot.lines.has("size") {
         let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);
-        shot.size = plate_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
+        shot.size = picture_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
     }
     Ok(Setup::new(shot)?)
 }

@@ -1,9 +1,8 @@
 //! Kinds of picture files, told by the endings of their names.
 //!
-//! In: paths. Out: what they may hold, whether they are whole, how large their frame is.
+//! In: paths. Out: what they may hold, whether they are whole.
 
-use crate::image::{ImageError, is_complete, read_any};
-use crate::space::FrameSize;
+use crate::image::{ImageError, is_complete};
 use std::path::Path;
 
 /// Kinds of picture files.
@@ -31,15 +30,6 @@ impl Kind {
         let what = "is not the name of a plate; EXR, PNG and JPEG files can be warped";
         Self::of(path).ok_or_else(|| ImageError::Pattern { pattern: path.to_owned(), what: what.into() })
     }
-}
-
-/// The display window of a plate, as screen space is measured against it.
-///
-/// # Errors
-/// [`ImageError`] where the plate cannot be read.
-pub fn plate_size(path: &Path) -> Result<FrameSize, ImageError> {
-    Kind::of_plate(path)?;
-    read_any(path).map(|plate| plate.frame_size())
 }
 
 /// The file is whole. Pictures that are no EXR files appear whole or not at all.

@@ -15,7 +15,6 @@ mod read;
 mod stage;
 mod write;
 
-pub use files::plate_size;
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
 
 use super::PipelineError;
