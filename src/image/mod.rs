@@ -38,7 +38,7 @@ pub use picture::{read_any, read_picture, write_any, write_picture};
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;
 pub use plate_write::write_plate;
-pub use preview::{Preview, preview, write_png};
+pub use preview::{Preview, png_bytes, preview, write_png};
 pub use sequence::SequencePath;
 pub use size::picture_size;
 

@@ -90,6 +90,15 @@ fn byte(unit: f32) -> u8 {
 /// # Errors
 /// [`ImageError`] where the file cannot be written or the picture has no pixels.
 pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
+    let bytes = png_bytes(path, picture)?;
+    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+}
+
+/// A picture as a PNG file in memory; `path` is named in messages.
+///
+/// # Errors
+/// [`ImageError`] where the picture has no pixels.
+pub fn png_bytes(path: &Path, picture: &Preview) -> Result<Vec<u8>, ImageError> {
     let bytes_needed = 4 * picture.width as usize * picture.height as usize;
     if bytes_needed == 0 || picture.rgba.len() != bytes_needed {
         return Err(ImageError::frame(path, "the preview has no pixels, or not 4 bytes for each"));
@@ -99,7 +108,7 @@ pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
     encoder
         .write_image(&picture.rgba, picture.width, picture.height, ExtendedColorType::Rgba8)
         .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
-    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -39,6 +39,8 @@ pub(super) fn flat_scene(aspect: f64, cards: Vec<(String, Primitive)>) -> Scene 
     let before = STEP * scene.nodes.len() as f32;
     let middle = Vec3::new((0.5 * aspect) as f32, 0.5, before);
     scene.nodes.push(Node { camera: Some(0), ..node("camera".to_owned(), middle) });
+    // A file of it has the same nodes.
+    scene.file_from_scene = (0..scene.nodes.len()).collect();
     scene
 }
 

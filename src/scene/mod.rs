@@ -42,7 +42,7 @@ pub struct Scene {
     pub path: PathBuf,
     /// All nodes of the scene; a parent has a smaller index than its children.
     pub nodes: Vec<Node>,
-    /// One a node: its place among the nodes of the file; empty for scenes that came from no file.
+    /// One a node: its place among the nodes of the file; of scenes that came from no file, its own.
     pub file_from_scene: Vec<usize>,
     /// Meshes that nodes refer to.
     pub meshes: Vec<Mesh>,

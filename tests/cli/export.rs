@@ -6,7 +6,7 @@ use crate::tiny::{Lens, Tiny, grid};
 use glam::{DVec3, Vec3};
 use pinwarp::pipeline::{Moment, Setup};
 use pinwarp::pose::{ClipChoice, Pose, pose};
-use pinwarp::scene::{Scene, load};
+use pinwarp::scene::{AlphaMode, Scene, load};
 use pinwarp::screen::primitive;
 use pinwarp::shot::Shot;
 use serde_json::Value;
@@ -88,7 +88,7 @@ fn export_scene(bench: &Bench, scene: &str, arguments: &str) -> String {
 
 #[test]
 fn morph_targets_stand_where_the_warp_puts_the_vertices() {
-    let cases = [("gingerman", "1-24x6"), ("hare", "1-24x6"), ("walker", "5,11")];
+    let cases = [("gingerman", "1-24x6"), ("hare", "1-24x6"), ("cat", "1-24x6"), ("walker", "5,11")];
     let bench = Bench::new();
     for (scene, list) in cases {
         export_scene(&bench, scene, &format!("--to gltf --frames {list} -o {scene}.glb"));
@@ -273,6 +273,25 @@ fn cards_get_lattice_objects_and_what_has_depth_is_baked() {
         let gap = gap_to_blender(&bench.path("shot.toml"), &told, &frames);
         assert!(gap < TOLERANCE, "{name}: {gap:e}");
     }
+}
+
+#[test]
+fn pictures_travel_as_textured_cards_with_their_lattices() {
+    let bench = Bench::new();
+    export_scene(&bench, "flag", "--to gltf --frames 1,7 -o flag.glb");
+    let flag = load(&bench.path("flag.glb")).expect("our own loader reads it");
+    let names: Vec<&str> = flag.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["pole", "flag", "camera"]);
+    assert_eq!((flag.images.len(), flag.images[1].width, flag.images[1].height), (2, 720, 480));
+    let textures = flag.materials.iter().map(|material| material.base_color_texture.as_ref().map(|told| told.texture));
+    assert_eq!(textures.collect::<Vec<_>>(), [Some(0), Some(1)]);
+    assert!(flag.materials.iter().all(|material| material.unlit && material.alpha == AlphaMode::Blend));
+    let said = export_scene(&bench, "cat", "--to blender --frames 1,8,16 -o cat.py");
+    assert!(said.contains("layer 'cat': a lattice object of 10 x 10 x 1 points, exact"), "{said}");
+    let Some(told) = in_blender(&bench, "cat.py", "1,8,16", 0) else { return };
+    assert_eq!((&told["modifiers"], &told["camera"]), (&Value::from(1), &Value::from("camera")));
+    let gap = gap_to_blender(&shot_of("cat"), &told, &[1, 8, 16]);
+    assert!(gap < TOLERANCE, "{gap:e}");
 }
 
 #[test]

@@ -163,6 +163,25 @@ fn after_effects_gets_elements_maps_and_their_settings() {
 }
 
 #[test]
+fn after_effects_gets_pictures_of_a_layer_alone() {
+    let bench = Bench::new();
+    for (name, left) in [("back", 0), ("front", 20)] {
+        let pixel = |x: u32, _: u32| image::Rgba(if x < left + 30 && x >= left { [200, 100, 50, 255] } else { [0; 4] });
+        image::RgbaImage::from_fn(64, 36, pixel).save(bench.path(&format!("{name}.png"))).expect("it can be written");
+    }
+    let pin = "[[layer.pin]]\nanchor = { screen = [0.9, 0.5] }\nkeys = [{ frame = 1, offset = [0.1, 0.0] }]\n";
+    let layer = format!("[[layer]]\nname = \"all\"\nnodes = [\"front\"]\n{pin}");
+    let head = "image = [\"back.png\", \"front.png\"]\nframes = { first = 1, last = 2 }\n";
+    bench.write("drawn.toml", format!("{head}{layer}").as_bytes());
+    let told = bench.run("export drawn.toml --to after-effects -o ae").says(0, &[]).stdout;
+    assert!(told.contains("max displacement 4 px"), "{told}");
+    let element = read(&bench, "ae.all.element.0002.exr");
+    for pixel in pixels() {
+        assert_eq!(at(&element, "A", pixel), f32::from(u8::from((20..50).contains(&pixel[0]))), "{pixel:?}");
+    }
+}
+
+#[test]
 fn world_layers_have_no_maps() {
     let world = HEAD.replace("dims = [4, 4]", "space = \"world\", dims = [4, 4, 4]");
     let bench = Bench::with_shot(&format!("{world}{PIN}{OUTPUT}"));

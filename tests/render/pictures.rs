@@ -158,6 +158,28 @@ fn pictures_lie_in_the_order_of_the_list_and_of_their_layers() {
 }
 
 #[test]
+fn what_lies_behind_a_transparent_fold_shows() {
+    let wall = Wall::new();
+    wall.hang("girl.exr", SIZE, drawn(SIZE, "", |x, _| f32::from(u8::from(x < 48.0))));
+    // Columns 0, 32, 64 and 96 go to 0, 64, 32 and 96: the middle turns over, and only the left half is opaque.
+    let by = [0.0, 1.0 / 3.0, -1.0 / 3.0, 0.0];
+    let handle = |index: usize| {
+        let (column, row) = (index % 4, index / 4);
+        format!(
+            "[[layer.handle]]\nindex = [{column}, {row}]\nkeys = [{{ frame = 1, offset = [{}, 0.0] }}]\n",
+            by[column]
+        )
+    };
+    let lattice = "[[layer]]\nlattice = { dims = [4, 2], basis = \"bilinear\", box = \"frame\" }\n";
+    let handles: String = (0..8).map(handle).collect();
+    let (frame, _) = wall.render(wall.shot(&format!("image = \"girl.exr\"\n{lattice}{handles}")));
+    // 40 comes from 20 (opaque), from 56 (turned over, transparent) and from 68 (transparent).
+    for (x, wanted) in [(10, 1.0), (40, 1.0), (60, 1.0), (80, 0.0)] {
+        assert!((sample(&frame, "A", x, 30) - wanted).abs() < 0.05, "{x}: {}", sample(&frame, "A", x, 30));
+    }
+}
+
+#[test]
 fn a_shutter_blurs_the_warp() {
     let wall = Wall::new();
     wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 14.0)));

@@ -1,7 +1,6 @@
 //! `pinwarp export --to after-effects`: for each layer its element, unwarped on nothing, the displacement maps that warp
 //! it, and the settings of the effect that applies them.
 
-use super::gltf::packed_scene;
 use super::maps::{Maps, write_frames};
 use super::stmap::told;
 use super::{Source, frames, is_on_screen, moved_layers};
@@ -83,18 +82,12 @@ fn displace(args: &ExportArgs, stem: &Path, maps: &Maps) -> anyhow::Result<()> {
 /// Renders a layer alone, unwarped, on nothing; tells whether all frames came out.
 fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> anyhow::Result<bool> {
     let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
-    let scene = folder.path().join("layer.glb");
-    let frames = frames(args, setup);
-    let mut packed = packed_scene(setup)?;
-    setup.hide_all_but(layer, &mut packed);
-    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is told frame by frame.
-    let told = if setup.shot.is_looped { frames.clone() } else { vec![setup.shot.frames.clip_start] };
-    let baked = setup.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
-    crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;
     let pattern = with_ending(stem, ".element.####.exr");
-    let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..setup.shot.clone() };
-    shot.is_looped = false;
-    shot.output.path.clone_from(&pattern);
+    let frames = frames(args, setup);
+    let alone = match setup.pictures_of(layer, pattern.clone())? {
+        Some(alone) => alone,
+        None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,
+    };
     let existing = match (args.resume, args.overwrite) {
         (true, _) => Existing::Resume,
         (_, true) => Existing::Overwrite,
@@ -106,7 +99,26 @@ fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> a
             tracing::error!("frame {frame}: {error}");
         }
     };
-    let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
+    let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
     writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;
     Ok(summary.failed == 0)
+}
+
+/// A shot of the scene with the meshes of a layer alone, its file in `folder`.
+fn still_scene(
+    setup: &Setup,
+    layer: usize,
+    (frames, folder, pattern): (&[i32], &Path, &Path),
+) -> anyhow::Result<Setup> {
+    let scene = folder.join("layer.glb");
+    let mut packed = setup.packed()?;
+    setup.hide_all_but(layer, &mut packed);
+    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is told frame by frame.
+    let told = if setup.shot.is_looped { frames.to_vec() } else { vec![setup.shot.frames.clip_start] };
+    let baked = setup.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
+    crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;
+    let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..setup.shot.clone() };
+    shot.is_looped = false;
+    pattern.clone_into(&mut shot.output.path);
+    Ok(Setup::new(shot)?)
 }

@@ -1,6 +1,5 @@
 //! `pinwarp export --to blender`: a script that builds lattice objects, and the scene that it imports.
 
-use super::gltf::packed_scene;
 use super::{Source, frames, moved_layers, output};
 use crate::cli::args::ExportArgs;
 use crate::cli::{Outcome, refuse_existing};
@@ -28,7 +27,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         moved.iter().zip(&layers).any(|(&moved, told)| moved == layer && matches!(told.way, BlenderWay::Baked(_)))
     };
     let baked = setup.bake(&frames, BakeTimes::Frames, is_baked, |frame| tracing::info!("frame {frame} deformed"))?;
-    let mut packed = packed_scene(&setup)?;
+    let mut packed = setup.packed()?;
     number_nodes(&mut packed, &setup.scene);
     replace_bytes(&scene_path, &glb(packed, &baked)?)?;
     drop(baked);

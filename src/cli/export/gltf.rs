@@ -5,8 +5,7 @@ use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
-use crate::pipeline::{BakeTimes, PipelineError, Setup};
-use crate::scene::{Packed, pack};
+use crate::pipeline::{BakeTimes, Setup};
 use anyhow::bail;
 use std::io::{self, Write};
 
@@ -26,8 +25,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             tracing::info!("frame {frame} deformed");
         },
     )?;
-    let packed = packed_scene(&setup)?;
-    replace_bytes(&output, &glb(packed, &baked)?)?;
+    replace_bytes(&output, &glb(setup.packed()?, &baked)?)?;
     let nodes = baked.nodes.len();
     writeln!(io::stdout(), "wrote {}: {} frames, {nodes} deformed nodes", output.display(), frames.len())?;
     match baked.motion {
@@ -51,12 +49,4 @@ fn accuracy(setup: &Setup, layer: usize) -> &'static str {
     } else {
         "warped in the scene: exact at the exported frames"
     }
-}
-
-/// The file of a shot's scene, ready to be edited.
-pub(super) fn packed_scene(setup: &Setup) -> anyhow::Result<Packed> {
-    let Some(scene) = setup.shot.scene() else {
-        bail!("the shot has no glTF scene that could be exported; give `scene`, a .gltf or .glb file");
-    };
-    Ok(pack(scene).map_err(PipelineError::from)?)
 }

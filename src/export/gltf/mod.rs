@@ -4,10 +4,13 @@
 
 mod baked;
 mod buffer;
+mod cards;
 mod clip;
 mod mesh;
 
 pub use baked::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
+
+pub use cards::packed_cards;
 
 use super::ExportError;
 use crate::scene::{Lens, Packed};

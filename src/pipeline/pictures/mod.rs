@@ -2,6 +2,7 @@
 //!
 //! In: the paths of a shot. Out: a [`Gallery`] and the scene it stands for; frames.
 
+mod element;
 mod frames;
 mod paint;
 mod read;
@@ -42,7 +43,7 @@ impl Gallery {
                 _ => frame = Some((size, path)),
             }
             left_out.extend(plate.left_out.iter().map(|what| format!("left out of {}: {what}", path.display())));
-            sheets.extend(read::sheets(shot, path, plate)?);
+            sheets.extend(read::sheets(shot, path, &plate)?);
         }
         let Some((frame, first)) = frame else {
             return Err(PipelineError::mismatch(shot, "image", "names no picture", "name one"));

@@ -3,12 +3,13 @@
 //! In: a [`Gallery`] and solved moments. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
 
 use super::super::{Moment, Setup};
+use super::read::CHANNELS;
 use super::{Gallery, Sheet};
 use crate::image::{Channel, Frame, Storage};
 use crate::lattice::ScreenLattice;
-use crate::plate::{Field, Filter, Planes, WarpMap, resampled};
+use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpRules, warp_plate};
 use crate::raster::ChannelGroup;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::PixelRect;
 use rayon::prelude::*;
 
 /// A pixel shows the first picture that covers at least this much of it, as with surfaces.
@@ -18,10 +19,14 @@ const SEEN: f32 = 0.5;
 struct Laid {
     /// What warped it; `None`: nothing.
     lattice: Option<ScreenLattice>,
-    /// Pixels that it may cover, and its samples there.
-    window: PixelRect,
-    /// R, G, B and A.
-    planes: [Vec<f32>; 4],
+    /// The pixels that it may cover, with [`CHANNELS`].
+    picture: Frame,
+}
+
+impl Laid {
+    fn alpha(&self) -> &[f32] {
+        &self.picture.channels[3].samples
+    }
 }
 
 /// Draws frames; remembers pictures that did not move between moments of an exposure.
@@ -61,7 +66,7 @@ impl<'a> Painter<'a> {
                 }
             }
             let planes = scaled(sum.unwrap_or_default(), times.len());
-            let named = ["R", "G", "B", "A"].into_iter().zip(planes);
+            let named = CHANNELS.into_iter().zip(planes);
             channels.extend(named.map(|(name, samples)| channel(name, self.gallery.storage, samples)));
         }
         if groups.contains(&ChannelGroup::Id) {
@@ -91,9 +96,9 @@ impl<'a> Painter<'a> {
             let layer = self.setup.owners[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
             let laid = self.lay(index, moment);
-            for (at, from, count) in shared_rows(window, laid.window) {
+            for (at, from, count) in shared_rows(window, laid.picture.data_window) {
                 for pixel in 0..count {
-                    if laid.planes[3][from + pixel] >= SEEN {
+                    if laid.alpha()[from + pixel] >= SEEN {
                         (ids[0][at + pixel], ids[1][at + pixel]) = (here[0], here[1]);
                     }
                 }
@@ -108,7 +113,7 @@ impl<'a> Painter<'a> {
         let lattice = owner.and_then(|layer| moment.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
         let sheet = &self.gallery.sheets[index];
         let kept = self.laid[index].take().filter(|laid| laid.lattice.as_ref() == lattice);
-        let laid = kept.unwrap_or_else(|| warped(sheet, self.gallery.frame, lattice, self.setup.shot.warp.filter));
+        let laid = kept.unwrap_or_else(|| warped(sheet, lattice, self.setup.shot.warp.filter));
         self.laid[index].insert(laid)
     }
 }
@@ -117,29 +122,17 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
     Channel { name: name.to_owned(), storage, samples }
 }
 
-fn warped(sheet: &Sheet, frame: FrameSize, lattice: Option<&ScreenLattice>, filter: Filter) -> Laid {
+/// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows.
+fn warped(sheet: &Sheet, lattice: Option<&ScreenLattice>, filter: Filter) -> Laid {
     let Some(lattice) = lattice else {
-        return Laid { lattice: None, window: sheet.window, planes: sheet.planes.clone() };
+        return Laid { lattice: None, picture: sheet.plate.clone().into_frame() };
     };
     let field = Field::of_layer(lattice.clone());
-    let window = within(field.warped_window(frame, sheet.window), frame);
-    let map = WarpMap::backward(&field, frame, window);
-    let source: Planes = sheet.samples();
-    let planes = resampled(&map, &source, filter);
-    let planes = <[Vec<f32>; 4]>::try_from(planes).expect("a plane comes out for each that goes in");
-    Laid { lattice: Some(lattice.clone()), window, planes }
-}
-
-/// The part of a window that lies in the frame.
-fn within(window: PixelRect, frame: FrameSize) -> PixelRect {
-    let along = |start: i32, length: u32, most: u32| {
-        let end = (i64::from(start) + i64::from(length)).clamp(0, i64::from(most));
-        let start = i64::from(start).clamp(0, end);
-        (start as i32, (end - start) as u32)
-    };
-    let (x, width) = along(window.x, window.width, frame.width);
-    let (y, height) = along(window.y, window.height, frame.height);
-    PixelRect { x, y, width, height }
+    let layer = LayerJob { name: sheet.name.clone(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
+    let rules = WarpRules { filter, ..WarpRules::default() };
+    let job = PlateJob { layers: vec![layer], rules: &rules, fill: None };
+    let (plate, _) = warp_plate(&sheet.plate, &job).expect("a matte of all that is there names nothing");
+    Laid { lattice: Some(lattice.clone()), picture: plate.into_frame() }
 }
 
 /// Rows that two windows share: where they begin in each, and their length.
@@ -155,12 +148,11 @@ fn shared_rows(window: PixelRect, other: PixelRect) -> Vec<(usize, usize, usize)
 
 /// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.
 fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, laid: &Laid) {
-    let rows = shared_rows(window, laid.window);
-    let alpha = &laid.planes[3];
-    for (plane, front) in canvas.iter_mut().zip(&laid.planes) {
+    let rows = shared_rows(window, laid.picture.data_window);
+    for (plane, front) in canvas.iter_mut().zip(&laid.picture.channels) {
         for &(at, from, count) in &rows {
             let (behind, front, alpha) =
-                (&mut plane[at..at + count], &front[from..from + count], &alpha[from..from + count]);
+                (&mut plane[at..at + count], &front.samples[from..from + count], &laid.alpha()[from..from + count]);
             for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
                 // Filters with negative lobes overshoot.
                 *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };

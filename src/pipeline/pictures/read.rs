@@ -1,24 +1,25 @@
 //! One picture of a file: its colour and alpha, ready to be warped.
 //!
-//! In: a plate. Out: a [`Sheet`] for each of its layers that has colour.
+//! In: a plate. Out: a [`Sheet`] for each of its layers that has colour: a plate of its own.
 
 use super::super::PipelineError;
-use crate::image::{Channel, Plate, PlatePart, Storage};
+use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
 use crate::plate::{Filter, Planes, WarpMap, resampled};
 use crate::scene::Picture;
 use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
 use std::path::{Path, PathBuf};
 
-/// A flat picture, in the space of its display window.
+/// The channels of a picture, in their order.
+pub(super) const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
+
+/// A flat picture.
 #[derive(Clone, Debug)]
 pub(super) struct Sheet {
     pub(super) path: PathBuf,
     pub(super) name: String,
-    /// The pixels that are stored, relative to the display window.
-    pub(super) window: PixelRect,
-    /// R, G, B and A, associated, each #pixels of the window.
-    pub(super) planes: [Vec<f32>; 4],
+    /// [`CHANNELS`], associated, in one part; its display window begins at 0, 0.
+    pub(super) plate: Plate,
     /// The picture has an alpha of its own.
     has_alpha: bool,
     /// The finest of its channels.
@@ -27,7 +28,7 @@ pub(super) struct Sheet {
 
 /// All pictures of a plate, in the order of its parts and channels: channels `R`, `G`, `B`, `A` (or grey `Y`) are named
 /// after the file, or their part; `hair.R` and so on are `hair`.
-pub(super) fn sheets(shot: &Shot, path: &Path, plate: Plate) -> Result<Vec<Sheet>, PipelineError> {
+pub(super) fn sheets(shot: &Shot, path: &Path, plate: &Plate) -> Result<Vec<Sheet>, PipelineError> {
     let stem = path.file_stem().map_or_else(|| "picture".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let has_parts = plate.parts.len() > 1;
     let mut sheets = Vec::new();
@@ -39,16 +40,10 @@ pub(super) fn sheets(shot: &Shot, path: &Path, plate: Plate) -> Result<Vec<Sheet
                 layers.push(layer);
             }
         }
-        sheets.extend(layers.into_iter().filter_map(|layer| sheet(part, layer)).map(|sheet| Sheet {
-            path: path.to_owned(),
-            name: if sheet.name.is_empty() { own.clone() } else { sheet.name.clone() },
-            window: PixelRect {
-                x: part.data_window.x - plate.display.x,
-                y: part.data_window.y - plate.display.y,
-                ..part.data_window
-            },
-            ..sheet
-        }));
+        for (layer, colour) in layers.into_iter().filter_map(|layer| Some((layer, colour(part, layer)?))) {
+            let name = if layer.is_empty() { own.clone() } else { layer.to_owned() };
+            sheets.push(sheet((path, name), (plate, part), colour));
+        }
     }
     if sheets.is_empty() {
         let what = format!("{} has no channels R, G, B or Y", path.display());
@@ -62,39 +57,61 @@ fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
-/// The colour of a layer; `None` where it has none.
-fn sheet(part: &PlatePart, layer: &str) -> Option<Sheet> {
+/// R, G, B and A of a layer, those that it has; `None` where it has no colour.
+fn colour<'a>(part: &'a PlatePart, layer: &str) -> Option<[Option<&'a Channel>; 4]> {
     let channel = |wanted: &str| part.channels.iter().find(|channel| split(&channel.name) == (layer, wanted));
     let grey = channel("Y");
-    let colour = ["R", "G", "B"].map(|name| channel(name).or(grey));
-    let alpha = channel("A");
-    if colour.iter().all(Option::is_none) {
-        return None;
-    }
-    let plane = |of: Option<&Channel>, value: f32| {
-        of.map_or_else(|| vec![value; part.data_window.area()], |channel| channel.samples.clone())
+    let [red, green, blue] = ["R", "G", "B"].map(|name| channel(name).or(grey));
+    (red.is_some() || green.is_some() || blue.is_some()).then(|| [red, green, blue, channel("A")])
+}
+
+/// The picture of a part. What it lacks of colour is 0, a missing alpha 1.
+fn sheet((path, name): (&Path, String), (plate, part): (&Plate, &PlatePart), channels: [Option<&Channel>; 4]) -> Sheet {
+    let is_half = channels[..3].iter().flatten().all(|channel| channel.storage == Storage::Half);
+    let plane = |(channel, missing): (Option<&Channel>, f32)| {
+        channel.map_or_else(|| vec![missing; part.data_window.area()], |channel| channel.samples.clone())
     };
-    let is_half = colour.iter().flatten().all(|channel| channel.storage == Storage::Half);
-    Some(Sheet {
-        path: PathBuf::new(),
-        name: layer.to_owned(),
-        window: part.data_window,
-        planes: [plane(colour[0], 0.0), plane(colour[1], 0.0), plane(colour[2], 0.0), plane(alpha, 1.0)],
-        has_alpha: alpha.is_some(),
+    let window = PixelRect {
+        x: part.data_window.x - plate.display.x,
+        y: part.data_window.y - plate.display.y,
+        ..part.data_window
+    };
+    let planes = channels.into_iter().zip([0.0, 0.0, 0.0, 1.0]).map(plane);
+    Sheet {
+        path: path.to_owned(),
+        name,
+        plate: pictured(plate.frame_size(), window, planes),
+        has_alpha: channels[3].is_some(),
         storage: if is_half { Storage::Half } else { Storage::Float },
-    })
+    }
+}
+
+/// [`CHANNELS`] as a plate.
+fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
+    let named = CHANNELS.into_iter().zip(planes);
+    let channels = named.map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
+    let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
+    Plate::from_frame(Frame { display, data_window, pixel_aspect, channels: channels.collect() })
 }
 
 impl Sheet {
     /// What it covers, for the scene.
     pub(super) fn picture(&self) -> Picture<'_> {
-        let alpha = self.has_alpha.then_some(self.planes[3].as_slice());
-        Picture { path: self.path.clone(), name: self.name.clone(), window: self.window, alpha }
+        let part = self.part();
+        let alpha = self.has_alpha.then_some(part.channels[3].samples.as_slice());
+        Picture { path: self.path.clone(), name: self.name.clone(), window: part.data_window, alpha }
     }
 
-    /// Its samples, for filters.
-    pub(super) fn samples(&self) -> Planes<'_> {
-        Planes { window: self.window, planes: self.planes.iter().map(Vec::as_slice).collect() }
+    /// What holds its channels.
+    fn part(&self) -> &PlatePart {
+        self.plate.parts.first().expect("a sheet is made of one part")
+    }
+
+    /// The same place in the list, and nothing on it.
+    pub(super) fn blank(&self) -> Self {
+        let nowhere = PixelRect { width: 0, height: 0, ..self.part().data_window };
+        let plate = pictured(self.plate.frame_size(), nowhere, [const { Vec::new() }; 4]);
+        Self { path: self.path.clone(), name: self.name.clone(), plate, ..*self }
     }
 
     /// The same picture with other pixels: a filter as wide as they are where they are larger.
@@ -105,8 +122,9 @@ impl Sheet {
             let start = (f64::from(start) / factor).floor();
             (start as i32, (end.ceil() - start).max(0.0) as u32)
         };
-        let (x, width) = along(self.window.x, self.window.width, factor[0]);
-        let (y, height) = along(self.window.y, self.window.height, factor[1]);
+        let part = self.part();
+        let (x, width) = along(part.data_window.x, part.data_window.width, factor[0]);
+        let (y, height) = along(part.data_window.y, part.data_window.height, factor[1]);
         let window = PixelRect { x, y, width, height };
         // In the map's own pixels: the source of pixel (i, j) lies at ((i + .5) fx, (j + .5) fy).
         let mut map = WarpMap::identity(from, window);
@@ -114,8 +132,8 @@ impl Sheet {
             let place = [x + (index % width as usize) as i32, y + (index / width as usize) as i32];
             *offset = [0, 1].map(|axis| ((f64::from(place[axis]) + 0.5) * (factor[axis] - 1.0)) as f32);
         }
-        let planes = resampled(&map, &self.samples(), Filter::Ewa);
-        let planes = <[Vec<f32>; 4]>::try_from(planes).expect("a plane comes out for each that goes in");
-        Self { path: self.path.clone(), name: self.name.clone(), window, planes, ..*self }
+        let planes = part.channels.iter().map(|channel| channel.samples.as_slice()).collect();
+        let planes = resampled(&map, &Planes { window: part.data_window, planes }, Filter::Ewa);
+        Self { path: self.path.clone(), name: self.name.clone(), plate: pictured(to, window, planes), ..*self }
     }
 }

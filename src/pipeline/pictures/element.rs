@@ -1,0 +1,60 @@
+//! What other programs want of a shot: its scene as a file, and single layers as they are.
+//!
+//! In: a [`Setup`]. Out: a packed glTF file, with textured cards where the shot has pictures; a shot of a layer alone.
+
+use super::super::{PipelineError, Setup};
+use super::Gallery;
+use crate::export::gltf::packed_cards;
+use crate::image::{png_bytes, preview};
+use crate::scene::{Packed, pack};
+use crate::shot::Shot;
+use std::path::PathBuf;
+
+impl Setup {
+    /// The scene as a glTF file, ready to be edited.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the file of the scene cannot be read, or the shot has none and no pictures.
+    pub fn packed(&self) -> Result<Packed, PipelineError> {
+        if let Some(gallery) = &self.gallery {
+            return Ok(packed_cards(&self.scene, self.shot.size.aspect(), &gallery.png_files()?));
+        }
+        let Some(scene) = self.shot.scene() else {
+            return Err(PipelineError::Unusable {
+                what: "the shot has no scene and no pictures that could be exported".into(),
+                hint: "give `scene`, a .gltf or .glb file, or `image`".into(),
+            });
+        };
+        Ok(pack(scene)?)
+    }
+
+    /// A shot of pictures with those of one layer alone, at rest; `None`: not a shot of pictures.
+    ///
+    /// # Errors
+    /// [`PipelineError`] as from [`Setup::new`].
+    pub fn pictures_of(&self, layer: usize, output: PathBuf) -> Result<Option<Self>, PipelineError> {
+        if self.gallery.is_none() {
+            return Ok(None);
+        }
+        let mut shot = Shot { layers: Vec::new(), ..self.shot.clone() };
+        shot.output.path = output;
+        let mut alone = Self::new(shot)?;
+        if let Some(gallery) = &mut alone.gallery {
+            gallery.blank_all_but(&self.parts_of_layer[layer]);
+        }
+        Ok(Some(alone))
+    }
+}
+
+impl Gallery {
+    /// One a picture, as large as the frame: 8-bit sRGB.
+    fn png_files(&self) -> Result<Vec<Vec<u8>>, PipelineError> {
+        let file = |sheet: &super::Sheet| png_bytes(&sheet.path, &preview(&sheet.plate.clone().into_frame()));
+        Ok(self.sheets.iter().map(file).collect::<Result<_, _>>()?)
+    }
+
+    fn blank_all_but(&mut self, shown: &[usize]) {
+        let hidden = self.sheets.iter_mut().enumerate().filter(|(index, _)| !shown.contains(index));
+        hidden.for_each(|(_, sheet)| *sheet = sheet.blank());
+    }
+}
