@@ -97,14 +97,21 @@ impl WarpMap {
     /// where another part of the picture does.
     #[must_use]
     pub fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
+        let mut map = Self::forward_alone(field, frame, window);
+        if !(field.is_identity() || window.area() == 0) {
+            map.folded_pixels = map.overlapping(View { field, frame, direction: Direction::Forward });
+        }
+        map
+    }
+
+    /// The same, but nothing tells of folds.
+    pub(super) fn forward_alone(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let view = View { field, frame, direction: Direction::Forward };
         let mut map = Self::identity(frame, window);
-        if field.is_identity() || window.area() == 0 {
-            return map;
+        if !(field.is_identity() || window.area() == 0) {
+            let nodes = Nodes::solve(view, window, &vec![DVec2::ZERO; Nodes::count(window).iter().product()]);
+            map_blocks::fill(view, &nodes, &[], &mut map);
         }
-        let nodes = Nodes::solve(view, window, &vec![DVec2::ZERO; Nodes::count(window).iter().product()]);
-        map_blocks::fill(view, &nodes, &[], &mut map);
-        map.folded_pixels = map.overlapping(view);
         map
     }
 

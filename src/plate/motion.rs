@@ -6,15 +6,16 @@
 //! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x).
 
 use super::canvas::{Canvas, Mover};
+use super::map_view::{corner, extent};
 use super::nearest::Pick;
 use super::over::BATCH;
-use super::{Meaning, MotionRule};
-use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
+use super::{Field, Meaning, MotionRule, WarpMap};
+use crate::space::{FrameSize, ImagePoint, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// A difference that counts, in pixels: below it the vectors keep their bits.
-const LEAST: f64 = 1e-6;
+/// A difference that counts, in pixels: below it the vectors keep their bits. Maps are no finer than this.
+const LEAST: f64 = 5e-4;
 
 /// Longer vectors, in pixels, are marks for "no motion known", not motion.
 const MOST: f64 = 1e6;
@@ -33,12 +34,14 @@ pub(super) struct Vectors<'a> {
 impl Canvas<'_> {
     /// The vectors after the warp: #pixels of the canvas each; 0 where nothing is.
     pub(super) fn motion(&self, vectors: Vectors, picks: &[Pick], movers: &[Mover], frame: FrameSize) -> [Vec<f32>; 2] {
+        let ways = movers.iter().map(|mover| Ways::of(mover, vectors.direction, (frame, self.source)));
+        let ways: Vec<Ways> = ways.collect();
         let warped = |pick: &Pick| -> (f32, f32) {
             match *pick {
                 Pick::Sample { sheet, index } => {
                     let index = index as usize;
-                    let mover = &movers[self.sheets[usize::from(sheet)].mover];
-                    vectors.warped(index, self.source_pixel(index), mover, frame).into()
+                    let ways = &ways[self.sheets[usize::from(sheet)].mover];
+                    vectors.warped(index, self.source_pixel(index), ways).into()
                 }
                 _ => (0.0, 0.0),
             }
@@ -48,24 +51,77 @@ impl Canvas<'_> {
 }
 
 impl Vectors<'_> {
-    fn warped(self, index: usize, [x, y]: [i32; 2], mover: &Mover, frame: FrameSize) -> [f32; 2] {
+    fn warped(self, index: usize, [x, y]: [i32; 2], ways: &Ways) -> [f32; 2] {
         let stored = self.uv.map(|channel| channel[index]);
         let per_unit = DVec2::from_array(self.rule.pixels_per_unit);
         let pixels = DVec2::new(f64::from(stored[0]), f64::from(stored[1])) * per_unit;
         if !pixels.is_finite() || pixels.length() > MOST {
             return stored;
         }
-        let other = if self.direction == Meaning::Backward { &mover.previous } else { &mover.next };
-        let here = frame.screen_from_image(ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
-        let there =
-            frame.screen_from_image(ImagePoint::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y));
-        let displaced = |field: &super::Field, point: ScreenPoint| (field.carry(point) - point).0;
-        let change = displaced(other, there) - displaced(&mover.now, here);
-        let change = frame.pixels_from_screen(ScreenVector(change));
+        let there = DVec2::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y);
+        let change = ways.there(there) - ways.here(index);
         if change.length() < LEAST {
             return stored;
         }
-        let warped = (pixels + change) / per_unit;
+        // Vectors count up, maps down.
+        let warped = (pixels + DVec2::new(change.x, -change.y)) / per_unit;
         if warped.is_finite() { warped.as_vec2().to_array() } else { stored }
     }
+}
+
+/// How far the points of a mover move in this frame and in the one that vectors point to, in pixels, y down.
+///
+/// Fields are asked for every pixel once, by blocks; asking them for each vector took three times as long as all else.
+struct Ways<'a> {
+    now: WarpMap,
+    other: WarpMap,
+    /// What `other` was made of.
+    field: &'a Field,
+}
+
+impl<'a> Ways<'a> {
+    fn of(mover: &'a Mover, direction: Meaning, (frame, window): (FrameSize, PixelRect)) -> Self {
+        let field = if direction == Meaning::Backward { &mover.previous } else { &mover.next };
+        let [now, other] = [&mover.now, field].map(|field| WarpMap::forward_alone(field, frame, window));
+        Self { now, other, field }
+    }
+
+    /// At the centre of a pixel, in this frame.
+    fn here(&self, index: usize) -> DVec2 {
+        offset(&self.now, index)
+    }
+
+    /// At any place, in the other frame: Catmull-Rom between pixels, the field itself around the picture.
+    fn there(&self, at: DVec2) -> DVec2 {
+        between(&self.other, at).unwrap_or_else(|| {
+            let frame = self.other.frame;
+            let goes = self.field.carry(frame.screen_from_image(ImagePoint(at)));
+            frame.image_from_screen(goes).0 - at
+        })
+    }
+}
+
+/// The offset of a map at a place; `None` where it does not tell of all pixels around.
+fn between(map: &WarpMap, at: DVec2) -> Option<DVec2> {
+    let place = at - corner(map.window) - 0.5;
+    let whole = place.floor();
+    if !(whole.cmpge(DVec2::ONE).all() && whole.cmple(extent(map.window) - 3.0).all()) {
+        return None;
+    }
+    let width = map.window.width as usize;
+    let first = (whole.y as usize - 1) * width + whole.x as usize - 1;
+    let [across, down] = [place.x - whole.x, place.y - whole.y].map(catmull_rom);
+    let row = |start: usize| (0..4).map(|i| offset(map, start + i) * across[i]).sum::<DVec2>();
+    Some((0..4).map(|j| row(first + j * width) * down[j]).sum())
+}
+
+fn offset(map: &WarpMap, index: usize) -> DVec2 {
+    let [x, y] = map.offsets[index];
+    DVec2::new(x.into(), y.into())
+}
+
+/// Weights of four neighbours, a share `t` of the way from the second to the third (Keys 1981, a = -1/2).
+fn catmull_rom(t: f64) -> [f64; 4] {
+    let (a, b) = (t * t, t * t * t);
+    [-0.5 * t + a - 0.5 * b, 1.0 - 2.5 * a + 1.5 * b, 0.5 * t + 2.0 * a - 1.5 * b, 0.5 * (b - a)]
 }

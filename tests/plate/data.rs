@@ -1,11 +1,12 @@
 //! Channels that must not be blended: Cryptomatte, motion, normals.
 
+use super::map::random;
 use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, LayerJob, Matte, MotionRule, NormalRule, WarpMap, WarpRules, footprint, remap_plate};
-use pinwarp::space::{FrameSize, PixelRect};
+use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::BTreeMap;
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 32, height: 24 };
@@ -170,6 +171,41 @@ fn motion_turns_with_the_picture() {
             || found[0].abs() < 1e-3 && (found[1].abs() - 1.0).abs() < 1e-3,
         "{found:?}"
     );
+}
+
+#[test]
+fn vectors_follow_fields_to_a_thousandth_of_a_pixel() {
+    let window = PixelRect { x: -8, y: 5, width: 150, height: 80 };
+    let size = FrameSize::new(160, 90);
+    let u = |x: u32, y: u32| 9.0 * (0.07 * x as f32 + 0.05 * y as f32).sin();
+    let v = |x: u32, y: u32| 6.0 * (0.06 * x as f32 - 0.04 * y as f32).cos();
+    let make = |name: &str, value: &dyn Fn(u32, u32) -> f32| channel(name, Storage::Float, window, value);
+    // P.X tells which pixel of the plate a pixel of the result shows.
+    let index = |x: u32, y: u32| (x + y * window.width) as f32;
+    let channels = vec![make("P.X", &index), make("forward.u", &u), make("forward.v", &v)];
+    let plate = plate(size.window(), window, channels);
+    let [now, next] = [7, 8].map(|seed| Field::of_picture(random(Basis::Bspline, 0.3, seed)));
+    let job = LayerJob { next: Some(next.clone()), ..layer("all", now.clone(), None) };
+    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
+    let (moved, _) = warped(&plate, vec![job], &rules);
+    let [shown, us, vs] = ["P.X", "forward.u", "forward.v"].map(|name| samples(&moved, name));
+    let goes = |field: &Field, at: [f64; 2]| {
+        let at = size.screen_from_image(ImagePoint::new(at[0], at[1]));
+        size.image_from_screen(field.carry(at)).0
+    };
+    let (mut worst, mut most): (f64, f64) = (0.0, 0.0);
+    for (pixel, &index) in shown.iter().enumerate() {
+        let [column, row] = [index as u32 % window.width, index as u32 / window.width];
+        let at = [f64::from(window.x) + f64::from(column) + 0.5, f64::from(window.y) + f64::from(row) + 0.5];
+        let stored = [u(column, row), v(column, row)].map(f64::from);
+        if us[pixel] == 0.0 && vs[pixel] == 0.0 {
+            continue;
+        }
+        let wanted = goes(&next, [at[0] + stored[0], at[1] - stored[1]]) - goes(&now, at);
+        worst = worst.max((wanted.x - f64::from(us[pixel])).hypot(-wanted.y - f64::from(vs[pixel])));
+        most = most.max((wanted.x - stored[0]).hypot(-wanted.y - stored[1]));
+    }
+    assert!(worst < 1e-3 && most > 2.0, "{worst} of {most} pixels");
 }
 
 #[test]
