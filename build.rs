@@ -25,8 +25,11 @@ fn main() -> Outcome<()> {
     println!("cargo:rerun-if-changed=build.rs");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let mut table = String::from("pub(super) static SHADERS: &[(&str, &[u8])] = &[\n");
-    let sources =
-        [(&["shading.wgsl", "geometry.wgsl"][..], geometry_variants()), (&["resolve.wgsl"], resolve_variants())];
+    let sources = [
+        (&["shading.wgsl", "geometry.wgsl"][..], geometry_variants()),
+        (&["resolve.wgsl"], resolve_variants()),
+        (&["remap.wgsl"], remap_variants()),
+    ];
     for (files, variants) in &sources {
         let (module, info) = parse(files)?;
         for variant in variants {
@@ -71,6 +74,13 @@ fn resolve_variants() -> Vec<Variant> {
     vec![variant("resolve_vertex", ShaderStage::Vertex, "vertex"), variant("resolve", ShaderStage::Fragment, "resolve")]
 }
 
+/// A compute entry for each filter of plates: `remap_ewa`.
+fn remap_variants() -> Vec<Variant> {
+    let variant =
+        |entry| Variant { name: format!("remap_{entry}"), stage: ShaderStage::Compute, entry, overrides: Vec::new() };
+    ["ewa", "cubic", "lanczos", "nearest"].map(variant).into()
+}
+
 /// Reads, joins and checks WGSL files.
 fn parse(files: &[&str]) -> Outcome<(Module, ModuleInfo)> {
     let mut source = String::new();
@@ -93,7 +103,7 @@ fn compile(module: &Module, info: &ModuleInfo, variant: &Variant) -> Outcome<Vec
         // No CLAMP_FRAG_DEPTH: no shader writes depth.
         flags: spv::WriterFlags::LABEL_VARYINGS | spv::WriterFlags::DEBUG,
         fake_missing_bindings: false,
-        // The only loop counts lights.
+        // Loops count lights, taps and the samples of a footprint, whose size is held.
         force_loop_bounding: false,
         binding_map: binding_map(&module),
         ..spv::Options::default()

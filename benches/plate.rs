@@ -1,10 +1,12 @@
 //! Warps of finished frames, against OpenCV and OpenImageIO in one run: `cargo bench --bench plate`.
 //!
 //! Needs Python 3 with numpy, opencv-python and OpenImageIO (`PYTHON` names another interpreter); says so where they
-//! are missing. All runs of a size take turns, the fastest of each counts: other work on the machine disturbs all alike.
+//! are missing; likewise for the Vulkan device, whose rows include the way there and back. All runs of a size take turns, the fastest of each counts: other work on the machine disturbs all alike.
 
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Filter, Planes, WarpMap, resample_into, resampled};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::raster::vulkan::VulkanRemap;
 use pinwarp::space::FrameSize;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::{BufRead, BufReader, Write};
@@ -40,6 +42,8 @@ enum Run {
     Ours(Filter),
     /// Ours, into fresh memory.
     Fresh(Filter),
+    /// Ours, on the Vulkan device.
+    Device(Filter),
     /// Package and filter.
     Peer(&'static str),
 }
@@ -118,6 +122,12 @@ impl Peers {
     }
 }
 
+/// Who else takes part.
+struct Others {
+    peers: Option<Peers>,
+    device: Option<VulkanRemap>,
+}
+
 fn rows() -> Vec<Row> {
     let row = |name, run| Row { name, run };
     vec![
@@ -127,6 +137,10 @@ fn rows() -> Vec<Row> {
         row("cubic, fresh memory", Run::Fresh(Filter::Cubic)),
         row("lanczos (6x6)", Run::Ours(Filter::Lanczos)),
         row("ewa", Run::Ours(Filter::Ewa)),
+        row("Vulkan nearest", Run::Device(Filter::Nearest)),
+        row("Vulkan cubic", Run::Device(Filter::Cubic)),
+        row("Vulkan lanczos (6x6)", Run::Device(Filter::Lanczos)),
+        row("Vulkan ewa", Run::Device(Filter::Ewa)),
         row("OpenCV nearest", Run::Peer("opencv nearest")),
         row("OpenCV bilinear", Run::Peer("opencv linear")),
         row("OpenCV bicubic", Run::Peer("opencv cubic")),
@@ -137,22 +151,28 @@ fn rows() -> Vec<Row> {
 }
 
 /// Milliseconds of one run of a row.
-fn time(run: Run, case: &Case, pool: &ThreadPool, outputs: &mut [Vec<f32>], peers: &mut Option<Peers>) -> f64 {
+fn time(run: Run, case: &Case, pool: &ThreadPool, outputs: &mut [Vec<f32>], others: &mut Others) -> f64 {
     let source = case.source();
     let start = Instant::now();
     match run {
         Run::Map => drop(pool.install(|| WarpMap::backward(&case.field, case.frame, case.frame.window()))),
         Run::Ours(filter) => pool.install(|| resample_into(&case.map, &source, filter, outputs)),
         Run::Fresh(filter) => drop(pool.install(|| resampled(&case.map, &source, filter))),
+        Run::Device(filter) => {
+            let drawn = others.device.as_mut().map(|device| device.resample(&case.map, &source, filter));
+            if !matches!(drawn, Some(Ok(_))) {
+                return f64::NAN;
+            }
+        }
         Run::Peer(what) => {
-            return peers.as_mut().map_or(f64::NAN, |peers| peers.time(what, pool.current_num_threads()));
+            return others.peers.as_mut().map_or(f64::NAN, |peers| peers.time(what, pool.current_num_threads()));
         }
     }
     start.elapsed().as_secs_f64() * 1e3
 }
 
 /// The fastest run of every row with so many threads.
-fn measure(case: &Case, threads: usize, peers: &mut Option<Peers>) -> Vec<f64> {
+fn measure(case: &Case, threads: usize, others: &mut Others) -> Vec<f64> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
     let mut outputs = vec![vec![0.0; case.frame.window().area()]; 4];
     let rows = rows();
@@ -160,7 +180,7 @@ fn measure(case: &Case, threads: usize, peers: &mut Option<Peers>) -> Vec<f64> {
     for turn in 0..TURNS[1] {
         for (k, row) in rows.iter().enumerate() {
             if turn < TURNS[0] || spent[k] < ENOUGH_MS {
-                let time = time(row.run, case, &pool, &mut outputs, peers);
+                let time = time(row.run, case, &pool, &mut outputs, others);
                 fastest[k] = fastest[k].min(time);
                 spent[k] += time;
             }
@@ -174,17 +194,22 @@ fn main() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let case = Case::new(width, height);
         case.write(folder.path());
-        let mut peers = Peers::start(&case, folder.path());
-        if peers.is_none() {
+        let device = VulkanRemap::open(&DeviceChoice::Auto);
+        match &device {
+            Ok(device) => println!("Vulkan: {}", device.name()),
+            Err(error) => println!("SKIPPED: {error}"),
+        }
+        let mut others = Others { peers: Peers::start(&case, folder.path()), device: device.ok() };
+        if others.peers.is_none() {
             println!(
                 "SKIPPED: no peers; pip install numpy opencv-python OpenImageIO, and name the interpreter in PYTHON"
             );
         }
-        let [one, two] = [1, 2].map(|threads| measure(&case, threads, &mut peers));
+        let [one, two] = [1, 2].map(|threads| measure(&case, threads, &mut others));
         println!("{width}x{height}, RGBA float, ms{:>14}{:>12}", "1 thread", "2 threads");
         for ((row, one), two) in rows().iter().zip(one).zip(two) {
             println!("  {:<28}{one:>12.1}{two:>12.1}", row.name);
         }
-        peers.into_iter().for_each(Peers::stop);
+        others.peers.into_iter().for_each(Peers::stop);
     }
 }

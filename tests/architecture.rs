@@ -17,7 +17,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plate", &["image", "lattice", "space", "spelling"]),
     ("export", &["image", "lattice", "plate", "scene", "space"]),
     ("compare", &["image", "lattice", "solve", "space"]),
-    ("raster", &["image", "lattice", "pose", "scene", "screen", "space", "spelling"]),
+    ("raster", &["image", "lattice", "plate", "pose", "scene", "screen", "space", "spelling"]),
     ("shot", &["image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
     (
         "pipeline",

@@ -16,6 +16,8 @@ mod mattes;
 mod passes;
 #[path = "vulkan/pictures.rs"]
 mod pictures;
+#[path = "vulkan/remap.rs"]
+mod remap;
 #[path = "vulkan/stage.rs"]
 mod stage;
 #[path = "vulkan/support.rs"]

@@ -35,6 +35,7 @@ mod vectors;
 mod warp;
 
 pub use field::Field;
+pub(crate) use filter::{Extent, lanczos_table};
 pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};

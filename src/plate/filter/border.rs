@@ -11,16 +11,16 @@ use crate::space::PixelRect;
 
 /// The picture along one axis, in samples from its first.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(crate) struct Extent {
     /// Samples.
-    pub(super) count: i32,
+    pub(crate) count: i32,
     /// Whether the picture goes on before the first and after the last sample.
-    goes_on: [bool; 2],
+    pub(crate) goes_on: [bool; 2],
 }
 
 impl Extent {
     /// Both axes of a picture.
-    pub(super) fn of_window(window: PixelRect, display: PixelRect) -> [Self; 2] {
+    pub(crate) fn of_window(window: PixelRect, display: PixelRect) -> [Self; 2] {
         let axis = |start: i32, count: u32, edge: i32, edges: u32| {
             let end = i64::from(start) + i64::from(count);
             let goes_on = [start <= edge, end >= i64::from(edge) + i64::from(edges)];

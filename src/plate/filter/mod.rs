@@ -18,7 +18,9 @@ mod tile;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use border::Extent;
 pub use footprint::footprint;
+pub(crate) use profile::lanczos_table;
 
 use super::{Filter, WarpMap};
 use crate::space::PixelRect;

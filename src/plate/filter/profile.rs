@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// Weights of up to eight samples side by side.
-pub(super) type Weights = [f32; LANES];
+pub(crate) type Weights = [f32; LANES];
 
 /// Steps of a table of weights a sample; between them weights are linear: 1.1e-6 off at most.
 const STEPS: usize = 1024;
@@ -76,8 +76,8 @@ pub(super) fn catmull_rom<S: Simd>(simd: S, distance: S::f32s) -> S::f32s {
     simd.select_f32s(simd.less_than_f32s(t, splat(1.0)), near, far)
 }
 
-/// The table of Lanczos weights, for [`Lanczos`].
-pub(super) fn lanczos_table() -> &'static [Weights] {
+/// The table of Lanczos weights, for [`Lanczos`] and its twin on devices.
+pub(crate) fn lanczos_table() -> &'static [Weights] {
     &LANCZOS
 }
 

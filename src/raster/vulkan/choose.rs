@@ -212,7 +212,9 @@ fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
 fn graphics_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: `physical` comes from this instance.
     let families = unsafe { instance.raw().get_physical_device_queue_family_properties(physical) };
-    (0u32..).zip(families).find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS)).map(|(at, _)| at)
+    // Plates are warped by compute shaders; every driver that draws has a family for both.
+    let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+    (0u32..).zip(families).find(|(_, family)| family.queue_flags.contains(needed)).map(|(at, _)| at)
 }
 
 fn device_memory(instance: &Instance, physical: vk::PhysicalDevice) -> u64 {

@@ -7,6 +7,7 @@ use super::device::Device;
 use super::fault::vulkan_error;
 use super::memory::{Buffer, Image, ImageState};
 use super::owned::Owned;
+use super::pipeline::{Pipeline, PipelineLayout};
 use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
@@ -17,6 +18,17 @@ pub(super) struct Commands {
     pool: Owned<vk::CommandPool>,
     fence: Owned<vk::Fence>,
     is_pending: bool,
+}
+
+/// A dispatch.
+pub(super) struct Compute<'a> {
+    pub(super) pipeline: &'a Pipeline,
+    pub(super) layout: &'a PipelineLayout,
+    pub(super) set: vk::DescriptorSet,
+    /// All push constants.
+    pub(super) push: &'a [u8],
+    /// Groups across and down.
+    pub(super) groups: [u32; 2],
 }
 
 /// What an image is used for next.
@@ -169,9 +181,14 @@ impl Commands {
         unsafe {
             self.raw().cmd_copy_image_to_buffer(self.buffer, image.get(), image.state.layout, buffer.get(), &[region]);
         }
+        self.show_host(buffer, (vk::PipelineStageFlags2::COPY, vk::AccessFlags2::TRANSFER_WRITE));
+    }
+
+    /// Lets the host see what a stage wrote into a buffer.
+    fn show_host(&self, buffer: &Buffer, (stage, access): (vk::PipelineStageFlags2, vk::AccessFlags2)) {
         let barriers = [vk::BufferMemoryBarrier2::default()
-            .src_stage_mask(vk::PipelineStageFlags2::COPY)
-            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .src_stage_mask(stage)
+            .src_access_mask(access)
             .dst_stage_mask(vk::PipelineStageFlags2::HOST)
             .dst_access_mask(vk::AccessFlags2::HOST_READ)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
@@ -181,6 +198,24 @@ impl Commands {
         let info = vk::DependencyInfo::default().buffer_memory_barriers(&barriers);
         // SAFETY: recording outside of rendering.
         unsafe { self.raw().cmd_pipeline_barrier2(self.buffer, &info) };
+    }
+
+    /// Runs a compute shader whose set fits its layout, for the host to read `output` after [`Self::wait`].
+    pub(super) fn compute(&self, work: &Compute, output: &Buffer) {
+        let (raw, layout) = (self.raw(), work.layout.get());
+        let point = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: recording; a compute pipeline (VUID-vkCmdBindPipeline-pipelineBindPoint-00780).
+        unsafe { raw.cmd_bind_pipeline(self.buffer, point, work.pipeline.get()) };
+        // SAFETY: recording; the set was made for set 0 of the layout (VUID-vkCmdBindDescriptorSets-pDescriptorSets-00358).
+        unsafe { raw.cmd_bind_descriptor_sets(self.buffer, point, layout, 0, &[work.set], &[]) };
+        // SAFETY: recording; as long as the layout's range and for its stage (VUID-vkCmdPushConstants-offset-01795,
+        // -01796, -size-00369).
+        unsafe { raw.cmd_push_constants(self.buffer, layout, vk::ShaderStageFlags::COMPUTE, 0, work.push) };
+        let [x, y] = work.groups;
+        // SAFETY: pipeline, set and push constants are bound; every device runs 65535 groups an axis, and `remap` asks
+        // for fewer (VUID-vkCmdDispatch-groupCountX-00386, -groupCountY-00387).
+        unsafe { raw.cmd_dispatch(self.buffer, x, y, 1) };
+        self.show_host(output, (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE));
     }
 
     /// Fills the levels of an image, prepared as [`Usage::CopyTarget`]: (level, extent, offset in the buffer) each.

@@ -29,7 +29,17 @@ impl Descriptors {
             size(vk::DescriptorType::SAMPLED_IMAGE, materials * TEXTURES_PER_MATERIAL + 1),
             size(vk::DescriptorType::SAMPLER, materials * TEXTURES_PER_MATERIAL + 1),
         ];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(count(materials + passes + 1)).pool_sizes(&sizes);
+        Self::with_sizes(device, count(materials + passes + 1), &sizes)
+    }
+
+    /// Room for one set of storage buffers.
+    pub(super) fn for_buffers(device: &Arc<Device>, buffers: u32) -> Result<Self, RasterError> {
+        let size = vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: buffers };
+        Self::with_sizes(device, 1, &[size])
+    }
+
+    fn with_sizes(device: &Arc<Device>, sets: u32, sizes: &[vk::DescriptorPoolSize]) -> Result<Self, RasterError> {
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(sizes);
         let pool = Owned::new(device, ("vkCreateDescriptorPool", "sets"), |raw| {
             // SAFETY: all counts > 0 (VUID-VkDescriptorPoolCreateInfo-descriptorPoolOverallocation-09227,
             // VUID-VkDescriptorPoolSize-descriptorCount-00302).

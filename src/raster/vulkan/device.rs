@@ -38,6 +38,8 @@ pub(super) struct Facts {
     pub(super) has_mapped_attachments: bool,
     /// Offsets of parts of storage and uniform buffers are multiples of this.
     pub(super) offset_alignment: u64,
+    /// The largest storage buffer, bytes.
+    pub(super) max_buffer_bytes: u64,
 }
 
 /// Bytes of all attachments of a pixel, at most.
@@ -70,6 +72,10 @@ impl Facts {
             offset_alignment: limits
                 .min_storage_buffer_offset_alignment
                 .max(limits.min_uniform_buffer_offset_alignment),
+            // Source, offsets and result at once take three quarters of the memory at most.
+            max_buffer_bytes: u64::from(limits.max_storage_buffer_range)
+                .min(candidate.max_allocation_bytes)
+                .min(candidate.info.memory_bytes / 4),
         }
     }
 }

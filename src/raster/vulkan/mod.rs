@@ -19,6 +19,8 @@ mod painter;
 mod pass;
 mod pipeline;
 mod readback;
+mod remap;
+mod remap_tiles;
 mod rendering;
 mod target;
 #[cfg(test)]
@@ -29,6 +31,7 @@ mod yardstick;
 
 pub use choose::{DeviceInfo, DeviceKind, devices};
 pub use messenger::Messages;
+pub use remap::VulkanRemap;
 pub use yardstick::{BareTimes, StageTimes};
 
 use crate::image::Frame;

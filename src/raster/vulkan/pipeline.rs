@@ -97,9 +97,30 @@ impl PipelineLayout {
         sets: &[&[vk::DescriptorType]],
         push_bytes: u32,
     ) -> Result<Self, RasterError> {
-        let sets = sets.iter().map(|types| set_layout(device, name, types)).collect::<Result<Vec<_>, _>>()?;
+        let layout = |types: &&[vk::DescriptorType]| set_layout(device, name, types, vk::ShaderStageFlags::FRAGMENT);
+        let sets = sets.iter().map(layout).collect::<Result<Vec<_>, _>>()?;
+        Self::of_sets(device, name, sets, (Self::PUSH_STAGES, push_bytes))
+    }
+
+    /// One set of descriptors and push constants that a compute shader reads.
+    pub(super) fn for_compute(
+        device: &Arc<Device>,
+        name: &str,
+        types: &[vk::DescriptorType],
+        push_bytes: u32,
+    ) -> Result<Self, RasterError> {
+        let stage = vk::ShaderStageFlags::COMPUTE;
+        Self::of_sets(device, name, vec![set_layout(device, name, types, stage)?], (stage, push_bytes))
+    }
+
+    fn of_sets(
+        device: &Arc<Device>,
+        name: &str,
+        sets: Vec<Owned<vk::DescriptorSetLayout>>,
+        (push_stages, push_bytes): (vk::ShaderStageFlags, u32),
+    ) -> Result<Self, RasterError> {
         let handles: Vec<_> = sets.iter().map(Owned::get).collect();
-        let ranges = [vk::PushConstantRange::default().stage_flags(Self::PUSH_STAGES).size(push_bytes)];
+        let ranges = [vk::PushConstantRange::default().stage_flags(push_stages).size(push_bytes)];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&handles).push_constant_ranges(&ranges);
         let handle = Owned::new(device, ("vkCreatePipelineLayout", name), |raw| {
             // SAFETY: at most 4 sets, at most 128 bytes (VUID-VkPipelineLayoutCreateInfo-setLayoutCount-00286,
@@ -122,6 +143,7 @@ fn set_layout(
     device: &Arc<Device>,
     name: &str,
     types: &[vk::DescriptorType],
+    stage: vk::ShaderStageFlags,
 ) -> Result<Owned<vk::DescriptorSetLayout>, RasterError> {
     let bindings: Vec<_> = (0..)
         .zip(types)
@@ -130,7 +152,7 @@ fn set_layout(
                 .binding(binding)
                 .descriptor_type(kind)
                 .descriptor_count(1)
-                .stage_flags(vk::ShaderStageFlags::FRAGMENT)
+                .stage_flags(stage)
         })
         .collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -201,7 +223,7 @@ impl Pipelines {
 }
 
 /// The compiled shader of that name, an entry of build.rs.
-fn shader(device: &Arc<Device>, name: &str) -> Result<Owned<vk::ShaderModule>, RasterError> {
+pub(super) fn shader(device: &Arc<Device>, name: &str) -> Result<Owned<vk::ShaderModule>, RasterError> {
     let found = table::SHADERS.iter().find(|(known, _)| *known == name);
     let (_, bytes) = found.ok_or(RasterError::Misuse("a shader variant was not compiled"))?;
     let words: Vec<u32> =

@@ -1,0 +1,440 @@
+// Resamples planes through a map of offsets: the twin of src/plate/filter/, one invocation a pixel of an area.
+//
+// In: offsets of the area and its neighbours, a part of the source, weights of Lanczos. Out: planes of the area.
+// Samples are read and written as bits: copies keep them, and no driver has to be trusted with what is no number.
+
+/// What infinities become: 65504, the greatest finite half, as bits.
+const GREATEST: u32 = 0x477fe000u;
+/// A sum that misses more than three quarters of its weights says nothing.
+const LEAST_PRESENCE: f32 = 0.25;
+/// Greatest shrink that is filtered in full.
+const SHRINK_LIMIT: f32 = 16.0;
+/// Shrinks up to this factor count as none.
+const SLACK: f32 = 1.02;
+/// Steps of the table of Lanczos weights a sample, and numbers of a row of it.
+const STEPS: i32 = 1024;
+const ROW: i32 = 8;
+/// Beyond all samples.
+const HUGE: f32 = 3.4028234e38;
+
+/// What an area needs to know; 80 bytes.
+struct Push {
+    /// Pixels of the area.
+    area: vec2<u32>,
+    /// Where its first pixel lies among the offsets, and how many of those there are.
+    first: vec2<i32>,
+    net: vec2<i32>,
+    /// The sample at the place of the first pixel.
+    start: vec2<i32>,
+    /// Samples of the whole picture.
+    count: vec2<i32>,
+    /// The part of it that is here: first sample and size.
+    low: vec2<i32>,
+    size: vec2<i32>,
+    /// 1 where the picture goes on before the first and after the last sample.
+    goes_on_before: vec2<u32>,
+    goes_on_after: vec2<u32>,
+    /// Planes that follow each other in source and result, 1 to 4.
+    planes: u32,
+    padding: u32,
+}
+
+/// Place of a pixel in the source: the sample before it and how far behind that it lies.
+struct Place {
+    sample: vec2<i32>,
+    fraction: vec2<f32>,
+    is_near: bool,
+}
+
+/// Filter distances from source distances (xx, xy = yx, yy); reach of the corners of the square of "radius" 1.
+struct Shape {
+    filter_from_source: vec3<f32>,
+    reach: vec2<f32>,
+}
+
+var<immediate> push: Push;
+@group(0) @binding(0) var<storage, read> offsets: array<vec2<u32>>;
+@group(0) @binding(1) var<storage, read> source: array<u32>;
+@group(0) @binding(2) var<storage, read> lanczos_table: array<f32>;
+@group(0) @binding(3) var<storage, read_write> result: array<u32>;
+
+/// Something that is no number was read.
+var<private> lacks: bool;
+/// Texels are read as 1 where they are numbers, 0 where not.
+var<private> reads_presence: bool;
+
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+fn is_nan(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
+}
+
+// --- Samples: border.rs, block.rs -----------------------------------------------------------------------------------
+
+/// Bits of up to four planes at a sample of the picture, also beyond its borders.
+fn bits_at(place: vec2<i32>) -> vec4<u32> {
+    let before = (place < vec2<i32>(0)) & (push.goes_on_before == vec2<u32>(1u));
+    let after = (place >= push.count) & (push.goes_on_after == vec2<u32>(1u));
+    let sample = select(place, clamp(place, vec2<i32>(0), push.count - 1), before | after);
+    var bits = vec4<u32>(0u);
+    if any(sample < vec2<i32>(0)) || any(sample >= push.count) {
+        return bits;
+    }
+    // Whoever laid out the part put all samples into it; the clamp keeps a wrong one from reading elsewhere.
+    let here = clamp(sample - push.low, vec2<i32>(0), push.size - 1);
+    let index = here.y * push.size.x + here.x;
+    let area = push.size.x * push.size.y;
+    bits.x = source[index];
+    if push.planes > 1u { bits.y = source[index + area]; }
+    if push.planes > 2u { bits.z = source[index + 2 * area]; }
+    if push.planes > 3u { bits.w = source[index + 3 * area]; }
+    return bits;
+}
+
+/// Samples as finite numbers, 0 for what is none; or whether they are numbers.
+fn texel_at(place: vec2<i32>) -> vec4<f32> {
+    let bits = bits_at(place);
+    let magnitude = bits & vec4<u32>(0x7fffffffu);
+    let is_nan = magnitude > vec4<u32>(0x7f800000u);
+    lacks = lacks || any(is_nan);
+    if reads_presence {
+        return select(vec4<f32>(1.0), vec4<f32>(0.0), is_nan);
+    }
+    let greatest = (bits & vec4<u32>(0x80000000u)) | vec4<u32>(GREATEST);
+    let finite = select(bits, greatest, magnitude == vec4<u32>(0x7f800000u));
+    return bitcast<vec4<f32>>(select(finite, vec4<u32>(0u), is_nan));
+}
+
+/// How much of a pixel lies inside the sides that cut, 0 to 1.
+fn coverage(place: Place) -> f32 {
+    let sample = vec2<f32>(place.sample);
+    let before = select(vec2<f32>(1.0), sample + 1.0 + place.fraction, push.goes_on_before == vec2<u32>(1u));
+    let rest = vec2<f32>(push.count) - sample - place.fraction;
+    let after = select(vec2<f32>(1.0), rest, push.goes_on_after == vec2<u32>(1u));
+    let both = clamp(min(before, after), vec2<f32>(0.0), vec2<f32>(1.0));
+    return both.x * both.y;
+}
+
+// --- Places: places.rs, nearest.rs ----------------------------------------------------------------------------------
+
+fn offset_at(pixel: vec2<i32>) -> vec2<f32> {
+    let at = push.first + pixel;
+    return bitcast<vec2<f32>>(offsets[at.y * push.net.x + at.x]);
+}
+
+fn is_still(pixel: vec2<i32>) -> bool {
+    return all((bitcast<vec2<u32>>(offset_at(pixel)) & vec2<u32>(0x7fffffffu)) == vec2<u32>(0u));
+}
+
+/// `taps` on each side: pixels further from the picture see nothing.
+fn place_of(pixel: vec2<i32>, taps: f32) -> Place {
+    let offset = offset_at(pixel);
+    if !is_finite(offset.x) || !is_finite(offset.y) {
+        return Place(vec2<i32>(0), vec2<f32>(0.0), false);
+    }
+    let whole = floor(offset);
+    let sample = vec2<f32>(push.start + pixel) + whole;
+    if any(sample < vec2<f32>(-taps)) || any(sample >= vec2<f32>(push.count) + taps) {
+        return Place(vec2<i32>(0), vec2<f32>(0.0), false);
+    }
+    return Place(vec2<i32>(sample), offset - whole, true);
+}
+
+/// Bits of the sample nearest to where a pixel's offset leads; 0 outside the picture.
+fn nearest_sample(pixel: vec2<i32>) -> vec4<u32> {
+    let offset = offset_at(pixel);
+    if !is_finite(offset.x) || !is_finite(offset.y) {
+        return vec4<u32>(0u);
+    }
+    let place = vec2<f32>(push.start + pixel) + floor(offset + 0.5);
+    if any(place < vec2<f32>(0.0)) || any(place >= vec2<f32>(push.count)) {
+        return vec4<u32>(0u);
+    }
+    return bits_at(vec2<i32>(place));
+}
+
+// --- Footprints: shape.rs -------------------------------------------------------------------------------------------
+
+/// How offsets change along an axis, a pixel: the smaller of both sides' differences; 0 where neither side has one.
+fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
+    let at = push.first + pixel;
+    let here = offset_at(pixel);
+    var before = vec2<f32>(0.0);
+    var after = vec2<f32>(0.0);
+    var has_before = all(at - step >= vec2<i32>(0));
+    var has_after = all(at + step < push.net);
+    if has_before {
+        let there = offset_at(pixel - step);
+        has_before = !is_nan(there.x) && !is_nan(there.y);
+        before = here - there;
+    }
+    if has_after {
+        let there = offset_at(pixel + step);
+        has_after = !is_nan(there.x) && !is_nan(there.y);
+        after = there - here;
+    }
+    if has_before && (!has_after || dot(before, before) <= dot(after, after)) {
+        return before;
+    }
+    return select(vec2<f32>(0.0), after, has_after);
+}
+
+fn shape_at(pixel: vec2<i32>) -> Shape {
+    let across = steepness(pixel, vec2<i32>(1, 0));
+    let down = steepness(pixel, vec2<i32>(0, 1));
+    return shape_of_jacobian(vec2<f32>(1.0 + across.x, down.x), vec2<f32>(across.y, 1.0 + down.y));
+}
+
+/// H⁻¹ from the rows of J, H = max(1, √(J Jᵀ)).
+fn shape_of_jacobian(x: vec2<f32>, y: vec2<f32>) -> Shape {
+    let a = dot(x, x);
+    let b = dot(x, y);
+    let c = dot(y, y);
+    let mean = 0.5 * (a + c);
+    let half = 0.5 * (a - c);
+    let radius = sqrt(half * half + b * b);
+    let longest = mean + radius;
+    if longest <= SLACK * SLACK || !is_finite(longest) {
+        return Shape(vec3<f32>(1.0, 0.0, 1.0), vec2<f32>(1.0));
+    }
+    let long = held(longest);
+    let short = held(mean - radius);
+    let scale = select(0.0, 1.0 / radius, radius > 0.0);
+    let along = half * scale;
+    let aside = b * scale;
+    let p = 0.5 * (1.0 / long + 1.0 / short);
+    let q = 0.5 * (1.0 / long - 1.0 / short);
+    let s = 0.5 * (long + short);
+    let t = 0.5 * (long - short);
+    let corner = abs(t * aside);
+    let matrix = vec3<f32>(p + q * along, q * aside, p - q * along);
+    return Shape(matrix, vec2<f32>(s + t * along, s - t * along) + corner);
+}
+
+fn held(squared: f32) -> f32 {
+    return clamp(sqrt(max(squared, 0.0)) / SLACK, 1.0, SHRINK_LIMIT);
+}
+
+fn is_unit(shape: Shape) -> bool {
+    return all(shape.reach == vec2<f32>(1.0));
+}
+
+// --- Weights: profile.rs --------------------------------------------------------------------------------------------
+
+/// Catmull-Rom weights of the samples at -1, 0, 1 and 2.
+fn cubic_weights(fraction: f32) -> vec4<f32> {
+    let c0 = vec4<f32>(0.0, 1.0, 0.0, 0.0);
+    let c1 = vec4<f32>(-0.5, 0.0, 0.5, 0.0);
+    let c2 = vec4<f32>(1.0, -2.5, 2.0, -0.5);
+    let c3 = vec4<f32>(-0.5, 1.5, -1.5, 0.5);
+    return ((c3 * fraction + c2) * fraction + c1) * fraction + c0;
+}
+
+/// Lanczos weight of the `tap`-th sample, from the one at -2 on.
+fn lanczos_weight(fraction: f32, tap: i32) -> f32 {
+    let place = fraction * f32(STEPS);
+    let step = min(i32(place), STEPS - 1);
+    let low = lanczos_table[step * ROW + tap];
+    let high = lanczos_table[(step + 1) * ROW + tap];
+    return (place - f32(step)) * (high - low) + low;
+}
+
+/// Catmull-Rom at a distance.
+fn catmull_rom(distance: f32) -> f32 {
+    let t = abs(distance);
+    let u = min(t, 2.0);
+    let near = (1.5 * t - 2.5) * (t * t) + 1.0;
+    let far = ((-0.5 * u + 2.5) * u - 4.0) * u + 2.0;
+    return select(far, near, t < 1.0);
+}
+
+// --- Sums: kernel.rs ------------------------------------------------------------------------------------------------
+
+fn cubic_row(first: vec2<i32>, across: vec4<f32>) -> vec4<f32> {
+    return across.x * texel_at(first)
+        + across.y * texel_at(first + vec2<i32>(1, 0))
+        + across.z * texel_at(first + vec2<i32>(2, 0))
+        + across.w * texel_at(first + vec2<i32>(3, 0));
+}
+
+fn cubic_sum(place: Place) -> vec4<f32> {
+    let first = place.sample - 1;
+    let across = cubic_weights(place.fraction.x);
+    let down = cubic_weights(place.fraction.y);
+    return down.x * cubic_row(first, across)
+        + down.y * cubic_row(first + vec2<i32>(0, 1), across)
+        + down.z * cubic_row(first + vec2<i32>(0, 2), across)
+        + down.w * cubic_row(first + vec2<i32>(0, 3), across);
+}
+
+fn lanczos_sum(place: Place) -> vec4<f32> {
+    let first = place.sample - 2;
+    var sum = vec4<f32>(0.0);
+    for (var y = 0; y < 6; y++) {
+        var row = vec4<f32>(0.0);
+        for (var x = 0; x < 6; x++) {
+            row += lanczos_weight(place.fraction.x, x) * texel_at(first + vec2<i32>(x, y));
+        }
+        sum += lanczos_weight(place.fraction.y, y) * row;
+    }
+    return sum;
+}
+
+/// The nearest value of a range. An empty one holds nothing back.
+fn hold(value: vec4<f32>, low: vec4<f32>, high: vec4<f32>) -> vec4<f32> {
+    return select(value, max(min(value, high), low), low <= high);
+}
+
+/// Catmull-Rom, held within the range of the four texels around the place.
+fn plain(place: Place) -> vec4<f32> {
+    let a = texel_at(place.sample);
+    let b = texel_at(place.sample + vec2<i32>(1, 0));
+    let c = texel_at(place.sample + vec2<i32>(0, 1));
+    let d = texel_at(place.sample + vec2<i32>(1, 1));
+    return hold(cubic_sum(place), min(min(a, b), min(c, d)), max(max(a, b), max(c, d)));
+}
+
+/// Where a row cuts the filter's square of "radius" 2, within its reach: the edges of both pairs.
+fn chord(shape: Shape, dy: f32) -> vec2<f32> {
+    let xx = shape.filter_from_source.x;
+    let xy = shape.filter_from_source.y;
+    let yy = shape.filter_from_source.z;
+    let reach = 2.0 * shape.reach.x;
+    var cut = vec2<f32>(-xy * dy - 2.0, -xy * dy + 2.0) / xx;
+    // Edges along the rows are never met.
+    if abs(xy) >= 1e-5 {
+        let middle = -yy / xy * dy;
+        let half = 2.0 / abs(xy);
+        cut = vec2<f32>(max(cut.x, middle - half), min(cut.y, middle + half));
+    }
+    return vec2<f32>(max(cut.x, -reach), min(cut.y, reach));
+}
+
+/// Catmull-Rom along the axes of a widened footprint, normalised and held within the range of its inner square.
+fn widened(place: Place, shape: Shape) -> vec4<f32> {
+    let xx = shape.filter_from_source.x;
+    let xy = shape.filter_from_source.y;
+    let yy = shape.filter_from_source.z;
+    let reach = 2.0 * shape.reach.y;
+    var sum = vec4<f32>(0.0);
+    var weight_sum = 0.0;
+    var low = vec4<f32>(HUGE);
+    var high = vec4<f32>(-HUGE);
+    let bottom = i32(floor(place.fraction.y + reach));
+    for (var y = i32(ceil(place.fraction.y - reach)); y <= bottom; y++) {
+        let dy = f32(y) - place.fraction.y;
+        let cut = chord(shape, dy);
+        let last = i32(floor(place.fraction.x + cut.y));
+        for (var x = i32(ceil(place.fraction.x + cut.x)); x <= last; x++) {
+            let dx = f32(x) - place.fraction.x;
+            let u = xx * dx + xy * dy;
+            let v = xy * dx + yy * dy;
+            let weight = catmull_rom(u) * catmull_rom(v);
+            let texel = texel_at(place.sample + vec2<i32>(x, y));
+            sum += weight * texel;
+            weight_sum += weight;
+            if max(abs(u), abs(v)) < 1.0 {
+                low = min(low, texel);
+                high = max(high, texel);
+            }
+        }
+    }
+    return hold(sum / weight_sum, low, high);
+}
+
+fn footprint_sum(place: Place, shape: Shape) -> vec4<f32> {
+    if is_unit(shape) {
+        return plain(place);
+    }
+    return widened(place, shape);
+}
+
+// --- Pixels: tile.rs ------------------------------------------------------------------------------------------------
+
+fn write_bits(pixel: vec2<i32>, bits: vec4<u32>) {
+    let index = u32(pixel.y) * push.area.x + u32(pixel.x);
+    let area = push.area.x * push.area.y;
+    result[index] = bits.x;
+    if push.planes > 1u { result[index + area] = bits.y; }
+    if push.planes > 2u { result[index + 2u * area] = bits.z; }
+    if push.planes > 3u { result[index + 3u * area] = bits.w; }
+}
+
+fn write(pixel: vec2<i32>, place: Place, sum: vec4<f32>) {
+    write_bits(pixel, bitcast<vec4<u32>>(sum * coverage(place)));
+}
+
+/// Spreads the weights of samples that are no numbers over the others.
+fn renormalize(sum: vec4<f32>, presence: vec4<f32>) -> vec4<f32> {
+    let says = presence >= vec4<f32>(LEAST_PRESENCE);
+    return select(vec4<f32>(0.0), sum / select(vec4<f32>(1.0), presence, says), says);
+}
+
+@compute @workgroup_size(8, 8)
+fn nearest(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= push.area) {
+        return;
+    }
+    write_bits(vec2<i32>(id.xy), nearest_sample(vec2<i32>(id.xy)));
+}
+
+@compute @workgroup_size(8, 8)
+fn cubic(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= push.area) {
+        return;
+    }
+    let pixel = vec2<i32>(id.xy);
+    let place = place_of(pixel, 2.0);
+    if is_still(pixel) || !place.is_near {
+        write_bits(pixel, nearest_sample(pixel) * vec4<u32>(u32(is_still(pixel))));
+        return;
+    }
+    var sum = cubic_sum(place);
+    if lacks {
+        reads_presence = true;
+        sum = renormalize(sum, cubic_sum(place));
+    }
+    write(pixel, place, sum);
+}
+
+@compute @workgroup_size(8, 8)
+fn lanczos(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= push.area) {
+        return;
+    }
+    let pixel = vec2<i32>(id.xy);
+    let place = place_of(pixel, 3.0);
+    if is_still(pixel) || !place.is_near {
+        write_bits(pixel, nearest_sample(pixel) * vec4<u32>(u32(is_still(pixel))));
+        return;
+    }
+    var sum = lanczos_sum(place);
+    if lacks {
+        reads_presence = true;
+        sum = renormalize(sum, lanczos_sum(place));
+    }
+    write(pixel, place, sum);
+}
+
+@compute @workgroup_size(8, 8)
+fn ewa(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= push.area) {
+        return;
+    }
+    let pixel = vec2<i32>(id.xy);
+    let shape = shape_at(pixel);
+    let is_copied = is_still(pixel) && is_unit(shape);
+    let place = place_of(pixel, floor(2.0 * max(shape.reach.x, shape.reach.y)) + 1.0);
+    if is_copied || !place.is_near {
+        write_bits(pixel, nearest_sample(pixel) * vec4<u32>(u32(is_copied)));
+        return;
+    }
+    var sum = footprint_sum(place, shape);
+    if lacks {
+        reads_presence = true;
+        sum = renormalize(sum, footprint_sum(place, shape));
+    }
+    write(pixel, place, sum);
+}

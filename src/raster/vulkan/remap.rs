@@ -1,0 +1,316 @@
+//! Planes seen through a map of offsets, on a device: the twin of `src/plate/filter/`.
+//!
+//! In: a map, planes, a filter. Out: planes of the map's window, within rounding those of
+//! [`resampled`](crate::plate::resampled). Maps and pictures too large for a device's buffers are drawn in tiles.
+
+use super::commands::{Commands, Compute};
+use super::descriptors::Descriptors;
+use super::device::Device;
+use super::instance::Instance;
+use super::memory::{Buffer, BufferUse, MemoryLocation};
+use super::owned::Owned;
+use super::pipeline::{Pipeline, PipelineLayout, shader};
+use super::remap_tiles::{Cut, Tile};
+use super::{Messages, choose};
+use crate::plate::{Extent, Filter, Planes, WarpMap, lanczos_table};
+use crate::raster::{DeviceChoice, RasterError};
+use crate::space::PixelRect;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::ffi::CStr;
+use std::sync::Arc;
+
+/// Planes that share a dispatch.
+const GROUP: usize = 4;
+/// Pixels of a workgroup on both axes.
+const GROUP_SIDE: u32 = 8;
+
+/// `Push` of remap.wgsl.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Push {
+    area: [u32; 2],
+    first: [i32; 2],
+    net: [i32; 2],
+    start: [i32; 2],
+    count: [i32; 2],
+    low: [i32; 2],
+    size: [i32; 2],
+    goes_on_before: [u32; 2],
+    goes_on_after: [u32; 2],
+    planes: u32,
+    padding: u32,
+}
+
+const PUSH_BYTES: u32 = size_of::<Push>() as u32;
+
+/// The buffers of a dispatch, in the order of their bindings.
+#[derive(Clone, Copy)]
+enum Role {
+    Offsets,
+    Source,
+    Lanczos,
+    Result,
+}
+
+impl Role {
+    const ALL: [Self; 4] = [Self::Offsets, Self::Source, Self::Lanczos, Self::Result];
+
+    fn buffer_use(self) -> BufferUse {
+        let (name, location) = match self {
+            Self::Offsets => ("offsets of a map", MemoryLocation::CpuToGpu),
+            Self::Source => ("planes of a plate", MemoryLocation::CpuToGpu),
+            Self::Lanczos => ("weights of Lanczos", MemoryLocation::CpuToGpu),
+            Self::Result => ("planes of a warped plate", MemoryLocation::GpuToCpu),
+        };
+        BufferUse { name, usage: vk::BufferUsageFlags::STORAGE_BUFFER, location }
+    }
+}
+
+/// Resamples planes on a Vulkan device. Field order: what waits for the device goes first, then what the device read.
+pub struct VulkanRemap {
+    commands: Commands,
+    buffers: [Option<Buffer>; Role::ALL.len()],
+    pipelines: [Option<Pipeline>; 4],
+    set: vk::DescriptorSet,
+    descriptors: Descriptors,
+    layout: PipelineLayout,
+    device: Arc<Device>,
+    /// Bytes that a buffer may have.
+    most_bytes: u64,
+}
+
+/// Planes of a group, and where they are looked for.
+struct Group<'a> {
+    map: &'a WarpMap,
+    window: PixelRect,
+    planes: &'a [&'a [f32]],
+    extents: [Extent; 2],
+    start: [i32; 2],
+}
+
+impl VulkanRemap {
+    /// Opens the chosen device.
+    ///
+    /// # Errors
+    /// [`RasterError`] where there is no such device, or it lacks memory; [`DeviceChoice::Cpu`] is none.
+    pub fn open(choice: &DeviceChoice) -> Result<Self, RasterError> {
+        Self::open_with(choice, None)
+    }
+
+    /// The same with validation, as [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated).
+    ///
+    /// # Errors
+    /// As [`Self::open`]; [`RasterError::NoDevice`] also where the validation layer is not installed.
+    pub fn open_validated(choice: &DeviceChoice, messages: &Messages) -> Result<Self, RasterError> {
+        Self::open_with(choice, Some(messages))
+    }
+
+    fn open_with(choice: &DeviceChoice, messages: Option<&Messages>) -> Result<Self, RasterError> {
+        let instance = Arc::new(Instance::new(messages)?);
+        let candidate = choose::choose(&instance, choice)?;
+        Self::on_device(Device::new(instance, &candidate)?)
+    }
+
+    pub(super) fn on_device(device: Arc<Device>) -> Result<Self, RasterError> {
+        let descriptors = Descriptors::for_buffers(&device, Role::ALL.len() as u32)?;
+        let types = [vk::DescriptorType::STORAGE_BUFFER; Role::ALL.len()];
+        let layout = PipelineLayout::for_compute(&device, "remap", &types, PUSH_BYTES)?;
+        let set = descriptors.set(layout.set(0), "remap")?;
+        let mut remap = Self {
+            commands: Commands::new(&device, "remap")?,
+            buffers: Default::default(),
+            pipelines: Default::default(),
+            set,
+            descriptors,
+            layout,
+            most_bytes: device.facts().max_buffer_bytes,
+            device,
+        };
+        let table: &[u8] = bytemuck::cast_slice(lanczos_table());
+        remap.bind(Role::Lanczos, table.len())?.copy_from_slice(table);
+        Ok(remap)
+    }
+
+    /// What resamples: `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.device.facts().name.clone()
+    }
+
+    /// Buffers get no larger than this, in bytes; more and smaller tiles then give the same picture.
+    pub fn limit_buffers(&mut self, bytes: u64) {
+        self.most_bytes = self.device.facts().max_buffer_bytes.min(bytes);
+    }
+
+    /// The planes as seen through the map, as [`resampled`](crate::plate::resampled) gives them: one an input plane, each
+    /// `map.window.area()` samples; 0 where the map holds NaN. Copies keep their bits, sums differ by rounding.
+    ///
+    /// # Errors
+    /// [`RasterError`] where a plane or the map does not have as many elements as its window has pixels, or memory or the
+    /// device fails.
+    pub fn resample(&mut self, map: &WarpMap, source: &Planes, filter: Filter) -> Result<Vec<Vec<f32>>, RasterError> {
+        check(map, source)?;
+        let mut results = vec![vec![0.0; map.window.area()]; source.planes.len()];
+        if map.window.area() == 0 || source.window.area() == 0 {
+            return Ok(results);
+        }
+        self.prepare(filter)?;
+        let extents = Extent::of_window(source.window, map.frame.window());
+        let start = [map.window.x - source.window.x, map.window.y - source.window.y];
+        let texel_bytes = (size_of::<f32>() * source.planes.len().clamp(2, GROUP)) as u64;
+        let most = usize::try_from(self.most_bytes / texel_bytes).unwrap_or(usize::MAX);
+        let tiles = Cut { map, extents, start, filter, most }.tiles();
+        for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {
+            let group = Group { map, window: source.window, planes, extents, start };
+            let mut held = None;
+            for tile in &tiles {
+                if held.replace(tile.part) != Some(tile.part) {
+                    self.upload_source(&group, tile.part)?;
+                }
+                self.run(&group, tile, filter, results)?;
+            }
+        }
+        Ok(results)
+    }
+
+    /// Makes a filter's pipeline if it is not there yet.
+    fn prepare(&mut self, filter: Filter) -> Result<(), RasterError> {
+        let slot = &mut self.pipelines[filter as usize];
+        if slot.is_none() {
+            *slot = Some(pipeline(&self.device, &self.layout, filter)?);
+        }
+        Ok(())
+    }
+
+    /// Binds so many bytes of a buffer, to be written or read by the host. Nothing is submitted at that time.
+    fn bind(&mut self, role: Role, bytes: usize) -> Result<&mut [u8], RasterError> {
+        let size = bytes as u64;
+        let slot = &mut self.buffers[role as usize];
+        let buffer = Buffer::reserve(slot, &self.device, role.buffer_use(), (size, size))?;
+        let place = (self.set, role as u32);
+        self.descriptors.write_buffer(place, vk::DescriptorType::STORAGE_BUFFER, (buffer, 0, size));
+        buffer.bytes_mut().get_mut(..bytes).ok_or(RasterError::Misuse("a buffer of a plate is not mapped"))
+    }
+
+    /// Puts a part of the planes into the source buffer, one after the other.
+    fn upload_source(&mut self, group: &Group, part: PixelRect) -> Result<(), RasterError> {
+        let bytes = self.bind(Role::Source, part.area() * size_of::<f32>() * group.planes.len())?;
+        let to: &mut [f32] = bytemuck::cast_slice_mut(bytes);
+        for (plane, to) in group.planes.iter().zip(to.chunks_exact_mut(part.area())) {
+            copy_rows((plane, group.window.width, part), (to, part.width, PixelRect { x: 0, y: 0, ..part }));
+        }
+        Ok(())
+    }
+
+    /// Puts the offsets of an area and of its neighbours into their buffer; the rectangle they fill.
+    fn upload_offsets(&mut self, map: &WarpMap, area: PixelRect) -> Result<PixelRect, RasterError> {
+        let axis = |low: i32, size: u32, all: u32| {
+            let first = (low - 1).max(0);
+            (first, (low as u32 + size + 1).min(all) - first as u32)
+        };
+        let (x, width) = axis(area.x, area.width, map.window.width);
+        let (y, height) = axis(area.y, area.height, map.window.height);
+        let net = PixelRect { x, y, width, height };
+        let bytes = self.bind(Role::Offsets, net.area() * size_of::<[f32; 2]>())?;
+        let from = (&map.offsets[..], map.window.width, net);
+        copy_rows(from, (bytemuck::cast_slice_mut(bytes), width, PixelRect { x: 0, y: 0, ..net }));
+        Ok(net)
+    }
+
+    /// Draws a tile, whose source is there, into its planes.
+    fn run(&mut self, group: &Group, tile: &Tile, filter: Filter, results: &mut [Vec<f32>]) -> Result<(), RasterError> {
+        let area = tile.area;
+        let net = self.upload_offsets(group.map, area)?;
+        self.bind(Role::Result, area.area() * size_of::<f32>() * results.len())?;
+        self.dispatch(&group.push(tile, net), filter)?;
+        let result = self.buffers[Role::Result as usize].as_ref().map_or(&[][..], Buffer::bytes);
+        let result: &[f32] = bytemuck::cast_slice(&result[..area.area() * size_of::<f32>() * results.len()]);
+        for (from, to) in result.chunks_exact(area.area()).zip(results) {
+            copy_rows((from, area.width, PixelRect { x: 0, y: 0, ..area }), (to, group.map.window.width, area));
+        }
+        Ok(())
+    }
+
+    /// Runs a filter over the bound buffers and waits.
+    fn dispatch(&mut self, push: &Push, filter: Filter) -> Result<(), RasterError> {
+        let missing = RasterError::Misuse("a filter was not prepared");
+        let (Some(pipeline), Some(result)) = (&self.pipelines[filter as usize], &self.buffers[Role::Result as usize])
+        else {
+            return Err(missing);
+        };
+        let groups = push.area.map(|side| side.div_ceil(GROUP_SIDE));
+        let push = bytemuck::bytes_of(push);
+        self.commands.begin()?;
+        self.commands.compute(&Compute { pipeline, layout: &self.layout, set: self.set, push, groups }, result);
+        self.commands.submit()?;
+        self.commands.wait()
+    }
+}
+
+impl Group<'_> {
+    fn push(&self, tile: &Tile, net: PixelRect) -> Push {
+        let Tile { area, part } = *tile;
+        let goes_on = |side: usize| self.extents.map(|extent| u32::from(extent.goes_on[side]));
+        Push {
+            area: [area.width, area.height],
+            first: [area.x - net.x, area.y - net.y],
+            net: [net.width as i32, net.height as i32],
+            start: [self.start[0] + area.x, self.start[1] + area.y],
+            count: self.extents.map(|extent| extent.count),
+            low: [part.x, part.y],
+            size: [part.width as i32, part.height as i32],
+            goes_on_before: goes_on(0),
+            goes_on_after: goes_on(1),
+            planes: self.planes.len() as u32,
+            padding: 0,
+        }
+    }
+}
+
+fn check(map: &WarpMap, source: &Planes) -> Result<(), RasterError> {
+    if map.offsets.len() != map.window.area() {
+        return Err(RasterError::Misuse("the map does not have an offset a pixel"));
+    }
+    if source.planes.iter().any(|plane| plane.len() != source.window.area()) {
+        return Err(RasterError::Misuse("a plane does not have a sample a pixel"));
+    }
+    Ok(())
+}
+
+/// Copies a rectangle from one array of rows into another's of the same size: (elements, elements of a row, rectangle).
+fn copy_rows<T: Copy>(
+    (from, stride, part): (&[T], u32, PixelRect),
+    (to, to_stride, place): (&mut [T], u32, PixelRect),
+) {
+    let (stride, to_stride, width) = (stride as usize, to_stride as usize, part.width as usize);
+    for row in 0..part.height as usize {
+        let first = (part.y as usize + row) * stride + part.x as usize;
+        let to_first = (place.y as usize + row) * to_stride + place.x as usize;
+        to[to_first..to_first + width].copy_from_slice(&from[first..first + width]);
+    }
+}
+
+fn pipeline(device: &Arc<Device>, layout: &PipelineLayout, filter: Filter) -> Result<Pipeline, RasterError> {
+    let (name, entry): (&str, &CStr) = match filter {
+        Filter::Ewa => ("remap_ewa", c"ewa"),
+        Filter::Cubic => ("remap_cubic", c"cubic"),
+        Filter::Lanczos => ("remap_lanczos", c"lanczos"),
+        Filter::Nearest => ("remap_nearest", c"nearest"),
+    };
+    let module = shader(device, name)?;
+    let stage = vk::PipelineShaderStageCreateInfo::default()
+        .stage(vk::ShaderStageFlags::COMPUTE)
+        .module(module.get())
+        .name(entry);
+    let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.get())];
+    Owned::new(device, ("vkCreateComputePipelines", name), |raw| {
+        // SAFETY: shader and layout agree (VUID-VkComputePipelineCreateInfo-layout-07988, -07987, -07990), the entry is
+        // the module's only one.
+        let made = unsafe { raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        // One pipeline was asked for, so on failure there is none to destroy.
+        made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result)
+    })
+}
+
+const _: () = assert!(PUSH_BYTES == 80);
