@@ -48,6 +48,19 @@ fn what_does_not_move_keeps_its_bits() {
     }
 }
 
+/// Tiles are 64 pixels wide: the last column of 65 is one of its own.
+#[test]
+fn a_still_column_beside_a_shrink_is_drawn() {
+    let (frame, window) = (FrameSize::new(65, 40), PixelRect { x: 0, y: 0, width: 65, height: 40 });
+    let mut map = WarpMap::identity(frame, window);
+    map.offsets.iter_mut().enumerate().for_each(|(k, to)| to[0] = 0.5 * ((k % 65) as f32 - 64.0));
+    for filter in FILTERS {
+        let found = one(&map, window, &plane(window, |_| 1.0), filter);
+        let last = (0..40).map(|row| found[row * 65 + 64]);
+        assert!(last.into_iter().all(|x| (x - 1.0).abs() < 1e-6), "{filter:?}");
+    }
+}
+
 #[test]
 fn constants_stay_constant() {
     let source = plane(WINDOW, |_| 0.7);

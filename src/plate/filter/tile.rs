@@ -100,7 +100,8 @@ impl<'a> Tiles<'a> {
         let Scratch { block, places, shapes, sums, presence, .. } = scratch;
         let taps = self.find_shapes(area, shapes);
         let found = self.find_places(area, taps, places);
-        if found.still == area.width * area.height {
+        // A narrow tile may stand still beside a part that shrinks: then its footprints reach out of it.
+        if found.still == area.width * area.height && shapes.iter().all(Shape::is_unit) {
             return self.copy_still(area, band);
         }
         let Some(reach) = found.reach(taps) else { return self.clear(area, band) };

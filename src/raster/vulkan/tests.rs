@@ -5,8 +5,9 @@ use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
 use super::instance::Instance;
 use super::memory::{Buffer, BufferUse, Home, Image, ImageUse, MemoryLocation};
-use super::{Messages, VulkanRaster};
+use super::{Messages, VulkanRaster, VulkanRemap};
 use crate::image::Frame;
+use crate::plate::{Filter as PlateFilter, Planes, WarpMap};
 use crate::raster::{
     ChannelGroup, DeviceChoice, Draw, Geometry, Pass, PassRole, Raster, RasterError, RasterVertex, Target,
 };
@@ -106,6 +107,38 @@ fn fail_each_creation(instance: &Arc<Instance>, home: Home, messages: &Messages)
         if !has_failed {
             drawn.expect("nothing failed");
             assert!(count > 80, "only {count} creations went through the counter");
+            break;
+        }
+        assert!(matches!(drawn, Err(RasterError::OutOfMemory { .. })), "creation {count}: {drawn:?}");
+    }
+}
+
+/// Resamples a small plate, moved by half a pixel.
+fn resample(mut remap: VulkanRemap) -> Result<Vec<Vec<f32>>, RasterError> {
+    let frame = FrameSize::new(16, 16);
+    let mut map = WarpMap::identity(frame, frame.window());
+    map.offsets.fill([0.5, 0.0]);
+    let plane = vec![1.0; 256];
+    let source = Planes { window: frame.window(), planes: vec![&plane] };
+    remap.resample(&map, &source, PlateFilter::Lanczos)
+}
+
+#[test]
+fn any_creation_of_a_remap_may_fail_and_nothing_leaks() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    for count in 0.. {
+        let device = device(&instance);
+        device.fail_after(count);
+        let drawn = VulkanRemap::on_device(Arc::clone(&device)).and_then(resample);
+        let has_failed = device.has_failed();
+        assert_eq!(Arc::strong_count(&device), 1, "creation {count} failed, and something still holds the device");
+        drop(device);
+        assert_eq!(messages.take(), Vec::<String>::new(), "creation {count} failed");
+        if !has_failed {
+            let drawn = drawn.expect("nothing failed");
+            assert!(drawn[0][..15].iter().all(|x| (x - 1.0).abs() < 1e-6), "{drawn:?}");
+            assert!(count > 15, "only {count} creations went through the counter");
             break;
         }
         assert!(matches!(drawn, Err(RasterError::OutOfMemory { .. })), "creation {count}: {drawn:?}");
