@@ -14,10 +14,10 @@ const fn at(x: f64, y: f64) -> DVec2 {
 /// The fur: head, ears, body, limbs in one piece.
 fn fur() -> Vec<Limb> {
     let mut limbs = vec![
-        Limb::new(at(-0.16, 0.62), at(0.16, 0.62), [0.47, 0.47]),
+        Limb::new(at(-0.12, 0.66), at(0.12, 0.66), [0.42, 0.42]),
         Limb::new(at(0.0, -0.1), at(0.0, -0.5), [0.27, 0.36]).melting(0.1),
     ];
-    limbs.extend(both(Limb::new(at(0.36, 0.88), at(0.5, 1.22), [0.18, 0.03]).melting(0.06)));
+    limbs.extend(both(Limb::new(at(0.32, 0.88), at(0.43, 1.2), [0.18, 0.03]).melting(0.06)));
     limbs.extend(both(Limb::new(at(0.22, 0.02), at(0.98, -0.14), [0.15, 0.15]).melting(0.16)));
     limbs.extend(both(Limb::new(at(0.2, -0.6), at(0.44, -1.22), [0.2, 0.19]).melting(0.12)));
     limbs
@@ -30,17 +30,16 @@ pub(crate) fn picture() -> Result<Vec<u8>, ImageError> {
     let body = move |p: DVec2| melted(&limbs, p);
     let limbs = fur();
     let whole = move |p: DVec2| melted(&limbs, p) + 0.012;
-    let tail =
-        chain(&[(at(-0.25, -0.75), 0.1), (at(-0.75, -0.85), 0.1), (at(-1.0, -0.6), 0.1), (at(-0.95, -0.35), 0.09)]);
+    let tail = chain(&[(at(0.25, -0.75), 0.1), (at(0.72, -0.98), 0.1), (at(1.08, -0.9), 0.1), (at(1.22, -0.62), 0.09)]);
     let tail_field = move |p: DVec2| melted(&tail, p);
-    let banded = move |p: DVec2| if (p.y * 9.0 + p.x * 3.0).sin() > 0.55 { colour(0xc4681f) } else { ginger };
+    let banded = move |p: DVec2| if (p.x * 16.0 + p.y * 6.0).sin() > 0.6 { colour(0xc4681f) } else { ginger };
     let mut shapes = vec![
         Shape::new(tail_field, ginger).painted(banded).inked(0.03),
         Shape::new(body, ginger).inked(0.034),
         Shape::new(|p| ellipse(p, at(0.0, -0.42), at(0.2, 0.33)), cream).within(whole),
     ];
     for side in [-1.0, 1.0] {
-        let inner = Limb::new(at(0.38 * side, 0.93), at(0.475 * side, 1.13), [0.09, 0.02]);
+        let inner = Limb::new(at(0.335 * side, 0.92), at(0.41 * side, 1.11), [0.09, 0.02]);
         shapes.push(Shape::new(move |p| inner.field(p), pink));
         for k in 0..2 {
             let (x, y) = (0.56 + 0.17 * f64::from(k), -0.055 - 0.035 * f64::from(k));
@@ -61,11 +60,13 @@ pub(crate) fn picture() -> Result<Vec<u8>, ImageError> {
         shapes.push(Shape::new(move |p| ellipse(p, at(0.22 * side, 0.66), at(0.085, 0.12)), dark));
         shapes.push(Shape::new(move |p| p.distance(at(0.22 * side + 0.03, 0.71)) - 0.03, colour(0xffffff)));
         for (y, end) in [(0.5, 0.56), (0.43, 0.4)] {
-            let whisker = Limb::new(at(0.5 * side, y), at(0.86 * side, end), [0.012, 0.006]);
+            let whisker = Limb::new(at(0.46 * side, y), at(0.74 * side, end), [0.012, 0.006]);
             shapes.push(Shape::new(move |p| whisker.field(p), dark));
         }
-        let smile = Limb::new(at(0.0, 0.43), at(0.1 * side, 0.385), [0.014, 0.012]);
-        shapes.push(Shape::new(move |p| smile.field(p), dark));
+        for (from, to) in [(at(0.0, 0.44), at(0.06 * side, 0.385)), (at(0.06 * side, 0.385), at(0.14 * side, 0.41))] {
+            let smile = Limb::new(from, to, [0.014, 0.013]);
+            shapes.push(Shape::new(move |p| smile.field(p), dark));
+        }
     }
     for (x, tip) in [(-0.16, 0.82), (0.0, 0.78), (0.16, 0.82)] {
         let stripe = Limb::new(at(x, 1.06 - x.abs() * 0.2), at(x * 0.8, tip), [0.035, 0.012]);

@@ -1,5 +1,6 @@
 //! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
-//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it, docs/flag.png and docs/transfer.png. Names as arguments: only theirs.
+//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it; docs/flag.png and docs/transfer.png.
+//! Names as arguments: only theirs.
 
 mod flag_sheet;
 
@@ -39,6 +40,9 @@ const PICTURES: [Picture; 6] = [
 /// White columns between the halves.
 const GAP: u32 = 8;
 
+/// Draws a picture of docs/ from the folder of the scenes.
+type Strip = fn(&Path) -> anyhow::Result<RgbImage>;
+
 fn main() -> anyhow::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let wanted: Vec<String> = std::env::args().skip(1).collect();
@@ -52,20 +56,17 @@ fn main() -> anyhow::Result<()> {
         }
         both.save(place.join("picture.png")).with_context(|| format!("writing the picture of {}", picture.scene))?;
     }
-    if wanted.is_empty() || wanted.iter().any(|name| name == "bulge") {
-        bulge(&folder)?;
-    }
-    if wanted.is_empty() || wanted.iter().any(|name| name == "flag") {
-        flag_sheet::strip(&folder)?.save(folder.join("../docs/flag.png")).context("writing docs/flag.png")?;
-    }
-    if wanted.is_empty() || wanted.iter().any(|name| name == "transfer") {
-        transfer(&folder)?;
+    let strips: [(&str, Strip); 3] = [("bulge", bulge), ("flag", flag_sheet::strip), ("transfer", transfer)];
+    for (name, strip) in strips.iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|other| other == name))
+    {
+        let path = folder.join(format!("../docs/{name}.png"));
+        strip(&folder)?.save(&path).with_context(|| format!("writing {}", path.display()))?;
     }
     Ok(())
 }
 
 /// Belly of the teapot, pulled down at 30 x 30 handles: the paper's preset, pins that act on points, pins with discs.
-fn bulge(folder: &Path) -> anyhow::Result<()> {
+fn bulge(folder: &Path) -> anyhow::Result<RgbImage> {
     const SIDE: u32 = 300;
     let read = || Shot::read(&folder.join("teapot/bulge.toml"));
     let (mut paper, mut point) = (read()?, read()?);
@@ -78,11 +79,11 @@ fn bulge(folder: &Path) -> anyhow::Result<()> {
         let part = imageops::crop_imm(&whole, left, whole.height() - SIDE, SIDE, SIDE).to_image();
         imageops::replace(&mut strip, &part, column * i64::from(SIDE + GAP), 0);
     }
-    strip.save(folder.join("../docs/bulge.png")).context("writing docs/bulge.png")
+    Ok(strip)
 }
 
 /// The gingerman at rest and bent, and its lattices over a drawn cat.
-fn transfer(folder: &Path) -> anyhow::Result<()> {
+fn transfer(folder: &Path) -> anyhow::Result<RgbImage> {
     const SIDE: u32 = 300;
     const FRAME: i32 = 8;
     let scratch = tempfile::tempdir()?;
@@ -99,7 +100,7 @@ fn transfer(folder: &Path) -> anyhow::Result<()> {
         let panel = rendered(shot.clone(), SIDE, frame)?;
         imageops::replace(&mut strip, &panel, column * i64::from(SIDE + GAP), 0);
     }
-    strip.save(folder.join("../docs/transfer.png")).context("writing docs/transfer.png")
+    Ok(strip)
 }
 
 /// The frame with the warp at `strength`, cut to the picture's half.
