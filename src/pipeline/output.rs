@@ -4,6 +4,7 @@
 
 use super::{Existing, PipelineError};
 use crate::image::{SequencePath, read_metadata};
+use crate::shot::{Shot, Source};
 use std::path::{Path, PathBuf};
 
 /// Says so where kept frames were made from another state of the shot (other pins, another size).
@@ -43,4 +44,28 @@ pub(super) fn frames_to_do(
             }),
         },
     }
+}
+
+/// A file must not be written over what it is made of, by whatever path that is named.
+pub(crate) fn check_not_an_input(input: &Path, output: &Path) -> Result<(), PipelineError> {
+    let is_same = input == output
+        || output.canonicalize().is_ok_and(|output| input.canonicalize().is_ok_and(|input| input == output));
+    if !is_same {
+        return Ok(());
+    }
+    Err(PipelineError::Unusable {
+        what: format!("{} would be written over what it is made of", output.display()),
+        hint: "give another output path (-o)".to_owned(),
+    })
+}
+
+/// As [`check_not_an_input`], for all files that a shot reads.
+pub(crate) fn check_not_of_shot(shot: &Shot, output: &Path) -> Result<(), PipelineError> {
+    let drawn = match &shot.source {
+        Source::Scene(scene) => std::slice::from_ref(scene),
+        Source::Images(images) => images,
+        Source::Frame => &[],
+    };
+    let lattices = shot.layers.iter().filter_map(|layer| layer.transfer.as_ref()).map(|transfer| &transfer.file);
+    drawn.iter().chain(lattices).chain([&shot.path]).try_for_each(|input| check_not_an_input(input, output))
 }

@@ -56,3 +56,25 @@ fn resume_renders_frames_whose_preview_is_missing() {
 fn resume_and_overwrite_exclude_each_other() {
     Bench::new().render("--resume --overwrite").says(2, &["--resume", "--overwrite", "cannot be used"]);
 }
+
+#[test]
+fn nothing_is_written_over_what_it_is_made_of() {
+    const REFUSED: &[&str] = &["written over what it is made of", "-o"];
+    let bench = Bench::new();
+    let scene = bench.read("tiny.gltf");
+    bench.run("export shot.toml --to gltf -o tiny.gltf --overwrite").says(2, REFUSED);
+    bench.run("export shot.toml --to gltf -o ./shot.toml --overwrite").says(2, REFUSED);
+    assert_eq!(bench.read("tiny.gltf"), scene);
+    bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
+    bench.run("export l.json --to lattice-json -o ./l.json --overwrite").says(2, REFUSED);
+    bench.run("fit tiny.gltf tiny.gltf --pairs l.json -o tiny.gltf --overwrite").says(2, REFUSED);
+    let inside =
+        |x: u32, y: u32| if (20..44).contains(&x) && (6..30).contains(&y) { [200, 100, 50, 255] } else { [0; 4] };
+    let drawing = image::RgbaImage::from_fn(64, 36, |x, y| image::Rgba(inside(x, y)));
+    drawing.save(bench.path("drawn.png")).expect("the folder can be written to");
+    let drawing = bench.read("drawn.png");
+    bench
+        .run("transfer --lattice l.json --onto drawn.png -o drawn.exr --frames 1 --preview --overwrite")
+        .says(2, REFUSED);
+    assert_eq!(bench.read("drawn.png"), drawing);
+}

@@ -11,7 +11,7 @@ mod stmap;
 use super::args::{ExportArgs, ExportFormat};
 use super::{Outcome, refuse_existing};
 use crate::export::LatticeFile;
-use crate::pipeline::{Setup, lattices};
+use crate::pipeline::{Setup, check_not_an_input, lattices};
 use crate::shot::{LayerSpace, Shot};
 use anyhow::bail;
 use std::io::{self, Write};
@@ -83,6 +83,7 @@ fn frames(args: &ExportArgs, setup: &Setup) -> Vec<i32> {
 /// The path asked for, else the input's with another ending; refuses to replace what is there.
 fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf> {
     let output = args.output.clone().unwrap_or_else(|| args.shot.with_extension(ending));
+    check_not_an_input(&args.shot, &output)?;
     refuse_existing(&output, args.overwrite)?;
     Ok(output)
 }

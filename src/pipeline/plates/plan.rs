@@ -2,7 +2,7 @@
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
-use super::super::output::{frames_to_do, prepare_folder, stale_note};
+use super::super::output::{check_not_an_input, frames_to_do, prepare_folder, stale_note};
 use super::super::{PipelineError, Setup};
 use super::files::{Kind, is_whole};
 use super::{PlateWarp, WarpDirection, WarpJob};
@@ -186,16 +186,9 @@ fn frames_of(file: &LatticeFile) -> Vec<i32> {
     frames.into_iter().collect()
 }
 
-/// A frame must not be written over what it is made of.
+/// No frame may be written over what it is made of.
 fn check_not_the_same(input: &SequencePath, output: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
-    let is_same = |&&frame: &&i32| {
-        let (input, output) = (input.path_of(frame), output.path_of(frame));
-        input == output
-            || input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output))
-    };
-    let Some(&frame) = frames.iter().find(is_same) else { return Ok(()) };
-    let what = format!("{} would be written over what it is made of", output.path_of(frame).display());
-    Err(unusable(what, "give another output path (-o)"))
+    frames.iter().try_for_each(|&frame| check_not_an_input(&input.path_of(frame), &output.path_of(frame)))
 }
 
 /// Digest of all that changes the frames.
