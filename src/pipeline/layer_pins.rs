@@ -3,7 +3,7 @@
 //!
 //! In: pins, keys and solutions. Out: regions, weights, handles; solutions nearer to rest, and what their reports claim.
 
-use crate::lattice::Grid;
+use crate::lattice::{Basis, Grid};
 use crate::shot::{HandleTrack, Layer, OffsetUnit, Pin, PinTargets};
 use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Region, Solution, SolveReport, Solver};
 
@@ -32,6 +32,19 @@ pub(super) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targe
         HandlePin { index, target: std::array::from_fn(|axis| rest[axis] + offset[axis] * grid.size(axis)) }
     };
     layer.handles.iter().zip(&targets.handles).map(handle).collect()
+}
+
+/// Handles at the border of a whole picture, held at rest unless keys move them, so that its edge stays where it is: as
+/// many rings as act there (on B-splines with their slope and curvature, on others the value alone).
+pub(super) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandlePin<2>> {
+    let rings = if grid.basis == Basis::Bspline { 3 } else { 1 };
+    let is_outer = |index: usize| {
+        let place = grid.place(index);
+        (0..2).any(|axis| place[axis] < rings || place[axis] + rings >= grid.dims[axis])
+    };
+    let is_free = |index: &usize| moved.iter().all(|handle| handle.index != *index);
+    let outer = (0..grid.handle_count()).filter(|&index| is_outer(index)).filter(is_free);
+    outer.map(|index| HandlePin { index, target: grid.rest_handle(index) }).collect()
 }
 
 /// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
@@ -64,4 +77,38 @@ pub(super) fn fade<const D: usize>(
 /// A report whose distortion says "not measured", not "none".
 pub(super) fn unmeasured(report: SolveReport) -> SolveReport {
     SolveReport { least_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::ScreenPoint;
+
+    /// How far the border moves at most when every handle that is not held moves.
+    fn border_moves(basis: Basis) -> f64 {
+        let grid = Grid { dims: [8, 9], basis, lo: [0.0, 0.0], hi: [1.6, 1.0] };
+        let mut lattice = grid.at_rest();
+        let held: Vec<usize> = held_border(&grid, &[]).iter().map(|handle| handle.index).collect();
+        let free = (0..grid.handle_count()).filter(|index| !held.contains(index));
+        free.for_each(|index| lattice.handles[index][0] += 0.2);
+        assert!((lattice.warp(ScreenPoint::new(0.8, 0.5)).0.x - 0.8).abs() > 0.05, "{basis:?}: the inside is free");
+        let along = (0..=32).map(|k| f64::from(k) / 32.0);
+        let border = along.flat_map(|t| [[1.6 * t, 0.0], [1.6 * t, 1.0], [0.0, t], [1.6, t]]);
+        border.map(|[x, y]| (lattice.warp(ScreenPoint::new(x, y)).0.x - x).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_border_of_a_whole_picture_stays() {
+        for basis in [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri] {
+            assert!(border_moves(basis) < 1e-12, "{basis:?}: {}", border_moves(basis));
+        }
+    }
+
+    #[test]
+    fn handles_with_keys_are_not_held() {
+        let grid = Grid { dims: [8, 9], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.6, 1.0] };
+        let moved = [HandlePin { index: 0, target: [1.0, 1.0] }];
+        assert_eq!(held_border(&grid, &moved).len() + 1, held_border(&grid, &[]).len());
+        assert_eq!(held_border(&grid, &[]).len(), 72 - 2 * 3);
+    }
 }

@@ -3,12 +3,12 @@
 //! In: a [`Moment`] that is projected, and a layer. Out: the layer's lattice and pins; its shape and box on the screen.
 
 use super::follow::{FollowWindow, thickened};
-use super::layer_pins::{fade, faded_weight, moved_handles, region};
+use super::layer_pins::{fade, faded_weight, held_border, moved_handles, region};
 use super::{LayerState, Moment, PinState, PipelineError, Setup, strokes};
 use crate::lattice::Grid;
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, OffsetUnit, PinTargets, Rotation};
+use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets, Rotation, Source};
 use crate::solve::{PointPin, Problem, Shape, Solver, Waypoint};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
@@ -38,7 +38,11 @@ impl Setup {
         let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
         let waypoint = |targets: &PinTargets| {
             let (states, pins) = self.point_pins(moment, index, (rest_box, targets));
-            (states, Waypoint { pins, handles: moved_handles(layer, &grid, targets) })
+            let mut handles = moved_handles(layer, &grid, targets);
+            if self.is_border_held(layer, bounds) {
+                handles.extend(held_border(&grid, &handles));
+            }
+            (states, Waypoint { pins, handles })
         };
         let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(waypoint).unzip();
         let pins = states.pop().unwrap_or_default();
@@ -56,6 +60,12 @@ impl Setup {
             fade(&mut solution, (&solver, points), presence);
         }
         Ok(LayerState { solution: Some(solution), pins, world: None })
+    }
+
+    /// Whether the layer moves a whole plate from edge to edge. Beyond the edge nothing is known, and a background must not
+    /// slide; with a scene the plate follows what the geometry does instead.
+    fn is_border_held(&self, layer: &Layer, bounds: BoxRule) -> bool {
+        self.shot.source == Source::Frame && bounds == BoxRule::Frame && layer.matte.is_none()
     }
 
     /// The pins that act, as the overlay and the solver want them.

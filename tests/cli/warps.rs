@@ -5,17 +5,16 @@ use pinwarp::image::{Channel, Frame, Plate, Storage, read_plate, write_picture, 
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
 
-/// A shot over a plate: a lattice over the whole frame that shifts everything inside by an eighth of its height.
+/// A shot over a plate: a lattice over the whole frame that shifts its middle by an eighth of its height.
 const SHOT: &str = r#"
 plate  = "in/b.####.exr"
 frames = { first = 1, last = 2 }
 
 [[layer]]
-name    = "all"
-lattice = { dims = [4, 4] }
+name = "all"
 
   [[layer.pin]]
-  anchor = { screen = [0.8, 0.5] }
+  anchor = { screen = [0.889, 0.5] }
   keys   = [ { frame = 1, offset = [0.0, 0.0] }, { frame = 2, offset = [0.125, 0.0] } ]
 
 [output]

@@ -20,7 +20,7 @@ impl Check<'_> {
     fn layer(&mut self, raw: RawLayer, index: usize, shot: &LayerDefaults) -> Layer {
         let key = format!("layer[{index}]");
         let shot = &LayerDefaults { space: raw.lattice.space, ..*shot };
-        let space = self.lattice(&raw.lattice, &format!("{key}.lattice"), shot);
+        let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
@@ -39,8 +39,15 @@ impl Check<'_> {
         }
     }
 
-    fn lattice(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> LayerSpace {
-        let dims = self.dims(raw, &format!("{key}.dims"));
+    fn lattice(&mut self, layer: &RawLayer, key: &str, shot: &LayerDefaults) -> LayerSpace {
+        let raw = &layer.lattice;
+        let default = match raw.space {
+            // The border of a whole picture is held: what is left inside is to move as freely as elsewhere.
+            RawSpace::Screen if shot.source == Kind::Frame && layer.matte.is_none() => [16, 16, 1],
+            RawSpace::Screen => [10, 10, 1],
+            RawSpace::World => [5, 5, 5],
+        };
+        let dims = self.dims(raw, &format!("{key}.dims"), default);
         match shot.space {
             RawSpace::Screen => {
                 LayerSpace::Screen { dims: [dims[0], dims[1]], bounds: self.screen_box(raw, key, shot) }
@@ -50,10 +57,10 @@ impl Check<'_> {
     }
 
     /// Handles along x, y and z; 1 for an axis that is not there.
-    fn dims(&mut self, raw: &RawLattice, key: &str) -> [usize; 3] {
-        let (axes, default) = match raw.space {
-            RawSpace::Screen => (2, [10, 10, 1]),
-            RawSpace::World => (3, [5, 5, 5]),
+    fn dims(&mut self, raw: &RawLattice, key: &str, default: [usize; 3]) -> [usize; 3] {
+        let axes = match raw.space {
+            RawSpace::Screen => 2,
+            RawSpace::World => 3,
         };
         let Some(given) = &raw.dims else { return default };
         if given.len() != axes {
