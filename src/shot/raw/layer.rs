@@ -104,7 +104,7 @@ pub(in crate::shot) enum RawFit {
 pub(in crate::shot) struct RawLattice {
     /// Where the grid lies: on the screen, or in the scene, where it moves the meshes themselves.
     pub(in crate::shot) space: RawSpace,
-    /// Handles across and up, in the scene along x, y and z; default: [10, 10], in the scene [5, 5, 5].
+    /// Handles across and up, in the scene along x, y and z; default: [10, 10], over whole plates [16, 16], in the scene [5, 5, 5].
     #[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)), example = [10, 10])]
     pub(in crate::shot) dims: Option<Vec<usize>>,
     /// How handles are blended.
