@@ -53,7 +53,9 @@ impl Teller {
             WarpEvent::Note { text } => self.line(&format!("note: {text}")),
             WarpEvent::Started { frames, kept } => self.started(*frames, "", *kept),
             WarpEvent::FrameDone(report) => {
-                self.frame_done(report.frame, &report.path, &report.warnings);
+                let found = findings(report.hole_pixels, report.contained_samples);
+                let warnings: Vec<String> = report.warnings.iter().cloned().chain(found).collect();
+                self.frame_done(report.frame, &report.path, &warnings);
                 for channel in &report.channels {
                     tracing::info!("channel {}: {:?} ({:?})", channel.channel, channel.meaning, channel.reason);
                 }
@@ -152,6 +154,16 @@ impl Totals {
         let busy = [("read", summary.read_ms), ("warp", summary.warp_ms), ("write", summary.write_ms)];
         Self { done, failed, is_cancelled, wall_secs, busy }
     }
+}
+
+/// Counts of a warped frame that are worth a word.
+fn findings(hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
+    let holes = format!("{hole_pixels} pixels that a layer uncovered are empty; fill them by --clean or `holes`");
+    let contained = format!("{contained_samples} samples are no finite numbers; they were contained");
+    [(hole_pixels, holes), (contained_samples, contained)]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|found| found.1)
 }
 
 /// A warning with every number outside quotes replaced: names may hold digits and tell warnings apart.

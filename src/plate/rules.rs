@@ -2,6 +2,7 @@
 //!
 //! Plain data that the shot file fills.
 
+use crate::space::FrameSize;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -21,6 +22,21 @@ pub struct WarpRules {
     pub meanings: Vec<(String, Meaning)>,
     /// What fills places that the warp uncovers.
     pub holes: Holes,
+}
+
+impl WarpRules {
+    /// The rules for plates of that size: motion in pixels.
+    #[must_use]
+    pub fn in_pixels(&self, size: FrameSize) -> Self {
+        let sides = match self.motion_scale {
+            MotionScale::Pixels => [1.0; 2],
+            MotionScale::Frame => [size.width, size.height].map(f64::from),
+        };
+        let motion = self
+            .motion
+            .map(|MotionRule { pixels_per_unit: [x, y] }| MotionRule { pixels_per_unit: [x * sides[0], y * sides[1]] });
+        Self { motion, motion_scale: MotionScale::Pixels, ..self.clone() }
+    }
 }
 
 /// How colour is resampled.
@@ -57,13 +73,13 @@ pub struct MotionRule {
     pub pixels_per_unit: [f64; 2],
 }
 
-/// What the pixels of a [`MotionRule`] are counted against.
+/// What the numbers of a [`MotionRule`] count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MotionScale {
-    /// They are pixels of the plate, of whatever size it is.
+    /// Pixels of the plate, of whatever size it is.
     #[default]
     Pixels,
-    /// They are the sides of the shot's frame, and grow and shrink with plates of another size.
+    /// Widths and heights of the plate's frame; see [`WarpRules::in_pixels`].
     Frame,
 }
 

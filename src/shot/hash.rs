@@ -3,6 +3,7 @@
 //! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
 
 use super::{KeyLines, Shot, Source};
+use crate::plate::Holes;
 use std::path::{Path, PathBuf};
 
 /// FNV-1a, 128 bits: Fowler, Noll, Vo and Eastlake, RFC 9923, <https://www.rfc-editor.org/rfc/rfc9923>.
@@ -25,6 +26,9 @@ impl Shot {
         content.layers.iter_mut().filter_map(|layer| layer.transfer.as_mut()).for_each(|transfer| {
             transfer.file = portable(&transfer.file, folder);
         });
+        if let Holes::Plate(clean) = &mut content.warp.holes {
+            *clean = portable(clean, folder);
+        }
         content.path = PathBuf::new();
         content.lines = KeyLines::default();
         content.output.path = PathBuf::new();

@@ -30,7 +30,7 @@ fn a_shot_over_a_plate_is_read_in_full() {
     let shot = parse(PLATE).unwrap();
     assert_eq!((shot.source, shot.plate), (Source::Frame, Some(PathBuf::from("shots/in/beauty.####.exr"))));
     assert_eq!((shot.warp.filter, shot.warp.normals), (Filter::Cubic, NormalRule::Rotate));
-    assert_eq!(shot.warp.motion, Some(MotionRule { pixels_per_unit: [200.0, -100.0] }));
+    assert_eq!(shot.warp.motion, Some(MotionRule { pixels_per_unit: [1.0, -1.0] }));
     assert_eq!(shot.warp.motion_scale, MotionScale::Frame);
     assert_eq!(shot.warp.meanings, [("zz.*".to_owned(), Meaning::Depth)]);
     assert_eq!(shot.warp.holes, Holes::Plate("shots/in/clean.%04d.exr".into()));

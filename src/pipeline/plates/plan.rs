@@ -191,14 +191,19 @@ fn check_not_the_same(input: &SequencePath, output: &SequencePath, frames: &[i32
     frames.iter().try_for_each(|&frame| check_not_an_input(&input.path_of(frame), &output.path_of(frame)))
 }
 
-/// Digest of all that changes the frames.
+/// Digest of all that changes the frames: what files are called counts, not where they lie.
 fn hash(job: &WarpJob, layers: &[usize]) -> String {
+    let mut rules = job.rules.clone();
+    if let Holes::Plate(clean) = &mut rules.holes {
+        *clean = clean.file_name().map(PathBuf::from).unwrap_or_default();
+    }
+    let plate = job.plate.file_name();
     let source = match &job.warp {
         PlateWarp::Shot(setup) => setup.shot.hash(),
         PlateWarp::Lattices { file, strength, matte } => digest(&format!("{file:?} {strength} {matte:?}")),
         PlateWarp::Maps(maps) => format!("{:?}", maps.file_name()),
     };
-    digest(&format!("{source} {:?} {:?} {layers:?}", job.rules, job.direction))
+    digest(&format!("{source} {plate:?} {rules:?} {:?} {layers:?}", job.direction))
 }
 
 fn unusable(what: impl Into<String>, hint: impl Into<String>) -> PipelineError {

@@ -12,11 +12,9 @@ use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, MotionScale, PlateJob, PlateReport, WarpMap, WarpRules, has_motion, map_of_stmap,
-    remap_plate, warp_plate,
+    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpMap, has_motion, map_of_stmap, remap_plate, warp_plate,
 };
 use crate::space::{FrameSize, PixelRect};
-use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -69,7 +67,7 @@ impl<'a> Stage<'a> {
         let Pictures { plate, clean, map } = pictures;
         let size = plate.frame_size();
         self.check_shape(frame, size)?;
-        let rules = self.rules(size);
+        let rules = self.job.rules.in_pixels(size);
         if let Some(map) = map {
             let warped = map_of_stmap(map).and_then(|map| remap_plate(plate, &map, &rules));
             return warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source });
@@ -109,20 +107,6 @@ impl<'a> Stage<'a> {
         );
         let hint = "warp plates of the same shape (their display window counts), or correct `size` and `pixel_aspect`";
         Err(PipelineError::Unusable { what, hint: hint.into() })
-    }
-
-    /// The rules for a plate of that size.
-    fn rules(&self, size: FrameSize) -> Cow<'a, WarpRules> {
-        let rules = &self.job.rules;
-        let (MotionScale::Frame, Some(mut motion), PlateWarp::Shot(setup)) =
-            (rules.motion_scale, rules.motion, &self.job.warp)
-        else {
-            return Cow::Borrowed(rules);
-        };
-        let shot = setup.shot.size;
-        motion.pixels_per_unit[0] *= f64::from(size.width) / f64::from(shot.width);
-        motion.pixels_per_unit[1] *= f64::from(size.height) / f64::from(shot.height);
-        Cow::Owned(WarpRules { motion: Some(motion), ..rules.clone() })
     }
 
     /// What warps a frame: one a layer that moves. The neighbours' lattices are looked at where motion is stored.

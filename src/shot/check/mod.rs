@@ -93,7 +93,7 @@ impl Check<'_> {
             space: RawSpace::Screen,
             source: Kind::of(&source),
         };
-        let warp = self.warp(&raw.warp, &source, size);
+        let warp = self.warp(&raw.warp, &source);
         let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
         let layers = self.layers(raw.layer, &defaults);
         Shot {

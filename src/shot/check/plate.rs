@@ -10,7 +10,6 @@ use crate::shot::raw::{
     RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedUnit, RawPart, RawShot, RawSpace,
     RawUpright, RawWarp,
 };
-use crate::space::FrameSize;
 use std::path::{Path, PathBuf};
 
 /// What to write where a shot says neither what is seen nor what is warped.
@@ -48,7 +47,7 @@ impl Check<'_> {
     }
 
     /// How plates are warped.
-    pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source, size: FrameSize) -> WarpRules {
+    pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source) -> WarpRules {
         let holes = match &raw.holes {
             RawHoles::Leave => Holes::Leave,
             RawHoles::Geometry => {
@@ -60,8 +59,7 @@ impl Check<'_> {
             }
             RawHoles::Plate(path) => Holes::Plate(self.plate_path(path, "warp.holes.plate")),
         };
-        let (motion, motion_scale) =
-            raw.motion.as_ref().map_or((None, MotionScale::default()), |raw| motion(raw, size));
+        let (motion, motion_scale) = raw.motion.as_ref().map_or((None, MotionScale::default()), |raw| motion(raw));
         WarpRules {
             filter: raw.filter,
             normals: raw.normals,
@@ -148,12 +146,12 @@ impl Check<'_> {
     }
 }
 
-/// Pixels of the shot's frame that a unit is, and whether they grow with the frame.
-fn motion(raw: &RawMotion, size: FrameSize) -> (Option<MotionRule>, MotionScale) {
+/// What a unit is, in pixels or sides of the frame.
+fn motion(raw: &RawMotion) -> (Option<MotionRule>, MotionScale) {
     let (unit, scale) = match raw.unit {
         RawMotionUnit::Named(RawNamedUnit::Pixels) => ([1.0; 2], MotionScale::Pixels),
         RawMotionUnit::Number(pixels) => ([pixels; 2], MotionScale::Pixels),
-        RawMotionUnit::Named(RawNamedUnit::Frame) => ([size.width, size.height].map(f64::from), MotionScale::Frame),
+        RawMotionUnit::Named(RawNamedUnit::Frame) => ([1.0; 2], MotionScale::Frame),
     };
     let x = if raw.x == RawAcross::Left { -unit[0] } else { unit[0] };
     let y = if raw.y == RawUpright::Down { -unit[1] } else { unit[1] };
