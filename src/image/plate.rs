@@ -148,6 +148,18 @@ impl PlatePart {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
+    /// The views it shows: its own, else those that share a part (`multiView`), the one of channels that name none first.
+    #[must_use]
+    pub fn views(&self) -> Vec<String> {
+        let shared = self.attributes.multi_view_names.iter().flatten().map(string);
+        self.view.clone().map_or_else(|| shared.collect(), |view| vec![view])
+    }
+
+    /// Names the views that share this part, the one of channels that name none first.
+    pub fn set_views(&mut self, views: &[&str]) {
+        self.attributes.multi_view_names = Some(views.iter().map(|view| text(view)).collect());
+    }
+
     /// A text among its custom attributes: `cryptomatte/f834d0a/manifest`.
     #[must_use]
     pub fn text(&self, name: &str) -> Option<String> {

@@ -45,8 +45,10 @@ impl<'a> Contents<'a> {
         let mattes = MatteHeader::from_attributes(texts.iter().map(|(name, text)| (name.as_str(), text.as_str())));
         let mut contents = Self { plate, entries: Vec::new(), mattes };
         for (part, stored) in plate.parts.iter().enumerate() {
+            let views = stored.views();
+            let views: Vec<&str> = views.iter().map(String::as_str).collect();
             let names: Vec<&str> = stored.channels.iter().map(|channel| channel.name.as_str()).collect();
-            let names = ChannelName::of_part(stored.name.as_deref(), stored.view.as_deref(), &names);
+            let names = ChannelName::of_part(stored.name.as_deref(), &views, &names);
             let entries = names.into_iter().zip(&stored.channels).enumerate().map(|(channel, (name, stored))| {
                 let known = name.meaning(stored.storage, patterns);
                 Entry { place: Place { part, channel }, name, known, alpha: None }

@@ -233,3 +233,19 @@ fn a_folded_layer_shows_what_lies_behind_where_it_is_transparent_in_front() {
     assert!(at(&moved, "A", 10, 8) > 0.9, "{}", at(&moved, "A", 10, 8));
     assert!(at(&moved, "A", 20, 8) < 0.1, "{}", at(&moved, "A", 20, 8));
 }
+
+#[test]
+fn each_view_of_one_part_has_its_own_mask() {
+    let value = |x: u32, from: u32| f32::from(u8::from((from..from + 4).contains(&x)));
+    let make = |name: &str, from: u32| channel(name, Storage::Float, FRAME, move |x, _| value(x, from));
+    let [near, far] = [2, 14];
+    let mut stereo =
+        plate(FRAME, FRAME, vec![make("R", near), make("cam2.R", far), make("cam2.mask.A", far), make("mask.A", near)]);
+    stereo.parts[0].set_views(&["cam1", "cam2"]);
+    let moved = warped(&stereo, vec![layer("bar", shift(4, 0, 16), mask())], &WarpRules::default()).0;
+    for (name, from) in [("R", near), ("cam2.R", far)] {
+        let expected = make(name, from + 4).samples;
+        let worst = expected.iter().zip(samples(&moved, name)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(worst < 1e-5, "{name}: {worst}");
+    }
+}

@@ -28,8 +28,10 @@ pub(crate) struct ChannelName {
 
 impl ChannelName {
     /// Takes the names of a part's channels apart.
-    pub(crate) fn of_part(part: Option<&str>, view: Option<&str>, channels: &[&str]) -> Vec<Self> {
-        let mut names: Vec<Self> = channels.iter().map(|full| Self::apart(part, view, full)).collect();
+    ///
+    /// `views` are those that share the part, the first of them being that of channels which name none.
+    pub(crate) fn of_part(part: Option<&str>, views: &[&str], channels: &[&str]) -> Vec<Self> {
+        let mut names: Vec<Self> = channels.iter().map(|full| Self::apart(part, views, full)).collect();
         let layers: Vec<_> = names.iter().map(|name| (name.segments.clone(), name.view.clone())).collect();
         let components: Vec<String> = names.iter().map(|name| name.component.to_ascii_lowercase()).collect();
         for (index, name) in names.iter_mut().enumerate() {
@@ -39,8 +41,8 @@ impl ChannelName {
         names
     }
 
-    fn apart(part: Option<&str>, view: Option<&str>, full: &str) -> Self {
-        let is_view = |segment: &str| view == Some(segment) || COMMON_VIEWS.contains(&segment);
+    fn apart(part: Option<&str>, views: &[&str], full: &str) -> Self {
+        let is_view = |segment: &str| views.contains(&segment) || COMMON_VIEWS.contains(&segment);
         let mut segments: Vec<String> = full.split('.').map(str::to_owned).collect();
         let component = segments.pop().unwrap_or_default();
         let in_name = segments.iter().find(|segment| is_view(segment)).cloned();
@@ -53,7 +55,7 @@ impl ChannelName {
         Self {
             full: full.to_owned(),
             part: part.map(str::to_owned),
-            view: in_name.or_else(|| view.map(str::to_owned)),
+            view: in_name.or_else(|| views.first().map(|&view| view.to_owned())),
             word: segments.last().map(|segment| word_of(segment)).or(part_word),
             segments,
             component,

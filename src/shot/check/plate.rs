@@ -59,7 +59,7 @@ impl Check<'_> {
             }
             RawHoles::Plate(path) => Holes::Plate(self.plate_path(path, "warp.holes.plate")),
         };
-        let (motion, motion_scale) = raw.motion.as_ref().map_or((None, MotionScale::default()), |raw| motion(raw));
+        let (motion, motion_scale) = raw.motion.as_ref().map_or((None, MotionScale::default()), motion);
         WarpRules {
             filter: raw.filter,
             normals: raw.normals,
