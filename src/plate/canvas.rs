@@ -119,7 +119,7 @@ impl<'a> Canvas<'a> {
     /// own.
     pub(super) fn window_under(&self, map: &WarpMap) -> PixelRect {
         if union(self.source, map.frame.window()) == self.source {
-            return self.source;
+            return cut(self.source, map.window);
         }
         let seen: Vec<f32> = (0..map.window.area())
             .into_par_iter()

@@ -99,9 +99,12 @@ impl Contents<'_> {
         }
         let refused = |wanted: String, hint: String| PlateError::NoCryptomatte { layer: layer.into(), wanted, hint };
         let Some((matte, ids, unknown)) = best else {
-            let hint = spelling::list(all.iter().map(|matte| matte.name.as_str()));
-            let wanted = wanted.map_or("any name".to_owned(), |wanted| format!("\"{wanted}\""));
-            return Err(refused(wanted, format!("of Cryptomattes {hint}")));
+            let hint = match all.as_slice() {
+                [] => "it has no Cryptomatte".to_owned(),
+                all => format!("of Cryptomattes {}", spelling::list(all.iter().map(|matte| matte.name.as_str()))),
+            };
+            let wanted = wanted.map_or_else(|| names.join(", "), |wanted| format!("\"{wanted}\""));
+            return Err(refused(wanted, hint));
         };
         let missing = format!("in {}: {}", matte.name, unknown.join("; "));
         if ids.is_empty() {

@@ -3,7 +3,7 @@
 use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, Storage};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpRules, warp_plate};
+use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpMap, WarpRules, remap_plate, warp_plate};
 use pinwarp::space::PixelRect;
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 24, height: 16 };
@@ -195,6 +195,22 @@ fn windows_grow_with_the_picture_and_origins_count() {
 }
 
 #[test]
+fn a_map_without_overscan_cuts_the_plates_and_says_so() {
+    let (display, wide) = (window(0, 0, 30, 20), window(-5, -5, 40, 30));
+    let full = plate(display, wide, vec![channel("R", Storage::Half, wide, |x, _| x as f32)]);
+    let remapped = |around: PixelRect| {
+        let map = WarpMap::identity(full.frame_size(), around);
+        remap_plate(&full, &map, &WarpRules::default()).expect("a map of that frame")
+    };
+    let (cropped, report) = remapped(display);
+    assert_eq!(cropped.parts[0].data_window, display);
+    assert_eq!(samples(&cropped, "R")[..3], [5.0, 6.0, 7.0]);
+    assert!(report.warnings.iter().any(|warning| warning.contains("overscan")), "{:?}", report.warnings);
+    let (whole, report) = remapped(wide);
+    assert_eq!((whole.parts[0].data_window, report.warnings), (wide, Vec::new()));
+}
+
+#[test]
 fn a_matte_that_the_plate_lacks_is_named() {
     let rules = WarpRules::default();
     let refused = |matte: Matte| {
@@ -208,6 +224,7 @@ fn a_matte_that_the_plate_lacks_is_named() {
     );
     let none = refused(Matte::Cryptomatte { layer: None, names: vec!["Teapot".into()] });
     assert!(matches!(none, PlateError::NoCryptomatte { .. }), "{none}");
+    assert!(none.to_string().contains("knows Teapot"), "{none}");
 }
 
 #[test]

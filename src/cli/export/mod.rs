@@ -18,6 +18,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    refuse_idle_flags(args)?;
     match args.to {
         ExportFormat::LatticeJson => lattice_json::run(args),
         ExportFormat::Stmap => stmap::run(args),
@@ -26,6 +27,25 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         ExportFormat::AfterEffects => after_effects::run(args),
         ExportFormat::Gltf => self::gltf::run(args),
     }
+}
+
+/// A flag that does nothing would be a trap.
+fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
+    let has_maps = matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke | ExportFormat::AfterEffects);
+    let given = [
+        ("--layer", args.layer.is_some()),
+        ("--inverse", args.inverse),
+        ("--size", args.size.is_some()),
+        ("--overscan", args.overscan > 0),
+        ("--resume", args.resume),
+    ];
+    if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given && !has_maps) {
+        bail!("{flag} is for maps (--to stmap, nuke or after-effects), this export has none; leave it out");
+    }
+    if args.inverse && args.to == ExportFormat::AfterEffects {
+        bail!("displacement maps push one way only; --inverse is for --to stmap and nuke");
+    }
+    Ok(())
 }
 
 /// What is exported.

@@ -43,6 +43,7 @@ impl Plan {
         let mut notes = notes_of(&job.warp);
         let layers = layers(job, &mut notes)?;
         check_inverse(job, &layers)?;
+        check_matte(job, &layers)?;
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
         for other in [Some(&plate), clean.as_ref(), maps.as_ref()].into_iter().flatten() {
@@ -121,6 +122,17 @@ fn layers_of_shot(setup: &Setup) -> Vec<(&str, bool)> {
 
 fn layers_of_file(file: &LatticeFile) -> Vec<(&str, bool)> {
     file.layers.iter().map(|layer| (layer.name.as_str(), matches!(layer.track, Track::Screen(_)))).collect()
+}
+
+/// One matte for several layers of a lattice file would move the same pixels as often.
+fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
+    let PlateWarp::Lattices { file, matte: Some(_), .. } = &job.warp else { return Ok(()) };
+    if layers.len() <= 1 {
+        return Ok(());
+    }
+    let what = format!("one matte for {} layers would move the same pixels {} times", layers.len(), layers.len());
+    let names = layers.iter().map(|&layer| file.layers[layer].name.as_str());
+    Err(unusable(what, format!("choose one with --layer; {}", spelling::list(names))))
 }
 
 /// What mattes took apart cannot be put together again, since what lay behind is gone.
