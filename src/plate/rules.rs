@@ -43,7 +43,7 @@ impl WarpRules {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Filter {
-    /// An elliptical Gaussian-windowed filter over the footprint of the warp: no aliasing where it shrinks.
+    /// Catmull-Rom over the ellipse that a pixel covers: no aliasing where the warp shrinks, no ringing.
     #[default]
     Ewa,
     /// Catmull-Rom, 4x4 samples: sharp, aliases where the warp shrinks.
