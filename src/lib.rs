@@ -44,4 +44,5 @@ pub mod compare;
 
 pub mod pipeline;
 
+#[cfg(feature = "cli")]
 pub mod cli;

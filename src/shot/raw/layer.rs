@@ -16,7 +16,7 @@ pub(in crate::shot) struct RawLayer {
     #[schemars(length(min = 1), example = &"body")]
     pub(in crate::shot) name: Option<String>,
     /// Patterns of node names with * and ?; each claims its subtree. Default: all nodes.
-    #[schemars(length(min = 1), inner(length(min = 1)), example = ["Teapot*"])]
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Teapot*"]))]
     pub(in crate::shot) nodes: Option<Vec<String>>,
     /// The part of a plate that the layer moves: "alpha", a channel, ids, or names of a Cryptomatte; default: the whole
     /// picture.
@@ -53,7 +53,7 @@ pub(in crate::shot) struct RawLayer {
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawStiffness {
     /// Patterns of node names with * and ?; each means its subtree.
-    #[schemars(length(min = 1), inner(length(min = 1)), example = ["Head*"])]
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Head*"]))]
     pub(in crate::shot) nodes: Option<Vec<String>>,
     /// Name of a material.
     #[schemars(length(min = 1), example = &"Metal")]
@@ -94,7 +94,7 @@ pub(in crate::shot) enum RawFit {
     /// The same place on the screen.
     AsIs,
     /// Pairs of screen points, there and here, frame heights: they shift, turn and scale the lattices.
-    Landmarks(#[schemars(length(min = 1), example = [[[0.5, 0.5], [0.9, 0.4]]])] Vec<[[f64; 2]; 2]>),
+    Landmarks(#[schemars(length(min = 1), example = serde_json::json!([[[0.5, 0.5], [0.9, 0.4]]]))] Vec<[[f64; 2]; 2]>),
 }
 
 /// The grid of handles.
@@ -105,7 +105,7 @@ pub(in crate::shot) struct RawLattice {
     /// Where the grid lies: on the screen, or in the scene, where it moves the meshes themselves.
     pub(in crate::shot) space: RawSpace,
     /// Handles across and up, in the scene along x, y and z; default: [10, 10], over whole plates [16, 16], in the scene [5, 5, 5].
-    #[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)), example = [10, 10])]
+    #[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)), example = serde_json::json!([10, 10]))]
     pub(in crate::shot) dims: Option<Vec<usize>>,
     /// How handles are blended.
     pub(in crate::shot) basis: Basis,
@@ -136,7 +136,7 @@ pub(in crate::shot) enum RawBox {
     Frame,
     /// Always this: x and y of the lower left, x and y of the upper right corner, frame heights; in the scene x, y and
     /// z of the lower and of the upper corner, metres.
-    Fixed(#[schemars(length(min = 4, max = 6), example = [0.0, 0.0, 1.778, 1.0])] Vec<f64>),
+    Fixed(#[schemars(length(min = 4, max = 6), example = serde_json::json!([0.0, 0.0, 1.778, 1.0]))] Vec<f64>),
 }
 
 /// The solver: a preset, or its parts.
@@ -221,13 +221,13 @@ pub(in crate::shot) struct RawAnchor {
     #[schemars(range(min = 0, max = 4_294_967_295u32), example = 312)]
     pub(in crate::shot) triangle: Option<usize>,
     /// Surface: weights of the triangle's corners; they sum to 1.
-    #[schemars(example = [0.2, 0.5, 0.3])]
+    #[schemars(example = serde_json::json!([0.2, 0.5, 0.3]))]
     pub(in crate::shot) barycentric: Option<[f64; 3]>,
     /// Surface: the point's place in its node at rest, metres; tells when the scene has changed.
-    #[schemars(example = [0.0, 1.0, 0.0])]
+    #[schemars(example = serde_json::json!([0.0, 1.0, 0.0]))]
     pub(in crate::shot) rest: Option<[f64; 3]>,
     /// Screen: x and y, frame heights, y up.
-    #[schemars(example = [0.91, 0.52])]
+    #[schemars(example = serde_json::json!([0.91, 0.52]))]
     pub(in crate::shot) screen: Option<[f64; 2]>,
     /// Screen: cast onto the surface seen there in this frame, which the pin then follows.
     #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
@@ -242,10 +242,10 @@ pub(in crate::shot) struct RawPinKey {
     #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
     pub(in crate::shot) frame: f64,
     /// Added to the point's place, in `unit`; three numbers in world layers: along the scene's axes; default: [0, 0].
-    #[schemars(length(min = 2, max = 3), example = [0.06, 0.03])]
+    #[schemars(length(min = 2, max = 3), example = serde_json::json!([0.06, 0.03]))]
     pub(in crate::shot) offset: Option<Vec<f64>>,
     /// Instead of `offset`: a place on the screen, frame heights, y up; three numbers: of the scene, metres.
-    #[schemars(length(min = 2, max = 3), example = [0.9, 0.5])]
+    #[schemars(length(min = 2, max = 3), example = serde_json::json!([0.9, 0.5]))]
     pub(in crate::shot) target: Option<Vec<f64>>,
     /// Rotation held, degrees counter-clockwise; three numbers in world layers: about x, then y, then z; default: free,
     /// or 0 where another key has it.
@@ -275,7 +275,7 @@ pub(in crate::shot) enum RawRotation {
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawHandle {
     /// Column and row, from 0 at the lower left; in world layers three: along x, y and z.
-    #[schemars(length(min = 2, max = 3), inner(range(min = 0, max = 63)), example = [9, 4])]
+    #[schemars(length(min = 2, max = 3), inner(range(min = 0, max = 63)), example = serde_json::json!([9, 4]))]
     pub(in crate::shot) index: Vec<usize>,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
@@ -291,7 +291,7 @@ pub(in crate::shot) struct RawHandleKey {
     #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
     pub(in crate::shot) frame: f64,
     /// Added to the handle's place at rest, sizes of the lattice's box.
-    #[schemars(length(min = 2, max = 3), example = [0.0, 0.1])]
+    #[schemars(length(min = 2, max = 3), example = serde_json::json!([0.0, 0.1]))]
     pub(in crate::shot) offset: Vec<f64>,
     /// Shape of the segment that leaves this key; default: linear.
     #[serde(default)]

@@ -44,7 +44,7 @@ pub(super) struct RawShot {
     /// Motion blur; without this table there is none.
     pub(super) shutter: Option<RawShutter>,
     /// Width and height of the frame, pixels; default: [1920, 1080], of pictures the size of the first.
-    #[schemars(inner(range(min = 1, max = 65536)), example = [1920, 1080])]
+    #[schemars(inner(range(min = 1, max = 65536)), example = serde_json::json!([1920, 1080]))]
     pub(super) size: Option<[u32; 2]>,
     /// Width of a pixel divided by its height; default: 1, of pictures as the first says.
     #[schemars(range(min = 0.1, max = 10.0), example = 1.0)]
@@ -132,7 +132,7 @@ pub(super) struct RawOutput {
     #[schemars(length(min = 1), example = &"out/shot.####.exr")]
     pub(super) path: Option<String>,
     /// Groups of channels; default: all but cryptomatte.
-    #[schemars(length(min = 1), example = ["beauty", "depth"])]
+    #[schemars(length(min = 1), example = serde_json::json!(["beauty", "depth"]))]
     pub(super) channels: Option<Vec<RawChannel>>,
     /// EXR compression; default: zip.
     pub(super) compression: Option<RawCompression>,

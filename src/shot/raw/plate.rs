@@ -165,10 +165,10 @@ pub(in crate::shot) struct RawPart {
     #[schemars(length(min = 1), example = &"id.object")]
     pub(in crate::shot) id: Option<String>,
     /// The ids.
-    #[schemars(length(min = 1), inner(range(min = 0, max = 4_294_967_295u32)), example = [3])]
+    #[schemars(length(min = 1), inner(range(min = 0, max = 4_294_967_295u32)), example = serde_json::json!([3]))]
     pub(in crate::shot) values: Option<Vec<u32>>,
     /// Names in a Cryptomatte, with * and ?, or ids as eight hexadecimal digits.
-    #[schemars(length(min = 1), inner(length(min = 1)), example = ["Body*"])]
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Body*"]))]
     pub(in crate::shot) cryptomatte: Option<Vec<String>>,
     /// The Cryptomatte that is asked; default: the only one that knows the names.
     #[schemars(length(min = 1), example = &"CryptoObject")]
