@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::args::CompareArgs;
 use crate::compare::{self, Entry, Figure, Ink};
-use crate::image::write_png;
+use crate::image::{FileKind, write_png};
 use crate::pipeline::Setup;
 use crate::shot::Shot;
 use crate::solve::Problem;
@@ -14,7 +14,7 @@ use anyhow::{Context, bail};
 use std::io::Write;
 
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
-    if args.input.extension().is_some_and(|extension| extension == "toml") {
+    if FileKind::of(&args.input) == Some(FileKind::Shot) {
         return run_shot(args);
     }
     match problem::read_figure(&args.input)? {

@@ -3,7 +3,7 @@
 use super::args::FitArgs;
 use super::{Outcome, refuse_existing};
 use crate::export::{LandmarkUnit, Landmarks, LatticeFile, LatticeTrack, Track};
-use crate::image::read_any;
+use crate::image::{FileKind, read_any};
 use crate::lattice::Basis;
 use crate::pipeline::{Registration, Setup, check_not_an_input, picture_shape, register};
 use crate::shot::Shot;
@@ -56,9 +56,9 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
 
 /// What `A` shows: a layer of a shot or a scene in one frame, or a picture.
 fn subject(args: &FitArgs) -> anyhow::Result<Subject> {
-    match extension(&args.a).as_str() {
-        "toml" => shot_subject(Shot::read(&args.a)?, args),
-        "glb" | "gltf" => {
+    match FileKind::of(&args.a) {
+        Some(FileKind::Shot) => shot_subject(Shot::read(&args.a)?, args),
+        Some(FileKind::Scene) => {
             // Quoted as TOML strings are, which JSON's are, too.
             let scene = serde_json::to_string(&args.a.file_name().unwrap_or_default().to_string_lossy())?;
             let text = format!(
@@ -93,7 +93,7 @@ fn shot_subject(shot: Shot, args: &FitArgs) -> anyhow::Result<Subject> {
 
 fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
     let plate = read_any(&args.a)?;
-    let size = display_size(plate.display, plate.pixel_aspect);
+    let size = plate.frame_size();
     let Some(part) = plate.parts.first() else { bail!("{} holds no picture", args.a.display()) };
     let alpha = part.channels.iter().find(|channel| channel.name == "A").map(|channel| channel.samples.as_slice());
     let window = PixelRect {
@@ -108,19 +108,10 @@ fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
 
 /// Size of what `B` shows.
 fn size_of(path: &Path) -> anyhow::Result<FrameSize> {
-    if extension(path) == "toml" {
+    if FileKind::of(path) == Some(FileKind::Shot) {
         return Ok(Shot::read(path)?.size);
     }
-    let plate = read_any(path)?;
-    Ok(display_size(plate.display, plate.pixel_aspect))
-}
-
-fn display_size(display: PixelRect, pixel_aspect: f64) -> FrameSize {
-    FrameSize { width: display.width, height: display.height, pixel_aspect }
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+    Ok(read_any(path)?.frame_size())
 }
 
 /// The pairs on A's screen. B is laid over A with equal heights, middle on middle.

@@ -2,7 +2,7 @@
 
 use super::args::NewArgs;
 use super::{Outcome, refuse_existing};
-use crate::image::{picture_size, replace_text};
+use crate::image::{PictureKind, picture_size, replace_text};
 use crate::scene::{self, Scene};
 use crate::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
@@ -38,9 +38,8 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
 }
 
 /// Everything that is no picture by its name is a scene, or none of the two, and the scene's reader says so.
-pub(super) fn is_model(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    !ending.is_some_and(|ending| ["png", "jpg", "jpeg", "exr"].contains(&ending.as_str()))
+fn is_model(path: &Path) -> bool {
+    PictureKind::of(path).is_none()
 }
 
 /// What the template says about a picture.

@@ -4,7 +4,7 @@ use super::args::{FitKind, TransferArgs};
 use super::new::path_between;
 use super::{Outcome, refuse_existing, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
-use crate::image::replace_text;
+use crate::image::{FileKind, replace_text};
 use crate::pipeline::Existing;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;
@@ -20,39 +20,26 @@ const LINES: f64 = 1080.0;
 pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
     let lattices = LatticeFile::read(&args.lattice)?;
     let fit = fit(args)?;
-    let shot = match Target::of(&args.onto)? {
-        Target::Shot => onto_shot(args, &lattices, &fit)?,
+    let shot = match target(&args.onto)? {
+        FileKind::Shot => onto_shot(args, &lattices, &fit)?,
         target => onto_file(args, (&lattices, &fit), target)?,
     };
     render::draw(shot, &args.draw)
 }
 
 /// What lattices are laid over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Target {
-    Picture,
-    Scene,
-    Shot,
-}
-
-impl Target {
-    /// By the ending of the name.
-    fn of(path: &Path) -> anyhow::Result<Self> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-        let target = match ending.as_deref() {
-            Some("png" | "jpg" | "jpeg" | "exr") => Self::Picture,
-            Some("glb" | "gltf") => Self::Scene,
-            Some("toml") => Self::Shot,
-            _ => bail!(
+fn target(path: &Path) -> anyhow::Result<FileKind> {
+    let kind =
+        FileKind::of(path).filter(|kind| !matches!(kind, FileKind::Json | FileKind::Csv)).with_context(|| {
+            format!(
                 "--onto {}: give a picture (.png, .jpg, .exr), a scene (.glb, .gltf) or a shot (.toml)",
                 path.display()
-            ),
-        };
-        if !path.is_file() {
-            bail!("--onto {}: there is no such file; check the path for typing errors", path.display());
-        }
-        Ok(target)
+            )
+        })?;
+    if !path.is_file() {
+        bail!("--onto {}: there is no such file; check the path for typing errors", path.display());
     }
+    Ok(kind)
 }
 
 /// Where the lattices go, as asked.
@@ -126,7 +113,7 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
 }
 
 /// A picture or a scene: a shot is written around it.
-fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: Target) -> anyhow::Result<Shot> {
+fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: FileKind) -> anyhow::Result<Shot> {
     let track = track(args, file, None)?;
     let path = shot_path(args, target);
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
@@ -134,7 +121,7 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     }
     let text = text(args, (file, track, fit), (&path, target))?;
     let shot = Shot::parse(&text, &path)?;
-    if args.shot.is_some() || target == Target::Scene {
+    if args.shot.is_some() || target == FileKind::Scene {
         let is_same = std::fs::read_to_string(&path).is_ok_and(|there| there == text);
         if !is_same {
             let is_replaced = Existing::from(args.draw.existing) == Existing::Overwrite;
@@ -147,7 +134,7 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
 }
 
 /// Where the shot lies, or would lie.
-fn shot_path(args: &TransferArgs, target: Target) -> PathBuf {
+fn shot_path(args: &TransferArgs, target: FileKind) -> PathBuf {
     let stem = |path: &Path| path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let beside = |path: &Path| {
         let name = stem(path);
@@ -156,7 +143,7 @@ fn shot_path(args: &TransferArgs, target: Target) -> PathBuf {
     };
     match (&args.shot, &args.draw.output, target) {
         (Some(path), ..) => path.clone(),
-        (None, Some(output), Target::Scene) => beside(output),
+        (None, Some(output), FileKind::Scene) => beside(output),
         _ => PathBuf::from(format!("{}.toml", stem(&args.onto))),
     }
 }
@@ -165,7 +152,7 @@ fn shot_path(args: &TransferArgs, target: Target) -> PathBuf {
 fn text(
     args: &TransferArgs,
     (file, track, fit): (&LatticeFile, &LatticeTrack, &TransferFit),
-    (path, target): (&Path, Target),
+    (path, target): (&Path, FileKind),
 ) -> anyhow::Result<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(&path_between(folder, file)?.to_string_lossy()));
@@ -175,10 +162,10 @@ fn text(
     };
     let [first, last] = frames.map(Option::unwrap_or_default);
     let (key, size) = match target {
-        Target::Picture => ("image", String::new()),
+        FileKind::Picture(_) => ("image", String::new()),
         _ => ("scene", format!("size    = [{}, {LINES}]\n", (file.frame_aspect * LINES).round())),
     };
-    let channels = if target == Target::Picture { "channels = [\"beauty\", \"id\"]\n" } else { "" };
+    let channels = if key == "image" { "channels = [\"beauty\", \"id\"]\n" } else { "" };
     Ok(format!(
         "# Lattices of another shot, laid over {what}.\nversion = 1\n{key}   = {what}\n\
          frames  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n{size}\n\

@@ -3,6 +3,7 @@
 //! In: JSON or CSV. Out: pairs of points, checked; docs/EXPORT.md describes both forms.
 
 use super::ExportError;
+use crate::image::FileKind;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -52,8 +53,7 @@ impl Landmarks {
     pub fn read(path: &Path) -> Result<Self, ExportError> {
         let text =
             std::fs::read_to_string(path).map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
-        let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-        let read = if is_csv { from_csv(&text) } else { from_json(&text) };
+        let read = if FileKind::of(path) == Some(FileKind::Csv) { from_csv(&text) } else { from_json(&text) };
         let checked = read.and_then(Self::checked);
         checked.map_err(|(key, what, hint)| ExportError::Invalid {
             path: path.to_owned(),

@@ -1,7 +1,8 @@
 //! Tells a finished EXR file from one that was cut off, without decoding pixels.
 //!
-//! In: a path. Out: yes or no. Reads the head, the offset table and a few bytes of each chunk.
+//! In: a path. Out: yes or no; of files that are no EXR files whether they are there. Reads the head, the offset table and a few bytes of each chunk.
 
+use super::PictureKind;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use std::fs::File;
@@ -13,6 +14,13 @@ use std::path::Path;
 #[must_use]
 pub fn is_complete(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| has_all_chunks(file).unwrap_or(false))
+}
+
+/// Whether a finished file lies at `path`. Files that are no EXR files by their names appear whole or not at all, as this
+/// program writes them; EXR files are looked into with [`is_complete`].
+#[must_use]
+pub fn is_whole(path: &Path) -> bool {
+    if PictureKind::of(path) == Some(PictureKind::Exr) { is_complete(path) } else { path.is_file() }
 }
 
 fn has_all_chunks(mut file: File) -> Result<bool> {

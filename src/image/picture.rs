@@ -3,7 +3,7 @@
 //! In: a path. Out: [`Plate`] of R, G, B and, where the picture has it, A: scene-linear, associated alpha; and back.
 
 use super::srgb::{linear_from_srgb, srgb_from_linear};
-use super::{Channel, Frame, ImageError, Plate, PlatePart, Storage, atomic, exr_guard, metadata};
+use super::{Channel, Frame, ImageError, PictureKind, Plate, PlatePart, Storage, atomic, exr_guard, metadata};
 use crate::space::PixelRect;
 use ::image::codecs::jpeg::JpegEncoder;
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -94,9 +94,9 @@ fn unit(code: u16) -> f32 {
 pub fn write_picture(path: &Path, plate: &Plate) -> Result<(), ImageError> {
     let colour = Colour::of(plate).ok_or_else(|| ImageError::frame(path, "it has no channels R, G, B or Y to show"))?;
     let mut bytes = Vec::new();
-    match Format::of(path) {
-        Some(Format::Png) => colour.encode_png(plate.display, &mut bytes),
-        Some(Format::Jpeg) => colour.encode_jpeg(plate.display, &mut bytes),
+    match PictureKind::of(path) {
+        Some(PictureKind::Png) => colour.encode_png(plate.display, &mut bytes),
+        Some(PictureKind::Jpeg) => colour.encode_jpeg(plate.display, &mut bytes),
         _ => return Err(ImageError::frame(path, "pictures end in .png, .jpg or .jpeg")),
     }
     .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
@@ -187,45 +187,24 @@ fn bytes_of(codes: &[u16]) -> Vec<u8> {
     codes.iter().map(|&code| code as u8).collect()
 }
 
-/// Kinds of files, by their endings.
-enum Format {
-    Exr,
-    Png,
-    Jpeg,
-}
-
-impl Format {
-    fn of(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
-            "exr" => Some(Self::Exr),
-            "png" => Some(Self::Png),
-            "jpg" | "jpeg" => Some(Self::Jpeg),
-            _ => None,
-        }
-    }
-}
-
 /// Reads an EXR, PNG or JPEG file, by the ending of its name.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::read_plate`] and [`read_picture`] give; for other endings [`ImageError::Unsupported`].
+/// [`ImageError`] as [`super::read_plate`], [`read_picture`] and [`PictureKind::known`] give.
 pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
-    match Format::of(path) {
-        Some(Format::Exr) => super::read_plate(path),
-        Some(Format::Png | Format::Jpeg) => read_picture(path),
-        None => Err(ImageError::unsupported(path, "its name ends in none of .exr, .png, .jpg, .jpeg")),
+    match PictureKind::known(path)? {
+        PictureKind::Exr => super::read_plate(path),
+        PictureKind::Png | PictureKind::Jpeg => read_picture(path),
     }
 }
 
 /// Writes an EXR, PNG or JPEG file, by the ending of its name.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::write_plate`] and [`write_picture`] give.
+/// [`ImageError`] as [`super::write_plate`], [`write_picture`] and [`PictureKind::known`] give.
 pub fn write_any(path: &Path, plate: &Plate) -> Result<(), ImageError> {
-    match Format::of(path) {
-        Some(Format::Exr) => super::write_plate(path, plate),
-        Some(Format::Png | Format::Jpeg) => write_picture(path, plate),
-        None => Err(ImageError::frame(path, "its name ends in none of .exr, .png, .jpg, .jpeg")),
+    match PictureKind::known(path)? {
+        PictureKind::Exr => super::write_plate(path, plate),
+        PictureKind::Png | PictureKind::Jpeg => write_picture(path, plate),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the path of a PNG, JPEG or EXR file. Out: its display window as a [`FrameSize`].
 
-use super::ImageError;
+use super::{ImageError, PictureKind};
 use crate::space::FrameSize;
 use ::image::metadata::Orientation;
 use ::image::{ImageDecoder, ImageReader};
@@ -14,12 +14,7 @@ use std::path::Path;
 /// # Errors
 /// [`ImageError`] where the name is none of an EXR, PNG or JPEG file, where it cannot be opened or its head is damaged.
 pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
-    let ends_in = |known: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
-    if !["exr", "png", "jpg", "jpeg"].into_iter().any(ends_in) {
-        let what = "is not the name of a picture; EXR, PNG and JPEG files are read".to_owned();
-        return Err(ImageError::Pattern { pattern: path.to_owned(), what });
-    }
-    if ends_in("exr") {
+    if PictureKind::known(path)? == PictureKind::Exr {
         let head =
             MetaData::read_from_file(path, false).map_err(|failed| super::exr_guard::read_error(path, failed))?;
         let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;

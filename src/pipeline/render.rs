@@ -11,7 +11,7 @@ use super::pictures::{Wanted, render_pictures};
 use super::produce::Producer;
 use super::write::Writer;
 use super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{ImageError, SequencePath, is_complete};
+use crate::image::{ImageError, PictureKind, SequencePath, is_complete};
 use crate::raster::{self, Raster};
 use crate::shot::Source;
 use std::path::{Path, PathBuf};
@@ -154,7 +154,7 @@ fn finished(summary: Summary, wanted: usize, (cancel, tell): (&AtomicBool, &(dyn
 
 /// Frames are EXR files, and previews are named after them.
 fn check_extension(pattern: &Path) -> Result<(), ImageError> {
-    if pattern.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+    if PictureKind::of(pattern) == Some(PictureKind::Exr) {
         return Ok(());
     }
     let what = "is not the name of an EXR file; let it end in .exr (--preview writes PNG files beside it)";

@@ -5,7 +5,7 @@
 use super::Source;
 use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
-use crate::image::{SequencePath, is_complete};
+use crate::image::{SequencePath, is_whole};
 use crate::lattice::Lattice;
 use crate::plate::{Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
@@ -185,10 +185,4 @@ pub(super) fn write_frames(
         tracing::info!("{} written", path.display());
     }
     Ok(written)
-}
-
-/// Files appear whole or not at all; EXR files are looked into all the same.
-fn is_whole(path: &Path) -> bool {
-    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    path.exists() && (!is_exr || is_complete(path))
 }

@@ -11,6 +11,7 @@ mod stmap;
 use super::args::{ExportArgs, ExportFormat};
 use super::{Outcome, refuse_existing};
 use crate::export::LatticeFile;
+use crate::image::FileKind;
 use crate::pipeline::{Setup, check_not_an_input, lattices};
 use crate::shot::{LayerSpace, Shot};
 use anyhow::bail;
@@ -59,7 +60,7 @@ enum Source {
 impl Source {
     /// Reads a shot, or a lattice file (`.json`).
     fn open(args: &ExportArgs) -> anyhow::Result<Self> {
-        if args.shot.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        if FileKind::of(&args.shot) == Some(FileKind::Json) {
             return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
         }
         let setup = Setup::new(Shot::read(&args.shot)?)?;

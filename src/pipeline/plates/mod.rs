@@ -7,7 +7,6 @@
 //! ```
 //! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
 
-mod files;
 mod fill;
 mod job;
 mod plan;

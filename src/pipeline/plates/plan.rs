@@ -4,10 +4,9 @@
 
 use super::super::output::{check_not_an_input, frames_to_do, prepare_folder, stale_note};
 use super::super::{PipelineError, Setup};
-use super::files::{Kind, is_whole};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
-use crate::image::{ImageError, SequencePath};
+use crate::image::{ImageError, PictureKind, SequencePath, is_whole};
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, digest};
 use crate::spelling;
@@ -64,10 +63,14 @@ impl Plan {
 fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     let fault =
         |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
-    match (Kind::of_plate(plate)?, Kind::of(output)) {
+    match (PictureKind::known(plate)?, PictureKind::of(output)) {
         (_, None) => fault(output, "is not the name of a picture file; let it end in .exr (or .png for PNG plates)"),
-        (_, Some(Kind::Jpeg)) => fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr"),
-        (Kind::Exr, Some(Kind::Png)) => fault(output, "cannot hold the channels of an EXR plate; let it end in .exr"),
+        (_, Some(PictureKind::Jpeg)) => {
+            fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr")
+        }
+        (PictureKind::Exr, Some(PictureKind::Png)) => {
+            fault(output, "cannot hold the channels of an EXR plate; let it end in .exr")
+        }
         _ => Ok(()),
     }
 }

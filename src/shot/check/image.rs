@@ -3,7 +3,7 @@
 //! In: the raw key `image`. Out: paths, and the size of the frame where the shot does not say it.
 
 use super::Check;
-use crate::image::{SequencePath, picture_size};
+use crate::image::{PictureKind, SequencePath, picture_size};
 use crate::shot::raw::{RawImage, RawLayer, RawShot, RawSpace};
 use crate::space::FrameSize;
 use std::path::{Path, PathBuf};
@@ -11,18 +11,14 @@ use std::path::{Path, PathBuf};
 /// The frame of shots that do not say it.
 const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
 
-/// Endings of picture files that are read.
-const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "exr"];
-
 impl Check<'_> {
     /// The pictures' paths, resolved.
     pub(super) fn images(&mut self, raw: &RawImage) -> Vec<PathBuf> {
         let paths = raw.paths();
         for (index, (key, path)) in paths.iter().enumerate() {
-            let ending = Path::new(path).extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
             let is_sequence = SequencePath::parse(Path::new(path)).is_ok_and(|path| path.path_of(0) != path.path_of(1));
-            if !ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
-                let hint = "give a .png, .jpg or .exr file; a .gltf or .glb file is a `scene`";
+            if PictureKind::of(Path::new(path)).is_none() {
+                let hint = format!("{}; a .gltf or .glb file is a `scene`", PictureKind::REMEDY);
                 self.fault(key, format!("{path:?} is not the name of a picture"), hint);
             } else if is_sequence {
                 let hint = "write `plate` instead, give its layer `matte = \"alpha\"`, and run `pinwarp warp`";

@@ -3,7 +3,7 @@
 //! In: the raw table and the frame range. Out: [`Output`].
 
 use super::Check;
-use crate::image::{Compression, ImageError, SequencePath};
+use crate::image::{Compression, ImageError, PictureKind, SequencePath};
 use crate::raster::ChannelGroup;
 use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
 use crate::shot::{FrameRange, Output, Source};
@@ -19,8 +19,9 @@ impl Check<'_> {
         let folder = shot_path.parent().unwrap_or(Path::new(""));
         if let Some(path) = &raw.path {
             // Warped PNG plates may stay PNG files.
-            let endings: &[&str] = if *source == Source::Frame { &[".exr", ".png"] } else { &[".exr"] };
-            self.output_path(path, frames, endings);
+            let kinds =
+                if *source == Source::Frame { &[PictureKind::Exr, PictureKind::Png][..] } else { &[PictureKind::Exr] };
+            self.output_path(path, frames, kinds);
         }
         let path = raw.path.clone().unwrap_or_else(|| {
             let stem = shot_path.file_stem().map_or("shot".into(), |stem| stem.to_string_lossy());
@@ -36,10 +37,9 @@ impl Check<'_> {
         }
     }
 
-    fn output_path(&mut self, path: &str, frames: &FrameRange, endings: &[&str]) {
+    fn output_path(&mut self, path: &str, frames: &FrameRange, kinds: &[PictureKind]) {
         let key = "output.path";
-        let lower = path.to_ascii_lowercase();
-        if !endings.iter().any(|ending| lower.ends_with(ending)) {
+        if !PictureKind::of(Path::new(path)).is_some_and(|kind| kinds.contains(&kind)) {
             self.fault(key, format!("{path:?} is not the name of an EXR file"), "let it end in .exr");
         }
         let count = frames.count();
