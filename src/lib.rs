@@ -46,3 +46,6 @@ pub mod pipeline;
 
 #[cfg(feature = "cli")]
 pub mod cli;
+
+#[cfg(feature = "ofx")]
+pub mod ofx;

@@ -26,6 +26,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "spelling",
         ],
     ),
+    ("ofx", &["image", "live", "plate", "shot", "space"]),
     (
         "cli",
         &[

@@ -1,0 +1,22 @@
+//! The part of the OpenFX C API that this plugin and its test host speak: handles, layouts, names and status values.
+//!
+//! In: nothing. Out: declarations only; no code runs here.
+//!
+//! Written by hand from the OpenFX headers 1.4 and 1.5 (The Open Effects Association and contributors, BSD-3-Clause,
+//! <https://github.com/AcademySoftwareFoundation/openfx>): names, values and layouts are theirs, the words are ours.
+
+mod handle;
+pub mod names;
+mod plugin;
+mod status;
+mod suites;
+
+pub use handle::{
+    ClipHandle, DrawContextHandle, EffectHandle, InteractHandle, MemoryHandle, ParamHandle, ParamSetHandle, PropertySet,
+};
+pub use plugin::{EntryPoint, Host, Plugin, PointD, RangeD, RectD, RectI, RgbaColour};
+pub use status::Status;
+pub use suites::{
+    DrawSuiteV1, ImageEffectSuiteV1, InteractSuiteV1, MemorySuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
+    PropertySuiteV1,
+};

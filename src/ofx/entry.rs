@@ -1,0 +1,138 @@
+//! The three functions that hosts look up in the library, and the way of an action from there to its function.
+//!
+//! In: C calls, also wrong ones. Out: a status each time; no panic crosses this border.
+
+use super::api::names::action;
+use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
+use super::describe;
+use super::effect::Effect;
+use super::fault::Fault;
+use super::host;
+use super::props::Props;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Which of the two plugins is spoken to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Warps the picture.
+    PinWarp,
+    /// Gives the map by which it would be warped.
+    StMap,
+}
+
+/// An action on an effect.
+#[derive(Clone, Copy)]
+pub(super) struct Call<'a> {
+    pub(super) kind: Kind,
+    pub(super) effect: Effect<'a>,
+    /// Its arguments; empty where it has none.
+    pub(super) args: Props<'a>,
+    /// Where its answers go.
+    pub(super) out: Props<'a>,
+}
+
+/// What an action does.
+type Act = fn(Call) -> Result<Status, Fault>;
+
+/// Actions on effects. All others are answered with "as you do by default".
+const ACTS: &[(&CStr, Act)] =
+    &[(action::DESCRIBE, describe::describe), (action::DESCRIBE_IN_CONTEXT, describe::describe_in_context)];
+
+/// Plugins are constants for the host, though C calls their strings pointers.
+struct Shared(Plugin);
+
+// SAFETY: the strings are constants and nobody writes to a plugin's structure.
+unsafe impl Sync for Shared {}
+
+/// The plugins, in the order in which hosts count them.
+static PLUGINS: [Shared; 2] =
+    [plugin_of(c"io.github.pinwarp.PinWarp", pin_warp), plugin_of(c"io.github.pinwarp.PinWarpST", st_map)];
+
+const fn plugin_of(identifier: &'static CStr, main_entry: super::api::EntryPoint) -> Shared {
+    Shared(Plugin {
+        api: names::IMAGE_EFFECT_API.as_ptr(),
+        api_version: 1,
+        identifier: identifier.as_ptr(),
+        version_major: 1,
+        version_minor: 0,
+        set_host: Some(meet_host),
+        main_entry: Some(main_entry),
+    })
+}
+
+/// How many plugins the library holds.
+#[unsafe(export_name = "OfxGetNumberOfPlugins")]
+pub extern "C" fn number_of_plugins() -> c_int {
+    2
+}
+
+/// The nth plugin, null where there is none.
+#[unsafe(export_name = "OfxGetPlugin")]
+pub extern "C" fn plugin(nth: c_int) -> *const Plugin {
+    let plugin = usize::try_from(nth).ok().and_then(|nth| PLUGINS.get(nth));
+    plugin.map_or(std::ptr::null(), |plugin| &raw const plugin.0)
+}
+
+/// Takes the host before anything else (API 1.4); few hosts call it.
+///
+/// # Safety
+/// `host` is null or stays valid while the library is loaded.
+#[unsafe(export_name = "OfxSetHost")]
+pub unsafe extern "C" fn set_host(host: *const Host) -> Status {
+    guarded(|| {
+        host::meet(host);
+        Status::OK
+    })
+}
+
+/// Takes the host, as a plugin's `setHost`.
+unsafe extern "C" fn meet_host(host: *const Host) {
+    let _nobody_to_tell = guarded(|| {
+        host::meet(host);
+        Status::OK
+    });
+}
+
+unsafe extern "C" fn pin_warp(
+    name: *const c_char,
+    handle: *const c_void,
+    args: PropertySet,
+    out: PropertySet,
+) -> Status {
+    guarded(|| act(Kind::PinWarp, name, handle, [args, out]))
+}
+
+unsafe extern "C" fn st_map(name: *const c_char, handle: *const c_void, args: PropertySet, out: PropertySet) -> Status {
+    guarded(|| act(Kind::StMap, name, handle, [args, out]))
+}
+
+/// Runs `work`; a panic, which must not reach C, becomes a failure.
+pub(super) fn guarded(work: impl FnOnce() -> Status) -> Status {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or(Status::FAILED)
+}
+
+fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [PropertySet; 2]) -> Status {
+    if name.is_null() {
+        return Status::ERR_UNKNOWN;
+    }
+    // SAFETY: not null, and the host ends the names of actions with zero.
+    let name = unsafe { CStr::from_ptr(name) };
+    // Loading is answered with OK, never with "by default": MLT takes any other answer for a failure.
+    if name == action::LOAD {
+        return host::load().map_or_else(|fault| fault.status(), |_| Status::OK);
+    }
+    let Some((_, work)) = ACTS.iter().find(|(known, _)| *known == name) else { return Status::REPLY_DEFAULT };
+    let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
+    if handle.is_null() {
+        return Status::ERR_BAD_HANDLE;
+    }
+    let effect = Effect { suites: &suites, handle: EffectHandle(handle.cast_mut()) };
+    let call = Call { kind, effect, args: Props::new(&suites, args), out: Props::new(&suites, out) };
+    work(call).unwrap_or_else(|fault| {
+        if !matches!(fault, Fault::Aborted) {
+            effect.say(names::MESSAGE_ERROR, &fault.to_string());
+        }
+        fault.status()
+    })
+}

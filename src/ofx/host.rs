@@ -1,0 +1,127 @@
+//! The host: the suites it offers. Three are needed, all others may be missing.
+//!
+//! In: the structure of `setHost`. Out: [`Suites`], shared by all instances.
+
+use super::api::{
+    DrawSuiteV1, Host, ImageEffectSuiteV1, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
+    PropertySet, PropertySuiteV1, names,
+};
+use super::fault::Fault;
+use super::props::Props;
+use std::ffi::{CStr, c_int};
+use std::sync::atomic::{AtomicPtr, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// The host as `setHost` left it; suites may be fetched from the first action on, not before.
+static HOST: AtomicPtr<Host> = AtomicPtr::new(std::ptr::null_mut());
+/// The suites of that host.
+static SUITES: RwLock<Option<Arc<Suites>>> = RwLock::new(None);
+
+/// The host's functions, valid while the plugin is loaded.
+pub(super) struct Suites {
+    pub(super) property: &'static PropertySuiteV1,
+    pub(super) effect: &'static ImageEffectSuiteV1,
+    pub(super) parameter: &'static ParameterSuiteV1,
+    pub(super) message: Option<&'static MessageSuiteV1>,
+    pub(super) lasting_message: Option<&'static MessageSuiteV2>,
+    pub(super) interact: Option<&'static InteractSuiteV1>,
+    pub(super) draw: Option<&'static DrawSuiteV1>,
+    properties: PropertySet,
+}
+
+// SAFETY: the API lets suites and the host's handle be used from any thread.
+unsafe impl Send for Suites {}
+// SAFETY: as above.
+unsafe impl Sync for Suites {}
+
+/// A table of functions with the name and version it is fetched by.
+///
+/// # Safety
+/// The layout must be that of the suite of this name and version.
+unsafe trait Suite: 'static {
+    /// Name and version.
+    const ID: (&'static CStr, c_int);
+}
+
+// SAFETY: `super::api` declares these layouts as the API's headers do.
+unsafe impl Suite for PropertySuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::PROPERTY_SUITE, 1);
+}
+// SAFETY: as above.
+unsafe impl Suite for ImageEffectSuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::IMAGE_EFFECT_SUITE, 1);
+}
+// SAFETY: as above.
+unsafe impl Suite for ParameterSuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::PARAMETER_SUITE, 1);
+}
+// SAFETY: as above.
+unsafe impl Suite for MessageSuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::MESSAGE_SUITE, 1);
+}
+// SAFETY: as above.
+unsafe impl Suite for MessageSuiteV2 {
+    const ID: (&'static CStr, c_int) = (names::MESSAGE_SUITE, 2);
+}
+// SAFETY: as above.
+unsafe impl Suite for InteractSuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::INTERACT_SUITE, 1);
+}
+// SAFETY: as above.
+unsafe impl Suite for DrawSuiteV1 {
+    const ID: (&'static CStr, c_int) = (names::DRAW_SUITE, 1);
+}
+
+fn fetch<T: Suite>(host: &Host) -> Option<&'static T> {
+    let (name, version) = T::ID;
+    // SAFETY: the host's own function with its own handle, and a string that outlives the call.
+    let suite = unsafe { (host.fetch_suite?)(host.properties, name.as_ptr(), version) };
+    // SAFETY: null, or a suite of the layout that `T` declares, valid while the plugin is loaded.
+    unsafe { suite.cast::<T>().as_ref() }
+}
+
+/// Remembers the host; null is remembered as none.
+pub(super) fn meet(host: *const Host) {
+    HOST.store(host.cast_mut(), Ordering::Release);
+}
+
+/// Fetches the suites, again at each call: a host may come back with others.
+pub(super) fn load() -> Result<Arc<Suites>, Fault> {
+    // SAFETY: `setHost` promises a structure that is valid while the plugin is loaded.
+    let host = unsafe { HOST.load(Ordering::Acquire).as_ref() }.ok_or(Fault::MissingSuite("OfxHost"))?;
+    let mut suites = Suites {
+        property: fetch(host).ok_or(Fault::MissingSuite("OfxPropertySuite"))?,
+        effect: fetch(host).ok_or(Fault::MissingSuite("OfxImageEffectSuite"))?,
+        parameter: fetch(host).ok_or(Fault::MissingSuite("OfxParameterSuite"))?,
+        message: fetch(host),
+        lasting_message: None,
+        interact: fetch(host),
+        draw: fetch(host),
+        properties: host.properties,
+    };
+    // Version 2 came with API 1.2; an older host may end the program when asked for what it does not know.
+    if suites.host().ints(names::prop::API_VERSION).is_some_and(|version: [i32; 2]| version >= [1, 2]) {
+        suites.lasting_message = fetch(host);
+    }
+    let suites = Arc::new(suites);
+    *SUITES.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&suites));
+    Ok(suites)
+}
+
+/// The suites; fetched now where the host left out the load action.
+pub(super) fn suites() -> Result<Arc<Suites>, Fault> {
+    let known = SUITES.read().unwrap_or_else(PoisonError::into_inner).clone();
+    known.map_or_else(load, Ok)
+}
+
+impl Suites {
+    /// Properties of the host.
+    pub(super) fn host(&self) -> Props<'_> {
+        Props::new(self, self.properties)
+    }
+
+    /// Whether the host calls itself by a name that contains `part`.
+    pub(super) fn host_is(&self, part: &str) -> bool {
+        self.host().text(names::prop::NAME).is_some_and(|name| name.contains(part))
+    }
+}

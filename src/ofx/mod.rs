@@ -1,0 +1,21 @@
+//! The OpenFX plugin: pinwarp inside compositors that load `PinWarp.ofx.bundle`. An adapter; it holds no geometry.
+//!
+//! In: actions of a host, with its clips and parameters. Out: pixels, regions and messages, made by `crate::live`.
+//!
+//! ```text
+//! host ─action─▶ entry ─▶ describe                                 ─▶ clips, parameters
+//!                     ├─▶ regions, render ─ settings ─▶ crate::live ─▶ regions, pixels
+//!                     └─▶ changed, overlay                          ─▶ parameters, shot files, drawing
+//! ```
+
+#![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
+
+pub mod api;
+mod describe;
+mod effect;
+mod entry;
+mod fault;
+mod host;
+mod props;
+
+pub use entry::{number_of_plugins, plugin, set_host};

@@ -1,0 +1,132 @@
+//! Properties, read and written without minding what a host leaves out.
+//!
+//! In: a handle of the host, which may be null. Out: values, or `None`; what cannot be set is not.
+
+use super::api::{PropertySet, Status};
+use super::host::Suites;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+
+/// Reads one value of a property.
+type Get<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, *mut T) -> Status>;
+/// Sets one value of a property.
+type Set<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, T) -> Status>;
+
+/// A set of properties.
+#[derive(Clone, Copy)]
+pub(super) struct Props<'a> {
+    suites: &'a Suites,
+    set: PropertySet,
+}
+
+impl<'a> Props<'a> {
+    /// The properties behind a handle of the host; null: there are none.
+    pub(super) fn new(suites: &'a Suites, set: PropertySet) -> Self {
+        Self { suites, set }
+    }
+
+    fn get<T>(self, get: Get<T>, name: &CStr, index: usize, mut value: T) -> Option<T> {
+        let get = get.filter(|_| !self.set.is_null())?;
+        let index = c_int::try_from(index).ok()?;
+        // SAFETY: the host's function with a handle of its own; name and place outlive the call.
+        let status = unsafe { get(self.set, name.as_ptr(), index, &raw mut value) };
+        status.is_ok().then_some(value)
+    }
+
+    fn set<T>(self, set: Set<T>, name: &CStr, index: usize, value: T) {
+        let (Some(set), Ok(index), false) = (set, c_int::try_from(index), self.set.is_null()) else { return };
+        // SAFETY: the host's function with a handle of its own; it copies what `value` may point to.
+        let _unknown_to_this_host = unsafe { set(self.set, name.as_ptr(), index, value) };
+    }
+
+    /// The first `N` ints of a property; `None` where one is missing.
+    pub(super) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
+        let mut values = [0; N];
+        for (index, value) in values.iter_mut().enumerate() {
+            *value = self.get(self.suites.property.get_int, name, index, 0)?;
+        }
+        Some(values)
+    }
+
+    /// An int.
+    pub(super) fn int(self, name: &CStr) -> Option<i32> {
+        self.ints(name).map(|[value]| value)
+    }
+
+    /// The first `N` doubles of a property, all finite; `None` where one is not.
+    pub(super) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
+        let mut values = [0.0; N];
+        for (index, value) in values.iter_mut().enumerate() {
+            *value = self.get(self.suites.property.get_double, name, index, 0.0).filter(|value| value.is_finite())?;
+        }
+        Some(values)
+    }
+
+    /// A double.
+    pub(super) fn double(self, name: &CStr) -> Option<f64> {
+        self.doubles(name).map(|[value]| value)
+    }
+
+    /// A string, copied.
+    pub(super) fn text(self, name: &CStr) -> Option<String> {
+        let text = self.get(self.suites.property.get_string, name, 0, std::ptr::null_mut())?;
+        owned(text)
+    }
+
+    /// A pointer that is not null.
+    pub(super) fn pointer(self, name: &CStr) -> Option<*mut c_void> {
+        self.get(self.suites.property.get_pointer, name, 0, std::ptr::null_mut()).filter(|pointer| !pointer.is_null())
+    }
+
+    /// Sets an int.
+    pub(super) fn set_int(self, name: &CStr, value: i32) {
+        self.set(self.suites.property.set_int, name, 0, value);
+    }
+
+    /// Sets ints.
+    pub(super) fn set_ints(self, name: &CStr, values: &[i32]) {
+        for (index, value) in values.iter().enumerate() {
+            self.set(self.suites.property.set_int, name, index, *value);
+        }
+    }
+
+    /// Sets doubles.
+    pub(super) fn set_doubles(self, name: &CStr, values: &[f64]) {
+        for (index, value) in values.iter().enumerate() {
+            self.set(self.suites.property.set_double, name, index, *value);
+        }
+    }
+
+    /// Sets strings.
+    pub(super) fn set_names(self, name: &CStr, values: &[&CStr]) {
+        for (index, value) in values.iter().enumerate() {
+            self.set(self.suites.property.set_string, name, index, value.as_ptr());
+        }
+    }
+
+    /// Sets strings of our own making.
+    pub(super) fn set_texts(self, name: &CStr, values: &[&str]) {
+        for (index, value) in values.iter().enumerate() {
+            self.set(self.suites.property.set_string, name, index, c_text(value).as_ptr());
+        }
+    }
+
+    /// Sets a pointer.
+    pub(super) fn set_pointer(self, name: &CStr, value: *mut c_void) {
+        self.set(self.suites.property.set_pointer, name, 0, value);
+    }
+}
+
+/// A string of the host, copied at once: it lasts until the host's next call only.
+pub(super) fn owned(text: *const c_char) -> Option<String> {
+    if text.is_null() {
+        return None;
+    }
+    // SAFETY: not null, and the host ends its strings with zero.
+    let text = unsafe { CStr::from_ptr(text) };
+    Some(text.to_string_lossy().into_owned())
+}
+
+/// A text as C wants it; what follows a zero byte is lost.
+pub(super) fn c_text(text: &str) -> CString {
+    CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
+}
