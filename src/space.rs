@@ -8,6 +8,10 @@
 //!
 //! [`FrameSize`] holds the only conversion (and the only y-flip) between screen and image.
 
+mod window;
+
+pub use window::PixelRect;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -189,27 +193,6 @@ impl FrameSize {
     #[must_use]
     pub const fn window(self) -> PixelRect {
         PixelRect { x: 0, y: 0, width: self.width, height: self.height }
-    }
-}
-
-/// A rectangle of whole pixels in image space (y down); may lie partly or wholly outside the frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PixelRect {
-    /// Left column.
-    pub x: i32,
-    /// Top row.
-    pub y: i32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-impl PixelRect {
-    /// Number of pixels.
-    #[must_use]
-    pub const fn area(self) -> usize {
-        self.width as usize * self.height as usize
     }
 }
 

@@ -8,7 +8,7 @@ use crate::lattice::Basis;
 use crate::pipeline::{Registration, Setup, check_not_an_input, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
-use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint, ScreenVector};
+use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
 use crate::spelling;
 use anyhow::{Context, bail};
 use std::collections::BTreeMap;
@@ -96,12 +96,7 @@ fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
     let size = plate.frame_size();
     let Some(part) = plate.parts.first() else { bail!("{} holds no picture", args.a.display()) };
     let alpha = part.channels.iter().find(|channel| channel.name == "A").map(|channel| channel.samples.as_slice());
-    let window = PixelRect {
-        x: part.data_window.x - plate.display.x,
-        y: part.data_window.y - plate.display.y,
-        ..part.data_window
-    };
-    let shape = picture_shape(&args.a, (size, window), alpha)?;
+    let shape = picture_shape(&args.a, (size, plate.window_of(part)), alpha)?;
     let name = args.a.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Subject { shape, size, frame: args.frame.unwrap_or(1), rate: PICTURE_RATE, name })
 }

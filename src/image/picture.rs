@@ -147,9 +147,8 @@ impl<'a> Colour<'a> {
         let width = display.width as usize;
         let mut codes = vec![0; count * display.area()];
         codes.par_chunks_exact_mut((count * width).max(1)).enumerate().for_each(|(row, line)| {
-            let y = i64::from(display.y) + row as i64;
             for (column, pixel) in line.chunks_exact_mut(count).enumerate() {
-                let Some(index) = index_in(self.window, i64::from(display.x) + column as i64, y) else { continue };
+                let Some(index) = self.window.place_of(display.pixel_at(row * width + column)) else { continue };
                 let colour = self.red_green_blue.map(|samples| samples.map_or(0.0, |samples| samples[index]));
                 let alpha = self.alpha.map_or(1.0, |samples| samples[index]);
                 pixel.copy_from_slice(&code(colour, alpha)[..count]);
@@ -163,13 +162,6 @@ impl<'a> Colour<'a> {
 fn storage_of(part: &PlatePart) -> Storage {
     let colour = part.channels.iter().filter(|channel| ["R", "G", "B", "Y"].contains(&channel.name.as_str()));
     if colour.into_iter().all(|channel| channel.storage == Storage::Half) { Storage::Half } else { Storage::Float }
-}
-
-/// Index of the sample of pixel (x, y); `None` outside.
-fn index_in(window: PixelRect, x: i64, y: i64) -> Option<usize> {
-    let (x, y) = (x - i64::from(window.x), y - i64::from(window.y));
-    let is_inside = (0..i64::from(window.width)).contains(&x) && (0..i64::from(window.height)).contains(&y);
-    is_inside.then(|| y as usize * window.width as usize + x as usize)
 }
 
 /// Codes 0 to `largest` of associated light.

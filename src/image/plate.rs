@@ -93,6 +93,18 @@ impl Plate {
         FrameSize { width: self.display.width, height: self.display.height, pixel_aspect: self.pixel_aspect }
     }
 
+    /// The data window of a part, measured from the upper left corner of the display window.
+    #[must_use]
+    pub fn window_of(&self, part: &PlatePart) -> PixelRect {
+        part.data_window.relative_to(self.display)
+    }
+
+    /// The display window and all that is stored around it, measured from the display window's corner.
+    #[must_use]
+    pub fn reach(&self) -> PixelRect {
+        self.parts.iter().map(|part| self.window_of(part)).fold(self.frame_size().window(), PixelRect::union)
+    }
+
     /// Whether pinwarp rendered it: not whether it warped a frame of another program, whose software it leaves noted.
     #[must_use]
     pub fn is_own_render(&self) -> bool {

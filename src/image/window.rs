@@ -25,23 +25,21 @@ impl Frame {
             return self;
         }
         let from = self.data_window;
-        let channels = self
-            .channels
-            .into_iter()
-            .map(|channel| Channel { samples: copied_rows(&channel.samples, from, covered), ..channel });
+        let channels = self.channels.into_iter().map(|channel| {
+            let samples = from.over(&channel.samples, covered, channel.empty_value());
+            Channel { samples, ..channel }
+        });
         Self { data_window: covered, channels: channels.collect(), ..self }
     }
 
     /// Puts a tile's samples into the channels of the same names. Pixels outside the data window, and channels that
     /// this frame does not have, are left out.
     pub fn paste(&mut self, tile: &Self) {
-        let Some(shared) = intersection(self.data_window, tile.data_window) else { return };
-        let window = self.data_window;
+        let rows = self.data_window.shared_rows(tile.data_window);
         for channel in &mut self.channels {
             let Some(source) = tile.channel(&channel.name) else { continue };
-            for y in shared.y..shared.y + shared.height as i32 {
-                let to = row(window, shared, y);
-                channel.samples[to].copy_from_slice(&source.samples[row(tile.data_window, shared, y)]);
+            for [to, from] in rows.clone() {
+                channel.samples[to].copy_from_slice(&source.samples[from]);
             }
         }
     }
@@ -120,28 +118,6 @@ fn last_covered(row: &[f32], is_covered: impl Fn(f32) -> bool) -> Option<usize> 
 
 fn any_covered(batch: &[f32], is_covered: impl Fn(f32) -> bool) -> bool {
     batch.iter().fold(false, |any, &sample| any | is_covered(sample))
-}
-
-fn copied_rows(samples: &[f32], from: PixelRect, window: PixelRect) -> Vec<f32> {
-    let mut copy = Vec::with_capacity(window.area());
-    for y in window.y..window.y + window.height as i32 {
-        copy.extend_from_slice(&samples[row(from, window, y)]);
-    }
-    copy
-}
-
-/// Indices of the samples of row `y` of `part` in a picture with the data window `whole`, which holds `part`.
-fn row(whole: PixelRect, part: PixelRect, y: i32) -> std::ops::Range<usize> {
-    let start = (y - whole.y) as usize * whole.width as usize + (part.x - whole.x) as usize;
-    start..start + part.width as usize
-}
-
-fn intersection(a: PixelRect, b: PixelRect) -> Option<PixelRect> {
-    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
-    let right = (i64::from(a.x) + i64::from(a.width)).min(i64::from(b.x) + i64::from(b.width));
-    let bottom = (i64::from(a.y) + i64::from(a.height)).min(i64::from(b.y) + i64::from(b.height));
-    let (width, height) = (right - i64::from(x), bottom - i64::from(y));
-    (width > 0 && height > 0).then_some(PixelRect { x, y, width: width as u32, height: height as u32 })
 }
 
 #[cfg(test)]

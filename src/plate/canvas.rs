@@ -4,7 +4,7 @@
 
 use super::contents::{Contents, Entry};
 use super::matte::{Ground, Share};
-use super::nearest::{nearest_source, pixel_at, place_in};
+use super::nearest::nearest_source;
 use super::{Field, Matte, PlateError, PlateJob, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
@@ -118,18 +118,20 @@ impl<'a> Canvas<'a> {
     /// The data window after a map: all pixels that show something of the source. A plate that fills its frame keeps its
     /// own.
     pub(super) fn window_under(&self, map: &WarpMap) -> PixelRect {
-        if union(self.source, map.frame.window()) == self.source {
-            return cut(self.source, map.window);
+        if self.source.union(map.frame.window()) == self.source {
+            return self.source.intersection(map.window);
         }
         let seen: Vec<f32> = (0..map.window.area())
             .into_par_iter()
             .map(|index| {
-                let source = nearest_source(pixel_at(map.window, index), map.offsets[index]);
-                f32::from(u8::from(source.is_some_and(|source| place_in(self.source, source).is_some())))
+                let source = nearest_source(map.window.pixel_at(index), map.offsets[index]);
+                f32::from(u8::from(source.is_some_and(|source| self.source.place_of(source).is_some())))
             })
             .collect();
         let seen = bounds(&seen, map.window);
-        cut(grown(seen), union(map.frame.window(), self.source))
+        // A pixel more on every side, for what filters spread.
+        let seen = if seen.area() == 0 { seen } else { seen.grown(1) };
+        seen.intersection(map.frame.window().union(self.source))
     }
 
     /// Pixels that show a layer where it lies over itself.
@@ -137,8 +139,8 @@ impl<'a> Canvas<'a> {
         let mut is_folded = vec![false; self.window.area()];
         for sheet in &self.sheets {
             let folded = sheet.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
-            let pixels = folded.map(|index| pixel_at(sheet.window, index)).filter(|&pixel| self.has(sheet, pixel));
-            pixels.filter_map(|pixel| place_in(self.window, pixel)).for_each(|index| is_folded[index] = true);
+            let pixels = folded.map(|index| sheet.window.pixel_at(index)).filter(|&pixel| self.has(sheet, pixel));
+            pixels.filter_map(|pixel| self.window.place_of(pixel)).for_each(|index| is_folded[index] = true);
         }
         is_folded.into_iter().filter(|is_folded| *is_folded).count()
     }
@@ -166,9 +168,9 @@ pub(super) fn find_windows(canvases: &mut [Canvas], frame: FrameSize, movers: &[
             };
             sheet.window = movers[sheet.mover].now.warped_window(frame, held);
         }
-        let all = canvas.sheets.iter().map(|sheet| sheet.window).reduce(union).unwrap_or_default();
-        let most = union(canvas.source, frame.window());
-        canvas.window = if most == canvas.source { canvas.source } else { cut(all, most) };
+        let all = canvas.sheets.iter().map(|sheet| sheet.window).reduce(PixelRect::union).unwrap_or_default();
+        let most = canvas.source.union(frame.window());
+        canvas.window = if most == canvas.source { canvas.source } else { all.intersection(most) };
     }
     settle_windows(canvases);
 }
@@ -178,12 +180,12 @@ pub(super) fn settle_windows(canvases: &mut [Canvas]) {
     let windows: Vec<_> = canvases.iter().map(|canvas| (canvas.source, canvas.window)).collect();
     for canvas in canvases {
         let same = windows.iter().filter(|(source, _)| *source == canvas.source);
-        let window = same.map(|(_, window)| *window).fold(PixelRect::default(), union);
+        let window = same.map(|(_, window)| *window).fold(PixelRect::default(), PixelRect::union);
         let pixel = PixelRect { width: 1, height: 1, ..canvas.source };
         canvas.window = if window.area() == 0 { pixel } else { window };
         for sheet in &mut canvas.sheets {
             // What stays behind is asked everywhere whether it is there.
-            sheet.window = if sheet.mover == 0 { canvas.window } else { cut(sheet.window, canvas.window) };
+            sheet.window = if sheet.mover == 0 { canvas.window } else { sheet.window.intersection(canvas.window) };
         }
     }
 }
@@ -192,7 +194,7 @@ pub(super) fn settle_windows(canvases: &mut [Canvas]) {
 pub(super) fn find_maps(canvases: &mut [Canvas], frame: FrameSize, movers: &[Mover]) {
     for (index, mover) in movers.iter().enumerate() {
         let wanted = canvases.iter().flat_map(|canvas| &canvas.sheets).filter(|sheet| sheet.mover == index);
-        let window = wanted.map(|sheet| sheet.window).reduce(union).unwrap_or_default();
+        let window = wanted.map(|sheet| sheet.window).reduce(PixelRect::union).unwrap_or_default();
         if mover.now.reach() == 0.0 || window.area() == 0 {
             continue;
         }
@@ -212,7 +214,7 @@ fn lay_behind(canvases: &mut [Canvas], mover: usize, map: &WarpMap) {
     let folded = bounds(&seen, map.window);
     for canvas in canvases {
         let Some(place) = canvas.sheets.iter().position(|sheet| sheet.mover == mover) else { continue };
-        let window = cut(folded, canvas.sheets[place].window);
+        let window = folded.intersection(canvas.sheets[place].window);
         if window.area() > 0 {
             let map = Some(Arc::new(map.cut_to(window)));
             let sheet = Sheet { window, map, ..canvas.sheets[place].clone() };
@@ -262,31 +264,4 @@ fn bounds(share: &[f32], window: PixelRect) -> PixelRect {
         width: (x1 - x0 + 1) as u32,
         height: (y1 - y0 + 1) as u32,
     }
-}
-
-/// The smallest window that holds both; empty ones hold nothing.
-pub(super) fn union(a: PixelRect, b: PixelRect) -> PixelRect {
-    if a.area() == 0 || b.area() == 0 {
-        return if a.area() == 0 { b } else { a };
-    }
-    let (x, y) = (a.x.min(b.x), a.y.min(b.y));
-    let right = (a.x + a.width as i32).max(b.x + b.width as i32);
-    let bottom = (a.y + a.height as i32).max(b.y + b.height as i32);
-    PixelRect { x, y, width: (right - x) as u32, height: (bottom - y) as u32 }
-}
-
-/// A pixel more on every side, for what filters spread.
-fn grown(window: PixelRect) -> PixelRect {
-    if window.area() == 0 {
-        return window;
-    }
-    PixelRect { x: window.x - 1, y: window.y - 1, width: window.width + 2, height: window.height + 2 }
-}
-
-/// What two windows share; may be empty.
-pub(super) fn cut(a: PixelRect, b: PixelRect) -> PixelRect {
-    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
-    let right = (a.x + a.width as i32).min(b.x + b.width as i32);
-    let bottom = (a.y + a.height as i32).min(b.y + b.height as i32);
-    PixelRect { x, y, width: (right - x).max(0) as u32, height: (bottom - y).max(0) as u32 }
 }

@@ -66,7 +66,7 @@ impl<'a> Contents<'a> {
 
     /// The data window of a channel, measured from the upper left corner of the display window.
     pub(super) fn window(&self, place: Place) -> PixelRect {
-        from_display(self.plate, self.plate.parts[place.part].data_window)
+        self.plate.window_of(&self.plate.parts[place.part])
     }
 
     /// The Cryptomattes among these channels.
@@ -197,14 +197,4 @@ fn nearness(entry: &Entry, alpha: &Entry) -> usize {
         _ => false,
     };
     if is_beauty { 1 + 10 * shared + usize::from(own.view == other.view) * 2 + usize::from(is_own_part) } else { 0 }
-}
-
-/// A window of a file, measured from the upper left corner of the display window.
-pub(super) fn from_display(plate: &Plate, window: PixelRect) -> PixelRect {
-    PixelRect { x: window.x - plate.display.x, y: window.y - plate.display.y, ..window }
-}
-
-/// The way back of [`from_display`].
-pub(super) fn from_file(plate: &Plate, window: PixelRect) -> PixelRect {
-    PixelRect { x: window.x + plate.display.x, y: window.y + plate.display.y, ..window }
 }

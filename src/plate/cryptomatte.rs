@@ -7,7 +7,6 @@
 
 use super::canvas::{Canvas, Sheet};
 use super::footprint;
-use super::nearest::place_in;
 use super::over::Overlay;
 use crate::image::cryptomatte::{Coverage, MatteId};
 use rayon::prelude::*;
@@ -57,7 +56,7 @@ impl Canvas<'_> {
         scratch.coverage.clear();
         let mut visible = 1.0;
         for (sheet, below) in self.sheets.iter().zip(&overlay.below).rev() {
-            let Some(place) = place_in(sheet.window, at) else { continue };
+            let Some(place) = sheet.window.place_of(at) else { continue };
             self.find_taps(sheet, place, at, &mut scratch.taps);
             if let [(index, 1.0)] = scratch.taps[..]
                 && self.sheets.len() == 1
@@ -74,7 +73,7 @@ impl Canvas<'_> {
             }
         }
         if let Some(holes) = &overlay.holes {
-            let place = place_in(self.window, at).expect("pixels of the canvas lie in its window");
+            let place = self.window.place_of(at).expect("pixels of the canvas lie in its window");
             matte.fill(place, holes[place], &mut scratch.coverage);
         }
         scratch.coverage.write(&mut scratch.ranks);
@@ -87,7 +86,7 @@ impl Canvas<'_> {
             Some(map) => footprint(map, place, self.source, taps),
             None => {
                 taps.clear();
-                taps.extend(place_in(self.source, at).map(|index| (index, 1.0)));
+                taps.extend(self.source.place_of(at).map(|index| (index, 1.0)));
             }
         }
     }

@@ -3,7 +3,7 @@
 //! In: contents, canvases with sheets and maps, rules. Out: the plate, and the rest of the report.
 
 use super::canvas::{Canvas, Mover};
-use super::contents::{Contents, Entry, Place, from_file};
+use super::contents::{Contents, Entry, Place};
 use super::cryptomatte::Ranks;
 use super::fill::{Filling, add_behind};
 use super::nearest::{Pick, copied};
@@ -166,9 +166,9 @@ impl Drawing<'_> {
     fn put_together(&self, canvases: &[Canvas], mut planes: Planned) -> Plate {
         let plate = self.contents.plate;
         let parts = plate.parts.iter().enumerate().map(|(part, stored)| {
-            let source = super::contents::from_display(plate, stored.data_window);
+            let source = plate.window_of(stored);
             let canvas = canvases.iter().find(|canvas| canvas.source == source);
-            let window = canvas.map_or(stored.data_window, |canvas| from_file(plate, canvas.window));
+            let window = canvas.map_or(stored.data_window, |canvas| canvas.window.placed_in(plate.display));
             let channels = stored.channels.iter().enumerate().map(|(channel, stored)| Channel {
                 name: stored.name.clone(),
                 storage: stored.storage,

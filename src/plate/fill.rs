@@ -4,8 +4,7 @@
 
 use super::canvas::Canvas;
 use super::contents::{Contents, Entry, Place};
-use super::matte::moved;
-use super::nearest::{nearest_source, place_in};
+use super::nearest::nearest_source;
 use super::over::BATCH;
 use super::{Filter, Planes, resampled};
 use crate::image::Plate;
@@ -45,10 +44,9 @@ impl<'a> Filling<'a> {
 
     /// The nearest sample of a channel at a pixel of a canvas, counted in its window; `None` where it has none.
     pub(super) fn nearest(&self, place: Place, canvas: &Canvas, at: usize) -> Option<f32> {
-        let width = canvas.window.width as usize;
-        let pixel = [canvas.window.x + (at % width) as i32, canvas.window.y + (at / width) as i32];
+        let pixel = canvas.window.pixel_at(at);
         let offset = canvas.base().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
-        let index = place_in(self.contents.window(place), nearest_source(pixel, offset)?)?;
+        let index = self.contents.window(place).place_of(nearest_source(pixel, offset)?)?;
         Some(self.contents.channel(place).samples[index])
     }
 
@@ -57,7 +55,7 @@ impl<'a> Filling<'a> {
         let (window, samples) = (self.contents.window(place), &self.contents.channel(place).samples);
         match &canvas.base().map {
             Some(map) => resampled(map, &Planes { window, planes: vec![samples] }, filter).swap_remove(0),
-            None => moved(samples, window, canvas.window, 0.0),
+            None => window.over(samples, canvas.window, 0.0),
         }
     }
 }

@@ -2,10 +2,8 @@
 //!
 //! In: a [`Field`], the frame and a data window; a map. Out: all pixels that can receive anything of it; a smaller map.
 
-use super::canvas::cut;
 use super::map_mesh::Net;
 use super::map_view::{Direction, View, corner, extent};
-use super::nearest::{pixel_at, place_in};
 use super::{Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
@@ -67,16 +65,12 @@ fn rect(lo: DVec2, hi: DVec2) -> PixelRect {
 impl WarpMap {
     /// The map over another window; nothing is seen where it told nothing.
     pub(super) fn cut_to(&self, window: PixelRect) -> Self {
-        let mut part = Self::identity(self.frame, window);
-        let inside = cut(self.window, window);
-        part.offsets.fill([f32::NAN; 2]);
-        for y in inside.y..inside.y + inside.height as i32 {
-            let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (inside.x - of.x) as usize;
-            let length = inside.width as usize;
-            part.offsets[start(window)..][..length].copy_from_slice(&self.offsets[start(self.window)..][..length]);
+        let place = |&index: &u32| window.place_of(self.window.pixel_at(index as usize)).map(|index| index as u32);
+        Self {
+            frame: self.frame,
+            window,
+            offsets: self.window.over(&self.offsets, window, [f32::NAN; 2]),
+            folded_pixels: self.folded_pixels.iter().filter_map(place).collect(),
         }
-        let place = |&index: &u32| place_in(window, pixel_at(self.window, index as usize)).map(|index| index as u32);
-        part.folded_pixels = self.folded_pixels.iter().filter_map(place).collect();
-        part
     }
 }

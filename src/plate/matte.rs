@@ -57,7 +57,7 @@ impl Contents<'_> {
     /// Samples of a channel over another window; `outside` where it has none.
     pub(super) fn over(&self, place: Place, window: PixelRect, outside: f32) -> Cow<'_, [f32]> {
         let (own, samples) = (self.window(place), &self.channel(place).samples);
-        if own == window { Cow::Borrowed(samples) } else { Cow::Owned(moved(samples, own, window, outside)) }
+        if own == window { Cow::Borrowed(samples) } else { Cow::Owned(own.over(samples, window, outside)) }
     }
 
     /// A channel by the name that the shot gives: in this view, else in the first that has it.
@@ -153,20 +153,4 @@ fn is_named(name: &str, wanted: &str) -> bool {
 /// Ids are bits of integers, or whole numbers as floats.
 fn id_of(sample: f32, storage: Storage) -> u32 {
     if storage == Storage::Uint { sample.to_bits() } else { sample.round() as u32 }
-}
-
-/// Samples of a window over another one.
-pub(super) fn moved(samples: &[f32], own: PixelRect, window: PixelRect, outside: f32) -> Vec<f32> {
-    let mut result = vec![outside; window.area()];
-    let (left, right) = (own.x.max(window.x), (own.x + own.width as i32).min(window.x + window.width as i32));
-    let (top, bottom) = (own.y.max(window.y), (own.y + own.height as i32).min(window.y + window.height as i32));
-    if left >= right {
-        return result;
-    }
-    for y in top..bottom {
-        let start = |of: PixelRect| (y - of.y) as usize * of.width as usize + (left - of.x) as usize;
-        let length = (right - left) as usize;
-        result[start(window)..][..length].copy_from_slice(&samples[start(own)..][..length]);
-    }
-    result
 }

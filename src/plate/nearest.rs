@@ -6,7 +6,6 @@
 
 use super::canvas::{Canvas, Sheet};
 use super::over::BATCH;
-use crate::space::PixelRect;
 use rayon::prelude::*;
 
 /// A sheet has a pixel if it covers at least this much of it.
@@ -88,9 +87,9 @@ impl Canvas<'_> {
 
     /// Place in the source of the sample nearest to where a pixel of a sheet comes from.
     pub(super) fn source_of(&self, sheet: &Sheet, [x, y]: [i32; 2]) -> Option<usize> {
-        let own = place_in(sheet.window, [x, y])?;
+        let own = sheet.window.place_of([x, y])?;
         let offset = sheet.map.as_ref().map_or([0.0; 2], |map| map.offsets[own]);
-        place_in(self.source, nearest_source([x, y], offset)?)
+        self.source.place_of(nearest_source([x, y], offset)?)
     }
 
     fn is_carved_at(&self, at: [i32; 2]) -> bool {
@@ -100,7 +99,7 @@ impl Canvas<'_> {
 
     /// The pixel of the source at a place in it, from the upper left corner of the display window.
     pub(super) fn source_pixel(&self, index: usize) -> [i32; 2] {
-        pixel_at(self.source, index)
+        self.source.pixel_at(index)
     }
 }
 
@@ -108,20 +107,6 @@ impl Canvas<'_> {
 pub(super) fn nearest_source(pixel: [i32; 2], offset: [f32; 2]) -> Option<[i32; 2]> {
     let [x, y] = [0, 1].map(|axis| (f64::from(offset[axis]) + 0.5).floor() + f64::from(pixel[axis]));
     (x.abs() < 1e9 && y.abs() < 1e9).then_some([x as i32, y as i32])
-}
-
-/// Place of a pixel in a window, rows from the top.
-pub(super) fn place_in(window: PixelRect, [x, y]: [i32; 2]) -> Option<usize> {
-    let column = usize::try_from(i64::from(x) - i64::from(window.x)).ok()?;
-    let row = usize::try_from(i64::from(y) - i64::from(window.y)).ok()?;
-    let is_inside = column < window.width as usize && row < window.height as usize;
-    is_inside.then(|| row * window.width as usize + column)
-}
-
-/// The pixel at a place in a window.
-pub(super) const fn pixel_at(window: PixelRect, index: usize) -> [i32; 2] {
-    let width = window.width as usize;
-    [window.x + (index % width) as i32, window.y + (index / width) as i32]
 }
 
 /// The samples that the picks show; `empty` where there is none.

@@ -5,7 +5,7 @@
 
 use super::WarpMap;
 use super::canvas::Canvas;
-use super::nearest::{Pick, place_in};
+use super::nearest::Pick;
 use rayon::prelude::*;
 
 /// A rotation that counts, in radians: below it normals keep their bits.
@@ -14,13 +14,12 @@ const LEAST: f64 = 1e-6;
 impl Canvas<'_> {
     /// Turns the first two components; each #pixels of the canvas.
     pub(super) fn turn_normals(&self, picks: &[Pick], [xs, ys]: [&mut [f32]; 2], pixel_aspect: f64) {
-        let width = self.window.width as usize;
         let pixels = xs.par_iter_mut().zip(ys).zip(picks).enumerate();
         pixels.for_each(|(at, ((x, y), pick))| {
             let Pick::Sample { sheet, .. } = pick else { return };
             let sheet = &self.sheets[usize::from(*sheet)];
-            let pixel = [self.window.x + (at % width) as i32, self.window.y + (at / width) as i32];
-            let Some((map, place)) = sheet.map.as_ref().zip(place_in(sheet.window, pixel)) else { return };
+            let pixel = self.window.pixel_at(at);
+            let Some((map, place)) = sheet.map.as_ref().zip(sheet.window.place_of(pixel)) else { return };
             let angle = rotation(map, place, pixel_aspect);
             if angle.abs() > LEAST {
                 let (sin, cos) = angle.sin_cos();

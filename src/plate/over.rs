@@ -7,7 +7,6 @@
 //! coverage disjoint), and only what exceeds the hole hides what lies below. A layer that stays gives the picture back.
 
 use super::canvas::{Canvas, Sheet};
-use super::matte::moved;
 use super::{Filter, Planes, resampled};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -93,7 +92,7 @@ impl Canvas<'_> {
             match &mut result {
                 None if sheet.window == self.window => result = Some(seen),
                 None => {
-                    let spread = |plane: &Vec<f32>| moved(plane, sheet.window, self.window, 0.0);
+                    let spread = |plane: &Vec<f32>| sheet.window.over(plane, self.window, 0.0);
                     result = Some(seen.iter().map(spread).collect());
                 }
                 Some(result) => {
@@ -113,7 +112,7 @@ impl Canvas<'_> {
         let source = Planes { window: self.source, planes: planes.iter().map(|plane| &plane[..]).collect() };
         match &sheet.map {
             Some(map) => resampled(map, &source, filter),
-            None => planes.iter().map(|plane| moved(plane, self.source, sheet.window, 0.0)).collect(),
+            None => planes.iter().map(|plane| self.source.over(plane, sheet.window, 0.0)).collect(),
         }
     }
 

@@ -51,9 +51,7 @@ pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
         return Err(PlateError::StMapOfIntegers { channel: channel.name.clone() });
     }
     let alpha = part.channel(&format!("{layer}A")).map(|alpha| alpha.samples.as_slice());
-    let (display, window) = (stmap.display, part.data_window);
-    let mut map =
-        WarpMap::identity(stmap.frame_size(), PixelRect { x: window.x - display.x, y: window.y - display.y, ..window });
+    let mut map = WarpMap::identity(stmap.frame_size(), stmap.window_of(part));
     let place = |index: usize| uv.map(|channel| channel.samples[index]);
     let (frame, window) = (map.frame, map.window);
     map.offsets.par_iter_mut().enumerate().for_each(|(index, offset)| {

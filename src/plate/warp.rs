@@ -2,7 +2,7 @@
 //!
 //! In: a plate, the fields of its layers, mattes, rules. Out: the warped plate and a report of what was done.
 
-use super::canvas::{Canvas, Mover, cut, find_maps, find_windows, give_map, settle_windows};
+use super::canvas::{Canvas, Mover, find_maps, find_windows, give_map, settle_windows};
 use super::contents::Contents;
 use super::draw::Drawing;
 use super::fill::Filling;
@@ -82,7 +82,7 @@ pub fn remap_plate(plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(P
     settle_windows(&mut canvases);
     give_map(&mut canvases, 0, &Arc::new(map.clone()));
     let mut report = PlateReport::default();
-    if canvases.iter().any(|canvas| cut(canvas.source, map.window) != canvas.source) {
+    if canvases.iter().any(|canvas| canvas.source.intersection(map.window) != canvas.source) {
         let what = "the map does not reach as far as the plate: what lies outside it is left out";
         report.warnings.push(format!("{what}; make the map with the plate's overscan"));
     }

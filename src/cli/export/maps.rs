@@ -71,7 +71,7 @@ impl Maps {
             }
         };
         let size = squared(size);
-        let window = overscanned(size, args.overscan);
+        let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
         Ok(Self { lattices, size, window, direction, reach })
@@ -144,11 +144,6 @@ fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::
 fn squared(size: FrameSize) -> FrameSize {
     let is_square = (size.pixel_aspect - 1.0).abs() * f64::from(size.width) <= 1.0;
     if is_square { FrameSize::new(size.width, size.height) } else { size }
-}
-
-fn overscanned(size: FrameSize, by: u32) -> PixelRect {
-    let PixelRect { width, height, .. } = size.window();
-    PixelRect { x: -(by as i32), y: -(by as i32), width: width + 2 * by, height: height + 2 * by }
 }
 
 /// What became of a sequence.

@@ -96,10 +96,10 @@ impl<'a> Painter<'a> {
             let layer = self.setup.owners[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
             let laid = self.lay(index, moment);
-            for (at, from, count) in shared_rows(window, laid.picture.data_window) {
-                for pixel in 0..count {
-                    if laid.alpha()[from + pixel] >= SEEN {
-                        (ids[0][at + pixel], ids[1][at + pixel]) = (here[0], here[1]);
+            for [to, from] in window.shared_rows(laid.picture.data_window) {
+                for (at, alpha) in to.zip(&laid.alpha()[from]) {
+                    if *alpha >= SEEN {
+                        (ids[0][at], ids[1][at]) = (here[0], here[1]);
                     }
                 }
             }
@@ -135,24 +135,12 @@ fn warped(sheet: &Sheet, lattice: Option<&ScreenLattice>, filter: Filter) -> Lai
     Laid { lattice: Some(lattice.clone()), picture: plate.into_frame() }
 }
 
-/// Rows that two windows share: where they begin in each, and their length.
-fn shared_rows(window: PixelRect, other: PixelRect) -> Vec<(usize, usize, usize)> {
-    let [left, top] = [window.x.max(other.x), window.y.max(other.y)];
-    let right = (window.x + window.width as i32).min(other.x + other.width as i32);
-    let bottom = (window.y + window.height as i32).min(other.y + other.height as i32);
-    let count = usize::try_from(right - left).unwrap_or(0);
-    let start = |of: PixelRect, y: i32| (y - of.y) as usize * of.width as usize + (left - of.x) as usize;
-    let rows = if count > 0 { top..bottom } else { 0..0 };
-    rows.map(|y| (start(window, y), start(other, y), count)).collect()
-}
-
 /// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.
 fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, laid: &Laid) {
-    let rows = shared_rows(window, laid.picture.data_window);
+    let rows = window.shared_rows(laid.picture.data_window);
     for (plane, front) in canvas.iter_mut().zip(&laid.picture.channels) {
-        for &(at, from, count) in &rows {
-            let (behind, front, alpha) =
-                (&mut plane[at..at + count], &front.samples[from..from + count], &laid.alpha()[from..from + count]);
+        for [to, from] in rows.clone() {
+            let (behind, front, alpha) = (&mut plane[to], &front.samples[from.clone()], &laid.alpha()[from]);
             for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
                 // Filters with negative lobes overshoot.
                 *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };

@@ -71,16 +71,11 @@ fn sheet((path, name): (&Path, String), (plate, part): (&Plate, &PlatePart), cha
     let plane = |(channel, missing): (Option<&Channel>, f32)| {
         channel.map_or_else(|| vec![missing; part.data_window.area()], |channel| channel.samples.clone())
     };
-    let window = PixelRect {
-        x: part.data_window.x - plate.display.x,
-        y: part.data_window.y - plate.display.y,
-        ..part.data_window
-    };
     let planes = channels.into_iter().zip([0.0, 0.0, 0.0, 1.0]).map(plane);
     Sheet {
         path: path.to_owned(),
         name,
-        plate: pictured(plate.frame_size(), window, planes),
+        plate: pictured(plate.frame_size(), plate.window_of(part), planes),
         has_alpha: channels[3].is_some(),
         storage: if is_half { Storage::Half } else { Storage::Float },
     }

@@ -14,7 +14,7 @@ use crate::lattice::ScreenLattice;
 use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpMap, has_motion, map_of_stmap, remap_plate, warp_plate,
 };
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameSize;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -75,7 +75,7 @@ impl<'a> Stage<'a> {
         let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
             let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
-            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, reach_of(plate)), &rules)?);
+            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, plate.reach()), &rules)?);
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, size)).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
@@ -167,18 +167,4 @@ impl<'a> Stage<'a> {
             PlateWarp::Maps(_) => Ok(Vec::new()),
         }
     }
-}
-
-/// The display window and all that is stored around it, relative to the display window.
-fn reach_of(plate: &Plate) -> PixelRect {
-    let display = plate.display;
-    let windows = plate.parts.iter().map(|part| part.data_window).chain([display]);
-    let sides = windows.map(|PixelRect { x, y, width, height }| {
-        [x - display.x, y - display.y, x - display.x + width as i32, y - display.y + height as i32]
-    });
-    let around = sides.fold([0; 4], |[x0, y0, x1, y1], [left, top, right, bottom]| {
-        [x0.min(left), y0.min(top), x1.max(right), y1.max(bottom)]
-    });
-    let [x, y, right, bottom] = around;
-    PixelRect { x, y, width: right.abs_diff(x), height: bottom.abs_diff(y) }
 }

@@ -1,0 +1,200 @@
+//! Windows of whole pixels: what they share, what holds them, and where their samples lie.
+//!
+//! In: windows, rows of samples. Out: windows, places in rows. All windows of one calculation have the same origin:
+//! the corner of the display window ([`PixelRect::relative_to`]) or that of the file.
+
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// A rectangle of whole pixels in image space (y down); may lie partly or wholly outside the frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PixelRect {
+    /// Left column.
+    pub x: i32,
+    /// Top row.
+    pub y: i32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl PixelRect {
+    /// Number of pixels.
+    #[must_use]
+    pub const fn area(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The column right of the last, and the row below the last.
+    fn end(self) -> [i64; 2] {
+        [i64::from(self.x) + i64::from(self.width), i64::from(self.y) + i64::from(self.height)]
+    }
+
+    /// From a corner up to, not including, an end; empty where the end lies before the corner.
+    fn between(x: i32, y: i32, end: [i64; 2]) -> Self {
+        let side = |start: i32, end: i64| (end - i64::from(start)).clamp(0, u32::MAX.into()) as u32;
+        Self { x, y, width: side(x, end[0]), height: side(y, end[1]) }
+    }
+
+    /// The smallest window that holds both. Empty ones hold nothing.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
+    /// assert_eq!(a.union(b), PixelRect { x: -2, y: 0, width: 8, height: 6 });
+    /// assert_eq!(a.union(PixelRect { width: 0, ..b }), a);
+    /// ```
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        if self.area() == 0 || other.area() == 0 {
+            return if self.area() == 0 { other } else { self };
+        }
+        let (own, theirs) = (self.end(), other.end());
+        Self::between(self.x.min(other.x), self.y.min(other.y), [0, 1].map(|axis| own[axis].max(theirs[axis])))
+    }
+
+    /// The pixels that both hold; may be empty.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
+    /// assert_eq!(a.intersection(b), PixelRect { x: 1, y: 1, width: 1, height: 2 });
+    /// assert_eq!(a.intersection(PixelRect { x: 100, ..b }).area(), 0);
+    /// ```
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        let (own, theirs) = (self.end(), other.end());
+        Self::between(self.x.max(other.x), self.y.max(other.y), [0, 1].map(|axis| own[axis].min(theirs[axis])))
+    }
+
+    /// The same pixels, measured from the upper left corner of `origin`.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let (display, data) = (PixelRect { x: 10, y: 20, width: 8, height: 8 }, PixelRect { x: 9, y: 21, width: 3, height: 3 });
+    /// assert_eq!(data.relative_to(display), PixelRect { x: -1, y: 1, width: 3, height: 3 });
+    /// assert_eq!(data.relative_to(display).placed_in(display), data);
+    /// ```
+    #[must_use]
+    pub const fn relative_to(self, origin: Self) -> Self {
+        Self { x: self.x - origin.x, y: self.y - origin.y, ..self }
+    }
+
+    /// The way back of [`Self::relative_to`].
+    #[must_use]
+    pub const fn placed_in(self, origin: Self) -> Self {
+        Self { x: self.x + origin.x, y: self.y + origin.y, ..self }
+    }
+
+    /// So many pixels more on every side.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let window = PixelRect { x: 0, y: 5, width: 4, height: 3 };
+    /// assert_eq!(window.grown(2), PixelRect { x: -2, y: 3, width: 8, height: 7 });
+    /// ```
+    #[must_use]
+    pub const fn grown(self, by: u32) -> Self {
+        let Self { x, y, width, height } = self;
+        Self { x: x - by as i32, y: y - by as i32, width: width + 2 * by, height: height + 2 * by }
+    }
+
+    /// Place of a pixel among the samples of this window, rows from the top; `None` outside.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let window = PixelRect { x: -2, y: 0, width: 4, height: 3 };
+    /// assert_eq!(window.place_of([-1, 2]), Some(9));
+    /// assert_eq!(window.pixel_at(9), [-1, 2]);
+    /// assert_eq!(window.place_of([2, 0]), None);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn place_of(self, [x, y]: [i32; 2]) -> Option<usize> {
+        let column = usize::try_from(i64::from(x) - i64::from(self.x)).ok()?;
+        let row = usize::try_from(i64::from(y) - i64::from(self.y)).ok()?;
+        let is_inside = column < self.width as usize && row < self.height as usize;
+        is_inside.then(|| row * self.width as usize + column)
+    }
+
+    /// The pixel at a place in a window that is not empty.
+    #[must_use]
+    #[inline]
+    pub const fn pixel_at(self, place: usize) -> [i32; 2] {
+        let width = self.width as usize;
+        [self.x + (place % width) as i32, self.y + (place / width) as i32]
+    }
+
+    /// The rows that two windows share, from the top: where their samples lie in this window, and where in the other.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
+    /// assert_eq!(a.shared_rows(b).collect::<Vec<_>>(), [[7..8, 0..1], [11..12, 5..6]]);
+    /// ```
+    pub fn shared_rows(self, other: Self) -> impl Iterator<Item = [Range<usize>; 2]> + Clone {
+        let shared = self.intersection(other);
+        let rows = if shared.width == 0 { 0 } else { shared.height as usize };
+        (0..rows).map(move |row| [self, other].map(|window| window.row_of(shared, row)))
+    }
+
+    /// Where the samples of a row of `part`, which lies in this window, are.
+    const fn row_of(self, part: Self, row: usize) -> Range<usize> {
+        let (x, y) = (part.x.abs_diff(self.x) as usize, part.y.abs_diff(self.y) as usize + row);
+        let start = y * self.width as usize + x;
+        start..start + part.width as usize
+    }
+
+    /// Samples of this window as samples of another one; `outside` where it holds none.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let (a, b) = (PixelRect { x: 0, y: 0, width: 2, height: 1 }, PixelRect { x: 1, y: 0, width: 2, height: 1 });
+    /// assert_eq!(a.over(&[1.0, 2.0], b, 0.0), [2.0, 0.0]);
+    /// ```
+    ///
+    /// # Panics
+    /// Where there are fewer samples than pixels.
+    #[must_use]
+    pub fn over<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
+        let mut result = vec![outside; other.area()];
+        for [from, to] in self.shared_rows(other) {
+            result[to].copy_from_slice(&samples[from]);
+        }
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn window() -> impl Strategy<Value = PixelRect> {
+        (-5..5, -5..5, 0..7_u32, 0..7_u32).prop_map(|(x, y, width, height)| PixelRect { x, y, width, height })
+    }
+
+    proptest! {
+        #[test]
+        fn windows_hold_what_their_pixels_say(a in window(), b in window()) {
+            let has = |window: PixelRect, pixel| window.place_of(pixel).is_some();
+            let (both, either) = (a.intersection(b), a.union(b));
+            for pixel in (-12..14).flat_map(|y| (-12..14).map(move |x| [x, y])) {
+                prop_assert_eq!(has(both, pixel), has(a, pixel) && has(b, pixel));
+                prop_assert!(has(either, pixel) || !(has(a, pixel) || has(b, pixel)));
+            }
+            let numbers: Vec<i32> = (0..a.area() as i32).collect();
+            for (place, number) in a.over(&numbers, b, -1).into_iter().enumerate() {
+                prop_assert_eq!(number, a.place_of(b.pixel_at(place)).map_or(-1, |place| place as i32));
+            }
+        }
+    }
+
+    #[test]
+    fn windows_at_the_end_of_the_numbers_do_not_overflow() {
+        let far = PixelRect { x: i32::MAX - 1, y: i32::MIN, width: 9, height: 9 };
+        assert_eq!(far.intersection(PixelRect { x: i32::MAX, ..far }).width, 8);
+        assert_eq!(far.union(PixelRect { x: i32::MIN, width: 1, ..far }).width, u32::MAX);
+    }
+}
