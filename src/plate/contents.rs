@@ -36,7 +36,7 @@ pub(super) struct Contents<'a> {
 }
 
 /// Names of layers with the picture itself, whose alpha counts for layers that have none.
-const BEAUTY: [&str; 8] = ["combined", "rgba", "beauty", "rgb", "composite", "main", "image", "c"];
+pub(super) const BEAUTY: [&str; 8] = ["combined", "rgba", "beauty", "rgb", "composite", "main", "image", "c"];
 
 impl<'a> Contents<'a> {
     pub(super) fn of(plate: &'a Plate, patterns: &[(String, Meaning)]) -> Self {

@@ -9,6 +9,7 @@
 
 mod around;
 mod canvas;
+mod color_layers;
 mod contents;
 mod cryptomatte;
 mod draw;
@@ -34,6 +35,7 @@ mod stmap;
 mod vectors;
 mod warp;
 
+pub use color_layers::{ColorLayer, color_layers};
 pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table};
 pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};

@@ -157,6 +157,53 @@ fn pictures_lie_in_the_order_of_the_list_and_of_their_layers() {
     assert!((sample(&frame, "B", 36, 30) - behind).abs() < 1e-3);
 }
 
+/// Channels of one value everywhere.
+fn flat(names: &[&str], storage: Storage) -> Vec<Channel> {
+    let channel = |name: &&str| Channel { name: (*name).to_owned(), storage, samples: vec![0.25; SIZE.area()] };
+    names.iter().map(channel).collect()
+}
+
+#[test]
+fn of_a_render_only_the_picture_is_painted() {
+    let wall = Wall::new();
+    let mut channels = drawn(SIZE, "", disc(40.0, 30.0, 18.0));
+    wall.hang("alone.exr", SIZE, channels.clone());
+    channels.extend(flat(&["albedo.R", "albedo.G", "albedo.B", "hair.R", "hair.A"], Storage::Half));
+    channels.extend(flat(&["N.X", "N.Y", "N.Z", "P.R", "P.G", "P.B", "Z"], Storage::Float));
+    channels.extend(flat(&["right.R", "right.G", "right.B", "right.A"], Storage::Half));
+    wall.hang("girl.exr", SIZE, channels);
+    let nodes = |text: &str| {
+        let setup = Setup::new(wall.shot(text)).expect("the pictures are there");
+        let names: Vec<String> = setup.scene.nodes.iter().map(|node| node.name.clone()).collect();
+        (names, setup.notes.join("\n"))
+    };
+    let (names, notes) = nodes("image = \"girl.exr\"\n");
+    assert_eq!(names, ["girl", "camera"]);
+    for told in ["girl.exr: albedo, hair (the picture holds them", "N, P, Z (no colour)", "right (other views"] {
+        assert!(notes.contains(told), "{told}: {notes}");
+    }
+    let (frame, _) = wall.render(wall.shot("image = \"girl.exr\"\n"));
+    std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
+    let (alone, _) = wall.render(wall.shot("image = \"alone.exr\"\n"));
+    assert_eq!(frame.channel("G"), alone.channel("G"));
+    // The shot knows better.
+    let (names, notes) = nodes("image = \"girl.exr\"\n[[warp.channels]]\nname = \"hair.*\"\nmeaning = \"color\"\n");
+    assert_eq!(names, ["girl", "hair", "camera"]);
+    assert!(notes.contains(": albedo (the picture holds them"), "{notes}");
+}
+
+#[test]
+fn layers_of_names_that_passes_have_are_painted_where_there_is_no_picture_beside_them() {
+    let wall = Wall::new();
+    let mut channels = drawn(SIZE, "background.", |_, _| 1.0);
+    channels.extend(drawn(SIZE, "girl.", disc(40.0, 30.0, 18.0)));
+    channels.extend(flat(&["Z"], Storage::Float));
+    wall.hang("girl.exr", SIZE, channels);
+    let setup = Setup::new(wall.shot("image = \"girl.exr\"\n")).expect("the pictures are there");
+    let names: Vec<&str> = setup.scene.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["background", "girl", "camera"]);
+}
+
 #[test]
 fn what_lies_behind_a_transparent_fold_shows() {
     let wall = Wall::new();

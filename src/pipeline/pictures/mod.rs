@@ -42,8 +42,11 @@ impl Gallery {
                 Some((first, of)) if first != size => return Err(unequal(shot, (first, of), (size, path))),
                 _ => frame = Some((size, path)),
             }
-            left_out.extend(plate.left_out.iter().map(|what| format!("left out of {}: {what}", path.display())));
-            sheets.extend(read::sheets(shot, path, &plate)?);
+            let (found, others) = read::sheets(shot, path, &plate)?;
+            sheets.extend(found);
+            left_out.extend(
+                plate.left_out.iter().chain(&others).map(|what| format!("left out of {}: {what}", path.display())),
+            );
         }
         let Some((frame, first)) = frame else {
             return Err(PipelineError::mismatch(shot, "image", "names no picture", "name one"));

@@ -4,7 +4,7 @@
 
 use super::super::PipelineError;
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
-use crate::plate::{Filter, Planes, WarpMap, resampled};
+use crate::plate::{ColorLayer, Filter, Planes, WarpMap, color_layers, resampled};
 use crate::scene::Picture;
 use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
@@ -27,42 +27,22 @@ pub(super) struct Sheet {
 }
 
 /// All pictures of a plate, in the order of its parts and channels: channels `R`, `G`, `B`, `A` (or grey `Y`) are named
-/// after the file, or their part; `hair.R` and so on are `hair`.
-pub(super) fn sheets(shot: &Shot, path: &Path, plate: &Plate) -> Result<Vec<Sheet>, PipelineError> {
+/// after the file, or their part; `hair.R` and so on are `hair`. Then what is left out, in words.
+pub(super) fn sheets(shot: &Shot, path: &Path, plate: &Plate) -> Result<(Vec<Sheet>, Vec<String>), PipelineError> {
     let stem = path.file_stem().map_or_else(|| "picture".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let has_parts = plate.parts.len() > 1;
-    let mut sheets = Vec::new();
-    for part in &plate.parts {
-        let own = part.name.clone().filter(|_| has_parts).unwrap_or_else(|| stem.clone());
-        let mut layers: Vec<&str> = Vec::new();
-        for (layer, _) in part.channels.iter().map(|channel| split(&channel.name)) {
-            if !layers.contains(&layer) {
-                layers.push(layer);
-            }
-        }
-        for (layer, colour) in layers.into_iter().filter_map(|layer| Some((layer, colour(part, layer)?))) {
-            let name = if layer.is_empty() { own.clone() } else { layer.to_owned() };
-            sheets.push(sheet((path, name), (plate, part), colour));
-        }
+    let (layers, left_out) = color_layers(plate, &shot.warp.meanings);
+    if layers.is_empty() {
+        let what = format!("{} has no channels R, G, B or Y that hold colour", path.display());
+        let hint = "give a file that holds colour, or say in [[warp.channels]] which channels do";
+        return Err(PipelineError::mismatch(shot, "image", what, hint));
     }
-    if sheets.is_empty() {
-        let what = format!("{} has no channels R, G, B or Y", path.display());
-        return Err(PipelineError::mismatch(shot, "image", what, "give a file that holds colour"));
-    }
-    Ok(sheets)
-}
-
-/// Layer and channel: `hair.R` is `R` of `hair`, `R` is of no layer.
-fn split(name: &str) -> (&str, &str) {
-    name.rsplit_once('.').unwrap_or(("", name))
-}
-
-/// R, G, B and A of a layer, those that it has; `None` where it has no colour.
-fn colour<'a>(part: &'a PlatePart, layer: &str) -> Option<[Option<&'a Channel>; 4]> {
-    let channel = |wanted: &str| part.channels.iter().find(|channel| split(&channel.name) == (layer, wanted));
-    let grey = channel("Y");
-    let [red, green, blue] = ["R", "G", "B"].map(|name| channel(name).or(grey));
-    (red.is_some() || green.is_some() || blue.is_some()).then(|| [red, green, blue, channel("A")])
+    let sheets = layers.into_iter().map(|ColorLayer { part, name, channels }| {
+        let own = || part.name.clone().filter(|_| has_parts).unwrap_or_else(|| stem.clone());
+        let name = if name.is_empty() { own() } else { name };
+        sheet((path, name), (plate, part), channels)
+    });
+    Ok((sheets.collect(), left_out))
 }
 
 /// The picture of a part. What it lacks of colour is 0, a missing alpha 1.
