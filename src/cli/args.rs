@@ -102,10 +102,10 @@ pub(super) struct DrawArgs {
 /// What happens to frames that are already there; neither: nothing is done.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct ExistingArgs {
-    /// Keep complete frames that are already there, make the rest.
+    /// Keep complete frames that are already there, make the rest. Other files are kept as they are.
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Replace frames that are already there.
+    /// Replace files that are already there.
     #[arg(long)]
     overwrite: bool,
 }
@@ -120,6 +120,20 @@ impl From<ExistingArgs> for Existing {
     }
 }
 
+/// What happens to a file that is already there.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct OverwriteArg {
+    /// Replace a file that is already there.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl From<OverwriteArg> for Existing {
+    fn from(arg: OverwriteArg) -> Self {
+        if arg.overwrite { Self::Overwrite } else { Self::Refuse }
+    }
+}
+
 #[derive(Debug, clap::Args)]
 pub(super) struct NewArgs {
     /// The scene: .glb or .gltf; or a picture: .png, .jpg or .exr.
@@ -127,9 +141,8 @@ pub(super) struct NewArgs {
     /// The shot file to write.
     #[arg(short, long, value_name = "SHOT", default_value = "shot.toml")]
     pub(super) output: PathBuf,
-    /// Replace a shot file that is already there.
-    #[arg(long)]
-    pub(super) overwrite: bool,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -186,12 +199,8 @@ pub(super) struct ExportArgs {
     /// Frames to export, e.g. 1-48x2,60; default: all of the shot or the file.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Keep complete frames of a sequence that are already there, write the rest.
-    #[arg(long, conflicts_with = "overwrite")]
-    pub(super) resume: bool,
-    /// Replace files that are already there.
-    #[arg(long)]
-    pub(super) overwrite: bool,
+    #[command(flatten)]
+    pub(super) existing: ExistingArgs,
     /// Maps of this layer alone, for an element that is matted; default: of the whole picture.
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
@@ -247,9 +256,8 @@ pub(super) struct FitArgs {
     /// The lattice file to write.
     #[arg(short, long, value_name = "FILE", default_value = "fit.lattice.json")]
     pub(super) output: PathBuf,
-    /// Replace a file that is already there.
-    #[arg(long)]
-    pub(super) overwrite: bool,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -303,9 +311,8 @@ pub(super) struct ResizeArgs {
     /// The lattice file to write.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
-    /// Replace a file that is already there.
-    #[arg(long)]
-    pub(super) overwrite: bool,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
 }
 
 #[derive(Debug, clap::Args)]

@@ -21,6 +21,7 @@ mod warp_args;
 
 pub use args::Args;
 
+use crate::pipeline::Existing;
 use anyhow::bail;
 use args::Command;
 use clap::{CommandFactory, Parser};
@@ -81,12 +82,17 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Files are replaced only where the user says so.
-fn refuse_existing(path: &Path, overwrite: bool) -> anyhow::Result<()> {
-    if path.exists() && !overwrite {
+/// Files are replaced only where the user says so; to resume is not to replace.
+fn refuse_existing(path: &Path, existing: impl Into<Existing>) -> anyhow::Result<()> {
+    if path.exists() && existing.into() != Existing::Overwrite {
         bail!("{} exists already; use --overwrite to replace it or -o to write another", path.display());
     }
     Ok(())
+}
+
+/// Whether a file holds that text already: then there is nothing to replace.
+fn holds_text(path: &Path, text: &str) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|there| there == text)
 }
 
 /// The message, and its causes as far as it does not tell them itself.

@@ -2,10 +2,9 @@
 
 use super::args::{FitKind, TransferArgs};
 use super::new::path_between;
-use super::{Outcome, refuse_existing, render};
+use super::{Outcome, holds_text, refuse_existing, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{FileKind, replace_text};
-use crate::pipeline::Existing;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;
 use crate::spelling;
@@ -122,10 +121,8 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     let text = text(args, (file, track, fit), (&path, target))?;
     let shot = Shot::parse(&text, &path)?;
     if args.shot.is_some() || target == FileKind::Scene {
-        let is_same = std::fs::read_to_string(&path).is_ok_and(|there| there == text);
-        if !is_same {
-            let is_replaced = Existing::from(args.draw.existing) == Existing::Overwrite;
-            refuse_existing(&path, is_replaced)?;
+        if !holds_text(&path, &text) {
+            refuse_existing(&path, args.draw.existing)?;
             replace_text(&path, &text)?;
             writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
         }

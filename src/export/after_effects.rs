@@ -18,20 +18,23 @@ pub struct DisplacementNote {
     pub frames: [i32; 2],
     /// Frames a second.
     pub rate: f64,
+    /// Digest of what the maps were made from: another one means other maps.
+    pub state: String,
 }
 
 impl DisplacementNote {
     /// The text.
     #[must_use]
     pub fn text(&self) -> String {
-        let Self { maps, reach_px, size: [width, height], frames: [first, last], rate } = self;
+        let Self { maps, reach_px, size: [width, height], frames: [first, last], rate, state } = self;
         let reach = f64::from(*reach_px);
         let of_file = reach / 32767.0;
         let of_program = reach / 16384.0;
         format!(
             "Displacement maps for After Effects, written by `pinwarp export --to after-effects`.\n\n\
              maps:      {maps}, frames {first} to {last}, {rate} a second, {width} x {height} pixels, 16 bits\n\
-             element:   the unwarped picture or matted layer, of the same size\n\n\
+             element:   the unwarped picture or matted layer, of the same size\n\
+             state:     {state}\n\n\
              1. Set the project to 16 bits per channel, no working colour space (or preserve the maps' RGB).\n\
              2. Import element and maps as sequences at {rate} frames a second; put both into one composition, the maps\n   \
              hidden.\n\
@@ -80,9 +83,10 @@ mod tests {
             size: [1920, 1080],
             frames: [1, 2],
             rate: 24.0,
+            state: "0a1b".into(),
         };
         let text = note.text();
-        for part in ["a.displacement_64px.####.png", "Displacement: 64", "0.00195 px", "0.00391 px", "-64"] {
+        for part in ["a.displacement_64px.####.png", "Displacement: 64", "0.00195 px", "0.00391 px", "-64", "0a1b"] {
             assert!(text.contains(part), "{part}: {text}");
         }
     }

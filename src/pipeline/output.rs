@@ -9,11 +9,17 @@ use std::path::{Path, PathBuf};
 
 /// Says so where kept frames were made from another state of the shot (other pins, another size).
 pub(super) fn stale_note(kept: &[PathBuf], shot_hash: &str) -> Option<String> {
-    let is_stale = |path: &&PathBuf| {
-        let metadata = read_metadata(path).ok().flatten();
-        metadata.is_some_and(|metadata| metadata.shot_hash != shot_hash)
-    };
-    let stale = kept.iter().filter(is_stale).count();
+    stale_words(kept.iter().filter(|path| is_stale(path, shot_hash)).count())
+}
+
+/// Whether a frame of ours was made from something else than what has that digest.
+pub(crate) fn is_stale(path: &Path, digest: &str) -> bool {
+    let metadata = read_metadata(path).ok().flatten();
+    metadata.is_some_and(|metadata| metadata.shot_hash != digest)
+}
+
+/// Says how many kept frames are stale; `None`: none.
+pub(crate) fn stale_words(stale: usize) -> Option<String> {
     (stale > 0).then(|| {
         format!("{stale} of the kept frames were rendered from another state of the shot; --overwrite replaces them")
     })

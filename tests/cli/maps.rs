@@ -38,7 +38,18 @@ fn maps_are_written_kept_and_replaced_like_frames() {
     std::fs::remove_file(bench.path("st/m.0002.exr")).expect("it is there");
     let told = bench.run("export shot.toml --to stmap -o st/m.####.exr --resume").says(0, &[]).stdout;
     assert!(told.contains("1 frames, 1 kept"), "{told}");
+    // Frames that stay are of the same state: another selection of frames is none, another pin is.
+    let resumed = |shot: &str| {
+        let command = format!("export {shot} --to stmap -o st/m.####.exr --resume");
+        let ended = bench.run(&command).says(0, &[]);
+        assert!(ended.stdout.contains("0 frames, 2 kept"), "{}", ended.stdout);
+        ended.stderr
+    };
     bench.run("export shot.toml --to stmap -o st/m.####.exr --overwrite --frames 2").says(0, &[]);
+    assert!(!resumed("shot.toml").contains("kept frames"), "nothing is stale");
+    bench.write("other.toml", format!("{HEAD}{}{OUTPUT}", PIN.replace("0.1, 0.05", "0.1, 0.06")).as_bytes());
+    let told = resumed("other.toml");
+    assert!(told.contains("1 of the kept frames") && told.contains("--overwrite"), "{told}");
     bench.run("export shot.toml --to stmap -o st/m.exr").says(2, &["no frame counter for 2 frames"]);
     bench.run("export shot.toml --to stmap --layer al").says(2, &["no warped layer 'al'", "did you mean"]);
     bench.run("export shot.toml --to stmap --size 64").says(2, &["1920x1080"]);
@@ -137,6 +148,14 @@ fn nuke_gets_a_script_beside_its_maps() {
         assert!(text.contains(part), "{part}: {text}");
     }
     bench.run("export shot.toml --to nuke -o comp/arm.nk").says(2, &["arm.nk exists already"]);
+    let told = bench.run("export shot.toml --to nuke -o comp/arm.nk --resume").says(0, &[]).stdout;
+    assert!(told.contains("0 frames, 2 kept"), "{told}");
+    // A script that somebody went on working on is not replaced by going on.
+    bench.write("comp/arm.nk", b"my own");
+    bench.run("export shot.toml --to nuke -o comp/arm.nk --resume").says(2, &["arm.nk exists already", "--overwrite"]);
+    assert_eq!(bench.read("comp/arm.nk"), b"my own");
+    bench.run("export shot.toml --to nuke -o comp/arm.nk --overwrite").says(0, &[]);
+    assert_eq!(bench.read("comp/arm.nk"), text.as_bytes());
 }
 
 #[test]
@@ -158,6 +177,11 @@ fn after_effects_gets_elements_maps_and_their_settings() {
     assert!(pixels().all(|pixel| (at(&element, "A", pixel) - at(&still, "A", pixel)).abs() < 1e-3));
     bench.run("export shot.toml --to after-effects -o ae/shot").says(2, &["exists already"]);
     bench.run("export shot.toml --to after-effects -o ae/shot --resume").says(0, &[]);
+    // Maps of one frame less, or of another state of the shot: the note is not replaced in silence.
+    bench
+        .run("export shot.toml --to after-effects -o ae/shot --resume --frames 2")
+        .says(2, &["after-effects.txt exists already", "--overwrite"]);
+    assert_eq!(String::from_utf8(bench.read("ae/shot.all.after-effects.txt")).expect("text"), note);
     // Maps alone come from a lattice file.
     bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
     bench.run("export l.json --to after-effects -o ae/l --size 64x36").says(0, &[]);

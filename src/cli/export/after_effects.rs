@@ -3,14 +3,14 @@
 
 use super::maps::{Maps, write_frames};
 use super::stmap::told;
-use super::{Source, frames, is_on_screen, moved_layers};
+use super::{Source, check_text, frames, is_on_screen, moved_layers};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{replace_text, write_codes};
-use crate::pipeline::{BakeTimes, Event, Existing, RenderOptions, Setup, render};
-use crate::shot::{Shot, Source as ShotSource};
+use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
+use crate::shot::{Shot, Source as ShotSource, digest};
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -61,17 +61,19 @@ fn displace(args: &ExportArgs, stem: &Path, maps: &Maps) -> anyhow::Result<()> {
         bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
     }
     let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
-    let written = write_frames(args, &pattern, &frames, |frame, path| {
-        Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), f64::from(reach_px)))?)
-    })?;
     let note = DisplacementNote {
         maps: pattern.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         reach_px,
         size: maps.pixels(),
         frames: [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default()),
         rate: maps.lattices.rate,
+        state: digest(&frames.iter().map(|&frame| maps.digest(frame)).collect::<String>()),
     };
     let note_path = with_ending(stem, ".after-effects.txt");
+    check_text(args, &note_path, &note.text())?;
+    let written = write_frames(args, &pattern, &frames, |frame, path| {
+        Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), f64::from(reach_px)))?)
+    })?;
     replace_text(&note_path, &note.text())?;
     told(&pattern, &written)?;
     let step = f64::from(reach_px) / 32767.0;
@@ -88,16 +90,14 @@ fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> a
         Some(alone) => alone,
         None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,
     };
-    let existing = match (args.resume, args.overwrite) {
-        (true, _) => Existing::Resume,
-        (_, true) => Existing::Overwrite,
-        _ => Existing::Refuse,
-    };
-    let options = RenderOptions { frames, existing, ..RenderOptions::default() };
-    let tell = |event: Event| {
-        if let Event::FrameFailed { frame, error } = event {
-            tracing::error!("frame {frame}: {error}");
+    let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
+    let tell = |event: Event| match event {
+        Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
+        // What the shot itself has to say was said when it was read.
+        Event::Note { text } if !setup.notes.contains(&text) => {
+            tracing::warn!("layer '{}': {text}", setup.shot.layers[layer].name);
         }
+        _ => {}
     };
     let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
     writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;

@@ -14,7 +14,7 @@ use std::path::Path;
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "blender.py")?;
     let scene_path = output.with_extension("glb");
-    refuse_existing(&scene_path, args.overwrite)?;
+    refuse_existing(&scene_path, args.existing)?;
     let setup = Source::with_scene(args, "Blender needs the scene")?;
     check_not_of_shot(&setup.shot, &output)?;
     check_not_of_shot(&setup.shot, &scene_path)?;

@@ -7,12 +7,14 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{SequencePath, is_whole};
 use crate::lattice::Lattice;
+use crate::pipeline::Existing;
 use crate::plate::{Field, WarpMap};
+use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
 use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Height of the maps of a lattice file, which knows no pixels.
 const DEFAULT_HEIGHT: f64 = 1080.0;
@@ -30,7 +32,7 @@ pub(super) struct Maps {
 }
 
 /// Which way a map leads.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Direction {
     /// To where a pixel of the warped picture comes from.
     Backward,
@@ -39,7 +41,7 @@ enum Direction {
 }
 
 /// What happens around the boxes.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
     /// A whole picture: it fades.
     Picture,
@@ -98,6 +100,15 @@ impl Maps {
         all.into_iter().collect()
     }
 
+    /// 32 hexadecimal digits over everything that changes the map of a frame.
+    pub(super) fn digest(&self, frame: i32) -> String {
+        let Self { lattices, size, window, direction, reach } = self;
+        let of_frame =
+            |layer: &LatticeTrack| format!("{} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)));
+        let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
+        digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?}"))
+    }
+
     /// The map of a frame: all layers, one after the other as they lie over each other in the shot.
     pub(super) fn map(&self, frame: i32) -> WarpMap {
         let lattices = self.lattices.layers.iter().filter_map(|layer| screen(layer)?.get(&frame).cloned());
@@ -150,7 +161,8 @@ fn squared(size: FrameSize) -> FrameSize {
 #[derive(Default)]
 pub(super) struct Written {
     pub(super) new: usize,
-    pub(super) kept: usize,
+    /// Frames that stay, and where they lie.
+    pub(super) kept: Vec<(i32, PathBuf)>,
 }
 
 /// Writes the frames of a sequence; with `--resume` complete ones stay.
@@ -162,17 +174,17 @@ pub(super) fn write_frames(
 ) -> anyhow::Result<Written> {
     let sequence = SequencePath::parse(pattern)?;
     sequence.check_frame_count(frames.len())?;
+    let existing = Existing::from(args.existing);
     if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
-        && !args.overwrite
-        && !args.resume
+        && existing == Existing::Refuse
     {
         bail!("{} exists already; use --resume to keep or --overwrite to replace what is there", there.display());
     }
     let mut written = Written::default();
     for &frame in frames {
         let path = sequence.path_of(frame);
-        if args.resume && is_whole(&path) {
-            written.kept += 1;
+        if existing == Existing::Resume && is_whole(&path) {
+            written.kept.push((frame, path));
             continue;
         }
         write(frame, &path)?;

@@ -9,14 +9,14 @@ mod nuke;
 mod stmap;
 
 use super::args::{ExportArgs, ExportFormat};
-use super::{Outcome, refuse_existing};
+use super::{Outcome, holds_text, refuse_existing};
 use crate::export::LatticeFile;
 use crate::image::FileKind;
-use crate::pipeline::{Setup, check_not_an_input, lattices};
+use crate::pipeline::{Existing, Setup, check_not_an_input, lattices};
 use crate::shot::{LayerSpace, Shot};
 use anyhow::bail;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     refuse_idle_flags(args)?;
@@ -38,7 +38,7 @@ fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
         ("--inverse", args.inverse),
         ("--size", args.size.is_some()),
         ("--overscan", args.overscan > 0),
-        ("--resume", args.resume),
+        ("--resume", Existing::from(args.existing) == Existing::Resume),
     ];
     if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given && !has_maps) {
         bail!("{flag} is for maps (--to stmap, nuke or after-effects), this export has none; leave it out");
@@ -101,12 +101,21 @@ fn frames(args: &ExportArgs, setup: &Setup) -> Vec<i32> {
     args.frames.clone().map_or_else(|| (range.first..=range.last).collect(), |list| list.0)
 }
 
-/// The path asked for, else the input's with another ending; refuses to replace what is there.
+/// The path asked for, else the input's with another ending; refuses to replace what is there. Whoever resumes has to ask
+/// [`check_text`] before the file is written.
 fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf> {
     let output = args.output.clone().unwrap_or_else(|| args.shot.with_extension(ending));
     check_not_an_input(&args.shot, &output)?;
-    refuse_existing(&output, args.overwrite)?;
+    if Existing::from(args.existing) != Existing::Resume {
+        refuse_existing(&output, args.existing)?;
+    }
     Ok(output)
+}
+
+/// A text may be written where it is not there, or where it says the same; what says something else has to be replaced
+/// with --overwrite.
+fn check_text(args: &ExportArgs, path: &Path, text: &str) -> anyhow::Result<()> {
+    if holds_text(path, text) { Ok(()) } else { refuse_existing(path, args.existing) }
 }
 
 /// Layers that something moves, in the shot's order.

@@ -1,7 +1,7 @@
 //! `pinwarp export --to nuke`: a script with the maps and the grids, and the maps beside it.
 
 use super::maps::Maps;
-use super::{output, stmap};
+use super::{check_text, output, stmap};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::nuke::{NukeScene, script};
@@ -9,19 +9,16 @@ use crate::image::replace_text;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let output = if args.resume {
-        args.output.clone().unwrap_or_else(|| args.shot.with_extension("nk"))
-    } else {
-        output(args, "nk")?
-    };
+    let output = output(args, "nk")?;
     let maps = Maps::open(args)?;
     let pattern = output.with_extension("stmap.####.exr");
-    let written = stmap::write(args, &maps, &pattern)?;
     let frames = maps.frames();
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
     let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let scene = NukeScene { lattices: &maps.lattices, stmap: name, frames: ends, size: maps.size };
-    replace_text(&output, &script(&scene))?;
+    let text = script(&NukeScene { lattices: &maps.lattices, stmap: name, frames: ends, size: maps.size });
+    check_text(args, &output, &text)?;
+    let written = stmap::write(args, &maps, &pattern)?;
+    replace_text(&output, &text)?;
     stmap::told(&pattern, &written)?;
     let grids = maps.lattices.layers.len();
     writeln!(io::stdout(), "wrote {}: an STMap and {grids} grids (GridWarp3, not verified in Nuke)", output.display())?;

@@ -4,9 +4,10 @@ use super::maps::{Maps, Written, write_frames};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::image::{Compression, FrameMetadata, write_exr};
+use crate::pipeline::{is_stale, stale_words};
 use crate::plate::stmap_of;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
@@ -18,7 +19,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 
 /// Writes the maps of all frames.
 pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::Result<Written> {
-    write_frames(args, pattern, &maps.frames(), |frame, path| {
+    let written = write_frames(args, pattern, &maps.frames(), |frame, path| {
         let map = maps.map(frame);
         if !map.folded_pixels.is_empty() {
             let count = map.folded_pixels.len();
@@ -30,16 +31,21 @@ pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::R
         let metadata = FrameMetadata {
             frame,
             frames_per_second: maps.lattices.rate,
-            shot_hash: String::new(),
+            shot_hash: maps.digest(frame),
             device: "CPU".into(),
             camera: None,
             mattes: Default::default(),
         };
         Ok(write_exr(path, &stmap_of(&map), &metadata, Compression::Zip)?)
-    })
+    })?;
+    let is_other = |(frame, path): &&(i32, PathBuf)| is_stale(path, &maps.digest(*frame));
+    if let Some(note) = stale_words(written.kept.iter().filter(is_other).count()) {
+        writeln!(io::stderr(), "note: {note}")?;
+    }
+    Ok(written)
 }
 
 pub(super) fn told(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
-    let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
+    let kept = if kept.is_empty() { String::new() } else { format!(", {} kept", kept.len()) };
     writeln!(io::stdout(), "wrote {}: {new} frames{kept}", pattern.display())
 }
