@@ -4,7 +4,7 @@ use super::args::{FitKind, TransferArgs};
 use super::new::path_between;
 use super::{Outcome, holds_text, refuse_existing, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
-use crate::image::{FileKind, replace_text};
+use crate::image::{FileKind, SequencePath, replace_text};
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;
 use crate::spelling;
@@ -114,7 +114,7 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
 /// A picture or a scene: a shot is written around it.
 fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: FileKind) -> anyhow::Result<Shot> {
     let track = track(args, file, None)?;
-    let path = shot_path(args, target);
+    let path = shot_path(args, target)?;
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
@@ -131,18 +131,16 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
 }
 
 /// Where the shot lies, or would lie.
-fn shot_path(args: &TransferArgs, target: FileKind) -> PathBuf {
-    let stem = |path: &Path| path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let beside = |path: &Path| {
-        let name = stem(path);
-        let name = name.trim_end_matches(['#', '.']);
-        path.with_file_name(format!("{name}.toml"))
-    };
-    match (&args.shot, &args.draw.output, target) {
+fn shot_path(args: &TransferArgs, target: FileKind) -> anyhow::Result<PathBuf> {
+    let own = args.onto.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(match (&args.shot, &args.draw.output, target) {
         (Some(path), ..) => path.clone(),
-        (None, Some(output), FileKind::Scene) => beside(output),
-        _ => PathBuf::from(format!("{}.toml", stem(&args.onto))),
-    }
+        (None, Some(output), FileKind::Scene) => {
+            let stem = SequencePath::parse(output)?.stem();
+            output.with_file_name(format!("{}.toml", if stem.is_empty() { own } else { stem }))
+        }
+        _ => PathBuf::from(format!("{own}.toml")),
+    })
 }
 
 /// A shot of one layer.

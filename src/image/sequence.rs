@@ -60,6 +60,28 @@ impl SequencePath {
         }
     }
 
+    /// What the frames have in common: the file name without its counter, what stands before that, and its ending.
+    ///
+    /// ```
+    /// use pinwarp::image::SequencePath;
+    /// use std::path::Path;
+    /// for pattern in ["out/frame.%04d.exr", "out/frame.####.exr", "frame.exr"] {
+    ///     assert_eq!(SequencePath::parse(Path::new(pattern))?.stem(), "frame");
+    /// }
+    /// # Ok::<(), pinwarp::image::ImageError>(())
+    /// ```
+    #[must_use]
+    pub fn stem(&self) -> String {
+        let stem = self.pattern.file_stem().unwrap_or_default().to_string_lossy();
+        match &self.name {
+            Name::Single => stem.into_owned(),
+            Name::Counted { before, after, .. } => {
+                let after = after.rsplit_once('.').map_or("", |(after, _)| after);
+                format!("{}{after}", before.trim_end_matches(['.', '_', '-']))
+            }
+        }
+    }
+
     /// Numbers of the frames that lie on the disk, increasing; empty where none or not even the folder is there. `None`
     /// for a path without a counter.
     ///

@@ -51,6 +51,11 @@ fn a_scene_gets_a_shot_that_can_be_rendered_again() {
     assert_eq!(frame(&bench, "o.0002.exr"), frame(&bench, "p.0002.exr"));
     let new = "transfer --lattice square.json --onto other.gltf -o deep/er/o.####.exr";
     bench.run(&format!("{new} {SMALL}")).says(0, &["deep/er/o.toml"]);
+    for (output, shot) in [("q.%04d.exr", "q.toml"), ("####.exr", "other.toml")] {
+        let command = format!("transfer --lattice square.json --onto other.gltf -o {output} {SMALL}");
+        bench.run(&command).says(0, &[&format!("wrote {shot}")]);
+        assert!(bench.path(shot).exists(), "{shot}");
+    }
     assert_eq!(frame(&bench, "o.0002.exr"), frame(&bench, "deep/er/o.0002.exr"));
 }
 
