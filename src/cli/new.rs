@@ -2,11 +2,11 @@
 
 use super::args::NewArgs;
 use super::{Outcome, refuse_existing};
-use crate::image::{PictureKind, picture_size, replace_text};
+use crate::image::{PictureKind, SequencePath, picture_size, replace_text};
 use crate::scene::{self, Scene};
 use crate::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +44,13 @@ fn is_model(path: &Path) -> bool {
 
 /// What the template says about a picture.
 fn image_facts(path: &Path) -> anyhow::Result<TemplateFacts> {
+    if !path.is_file() && SequencePath::parse(path)?.has_counter() {
+        bail!(
+            "{0}: pictures of a shot stand still, this is a sequence; write a shot with `plate = \"{0}\"`, give its \
+             layer `matte = \"alpha\"`, and run `pinwarp warp`",
+            path.display()
+        );
+    }
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     Ok(TemplateFacts {
         subject: Subject::Image,

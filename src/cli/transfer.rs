@@ -35,6 +35,13 @@ fn target(path: &Path) -> anyhow::Result<FileKind> {
                 path.display()
             )
         })?;
+    if matches!(kind, FileKind::Picture(_)) && !path.is_file() && SequencePath::parse(path)?.has_counter() {
+        bail!(
+            "--onto {0}: pictures of a shot stand still, this is a sequence; warp it with \
+             `pinwarp warp {0} --lattice FILE`",
+            path.display()
+        );
+    }
     if !path.is_file() {
         bail!("--onto {}: there is no such file; check the path for typing errors", path.display());
     }

@@ -60,6 +60,12 @@ impl SequencePath {
         }
     }
 
+    /// Whether each frame has a file of its own.
+    #[must_use]
+    pub fn has_counter(&self) -> bool {
+        self.name != Name::Single
+    }
+
     /// What the frames have in common: the file name without its counter, what stands before that, and its ending.
     ///
     /// ```
@@ -113,7 +119,7 @@ impl SequencePath {
     /// # Errors
     /// [`ImageError::Pattern`] where there are several frames and no counter.
     pub fn check_frame_count(&self, count: usize) -> Result<(), ImageError> {
-        if count <= 1 || self.name != Name::Single {
+        if count <= 1 || self.has_counter() {
             return Ok(());
         }
         let stem = self.pattern.file_stem().unwrap_or_default().to_string_lossy();

@@ -15,17 +15,9 @@ use std::time::Instant;
 /// Larger frames are drawn in tiles even where the device could draw them at once: it bounds its memory.
 const MAX_TILE_SIDE: u32 = 8192;
 
-/// Cuts a window into tiles that the device can draw, rows of tiles from above.
+/// The tiles of a window that a device can draw.
 pub(super) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
-    let side = max_side.min(MAX_TILE_SIDE);
-    let starts = |length: u32| (0..length).step_by(side as usize);
-    let tile = |x: u32, y: u32| PixelRect {
-        x: window.x + x as i32,
-        y: window.y + y as i32,
-        width: side.min(window.width - x),
-        height: side.min(window.height - y),
-    };
-    starts(window.height).flat_map(|y| starts(window.width).map(move |x| tile(x, y))).collect()
+    window.tiles(max_side.min(MAX_TILE_SIDE))
 }
 
 /// Draws all jobs; returns for how long the raster was busy, milliseconds.

@@ -100,6 +100,28 @@ impl PixelRect {
         Self { x: x - by as i32, y: y - by as i32, width: width + 2 * by, height: height + 2 * by }
     }
 
+    /// Cuts the window into tiles of `side` > 0 pixels at most, rows of tiles from above.
+    ///
+    /// ```
+    /// use pinwarp::space::PixelRect;
+    /// let tiles = PixelRect { x: -1, y: 0, width: 3, height: 2 }.tiles(2);
+    /// assert_eq!(tiles, [PixelRect { x: -1, y: 0, width: 2, height: 2 }, PixelRect { x: 1, y: 0, width: 1, height: 2 }]);
+    /// ```
+    ///
+    /// # Panics
+    /// Where `side` is 0.
+    #[must_use]
+    pub fn tiles(self, side: u32) -> Vec<Self> {
+        let starts = |length: u32| (0..length).step_by(side as usize);
+        let tile = |x: u32, y: u32| Self {
+            x: self.x + x as i32,
+            y: self.y + y as i32,
+            width: side.min(self.width - x),
+            height: side.min(self.height - y),
+        };
+        starts(self.height).flat_map(|y| starts(self.width).map(move |x| tile(x, y))).collect()
+    }
+
     /// Place of a pixel among the samples of this window, rows from the top; `None` outside.
     ///
     /// ```

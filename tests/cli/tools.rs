@@ -20,6 +20,7 @@ fn a_new_shot_renders_as_it_stands() {
 fn a_new_shot_of_nothing() {
     let bench = Bench::new();
     bench.run("new gone.glb -o new.toml").says(2, &["gone.glb", "cannot read"]);
+    bench.run("new girl.####.png -o new.toml").says(2, &["this is a sequence", "plate = \"girl.####.png\""]);
     bench.run("new shot.toml -o new.toml").says(2, &["shot.toml", "not valid glTF"]);
     bench.run("new tiny.gltf -o gone/new.toml").says(2, &["gone", "not there"]);
     assert!(!bench.path("new.toml").exists());

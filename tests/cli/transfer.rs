@@ -96,6 +96,7 @@ fn faults_say_what_to_do() {
         ("--lattice no.json --onto drawn.png", "no.json"),
         ("--lattice bad.json --onto drawn.png", "bad.json"),
         ("--lattice square.json --onto no.png", "there is no such file"),
+        ("--lattice square.json --onto drawn.####.png", "`pinwarp warp drawn.####.png --lattice FILE`"),
         ("--lattice square.json --onto drawn.bmp", "give a picture (.png, .jpg, .exr)"),
         ("--lattice square.json --onto none.toml", "has no layers on the screen"),
         ("--lattice two.json --onto drawn.png", "choose one with --layer"),

@@ -2,7 +2,7 @@
 
 use super::limits::assert_alike;
 use super::stage::{self, everything};
-use super::support::{self, draw, target, tiles};
+use super::support::{self, draw, target};
 use glam::Vec3;
 use pinwarp::raster::Target;
 use pinwarp::raster::cpu::CpuRaster;
@@ -70,7 +70,7 @@ fn tiles_make_up_the_frame() {
     let full = draw(&mut *vulkan, &whole, &geometry);
     let mut stitched = full.clone();
     stitched.channels.iter_mut().for_each(|channel| channel.samples.fill(f32::NAN));
-    for tile in tiles(window, 77) {
+    for tile in window.tiles(77) {
         let part = draw(&mut *vulkan, &Target { window: tile, ..whole.clone() }, &geometry);
         assert_eq!(part.data_window, tile);
         support::paste(&mut stitched, &part);

@@ -5,7 +5,7 @@ use pinwarp::image::Frame;
 use pinwarp::raster::vulkan::{Messages, VulkanRaster};
 use pinwarp::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, RasterError, Target};
 use pinwarp::scene::Scene;
-use pinwarp::space::{FrameSize, PixelRect};
+use pinwarp::space::FrameSize;
 use std::ops::{Deref, DerefMut};
 
 /// All groups, in the order of the frame's channels.
@@ -93,18 +93,6 @@ pub(crate) fn samples<'a>(frame: &'a Frame, name: &str) -> &'a [f32] {
 /// Pixel (x, y) of the data window, y down.
 pub(crate) fn pixel(frame: &Frame, name: &str, (x, y): (usize, usize)) -> f32 {
     samples(frame, name)[y * frame.data_window.width as usize + x]
-}
-
-/// The part of a window, tile by tile.
-pub(crate) fn tiles(window: PixelRect, side: u32) -> Vec<PixelRect> {
-    let starts = |size: u32| (0..size).step_by(side as usize);
-    let tile = |x: u32, y: u32| PixelRect {
-        x: window.x + x as i32,
-        y: window.y + y as i32,
-        width: side.min(window.width - x),
-        height: side.min(window.height - y),
-    };
-    starts(window.height).flat_map(|y| starts(window.width).map(move |x| tile(x, y))).collect()
 }
 
 /// Puts a tile into a frame that holds all of it.

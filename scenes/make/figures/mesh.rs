@@ -110,14 +110,10 @@ fn triangulate(points: &[DVec2], border: usize) -> Vec<[u32; 3]> {
         .inner_faces()
         .map(|face| face.vertices().map(|corner| corner.index() as u32))
         .filter(|corners| is_inside(&points[..border], middle(points, corners)))
-        .map(|[a, b, c]| {
-            if a < b && a < c {
-                [a, b, c]
-            } else if b < c {
-                [b, c, a]
-            } else {
-                [c, a, b]
-            }
+        .map(|mut corners| {
+            let least = corners.iter().zip(0..).min().map_or(0, |(_, place)| place);
+            corners.rotate_left(least);
+            corners
         })
         .collect();
     triangles.sort_unstable();

@@ -122,12 +122,9 @@ fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
     Triangulated { points: used.into_iter().map(|vertex| points[vertex]).collect(), triangles: corners }
 }
 
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
+/// The same turn, from the least corner on.
+fn least_first(mut corners: [u32; 3]) -> [u32; 3] {
+    let least = corners.iter().zip(0..).min().map_or(0, |(_, place)| place);
+    corners.rotate_left(least);
+    corners
 }
