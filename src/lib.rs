@@ -44,6 +44,8 @@ pub mod compare;
 
 pub mod pipeline;
 
+pub mod live;
+
 #[cfg(feature = "cli")]
 pub mod cli;
 

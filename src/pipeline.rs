@@ -49,6 +49,7 @@ pub use plates::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpS
 pub use posed::PosedLayer;
 pub use render::{render, render_on};
 pub use report::report;
+pub use screen_layer::{LayerTask, Prepared};
 pub use setup::Setup;
 pub use transfer::lattices;
 pub use world::{ScenePin, WorldSolution};

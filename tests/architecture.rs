@@ -26,6 +26,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "spelling",
         ],
     ),
+    ("live", &["image", "lattice", "pipeline", "plate", "scene", "shot", "solve", "space"]),
     ("ofx", &["image", "live", "plate", "shot", "space"]),
     (
         "cli",

@@ -75,22 +75,31 @@ impl Setup {
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
     pub(super) fn compute(&self, frame: f64) -> Result<Moment, PipelineError> {
-        let (mut pose, camera) = self.view(frame);
-        let layers = self.solve_worlds(frame, &pose, &camera)?;
-        self.move_meshes(&mut pose, &layers);
-        let mesh = crate::screen::project(&pose, &camera);
-        let mut moment = Moment { frame, pose, camera, mesh, layers };
+        let mut moment = self.unsolved(frame)?;
         for (index, layer) in self.shot.layers.iter().enumerate() {
-            if let LayerSpace::Screen { dims, bounds } = layer.space {
-                moment.layers[index] = self.solve_layer(&moment, index, (dims, bounds))?;
+            if let LayerSpace::Screen { bounds, .. } = layer.space {
+                moment.layers[index] = self.solve_layer(&moment, index, bounds)?;
             }
         }
         Ok(moment)
     }
 
+    /// Poses and projects a (fractional) frame: the layers of the scene are solved, those of the screen are not.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer of the scene cannot be solved.
+    pub fn unsolved(&self, frame: f64) -> Result<Moment, PipelineError> {
+        let (mut pose, camera) = self.view(frame);
+        let layers = self.solve_worlds(frame, &pose, &camera)?;
+        self.move_meshes(&mut pose, &layers);
+        let mesh = crate::screen::project(&pose, &camera);
+        Ok(Moment { frame, pose, camera, mesh, layers })
+    }
+
     /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
     /// of a frame, so its keys are read at the frame that is exposed, not at the moment within the exposure.
-    pub(super) fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
+    #[must_use]
+    pub fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
         if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
     }
 }

@@ -4,16 +4,49 @@
 
 use super::follow::{FollowWindow, thickened};
 use super::layer_pins::{fade, faded_weight, held_border, moved_handles, region};
-use super::{LayerState, Moment, PinState, PipelineError, Setup, strokes};
+use super::{LayerState, Moment, PinState, Pinned, PipelineError, Rest, Setup, strokes};
 use crate::lattice::Grid;
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
-use crate::shot::{BoxRule, Goal, Layer, OffsetUnit, PinTargets, Rotation, Source};
-use crate::solve::{PointPin, Problem, Shape, Solver, Waypoint};
+use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
+use crate::solve::{PointPin, Problem, Shape, SolveError, Solver, Waypoint};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
 /// A lattice box is never thinner than this, in frame heights.
 const MIN_SIDE: f64 = 0.01;
+
+/// A layer of the screen and what its pins are tied to: the shot's own, or one that a host drives.
+#[derive(Clone, Copy, Debug)]
+pub struct LayerTask<'a> {
+    /// Which layer of the shot's it is: its nodes are the shape.
+    pub index: usize,
+    /// Lattice, settings, pins and handles.
+    pub layer: &'a Layer,
+    /// One a pin of that layer.
+    pub anchors: &'a [Pinned],
+}
+
+/// A layer of the screen at one moment, all but solved: what does not depend on where pins and handles go.
+#[derive(Debug)]
+pub struct Prepared {
+    frame: f64,
+    rest_box: ScreenBox,
+    grid: Grid<2>,
+    /// One a pin of the layer.
+    rests: Vec<Rest>,
+    border: Border,
+    /// `None`: neither pins nor handles act.
+    solver: Option<Solver<2>>,
+}
+
+/// What happens at the edge of a layer's box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Border {
+    /// It moves as the pins want.
+    Free,
+    /// Its handles stay at rest.
+    Held,
+}
 
 impl Setup {
     /// Solves a screen layer, or takes its lattice from a file.
@@ -21,7 +54,7 @@ impl Setup {
         &self,
         moment: &Moment,
         index: usize,
-        (dims, bounds): ([usize; 2], BoxRule),
+        bounds: BoxRule,
     ) -> Result<LayerState, PipelineError> {
         let layer = &self.shot.layers[index];
         if let Some(loaded) = &self.loaded[index] {
@@ -30,87 +63,57 @@ impl Setup {
         if layer.pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
-        let Some(rest_box) = self.lattice_box(moment, index, bounds) else {
-            return Ok(LayerState::default());
-        };
-        let grid = Grid::over(rest_box, dims, layer.basis);
         // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
         let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
-        let waypoint = |targets: &PinTargets| {
-            let (states, pins) = self.point_pins(moment, index, (rest_box, targets));
-            let mut handles = moved_handles(layer, &grid, targets);
-            if self.is_border_held(layer, bounds) {
-                handles.extend(held_border(&grid, &handles));
-            }
-            (states, Waypoint { pins, handles })
-        };
-        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(waypoint).unzip();
-        let pins = states.pop().unwrap_or_default();
-        let Some(Waypoint { pins: points, handles }) = way.last() else { return Ok(LayerState::default()) };
-        if points.is_empty() && handles.is_empty() {
-            return Ok(LayerState::default());
+        let task = LayerTask { index, layer, anchors: &self.anchors[index] };
+        match self.prepare(moment, &task, &path)? {
+            Some(prepared) => prepared.solve(layer, &path),
+            None => Ok(LayerState::default()),
         }
-        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
-        let shape = self.shape(moment, index);
-        let problem = Problem { grid: &grid, shape: &shape, pins: points, handles, settings: &layer.settings };
-        let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: moment.frame, source };
-        let solver = Solver::new(&problem).map_err(fault)?;
-        let mut solution = solver.follow(&way).map_err(fault)?;
-        if handles.is_empty() && presence < 1.0 {
-            fade(&mut solution, (&solver, points), presence);
-        }
-        Ok(LayerState { solution: Some(solution), pins, world: None })
     }
 
-    /// Whether the layer moves a whole plate from edge to edge. Beyond the edge nothing is known, and a background must not
-    /// slide; with a scene the plate follows what the geometry does instead.
-    fn is_border_held(&self, layer: &Layer, bounds: BoxRule) -> bool {
-        self.shot.source == Source::Frame && bounds == BoxRule::Frame && layer.matte.is_none()
-    }
-
-    /// The pins that act, as the overlay and the solver want them.
-    fn point_pins(
+    /// Everything of a screen layer's solve that does not depend on where its pins go; `path` tells what they hold, as
+    /// [`Shot::pin_path`](crate::shot::Shot::pin_path) does. `None` where nothing of the layer is in reach, and for layers of the scene.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where the problem is malformed.
+    pub fn prepare(
         &self,
         moment: &Moment,
-        index: usize,
-        (rest_box, targets): (ScreenBox, &PinTargets),
-    ) -> (Vec<PinState>, Vec<PointPin<2>>) {
-        let layer = &self.shot.layers[index];
-        let mut states = Vec::new();
-        let mut points = Vec::new();
-        for (pin, (pinned, target)) in self.anchors[index].iter().zip(&targets.pins).enumerate() {
-            let rest = pinned.rest(&moment.mesh, &moment.camera);
-            if rest.presence <= 0.0 {
-                continue;
-            }
-            let goal = match target.goal {
-                Goal::Offset(offset) => match layer.pins[pin].unit {
-                    OffsetUnit::Frame => rest.point + offset,
-                    OffsetUnit::Box => rest.point + ScreenVector(offset.0 * rest_box.size()),
-                },
-                Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
-                // Those are of world layers; on the screen the checks refuse them.
-                Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
-            };
-            let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
-                let angle = match target.rotation {
-                    Some(Rotation::InView(angle)) => angle,
-                    _ => 0.0,
-                };
-                let (sin, cos) = angle.sin_cos();
-                let scale = target.log_scale.unwrap_or(0.0).exp();
-                [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
-            });
-            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence, is_in_view: true });
-            points.push(PointPin {
-                at: rest.point.0.to_array(),
-                target: goal.0.to_array(),
-                weight: faded_weight(rest.presence),
-                gradient,
-                region: region(&layer.pins[pin], rest_box.size().length()),
-            });
+        task: &LayerTask,
+        path: &[PinTargets],
+    ) -> Result<Option<Prepared>, PipelineError> {
+        let LayerTask { index, layer, anchors } = *task;
+        let LayerSpace::Screen { dims, bounds } = layer.space else { return Ok(None) };
+        let Some(rest_box) = self.lattice_box(moment, index, bounds) else { return Ok(None) };
+        let mut prepared = Prepared {
+            frame: moment.frame,
+            rest_box,
+            grid: Grid::over(rest_box, dims, layer.basis),
+            rests: anchors.iter().map(|pinned| pinned.rest(&moment.mesh, &moment.camera)).collect(),
+            border: self.border(layer, bounds),
+            solver: None,
+        };
+        let Some((_, goal)) = path.last().map(|targets| prepared.waypoint(layer, targets)) else {
+            return Ok(Some(prepared));
+        };
+        if !(goal.pins.is_empty() && goal.handles.is_empty()) {
+            let shape = self.shape(moment, index);
+            let Waypoint { pins, handles } = &goal;
+            let problem = Problem { grid: &prepared.grid, shape: &shape, pins, handles, settings: &layer.settings };
+            let solver = Solver::new(&problem).map_err(|source| prepared.fault(layer, source))?;
+            prepared.solver = Some(solver);
         }
-        (states, points)
+        Ok(Some(prepared))
+    }
+
+    /// Where a layer moves a whole plate from edge to edge, nothing is known beyond the edge, and a background must not
+    /// slide; with a scene the plate follows what the geometry does instead.
+    fn border(&self, layer: &Layer, bounds: BoxRule) -> Border {
+        match (&self.shot.source, bounds, &layer.matte) {
+            (Source::Frame, BoxRule::Frame, None) => Border::Held,
+            _ => Border::Free,
+        }
     }
 
     /// The layer's triangles and lines on the screen, cut at the near plane.
@@ -168,6 +171,91 @@ impl Setup {
         let reach = reach_of_frame(self.shot.size);
         let extent = Extent { parts: &self.parts_of_layer[layer], near: camera.near(), reach };
         bounds(&self.scene, pose, mesh, extent)
+    }
+}
+
+impl Prepared {
+    /// The lattice's rest state.
+    #[must_use]
+    pub fn grid(&self) -> &Grid<2> {
+        &self.grid
+    }
+
+    /// Where the layer's pins are before the warp, one a pin.
+    #[must_use]
+    pub fn rests(&self) -> &[Rest] {
+        &self.rests
+    }
+
+    /// Solves for the end of a path of the same pins and handles. The same path gives the same bits, whatever was solved
+    /// before.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where pins or handles are not those that were prepared, or no numbers.
+    pub fn solve(&self, layer: &Layer, path: &[PinTargets]) -> Result<LayerState, PipelineError> {
+        let Some(solver) = &self.solver else { return Ok(LayerState::default()) };
+        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(|targets| self.waypoint(layer, targets)).unzip();
+        let (Some(pins), Some(Waypoint { pins: points, handles })) = (states.pop(), way.last()) else {
+            return Ok(LayerState::default());
+        };
+        let mut solution = solver.follow(&way).map_err(|source| self.fault(layer, source))?;
+        let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
+        if handles.is_empty() && presence < 1.0 {
+            fade(&mut solution, (solver, points), presence);
+        }
+        Ok(LayerState { solution: Some(solution), pins, world: None })
+    }
+
+    /// The pins that act, and everything the solver is told, for one place of the path.
+    fn waypoint(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Waypoint<2>) {
+        let (states, pins) = self.point_pins(layer, targets);
+        let mut handles = moved_handles(layer, &self.grid, targets);
+        if self.border == Border::Held {
+            handles.extend(held_border(&self.grid, &handles));
+        }
+        (states, Waypoint { pins, handles })
+    }
+
+    fn fault(&self, layer: &Layer, source: SolveError) -> PipelineError {
+        PipelineError::Solve { layer: layer.name.clone(), frame: self.frame, source }
+    }
+
+    /// The pins that act, as the overlay and the solver want them.
+    fn point_pins(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Vec<PointPin<2>>) {
+        let mut states = Vec::new();
+        let mut points = Vec::new();
+        for (pin, (rest, target)) in self.rests.iter().zip(&targets.pins).enumerate() {
+            if rest.presence <= 0.0 {
+                continue;
+            }
+            let goal = match target.goal {
+                Goal::Offset(offset) => match layer.pins[pin].unit {
+                    OffsetUnit::Frame => rest.point + offset,
+                    OffsetUnit::Box => rest.point + ScreenVector(offset.0 * self.rest_box.size()),
+                },
+                Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
+                // Those are of world layers; on the screen the checks refuse them.
+                Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
+            };
+            let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
+                let angle = match target.rotation {
+                    Some(Rotation::InView(angle)) => angle,
+                    _ => 0.0,
+                };
+                let (sin, cos) = angle.sin_cos();
+                let scale = target.log_scale.unwrap_or(0.0).exp();
+                [[scale * cos, scale * sin], [-scale * sin, scale * cos]]
+            });
+            states.push(PinState { pin, rest: rest.point, target: goal, presence: rest.presence, is_in_view: true });
+            points.push(PointPin {
+                at: rest.point.0.to_array(),
+                target: goal.0.to_array(),
+                weight: faded_weight(rest.presence),
+                gradient,
+                region: region(&layer.pins[pin], self.rest_box.size().length()),
+            });
+        }
+        (states, points)
     }
 }
 

@@ -14,6 +14,7 @@ use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, ClipName, Layer, LayerSpace, Shot, Source};
+use crate::space::ScreenPoint;
 use crate::spelling;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -86,7 +87,7 @@ impl Setup {
     ///
     /// # Errors
     /// [`PipelineError`] where the scene does not fit the shot.
-    pub(super) fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
+    pub fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
         let mut notes = scene.warnings.clone();
         let clip = choose_clip(&shot, &scene, &mut notes)?;
         let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
@@ -211,6 +212,27 @@ impl Setup {
             let of_layer = |layer: usize| is_world(layer).then(|| self.world_bounds_of(layer, &pose)).flatten();
             (0..self.shot.layers.len()).map(of_layer).collect()
         })
+    }
+
+    /// The moment that a whole frame shows: the middle of its exposure.
+    #[must_use]
+    pub fn exposed_at(&self, frame: f64) -> f64 {
+        frame + mid_shutter(self.shot.shutter)
+    }
+
+    /// Points of the screen cast onto the front-most unwarped surface of a frame; `None`: there is none.
+    #[must_use]
+    pub fn cast(&self, frame: i32, points: &[ScreenPoint]) -> Vec<Option<Pinned>> {
+        let (pose, camera) = self.view(f64::from(frame));
+        let mesh = screen::project(&pose, &camera);
+        let pick = |&point: &ScreenPoint| screen::pick(&self.scene, &pose, &mesh, camera.near(), point);
+        points.iter().map(|point| pick(point).map(|hit| Pinned::on(&self.scene, &pose, &hit))).collect()
+    }
+
+    /// What the pins of a layer are tied to, one a pin.
+    #[must_use]
+    pub fn anchors_of(&self, layer: usize) -> &[Pinned] {
+        &self.anchors[layer]
     }
 
     /// Turns every pin's anchor into indices.

@@ -45,21 +45,29 @@ impl Shot {
     /// A step holds only the last: pins on twos have come the same way.
     #[must_use]
     pub fn pin_path(&self, layer: usize, frame: f64) -> Vec<PinTargets> {
-        let Some(index) = self.layers.get(layer) else { return Vec::new() };
-        let held = held_frame(&self.frames, index.step, frame);
-        let mut times: Vec<f64> = index.pins.iter().flat_map(|pin| pin.keys.iter().map(|key| key.frame)).collect();
-        times.extend(index.handles.iter().flat_map(|handle| handle.keys.iter().map(|key| key.frame)));
+        self.layers.get(layer).map(|layer| layer.pin_path(&self.frames, frame)).unwrap_or_default()
+    }
+}
+
+impl Layer {
+    /// The way that the layer's keys lead to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
+    #[must_use]
+    pub fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {
+        let held = held_frame(frames, self.step, frame);
+        let keys = self.pins.iter().flat_map(|pin| pin.keys.iter().map(|key| key.frame));
+        let mut times: Vec<f64> = keys.collect();
+        times.extend(self.handles.iter().flat_map(|handle| handle.keys.iter().map(|key| key.frame)));
         times.retain(|&time| time < held);
         times.push(held);
         times.sort_by(f64::total_cmp);
         times.dedup();
         let mut path = Vec::new();
         for ends in times.windows(2) {
-            let count = path_steps(index, [ends[0], ends[1]]);
+            let count = path_steps(self, [ends[0], ends[1]]);
             let time = |step: usize| ends[0] + (ends[1] - ends[0]) * step as f64 / count as f64;
-            path.extend((0..count).map(|step| targets_at(index, time(step))));
+            path.extend((0..count).map(|step| targets_at(self, time(step))));
         }
-        path.push(targets_at(index, held));
+        path.push(targets_at(self, held));
         path
     }
 }

@@ -167,6 +167,14 @@ impl Settings {
         self.regularizer = regularizer;
         self
     }
+
+    /// The same settings with a lattice that resists bending more (above 1) or less: the regulariser's weight times the
+    /// cube of `stiffness`, so that 1 to 10 leads from shapes that follow each pin to one smooth sweep.
+    #[must_use]
+    pub fn with_stiffness(mut self, stiffness: f64) -> Self {
+        self.lambdas.regularizer *= stiffness.powi(3);
+        self
+    }
 }
 
 impl Default for Settings {

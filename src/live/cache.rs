@@ -1,0 +1,135 @@
+//! What was computed, kept by content for the whole process.
+//!
+//! In: keys and functions. Out: shared values. Threads that want the same value compute it once; those that want others
+//! do not wait. What was used least recently goes first.
+
+use super::key::Key;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Values by key, up to a total weight.
+pub(super) struct Cache<V> {
+    budget: usize,
+    weigh: fn(&V) -> usize,
+    state: Mutex<State<V>>,
+}
+
+struct State<V> {
+    slots: HashMap<Key, Slot<V>>,
+    /// Counts uses.
+    clock: u64,
+}
+
+struct Slot<V> {
+    /// Locked while the value is computed.
+    value: Place<V>,
+    weight: usize,
+    used: u64,
+}
+
+/// Where a value is, or will be.
+type Place<V> = Arc<Mutex<Option<Arc<V>>>>;
+
+impl<V> Cache<V> {
+    /// Keeps values of that total weight, and always the last.
+    pub(super) fn new(budget: usize, weigh: fn(&V) -> usize) -> Self {
+        Self { budget, weigh, state: Mutex::new(State { slots: HashMap::new(), clock: 0 }) }
+    }
+
+    /// The value of a key, computed where it is not kept. What fails is not kept.
+    ///
+    /// Worker threads of rayon do not wait for others: whom they would wait for may wait for them.
+    pub(super) fn get<E>(&self, key: Key, compute: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
+        let place = self.place(key);
+        let guard = if rayon::current_thread_index().is_some() {
+            place.try_lock().ok()
+        } else {
+            Some(place.lock().unwrap_or_else(PoisonError::into_inner))
+        };
+        let Some(mut guard) = guard else { return compute().map(Arc::new) };
+        if let Some(value) = guard.as_ref() {
+            return Ok(Arc::clone(value));
+        }
+        let value = Arc::new(compute()?);
+        *guard = Some(Arc::clone(&value));
+        drop(guard);
+        self.settle(key, (self.weigh)(&value));
+        Ok(value)
+    }
+
+    /// Values that are kept.
+    #[cfg(test)]
+    fn count(&self) -> usize {
+        self.locked().slots.len()
+    }
+
+    fn locked(&self) -> std::sync::MutexGuard<'_, State<V>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn place(&self, key: Key) -> Place<V> {
+        let mut state = self.locked();
+        state.clock += 1;
+        let used = state.clock;
+        let slot = state.slots.entry(key).or_insert_with(|| Slot { value: Arc::default(), weight: 0, used });
+        slot.used = used;
+        Arc::clone(&slot.value)
+    }
+
+    /// Notes a new value's weight, and lets go of the oldest until all fit.
+    fn settle(&self, key: Key, weight: usize) {
+        let mut state = self.locked();
+        if let Some(slot) = state.slots.get_mut(&key) {
+            slot.weight = weight;
+        }
+        let mut total: usize = state.slots.values().map(|slot| slot.weight).sum();
+        while total > self.budget && state.slots.len() > 1 {
+            let others = state.slots.iter().filter(|(other, _)| **other != key);
+            let Some(oldest) = others.min_by_key(|(_, slot)| slot.used).map(|(key, _)| *key) else { return };
+            total -= state.slots.remove(&oldest).map_or(0, |slot| slot.weight);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::key::KeyWriter;
+    use super::*;
+    use std::convert::Infallible;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    fn key(word: u64) -> Key {
+        KeyWriter::new().word(word).finish()
+    }
+
+    #[test]
+    fn threads_compute_a_value_once() {
+        let (cache, count) = (Cache::new(8, |_| 1), AtomicUsize::new(0));
+        let compute = || {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            Ok::<_, Infallible>(count.fetch_add(1, Ordering::Relaxed))
+        };
+        std::thread::scope(|scope| {
+            (0..8).for_each(|_| _ = scope.spawn(|| assert_eq!(cache.get(key(1), compute).map(|value| *value), Ok(0))));
+        });
+        assert_eq!(count.into_inner(), 1);
+    }
+
+    #[test]
+    fn what_was_not_used_for_longest_goes_first() {
+        let cache = Cache::new(3, |weight: &usize| *weight);
+        let get = |word, weight| cache.get(key(word), || Ok::<_, Infallible>(weight)).map(|value| *value);
+        assert_eq!([get(1, 1), get(2, 1), get(3, 1)], [Ok(1), Ok(1), Ok(1)]);
+        assert_eq!(get(1, 99), Ok(1), "kept");
+        assert_eq!(get(4, 1), Ok(1));
+        assert_eq!(get(2, 7), Ok(7), "2 was the oldest, and is computed anew");
+        assert_eq!(cache.count(), 1, "it weighs more than all may, so it is alone");
+    }
+
+    #[test]
+    fn failures_are_not_kept() {
+        let cache = Cache::new(3, |_: &u32| 1);
+        assert_eq!(cache.get(key(1), || Err("no")).unwrap_err(), "no");
+        assert_eq!(cache.get(key(1), || Ok::<_, &str>(5)).map(|value| *value), Ok(5));
+    }
+}

@@ -1,0 +1,64 @@
+//! What can go wrong on the way from parameters to pixels.
+
+use crate::pipeline::PipelineError;
+use crate::scene::SceneError;
+use crate::shot::ShotError;
+use std::path::PathBuf;
+
+/// A warp that cannot be computed, or a picture that was not finished.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// A parameter is out of range.
+    #[error("{what}; {hint}")]
+    Controls {
+        /// What is wrong.
+        what: String,
+        /// How to fix it.
+        hint: String,
+    },
+    /// The shot file is wrong.
+    #[error(transparent)]
+    Shot(#[from] ShotError),
+    /// The scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The shot does not fit its scene, or cannot be solved.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+    /// The shot shows another frame than the picture.
+    #[error("{path} is for frames {wanted:.4} wide to 1 high, the picture is {found:.4} to 1; {hint}")]
+    Shape {
+        /// The shot file.
+        path: PathBuf,
+        /// Its aspect.
+        wanted: f64,
+        /// That of the picture.
+        found: f64,
+        /// How to fix it.
+        hint: &'static str,
+    },
+    /// A layer that cannot be driven.
+    #[error("{path}: {what}; {hint}")]
+    Layer {
+        /// The shot file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+        /// How to fix it.
+        hint: String,
+    },
+    /// Planes that are not as large as their window.
+    #[error("a plane of {what} has {found} samples for {wanted} pixels; this is a fault of the host's adapter")]
+    Planes {
+        /// Which picture.
+        what: &'static str,
+        /// Samples.
+        found: usize,
+        /// Pixels.
+        wanted: usize,
+    },
+    /// The host gave the picture up.
+    #[error("the picture was given up")]
+    Aborted,
+}

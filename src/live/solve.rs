@@ -1,0 +1,206 @@
+//! From parameters to a warp, through three caches: scenes, prefactored solvers, solved warps.
+//!
+//! In: [`Controls`], a [`Shape`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so that a
+//! warp has the same bits whatever was solved before.
+
+use super::base::{Base, Goals, driven_layer};
+use super::cache::Cache;
+use super::key::{Key, KeyWriter};
+use super::warp::PinPlace;
+use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, Warp, shape};
+use crate::pipeline::{LayerTask, Pinned, Prepared, Setup};
+use crate::plate::Field;
+use crate::shot::{FrameRange, Layer};
+use crate::space::{FrameSize, ScreenPoint};
+use std::sync::{Arc, LazyLock};
+
+/// Scenes kept; those of shots may be large.
+const KEPT_BASES: usize = 8;
+/// Prefactored solvers kept: about 2 MB each at 10 x 10 handles.
+const KEPT_SOLVERS: usize = 64;
+/// Solved warps kept: a few KB each.
+const KEPT_WARPS: usize = 4096;
+/// Sets of pins kept that were cast onto a surface.
+const KEPT_CASTS: usize = 256;
+
+static BASES: LazyLock<Cache<Base>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
+static SOLVERS: LazyLock<Cache<Ready>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
+static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_| 1));
+static CASTS: LazyLock<Cache<Vec<Option<Pinned>>>> = LazyLock::new(|| Cache::new(KEPT_CASTS, |_| 1));
+
+/// A solver, and what it told while it was made.
+#[derive(Debug)]
+struct Ready {
+    /// `None`: nothing of the layer is in reach.
+    prepared: Option<Prepared>,
+    warnings: Vec<String>,
+}
+
+/// The warp of a picture that is `frame` in size: what was solved for the same content is not solved again.
+///
+/// # Errors
+/// [`LiveError`] where a parameter is out of range, the shot file is wrong or for frames of another shape, or the problem
+/// cannot be solved (more handles than a lattice may have).
+pub fn warp(controls: &Controls, shape: &Shape, frame: FrameSize) -> Result<Arc<Warp>, LiveError> {
+    controls.check()?;
+    if let Shape::Shot(shot) = shape {
+        check_aspect(shot, frame)?;
+    }
+    let base_key = shape.key(frame)?;
+    let solver_key = solver_key(base_key, controls, shape);
+    WARPS.get(warp_key(solver_key, controls), || {
+        let base = BASES.get(base_key, || Base::of(shape, frame))?;
+        let Some(setup) = &base.setup else {
+            return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped"));
+        };
+        let task = Task { setup, index: base.layer, controls, shape };
+        let ready = SOLVERS.get(solver_key, || task.prepare(base_key))?;
+        task.solve(&ready)
+    })
+}
+
+/// Everything that fixes the factored matrix.
+fn solver_key(base: Key, controls: &Controls, shape: &Shape) -> Key {
+    let mut key = KeyWriter::after(base);
+    key.words(&controls.dims.map(|count| count as u64)).word(controls.basis as u64).float(controls.stiffness);
+    key.word(controls.moved as u64);
+    for pin in &controls.pins {
+        key.float(pin.rest.0.x).float(pin.rest.0.y).word(pin.rotation.is_some().into());
+        key.word(pin.scale.is_some().into());
+    }
+    if let Shape::Shot(shot) = shape {
+        key.float(shot.frame).word(shot.pin_frame as u64).word(shot.own_pins as u64);
+    }
+    key.finish()
+}
+
+/// And where everything goes.
+fn warp_key(solver: Key, controls: &Controls) -> Key {
+    let mut key = KeyWriter::after(solver);
+    key.float(controls.strength);
+    for pin in &controls.pins {
+        key.float(pin.target.0.x).float(pin.target.0.y).option(pin.rotation).option(pin.scale);
+    }
+    key.finish()
+}
+
+/// Proxies have the shot's shape; another shape is another shot.
+fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
+    let wanted = shape::read(&shape.path)?.size.aspect();
+    // A side of a proxy may be half a pixel off.
+    let slack = 0.5 * (frame.pixel_aspect + wanted) / f64::from(frame.height);
+    if (frame.aspect() - wanted).abs() <= slack + 1e-6 {
+        return Ok(());
+    }
+    let hint = "correct `size` and `pixel_aspect` of the shot, or the format of the picture";
+    Err(LiveError::Shape { path: shape.path.clone(), wanted, found: frame.aspect(), hint })
+}
+
+/// One layer, driven by controls.
+struct Task<'a> {
+    setup: &'a Setup,
+    index: usize,
+    controls: &'a Controls,
+    shape: &'a Shape<'a>,
+}
+
+impl Task<'_> {
+    /// The frame that is shown.
+    fn frame(&self) -> f64 {
+        if let Shape::Shot(shot) = self.shape { shot.frame } else { 0.0 }
+    }
+
+    fn own_pins(&self) -> OwnPins {
+        if let Shape::Shot(shot) = self.shape { shot.own_pins } else { OwnPins::Act }
+    }
+
+    fn layer(&self, goals: Goals) -> Layer {
+        let key_frame = self.key_frame();
+        driven_layer(&self.setup.shot.layers[self.index], self.controls, (self.own_pins(), key_frame), goals)
+    }
+
+    fn key_frame(&self) -> f64 {
+        let moment = self.setup.exposed_at(self.frame());
+        self.setup.key_frame(&self.setup.shot.layers[self.index], moment)
+    }
+
+    fn frames(&self) -> &FrameRange {
+        &self.setup.shot.frames
+    }
+
+    fn prepare(&self, base: Key) -> Result<Ready, LiveError> {
+        let layer = self.layer(Goals::AtRest);
+        self.check_handles(&layer)?;
+        let (pinned, warnings) = self.pinned(base)?;
+        let own = layer.pins.len() - pinned.len();
+        let anchors: Vec<Pinned> = self.setup.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
+        let moment = self.setup.unsolved(self.setup.exposed_at(self.frame()))?;
+        let task = LayerTask { index: self.index, layer: &layer, anchors: &anchors };
+        let prepared = self.setup.prepare(&moment, &task, &layer.pin_path(self.frames(), self.key_frame()))?;
+        Ok(Ready { prepared, warnings })
+    }
+
+    /// Handles that a shot moves belong to a lattice of certain dims.
+    fn check_handles(&self, layer: &Layer) -> Result<(), LiveError> {
+        let dims = self.controls.dims;
+        let is_outside = |index: &[usize; 3]| (0..2).any(|axis| index[axis] >= dims[axis]);
+        let Some(handle) = layer.handles.iter().find(|handle| is_outside(&handle.index)) else { return Ok(()) };
+        let [nx, ny, _] = self.setup.shot.layers[self.index].space.dims();
+        Err(LiveError::Layer {
+            path: self.setup.shot.path.clone(),
+            what: format!("layer '{}' moves handle {:?}, a lattice of {dims:?} has none", layer.name, handle.index),
+            hint: format!("set the lattice to {nx} x {ny} as in the file"),
+        })
+    }
+
+    /// What the pins of the controls are tied to.
+    fn pinned(&self, base: Key) -> Result<(Vec<Pinned>, Vec<String>), LiveError> {
+        let rests: Vec<ScreenPoint> = self.controls.pins.iter().map(|pin| pin.rest).collect();
+        let Shape::Shot(shot) = self.shape else {
+            return Ok((rests.into_iter().map(Pinned::Screen).collect(), Vec::new()));
+        };
+        let mut key = KeyWriter::after(base);
+        key.word(shot.pin_frame as u64);
+        rests.iter().for_each(|rest| _ = key.float(rest.0.x).float(rest.0.y));
+        let casts = CASTS.get(key.finish(), || Ok::<_, LiveError>(self.setup.cast(shot.pin_frame, &rests)))?;
+        let missed = casts.iter().enumerate().filter(|(_, cast)| cast.is_none());
+        let warnings = missed.map(|(index, _)| {
+            let ScreenPoint(at) = rests[index];
+            format!(
+                "pin {}: there is no surface at {:.3}, {:.3} in frame {}: it stays fixed on the screen; move it onto the model",
+                index + 1, at.x, at.y, shot.pin_frame
+            )
+        });
+        let warnings = warnings.collect();
+        let pinned = casts.iter().zip(rests).map(|(cast, rest)| cast.unwrap_or(Pinned::Screen(rest)));
+        Ok((pinned.collect(), warnings))
+    }
+
+    fn solve(&self, ready: &Ready) -> Result<Warp, LiveError> {
+        let Some(prepared) = &ready.prepared else {
+            return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped"));
+        };
+        let layer = self.layer(Goals::Reached);
+        let state = prepared.solve(&layer, &layer.pin_path(self.frames(), self.key_frame()))?;
+        let (lattice, report) = match state.solution {
+            Some(solution) => (solution.lattice, Some(solution.report)),
+            None => (prepared.grid().at_rest(), None),
+        };
+        let own = layer.pins.len() - self.controls.pins.len();
+        let rests = &prepared.rests()[own..];
+        let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
+            rest: rest.point,
+            target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),
+            moved: lattice.warp(rest.point),
+            presence: rest.presence,
+        });
+        let mut warnings = ready.warnings.clone();
+        warnings.extend(report.iter().flat_map(|report| report.warnings.iter().cloned()));
+        let pins = pins.collect();
+        let field = match (self.controls.moved, self.shape, &layer.matte) {
+            (Moved::Picture, Shape::Frame | Shape::Shot(_), None) => Field::of_picture(lattice.clone()),
+            _ => Field::of_layer(lattice.clone()),
+        };
+        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings })
+    }
+}

@@ -1,0 +1,111 @@
+//! A solved warp, and what a host draws over the picture.
+//!
+//! In: a solved lattice. Out: where points go; lines, handles and pins as points of the screen.
+
+use crate::lattice::ScreenLattice;
+use crate::plate::Field;
+use crate::solve::SolveReport;
+use crate::space::ScreenPoint;
+
+/// The warp of a picture at one moment.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    /// Where every point of the screen goes.
+    pub field: Field,
+    /// The lattice behind it, at rest where nothing moves; `None`: there is nothing to lay one over.
+    pub lattice: Option<ScreenLattice>,
+    /// One a pin of the controls, in their order.
+    pub pins: Vec<PinPlace>,
+    /// How good the solve is (pin errors, own pins of a shot first; folded cells); `None`: nothing was solved.
+    pub report: Option<SolveReport>,
+    /// What the user should know, in words.
+    pub warnings: Vec<String>,
+}
+
+/// A pin at the moment of the warp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinPlace {
+    /// Where its point is before the warp; over a shot it follows the model.
+    pub rest: ScreenPoint,
+    /// Where it has to go, strength applied.
+    pub target: ScreenPoint,
+    /// Where the lattice brings it.
+    pub moved: ScreenPoint,
+    /// 1, less where the point comes close to the camera, 0 where the pin does not act.
+    pub presence: f64,
+}
+
+/// A line of the lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridLine {
+    /// Points before the warp, from left to right or from below.
+    pub rest: Vec<ScreenPoint>,
+    /// The same points after it.
+    pub moved: Vec<ScreenPoint>,
+}
+
+impl Warp {
+    /// A warp that moves nothing, and why.
+    pub(super) fn nothing(why: &str) -> Self {
+        let warnings = vec![why.to_owned()];
+        Self { field: Field::identity(), lattice: None, pins: Vec::new(), report: None, warnings }
+    }
+
+    /// Nothing moves anywhere (by more than 1e-8 frame heights).
+    #[must_use]
+    pub fn is_identity(&self) -> bool {
+        self.field.is_identity()
+    }
+
+    /// The greatest distance of a pin from its target, frame heights; 0 without pins.
+    #[must_use]
+    pub fn pin_error(&self) -> f64 {
+        self.report.iter().flat_map(|report| &report.pin_errors).copied().fold(0.0, f64::max)
+    }
+
+    /// Cells of the lattice that turn over where some of the shape is.
+    #[must_use]
+    pub fn folded_cells(&self) -> usize {
+        self.report.as_ref().map_or(0, |report| report.folded_model_cells)
+    }
+
+    /// Rest place and place of every handle, by index (x fastest).
+    #[must_use]
+    pub fn handles(&self) -> Vec<[ScreenPoint; 2]> {
+        let point = |[x, y]: [f64; 2]| ScreenPoint::new(x, y);
+        let Some(lattice) = &self.lattice else { return Vec::new() };
+        let rest = lattice.grid.rest_handles();
+        rest.into_iter().zip(&lattice.handles).map(|(rest, moved)| [point(rest), point(*moved)]).collect()
+    }
+
+    /// The lines between the cells of the lattice's box, each in `pieces` pieces a cell.
+    #[must_use]
+    pub fn grid_lines(&self, pieces: usize) -> Vec<GridLine> {
+        let Some(lattice) = &self.lattice else { return Vec::new() };
+        let spans = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
+        let pieces = pieces.max(1);
+        let mut lines = Vec::new();
+        for along in 0..2 {
+            for line in 0..=spans[1 - along] {
+                let rest: Vec<ScreenPoint> = (0..=spans[along] * pieces)
+                    .map(|step| {
+                        let mut place = [0.0; 2];
+                        place[along] = step as f64 / pieces as f64;
+                        place[1 - along] = line as f64;
+                        on_box(lattice, place)
+                    })
+                    .collect();
+                let moved = rest.iter().map(|&point| lattice.warp(point)).collect();
+                lines.push(GridLine { rest, moved });
+            }
+        }
+        lines
+    }
+}
+
+/// A place counted in cells.
+fn on_box(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
+    let grid = &lattice.grid;
+    let at = |axis: usize| grid.lo[axis] + cells[axis] * grid.pitch(axis);
+    ScreenPoint::new(at(0), at(1))
+}
