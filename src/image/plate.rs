@@ -58,6 +58,15 @@ impl Plate {
         Self::new(frame.display, frame.pixel_aspect, vec![part])
     }
 
+    /// A frame of our own with all that [`super::write_exr`] would say about it.
+    #[must_use]
+    pub fn from_render(frame: Frame, metadata: &FrameMetadata) -> Self {
+        let mut plate = Self::from_frame(frame);
+        let size = plate.frame_size();
+        plate.parts.iter_mut().for_each(|part| metadata.add_to_layer(&mut part.attributes, size));
+        plate
+    }
+
     /// The same file with other parts: display window, pixel aspect and shared attributes stay.
     #[must_use]
     pub fn with_parts(&self, parts: Vec<PlatePart>) -> Self {

@@ -114,7 +114,7 @@ impl Producer<'_> {
             .zip(around_lattices.as_ref())
             .map(|(moments, lattices)| [view_of(&moments[0], &lattices[0]), view_of(&moments[1], &lattices[1])]);
         let layer_ids: Vec<u32> = setup.owners.iter().map(|owner| owner.map_or(0, |layer| layer as u32 + 1)).collect();
-        Ok(assemble(&Assembly {
+        let mut geometry = assemble(&Assembly {
             scene: &setup.scene,
             now: view_of(&now, &lattices),
             neighbours,
@@ -123,7 +123,9 @@ impl Producer<'_> {
             lights: &lighting::lights(&setup.shot, &now.pose, &setup.rig),
             environment: lighting::environment(&setup.shot, &now.pose),
             line_width: LINE_WIDTH.max(1.0 / f64::from(setup.shot.size.height)),
-        }))
+        });
+        geometry.draws.retain(|draw| setup.hidden.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
+        Ok(geometry)
     }
 }
 

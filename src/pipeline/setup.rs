@@ -61,6 +61,8 @@ pub struct Setup {
     pub(super) loaded: Vec<Option<Loaded>>,
     /// Names and ids for Cryptomattes.
     pub(super) mattes: Mattes,
+    /// Layers whose parts are not drawn, though they keep their places, ids and names.
+    pub(super) hidden: Vec<usize>,
     /// The pictures that the scene stands for.
     pub(super) gallery: Option<Gallery>,
     camera: CameraSource,
@@ -114,6 +116,7 @@ impl Setup {
             rig: Vec::new(),
             loaded,
             mattes,
+            hidden: Vec::new(),
             gallery: None,
             camera,
             clip,

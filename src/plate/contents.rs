@@ -145,7 +145,8 @@ impl Entry {
         }
     }
 
-    /// Whether both are the picture's own red, green, blue or alpha, or both depth, of one view.
+    /// Whether both are the picture's own red, green, blue or alpha, or both depth, or the same half of a rank of
+    /// Cryptomattes of one name, of one view.
     pub(super) fn has_role_of(&self, other: &Self) -> bool {
         let (own, theirs) = (&self.name, &other.name);
         let is_same = self.known.meaning == other.known.meaning && own.view == theirs.view;
@@ -154,6 +155,9 @@ impl Entry {
                 Meaning::Depth => true,
                 Meaning::Color | Meaning::Alpha => {
                     own.component.eq_ignore_ascii_case(&theirs.component) && own.is_beauty() && theirs.is_beauty()
+                }
+                Meaning::Cryptomatte => {
+                    own.component.eq_ignore_ascii_case(&theirs.component) && own.layer_word() == theirs.layer_word()
                 }
                 _ => false,
             }

@@ -8,6 +8,7 @@ use super::nearest::nearest_source;
 use super::over::BATCH;
 use super::{Filter, Planes, resampled};
 use crate::image::Plate;
+use crate::image::cryptomatte::Manifest;
 use rayon::prelude::*;
 
 /// A plate that fills holes.
@@ -29,8 +30,8 @@ impl<'a> Filling<'a> {
         Self { contents: Contents::of(fill, &[]), refusal }
     }
 
-    /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture and the
-    /// depth of other programs, whatever they call them.
+    /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture, the
+    /// depth and the Cryptomattes of other programs, whatever they call them.
     pub(super) fn find(&self, entry: &Entry) -> Option<Place> {
         if self.refusal.is_some() {
             return None;
@@ -40,6 +41,27 @@ impl<'a> Filling<'a> {
         let in_view = || same().find(|other| other.name.view == entry.name.view);
         let in_role = || self.contents.entries.iter().find(|other| entry.has_role_of(other));
         in_part.or_else(in_view).or_else(in_role).map(|other| other.place)
+    }
+
+    /// Writes the names of what fills Cryptomattes beside the names that they have.
+    pub(super) fn add_names(&self, plate: &mut Plate) {
+        if self.refusal.is_some() {
+            return;
+        }
+        for part in &mut plate.parts {
+            let texts = part.texts("cryptomatte/").into_iter();
+            let mattes = texts.filter_map(|(key, name)| Some((key.strip_suffix("name")?.to_owned(), name)));
+            for (key, name) in mattes.collect::<Vec<_>>() {
+                let key = format!("{key}manifest");
+                let behind = self.contents.mattes.iter().find(|matte| is_same_matte(&matte.name, &name));
+                let Some((own, behind)) = part.text(&key).zip(behind) else { continue };
+                let own = Manifest::from_json(&own);
+                let all = own.joined(&behind.manifest);
+                if all != own {
+                    part.set_text(&key, &all.to_json());
+                }
+            }
+        }
     }
 
     /// The nearest sample of a channel at a pixel of a canvas, counted in its window; `None` where it has none.
@@ -58,6 +80,12 @@ impl<'a> Filling<'a> {
             None => window.over(samples, canvas.window, 0.0),
         }
     }
+}
+
+/// `ViewLayer.CryptoObject` is another program's `CryptoObject`.
+fn is_same_matte(one: &str, other: &str) -> bool {
+    let word = |name: &str| name.rsplit('.').next().map(str::to_lowercase);
+    word(one) == word(other)
 }
 
 /// Adds what fills holes, as far as they are open.

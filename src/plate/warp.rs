@@ -39,8 +39,18 @@ pub struct LayerJob {
 /// Whether a plate holds motion vectors, so that the fields of neighbour frames are needed.
 #[must_use]
 pub fn has_motion(plate: &Plate, rules: &WarpRules) -> bool {
+    has_any(plate, rules, &[Meaning::Forward, Meaning::Backward])
+}
+
+/// Whether a plate holds Cryptomattes, so that what fills its holes needs some too.
+#[must_use]
+pub fn has_cryptomattes(plate: &Plate, rules: &WarpRules) -> bool {
+    has_any(plate, rules, &[Meaning::Cryptomatte])
+}
+
+fn has_any(plate: &Plate, rules: &WarpRules, meanings: &[Meaning]) -> bool {
     let contents = Contents::of(plate, &rules.meanings);
-    contents.entries.iter().any(|entry| matches!(entry.known.meaning, Meaning::Forward | Meaning::Backward))
+    contents.entries.iter().any(|entry| meanings.contains(&entry.known.meaning))
 }
 
 /// Warps a plate: every part and channel by its meaning, layer over layer. Windows, attributes and the order of
@@ -60,7 +70,9 @@ pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport),
     let filling = job.fill.map(|fill| Filling::of(fill, plate));
     let mut report = PlateReport::default();
     let drawing = Drawing { contents: &contents, rules: job.rules, movers: Some(&movers), filling };
-    Ok((drawing.draw(&canvases, &mut report), report))
+    let mut warped = drawing.draw(&canvases, &mut report);
+    drawing.filling.iter().for_each(|filling| filling.add_names(&mut warped));
+    Ok((warped, report))
 }
 
 /// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.

@@ -9,6 +9,7 @@ mod compare;
 mod disks;
 mod existing;
 mod export;
+mod fills;
 mod fit;
 mod lattices;
 mod maps;

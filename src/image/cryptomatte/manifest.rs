@@ -50,6 +50,14 @@ impl Manifest {
         Value::Object(entries.collect::<Map<_, _>>()).to_string()
     }
 
+    /// The names of both; where both know one, the own id counts.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        let mut ids = other.ids.clone();
+        ids.extend(self.ids.clone());
+        Self { ids }
+    }
+
     /// Names and ids, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, MatteId)> {
         self.ids.iter().map(|(name, &id)| (name.as_str(), id))

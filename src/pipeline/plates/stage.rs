@@ -77,7 +77,7 @@ impl<'a> Stage<'a> {
             let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
             return Ok(remap_plate(plate, &WarpMap::forward(&field, size, plate.reach()), &rules)?);
         }
-        let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, size)).transpose()?;
+        let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &rules))).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
         Ok(warp_plate(plate, &job)?)
     }
