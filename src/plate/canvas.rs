@@ -3,6 +3,7 @@
 //! In: the contents of a plate, the layers of a job. Out: [`Canvas`]: sheets from back to front with shares and maps.
 
 use super::contents::{Contents, Entry};
+use super::draw::HOLE;
 use super::matte::{Ground, Share};
 use super::nearest::nearest_source;
 use super::{Field, Matte, PlateError, PlateJob, WarpMap};
@@ -47,6 +48,8 @@ pub(super) struct Canvas<'a> {
     pub(super) sheets: Vec<Sheet>,
     /// How much of every pixel of the source layers take away for good: #pixels; `None`: nothing.
     pub(super) carved: Option<Vec<f32>>,
+    /// Pixels that more than one layer takes; in words.
+    pub(super) overlap: Option<String>,
 }
 
 impl<'a> Mover<'a> {
@@ -86,6 +89,7 @@ impl<'a> Canvas<'a> {
                     window: source,
                     sheets: Vec::new(),
                     carved: None,
+                    overlap: None,
                 }),
             }
         }
@@ -101,6 +105,7 @@ impl<'a> Canvas<'a> {
             shares.push(contents.share(mover.name, matte, ground)?);
         }
         self.carved = taken_together(&shares[1..]);
+        self.overlap = overlap(&shares, movers, self.source);
         let is_all_taken = movers.iter().skip(1).any(|mover| matches!(mover.matte, Some(Matte::Alpha)));
         shares[0].pixels = match &self.carved {
             _ if is_all_taken => Some(vec![0.0; self.source.area()]),
@@ -244,6 +249,26 @@ fn taken_together(shares: &[Share]) -> Option<Vec<f32>> {
         sum.iter_mut().zip(share).for_each(|(sum, share)| *sum = (*sum + share).min(1.0));
     }
     Some(sum)
+}
+
+/// Says how many pixels layers take of which there is no more than one.
+fn overlap(shares: &[Share], movers: &[Mover], window: PixelRect) -> Option<String> {
+    let share = |layer: usize, pixel: usize| shares[layer].pixels.as_ref().map_or(1.0, |share| share[pixel]);
+    let layers = 1..shares.len();
+    if layers.len() < 2 {
+        return None;
+    }
+    let is_shared = |&pixel: &usize| layers.clone().map(|layer| share(layer, pixel)).sum::<f32>() > 1.0 + HOLE;
+    let pixels: Vec<usize> = (0..window.area()).into_par_iter().filter(is_shared).collect();
+    let takes = |&layer: &usize| pixels.iter().any(|&pixel| share(layer, pixel) > HOLE);
+    let names: Vec<String> = layers.clone().filter(takes).map(|layer| format!("\"{}\"", movers[layer].name)).collect();
+    (!pixels.is_empty()).then(|| {
+        format!(
+            "the mattes of the layers {} overlap: {} pixels move more than once; let each pixel belong to one layer",
+            names.join(" and "),
+            pixels.len()
+        )
+    })
 }
 
 /// The smallest window that holds every pixel with a share.

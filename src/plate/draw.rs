@@ -13,8 +13,8 @@ use crate::image::{Channel, EMPTY_DEPTH, Plate};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// A share of a pixel that counts as a hole: half a step of an 8-bit picture.
-const HOLE: f32 = 0.5 / 255.0;
+/// A share of a pixel that counts, as a hole or taken twice: half a step of an 8-bit picture.
+pub(super) const HOLE: f32 = 0.5 / 255.0;
 
 /// Samples of channels of the result.
 pub(super) type Planned = BTreeMap<Place, Vec<f32>>;
@@ -39,6 +39,7 @@ impl Drawing<'_> {
     pub(super) fn draw(&self, canvases: &[Canvas], report: &mut PlateReport) -> Plate {
         self.contents.report(report);
         report.warnings.extend(self.filling.iter().filter_map(|filling| filling.refusal.clone()));
+        report.warnings.extend(canvases.iter().find_map(|canvas| canvas.overlap.clone()));
         let mut planes = Planned::new();
         for canvas in canvases {
             let shares = canvas.sheets.iter().filter_map(|sheet| sheet.share.warning.clone());

@@ -5,6 +5,7 @@
 use crate::space::FrameSize;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// How finished frames are warped.
@@ -128,6 +129,26 @@ pub enum Matte {
         /// Names in its manifest, or ids as hexadecimal numbers.
         names: Vec<String>,
     },
+}
+
+impl Matte {
+    /// Whether both take the same pixels of any plate, in whatever order they list ids or names.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Id { channel, values }, Self::Id { channel: other, values: others }) => {
+                channel == other && sorted(values) == sorted(others)
+            }
+            (Self::Cryptomatte { layer, names }, Self::Cryptomatte { layer: other, names: others }) => {
+                layer == other && sorted(names) == sorted(others)
+            }
+            _ => self == other,
+        }
+    }
+}
+
+fn sorted<T: Ord>(list: &[T]) -> BTreeSet<&T> {
+    list.iter().collect()
 }
 
 /// What fills places of the background that a matted layer no longer covers.

@@ -265,6 +265,36 @@ fn mattes_that_are_not_there_are_named() {
     }
 }
 
+/// The shot with one layer, and a second one after it that has another matte.
+fn two_layers(one: &str, other: &str) -> Bench {
+    let first = SHOT.replace("name    = \"all\"", &format!("name = \"one\"\nmatte = {one}"));
+    let second = format!("[[layer]]\nname = \"other\"\nmatte = {other}\n[[layer.pin]]\nanchor = {{ screen = [0.5, 0.5] }}\n[output]");
+    bench(&first.replace("[output]", &second))
+}
+
+#[test]
+fn two_layers_with_one_matte_are_refused() {
+    let id = "{ id = \"id.object\", values = [7, 3] }";
+    let cases = [("\"alpha\"", "\"alpha\""), (id, "{ id = \"id.object\", values = [3, 7, 3] }")];
+    for (one, other) in cases {
+        let bench = two_layers(one, other);
+        let says = ["shot.toml:", "layer[1].matte", "layers 'one' and 'other' have the same matte", "--layer"];
+        bench.run("warp --shot shot.toml").says(2, &says);
+        assert!(bench.frames().is_empty());
+        bench.run("warp --shot shot.toml --layer one").says(0, &[]);
+    }
+}
+
+#[test]
+fn mattes_that_overlap_are_told_with_their_pixels() {
+    let bench = two_layers("{ id = \"id.object\", values = [7] }", "{ id = \"id.object\", values = [7, 4] }");
+    let says = ["the mattes of the layers \"one\" and \"other\" overlap: 81 pixels move more than once"];
+    bench.run("warp --shot shot.toml --frames 2").says(0, &says);
+    let apart = two_layers("{ id = \"id.object\", values = [7] }", "{ id = \"id.object\", values = [3] }");
+    let ended = apart.run("warp --shot shot.toml --frames 2").says(0, &[]);
+    assert!(!ended.stderr.contains("overlap"), "{}", ended.stderr);
+}
+
 #[test]
 fn a_matted_thing_moves_before_the_rest() {
     let bench = bench(&SHOT.replace("name    = \"all\"", "matte = { id = \"id.object\", values = [7] }"));

@@ -43,6 +43,7 @@ impl Plan {
         let layers = layers(job, &mut notes)?;
         check_inverse(job, &layers)?;
         check_matte(job, &layers)?;
+        check_mattes_differ(job, &layers)?;
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
         for other in [Some(&plate), clean.as_ref(), maps.as_ref()].into_iter().flatten() {
@@ -136,6 +137,20 @@ fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let what = format!("one matte for {} layers would move the same pixels {} times", layers.len(), layers.len());
     let names = layers.iter().map(|&layer| file.layers[layer].name.as_str());
     Err(unusable(what, format!("choose one with --layer; {}", spelling::list(names))))
+}
+
+/// Two layers with the same matte would move the same pixels twice.
+fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
+    let PlateWarp::Shot(setup) = &job.warp else { return Ok(()) };
+    let mattes = || layers.iter().filter_map(|&layer| Some((layer, setup.shot.layers[layer].matte.as_ref()?)));
+    for (place, (layer, matte)) in mattes().enumerate() {
+        let Some((first, _)) = mattes().take(place).find(|(_, other)| other.is_same(matte)) else { continue };
+        let [one, other] = [first, layer].map(|layer| &setup.shot.layers[layer].name);
+        let what = format!("layers '{one}' and '{other}' have the same matte, so the same pixels would move twice");
+        let hint = "put the pins of both into one layer, give one of them another matte, or choose one with --layer";
+        return Err(PipelineError::mismatch(&setup.shot, &format!("layer[{layer}].matte"), what, hint));
+    }
+    Ok(())
 }
 
 /// What mattes took apart cannot be put together again, since what lay behind is gone.
