@@ -7,6 +7,7 @@ use super::contents::{Entry, Place};
 use super::draw::{Drawing, Planned, Shared};
 use super::motion::Vectors;
 use super::{Meaning, MotionRule, NormalRule, PlateReport};
+use crate::image::Plate;
 
 /// Names of two components, in their order.
 const PAIRS: [[&str; 2]; 7] =
@@ -72,17 +73,9 @@ impl Drawing<'_> {
         }))
     }
 
-    /// How a layer's vectors are stored: as the shot says, or as a program is known to do it.
+    /// How a layer's vectors are stored: as the shot says, which is then the whole truth, or as a program is known to do it.
     fn rule_of(&self, entry: &Entry, direction: Meaning) -> Option<MotionRule> {
-        let pixels = MotionRule { pixels_per_unit: [1.0; 2] };
-        let is_blender = entry.name.layer_word() == Some("vector");
-        let is_known = is_blender || self.contents.plate.is_own_render();
-        let mut rule = self.rules.motion.or(is_known.then_some(pixels))?;
-        if is_blender && direction == Meaning::Forward {
-            // Cycles stores this frame's place less the next one's.
-            rule.pixels_per_unit = rule.pixels_per_unit.map(|unit| -unit);
-        }
-        Some(rule)
+        self.rules.motion.or_else(|| known_rule(self.contents.plate, entry, direction))
     }
 
     fn turn_normals(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned, report: &mut PlateReport) {
@@ -100,6 +93,14 @@ impl Drawing<'_> {
             planes.extend([(pair[0].place, xs), (pair[1].place, ys)]);
         }
     }
+}
+
+/// How the programs that are known store their vectors.
+fn known_rule(plate: &Plate, entry: &Entry, direction: Meaning) -> Option<MotionRule> {
+    let is_blender = entry.name.layer_word() == Some("vector");
+    // Of the vector to the next frame Cycles stores this frame's place less the next one's.
+    let sign = if is_blender && direction == Meaning::Forward { -1.0 } else { 1.0 };
+    (is_blender || plate.is_own_render()).then_some(MotionRule { pixels_per_unit: [sign; 2] })
 }
 
 impl Unknown {

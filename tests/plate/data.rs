@@ -223,6 +223,21 @@ fn blenders_vectors_are_known() {
 }
 
 #[test]
+fn a_motion_rule_that_is_stated_is_the_whole_truth() {
+    // Named as Blender names them, and stored as the shot says: Z and W lead to the next frame, in sixteenths, y down.
+    let plate = moving(["Vector.Z", "Vector.W"], 48.0, 0.0);
+    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [0.0625, -0.0625] }), ..WarpRules::default() };
+    let moved = warped(&plate, vec![quarter_turn()], &rules).0;
+    let found = [middle(&moved, "Vector.Z"), middle(&moved, "Vector.W")];
+    assert!(found.iter().zip([0.0, -48.0]).all(|(a, b)| (a - b).abs() < 2e-3), "{found:?}");
+    // Four pixels to the right by the next frame: added as the shot says, taken off as Blender's own files would have it.
+    let slid = LayerJob { next: Some(shift(4, 0, 40)), ..layer("all", Field::identity(), None) };
+    let slides = |rules: &WarpRules| middle(&warped(&plate, vec![slid.clone()], rules).0, "Vector.Z");
+    assert!((slides(&rules) - (48.0 + 4.0 * 16.0)).abs() < 2e-2, "{}", slides(&rules));
+    assert!((slides(&WarpRules::default()) - (48.0 - 4.0)).abs() < 2e-2, "{}", slides(&WarpRules::default()));
+}
+
+#[test]
 fn vectors_of_unknown_make_pass_with_a_word() {
     let plate = moving(["forward.u", "forward.v"], 3.0, 0.0);
     let (moved, report) = warped(&plate, vec![quarter_turn()], &WarpRules::default());
