@@ -3,6 +3,7 @@
 //! In: a plate and the shot's rules. Out: [`Contents`]; warnings about names that say nothing.
 
 use super::meaning::{ChannelName, Known};
+use super::vectors::axis_of;
 use super::{ChannelReport, Meaning, MeaningReason, PlateReport};
 use crate::image::cryptomatte::{MatteHeader, MatteLayer, matte_layers};
 use crate::image::{Channel, Plate};
@@ -145,8 +146,8 @@ impl Entry {
         }
     }
 
-    /// Whether both are the picture's own red, green, blue or alpha, or both depth, or the same half of a rank of
-    /// Cryptomattes of one name, of one view.
+    /// Whether both are the picture's own red, green, blue or alpha, or both depth, or the same component of motion, or
+    /// the same half of a rank of Cryptomattes of one name, of one view.
     pub(super) fn has_role_of(&self, other: &Self) -> bool {
         let (own, theirs) = (&self.name, &other.name);
         let is_same = self.known.meaning == other.known.meaning && own.view == theirs.view;
@@ -155,6 +156,9 @@ impl Entry {
                 Meaning::Depth => true,
                 Meaning::Color | Meaning::Alpha => {
                     own.component.eq_ignore_ascii_case(&theirs.component) && own.is_beauty() && theirs.is_beauty()
+                }
+                Meaning::Forward | Meaning::Backward => {
+                    axis_of(&own.component).is_some_and(|axis| axis_of(&theirs.component) == Some(axis))
                 }
                 Meaning::Cryptomatte => {
                     own.component.eq_ignore_ascii_case(&theirs.component) && own.layer_word() == theirs.layer_word()

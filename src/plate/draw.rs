@@ -89,6 +89,10 @@ impl Drawing<'_> {
         if !names.is_empty() {
             report.warnings.push(format!("what fills the holes has no {}: they stay empty there", names.join(", ")));
         }
+        let is_ours = filling.plate().is_own_render() && !self.contents.plate.is_own_render();
+        if is_ours && shared.of(&[Meaning::Normal]).into_iter().any(|entry| filling.find(entry).is_some()) {
+            report.warnings.push("normals that fill the holes lie in scene space, y up, as the scene has them".into());
+        }
     }
 
     fn draw_colors(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned, report: &mut PlateReport) {
@@ -114,7 +118,7 @@ impl Drawing<'_> {
     /// What fills holes in a channel.
     fn fill(&self, entry: &Entry, canvas: &Canvas, filter: Filter) -> Option<Vec<f32>> {
         let filling = self.filling.as_ref()?;
-        Some(filling.seen(filling.find(entry)?, canvas, filter))
+        Some(filling.seen(filling.find(entry)?.place, canvas, filter))
     }
 
     fn draw_data(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned) {
@@ -130,13 +134,18 @@ impl Drawing<'_> {
         plane
     }
 
-    /// Puts what fills holes into a channel that is never blended.
+    /// Puts what fills holes into a channel that is never blended. Vectors of whose units nothing is known are left out.
     pub(super) fn fill_picked(&self, entry: &Entry, canvas: &Canvas, shared: &Shared, plane: &mut [f32]) {
         let Some(filling) = &self.filling else { return };
-        let Some(place) = filling.find(entry) else { return };
+        let Some(behind) = filling.find(entry) else { return };
+        let is_motion = matches!(entry.known.meaning, Meaning::Forward | Meaning::Backward);
+        if is_motion && !filling.is_stored_alike(behind, entry) {
+            return;
+        }
+        let storage = self.contents.channel(entry.place).storage;
         let samples = plane.iter_mut().zip(&shared.picks).enumerate();
         samples.filter(|(_, (_, pick))| **pick == Pick::Hole).for_each(|(at, (sample, _))| {
-            *sample = filling.nearest(place, canvas, at).unwrap_or(*sample);
+            *sample = filling.nearest(behind.place, (canvas, at), storage).unwrap_or(*sample);
         });
     }
 

@@ -4,12 +4,15 @@
 
 use super::canvas::Canvas;
 use super::contents::{Contents, Entry, Place};
-use super::nearest::nearest_source;
 use super::over::BATCH;
 use super::{Filter, Planes, resampled};
-use crate::image::Plate;
 use crate::image::cryptomatte::Manifest;
+use crate::image::{Plate, Storage};
+use crate::space::PixelRect;
 use rayon::prelude::*;
+
+/// Up to here a float tells all whole numbers apart: 2^24.
+const MOST_EXACT: u32 = 1 << 24;
 
 /// A plate that fills holes.
 pub(super) struct Filling<'a> {
@@ -32,7 +35,7 @@ impl<'a> Filling<'a> {
 
     /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture, the
     /// depth and the Cryptomattes of other programs, whatever they call them.
-    pub(super) fn find(&self, entry: &Entry) -> Option<Place> {
+    pub(super) fn find(&self, entry: &Entry) -> Option<&Entry> {
         if self.refusal.is_some() {
             return None;
         }
@@ -40,7 +43,23 @@ impl<'a> Filling<'a> {
         let in_part = same().find(|other| other.name.part == entry.name.part);
         let in_view = || same().find(|other| other.name.view == entry.name.view);
         let in_role = || self.contents.entries.iter().find(|other| entry.has_role_of(other));
-        in_part.or_else(in_view).or_else(in_role).map(|other| other.place)
+        in_part.or_else(in_view).or_else(in_role)
+    }
+
+    /// What fills.
+    pub(super) fn plate(&self) -> &Plate {
+        self.contents.plate
+    }
+
+    /// Whether a channel holds its numbers as the plate's channel does, whatever they count: a clean plate comes from where
+    /// the plate comes from.
+    pub(super) fn is_stored_alike(&self, behind: &Entry, entry: &Entry) -> bool {
+        behind.name.full == entry.name.full && !self.contents.plate.is_own_render()
+    }
+
+    /// Samples of a channel and their window.
+    pub(super) fn samples(&self, place: Place) -> (&[f32], PixelRect) {
+        (&self.contents.channel(place).samples, self.contents.window(place))
     }
 
     /// Writes the names of what fills Cryptomattes beside the names that they have.
@@ -64,12 +83,12 @@ impl<'a> Filling<'a> {
         }
     }
 
-    /// The nearest sample of a channel at a pixel of a canvas, counted in its window; `None` where it has none.
-    pub(super) fn nearest(&self, place: Place, canvas: &Canvas, at: usize) -> Option<f32> {
-        let pixel = canvas.window.pixel_at(at);
-        let offset = canvas.base().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
-        let index = self.contents.window(place).place_of(nearest_source(pixel, offset)?)?;
-        Some(self.contents.channel(place).samples[index])
+    /// The nearest sample of a channel at a pixel of a canvas, counted in its window, as a channel of another storage holds
+    /// it; `None` where it has none.
+    pub(super) fn nearest(&self, place: Place, (canvas, at): (&Canvas, usize), storage: Storage) -> Option<f32> {
+        let channel = self.contents.channel(place);
+        let index = self.contents.window(place).place_of(canvas.pixel_behind(at)?)?;
+        Some(restored(channel.samples[index], channel.storage, storage))
     }
 
     /// A channel as it is seen at the back of a canvas; 0 where it has nothing.
@@ -79,6 +98,17 @@ impl<'a> Filling<'a> {
             Some(map) => resampled(map, &Planes { window, planes: vec![samples] }, filter).swap_remove(0),
             None => window.over(samples, canvas.window, 0.0),
         }
+    }
+}
+
+/// The same number in another storage: whole ones hold bits. Ids that a float cannot tell from others become 0, nothing.
+fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
+    match (from, to) {
+        (Storage::Uint, Storage::Uint) => sample,
+        (Storage::Uint, _) if sample.to_bits() > MOST_EXACT => 0.0,
+        (Storage::Uint, _) => sample.to_bits() as f32,
+        (_, Storage::Uint) => f32::from_bits(sample.round() as u32),
+        _ => sample,
     }
 }
 

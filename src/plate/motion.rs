@@ -50,6 +50,41 @@ impl Canvas<'_> {
     }
 }
 
+/// Vectors of what fills holes.
+pub(super) struct Behind<'a> {
+    pub(super) vectors: Vectors<'a>,
+    /// The pixels they tell of.
+    pub(super) window: PixelRect,
+    /// What carries the back of the picture.
+    pub(super) mover: &'a Mover<'a>,
+}
+
+impl Canvas<'_> {
+    /// Puts the vectors of what lies behind into holes, carried by the warp and stored by the rule of the plate.
+    pub(super) fn fill_motion(
+        &self,
+        behind: &Behind,
+        picks: &[Pick],
+        (frame, rule): (FrameSize, MotionRule),
+        planes: &mut [Vec<f32>; 2],
+    ) {
+        if !picks.contains(&Pick::Hole) {
+            return;
+        }
+        let Behind { vectors, window, mover } = *behind;
+        let ways = Ways::of(mover, vectors.direction, (frame, window));
+        let factors = [0, 1].map(|axis| (vectors.rule.pixels_per_unit[axis] / rule.pixels_per_unit[axis]) as f32);
+        let [us, vs] = planes;
+        let holes = us.par_iter_mut().zip(vs).zip(picks).enumerate().filter(|(_, (_, pick))| **pick == Pick::Hole);
+        holes.for_each(|(at, ((u, v), _))| {
+            let Some(pixel) = self.pixel_behind(at) else { return };
+            let Some(index) = window.place_of(pixel) else { return };
+            let [x, y] = vectors.warped(index, pixel, &ways);
+            (*u, *v) = (x * factors[0], y * factors[1]);
+        });
+    }
+}
+
 impl Vectors<'_> {
     fn warped(self, index: usize, [x, y]: [i32; 2], ways: &Ways) -> [f32; 2] {
         let stored = self.uv.map(|channel| channel[index]);

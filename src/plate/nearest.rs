@@ -92,6 +92,12 @@ impl Canvas<'_> {
         self.source.place_of(nearest_source([x, y], offset)?)
     }
 
+    /// The pixel of the source's frame that lies at the back of a pixel of the canvas, a place in its window.
+    pub(super) fn pixel_behind(&self, at: usize) -> Option<[i32; 2]> {
+        let offset = self.base().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
+        nearest_source(self.window.pixel_at(at), offset)
+    }
+
     fn is_carved_at(&self, at: [i32; 2]) -> bool {
         let carved = self.carved.as_ref().zip(self.source_of(self.base(), at));
         carved.is_some_and(|(carved, index)| carved[index] > 0.0)

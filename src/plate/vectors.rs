@@ -5,9 +5,11 @@
 use super::canvas::Canvas;
 use super::contents::{Entry, Place};
 use super::draw::{Drawing, Planned, Shared};
-use super::motion::Vectors;
+use super::motion::{Behind, Vectors};
+use super::nearest::Pick;
 use super::{Meaning, MotionRule, NormalRule, PlateReport};
 use crate::image::Plate;
+use crate::space::PixelRect;
 
 /// Names of two components, in their order.
 const PAIRS: [[&str; 2]; 7] =
@@ -48,6 +50,7 @@ impl Drawing<'_> {
                 Ok(warped) => planes.extend(warped),
                 Err(unknown) => {
                     report.warnings.push(unknown.in_words(&layer));
+                    report.warnings.extend(self.unfilled(shared, &layer));
                     planes.extend(layer.iter().map(|entry| (entry.place, self.copy(entry, canvas, shared))));
                 }
             }
@@ -66,11 +69,36 @@ impl Drawing<'_> {
         let rule = self.rule_of(u, direction).ok_or(Unknown::Rule)?;
         let uv = [u, v].map(|entry| &self.contents.channel(entry.place).samples[..]);
         let vectors = Vectors { uv, direction, rule };
-        let [us, vs] = canvas.motion(vectors, &shared.picks, movers, self.contents.plate.frame_size());
-        Ok([(u, us), (v, vs)].map(|(entry, mut plane)| {
-            self.fill_picked(entry, canvas, shared, &mut plane);
-            (entry.place, plane)
-        }))
+        let frame = self.contents.plate.frame_size();
+        let mut planes = canvas.motion(vectors, &shared.picks, movers, frame);
+        if let Some((behind, window)) = self.vectors_behind([u, v], (direction, rule)) {
+            let behind = Behind { vectors: behind, window, mover: &movers[0] };
+            canvas.fill_motion(&behind, &shared.picks, (frame, rule), &mut planes);
+        }
+        let [us, vs] = planes;
+        Ok([(u.place, us), (v.place, vs)])
+    }
+
+    /// The vectors of what fills holes, and how they are stored: a clean plate's as the plate's, ours as ours.
+    fn vectors_behind(
+        &self,
+        pair: [&Entry; 2],
+        (direction, rule): (Meaning, MotionRule),
+    ) -> Option<(Vectors<'_>, PixelRect)> {
+        let filling = self.filling.as_ref()?;
+        let [u, v] = [filling.find(pair[0])?, filling.find(pair[1])?];
+        let is_alike = filling.is_stored_alike(u, pair[0]) && filling.is_stored_alike(v, pair[1]);
+        let rule = if is_alike { rule } else { known_rule(filling.plate(), u, direction)? };
+        let [(us, window), (vs, other)] = [u, v].map(|entry| filling.samples(entry.place));
+        (window == other).then_some((Vectors { uv: [us, vs], direction, rule }, window))
+    }
+
+    /// Says so where vectors that could fill holes cannot be stored as the plate's are.
+    fn unfilled(&self, shared: &Shared, layer: &[&Entry]) -> Option<String> {
+        let filling = self.filling.as_ref().filter(|_| shared.picks.contains(&Pick::Hole))?;
+        let is_left =
+            |entry: &&Entry| filling.find(entry).is_some_and(|behind| !filling.is_stored_alike(behind, entry));
+        layer.iter().any(is_left).then(|| format!("{}: holes stay empty for the same reason", names(layer)))
     }
 
     /// How a layer's vectors are stored: as the shot says, which is then the whole truth, or as a program is known to do it.
@@ -137,6 +165,11 @@ fn layers<'a>(entries: &[&'a Entry]) -> Vec<Vec<&'a Entry>> {
 fn pair<'a>(layer: &[&'a Entry]) -> Option<[&'a Entry; 2]> {
     let find = |name: &str| layer.iter().copied().find(|entry| entry.name.component.eq_ignore_ascii_case(name));
     PAIRS.iter().find_map(|[a, b]| Some([find(a)?, find(b)?]))
+}
+
+/// Which of the two components on the screen a name means.
+pub(super) fn axis_of(component: &str) -> Option<usize> {
+    PAIRS.iter().find_map(|pair| pair.iter().position(|name| component.eq_ignore_ascii_case(name)))
 }
 
 fn names(layer: &[&Entry]) -> String {

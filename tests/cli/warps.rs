@@ -268,7 +268,9 @@ fn mattes_that_are_not_there_are_named() {
 /// The shot with one layer, and a second one after it that has another matte.
 fn two_layers(one: &str, other: &str) -> Bench {
     let first = SHOT.replace("name    = \"all\"", &format!("name = \"one\"\nmatte = {one}"));
-    let second = format!("[[layer]]\nname = \"other\"\nmatte = {other}\n[[layer.pin]]\nanchor = {{ screen = [0.5, 0.5] }}\n[output]");
+    let second = format!(
+        "[[layer]]\nname = \"other\"\nmatte = {other}\n[[layer.pin]]\nanchor = {{ screen = [0.5, 0.5] }}\n[output]"
+    );
     bench(&first.replace("[output]", &second))
 }
 

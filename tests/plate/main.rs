@@ -3,6 +3,7 @@
 #[path = "../support/assets.rs"]
 mod assets;
 mod data;
+mod fills;
 mod filters;
 mod layers;
 mod map;
