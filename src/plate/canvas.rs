@@ -4,6 +4,7 @@
 
 use super::contents::{Contents, Entry};
 use super::draw::HOLE;
+use super::map_view::Direction;
 use super::matte::{Ground, Share};
 use super::nearest::nearest_source;
 use super::{Field, Matte, PlateError, PlateJob, WarpMap};
@@ -18,6 +19,8 @@ pub(super) struct Mover<'a> {
     pub(super) name: &'a str,
     /// What it takes along; `None`: what no layer takes.
     pub(super) matte: Option<&'a Matte>,
+    /// Which way it takes the picture: forward along its fields, or back against them.
+    pub(super) course: Direction,
     pub(super) now: Field,
     pub(super) previous: Field,
     pub(super) next: Field,
@@ -66,6 +69,7 @@ impl<'a> Mover<'a> {
         let of = |layer: Option<&'a super::LayerJob>| Self {
             name: layer.map_or("", |layer| layer.name.as_str()),
             matte: layer.and_then(|layer| layer.matte.as_ref()),
+            course: Direction::Forward,
             now: chain(layer.map(now).as_ref(), &now),
             previous: chain(layer.map(previous).as_ref(), &previous),
             next: chain(layer.map(next).as_ref(), &next),

@@ -43,4 +43,4 @@ pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
 pub use stmap::{map_of_stmap, stmap_of};
-pub use warp::{LayerJob, PlateJob, has_cryptomattes, has_motion, remap_plate, warp_plate};
+pub use warp::{LayerJob, PlateJob, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate};

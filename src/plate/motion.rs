@@ -3,10 +3,10 @@
 //! In: vectors of the unwarped plate, the fields of this frame and its neighbours. Out: vectors after the warp.
 //!
 //! A point at x that moves by u lies at φ_t(x) in this frame's result and at φ_t+1(x + u) in the next one's, so
-//! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x).
+//! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x). Where a warp is undone, d = φ⁻¹ − x.
 
 use super::canvas::{Canvas, Mover};
-use super::map_view::{corner, extent};
+use super::map_view::{Direction, corner, extent};
 use super::nearest::Pick;
 use super::over::BATCH;
 use super::{Field, Meaning, MotionRule, WarpMap};
@@ -95,7 +95,7 @@ impl Vectors<'_> {
         }
         let there = DVec2::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y);
         let change = ways.there(there) - ways.here(index);
-        if change.length() < LEAST {
+        if !change.is_finite() || change.length() < LEAST {
             return stored;
         }
         // Vectors count up, maps down.
@@ -112,13 +112,17 @@ struct Ways<'a> {
     other: WarpMap,
     /// What `other` was made of.
     field: &'a Field,
+    course: Direction,
 }
 
 impl<'a> Ways<'a> {
     fn of(mover: &'a Mover, direction: Meaning, (frame, window): (FrameSize, PixelRect)) -> Self {
         let field = if direction == Meaning::Backward { &mover.previous } else { &mover.next };
-        let [now, other] = [&mover.now, field].map(|field| WarpMap::forward_alone(field, frame, window));
-        Self { now, other, field }
+        let [now, other] = [&mover.now, field].map(|field| match mover.course {
+            Direction::Forward => WarpMap::forward_alone(field, frame, window),
+            Direction::Backward => WarpMap::backward(field, frame, window),
+        });
+        Self { now, other, field, course: mover.course }
     }
 
     /// At the centre of a pixel, in this frame.
@@ -130,8 +134,12 @@ impl<'a> Ways<'a> {
     fn there(&self, at: DVec2) -> DVec2 {
         between(&self.other, at).unwrap_or_else(|| {
             let frame = self.other.frame;
-            let goes = self.field.carry(frame.screen_from_image(ImagePoint(at)));
-            frame.image_from_screen(goes).0 - at
+            let from = frame.screen_from_image(ImagePoint(at));
+            let goes = match self.course {
+                Direction::Forward => Some(self.field.carry(from)),
+                Direction::Backward => self.field.inverse(from, from),
+            };
+            goes.map_or(DVec2::NAN, |goes| frame.image_from_screen(goes).0 - at)
         })
     }
 }

@@ -6,8 +6,10 @@ use super::canvas::{Canvas, Mover, find_maps, find_windows, give_map, settle_win
 use super::contents::Contents;
 use super::draw::Drawing;
 use super::fill::Filling;
+use super::map_view::Direction;
 use super::{Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
 use crate::image::Plate;
+use crate::space::PixelRect;
 use std::sync::Arc;
 
 /// What a plate's warp needs beside the plate.
@@ -75,11 +77,31 @@ pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport),
     Ok((warped, report))
 }
 
+/// Undoes the warp of a plate by the layers of a job, which have no mattes, where it is one-to-one: motion vectors too.
+/// `reach`: the pixels of the result, from the upper left corner of the display window.
+///
+/// # Errors
+/// None but those of [`remap_plate`].
+pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+    let whole = Mover::all_of(job).swap_remove(0);
+    let map = WarpMap::forward(&whole.now, plate.frame_size(), reach);
+    let undone = Mover { course: Direction::Backward, ..whole };
+    remapped(plate, &map, (job.rules, Some(&[undone])))
+}
+
 /// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.
 ///
 /// # Errors
 /// [`PlateError::WrongMap`] where the map was made for another frame.
 pub fn remap_plate(plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(Plate, PlateReport), PlateError> {
+    remapped(plate, map, (rules, None))
+}
+
+fn remapped(
+    plate: &Plate,
+    map: &WarpMap,
+    (rules, movers): (&WarpRules, Option<&[Mover]>),
+) -> Result<(Plate, PlateReport), PlateError> {
     let frame = plate.frame_size();
     if (frame.width, frame.height) != (map.frame.width, map.frame.height) {
         let (map, plate) = ([map.frame.width, map.frame.height], [frame.width, frame.height]);
@@ -98,6 +120,6 @@ pub fn remap_plate(plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(P
         let what = "the map does not reach as far as the plate: what lies outside it is left out";
         report.warnings.push(format!("{what}; make the map with the plate's overscan"));
     }
-    let drawing = Drawing { contents: &contents, rules, movers: None, filling: None };
+    let drawing = Drawing { contents: &contents, rules, movers, filling: None };
     Ok((drawing.draw(&canvases, &mut report), report))
 }

@@ -5,7 +5,9 @@ use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::plate::{Field, LayerJob, Matte, MotionRule, NormalRule, WarpMap, WarpRules, footprint, remap_plate};
+use pinwarp::plate::{
+    Field, LayerJob, Matte, MotionRule, NormalRule, PlateJob, WarpMap, WarpRules, footprint, remap_plate, undo_plate,
+};
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::BTreeMap;
 
@@ -206,6 +208,29 @@ fn vectors_follow_fields_to_a_thousandth_of_a_pixel() {
         most = most.max((wanted.x - stored[0]).hypot(-wanted.y - stored[1]));
     }
     assert!(worst < 1e-3 && most > 2.0, "{worst} of {most} pixels");
+}
+
+#[test]
+fn an_undone_warp_gives_the_vectors_back() {
+    let size = FrameSize::new(160, 90);
+    let make = |name: &str, value: f32| channel(name, Storage::Float, size.window(), move |_, _| value);
+    let plate = plate(size.window(), size.window(), vec![make("forward.u", 5.0), make("forward.v", -2.0)]);
+    let [now, next] = [7, 8].map(|seed| Field::of_picture(random(Basis::Bspline, 0.3, seed)));
+    let job = LayerJob { next: Some(next), ..layer("all", now, None) };
+    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
+    let moved = warped(&plate, vec![job.clone()], &rules).0;
+    let job = PlateJob { layers: vec![job], rules: &rules, fill: None };
+    let (back, report) = undo_plate(&moved, &job, size.window()).expect("the map is of this frame");
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    let misses = |plate: &Plate| {
+        let [us, vs] = ["forward.u", "forward.v"].map(|name| samples(plate, name));
+        let inner = (24..66).flat_map(|y| (45..108).map(move |x| y * 160 + x));
+        let mut misses: Vec<f32> = inner.map(|at| (us[at] - 5.0).hypot(vs[at] + 2.0)).collect();
+        misses.sort_by(f32::total_cmp);
+        misses[misses.len() / 2]
+    };
+    // The nearest sample is up to half a pixel beside, where the field is a little another.
+    assert!(misses(&back) < 0.25 && misses(&moved) > 4.0 * misses(&back), "{} after {}", misses(&back), misses(&moved));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpMap, has_motion, map_of_stmap, remap_plate, warp_plate,
+    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, has_motion, map_of_stmap, remap_plate, undo_plate, warp_plate,
 };
 use crate::space::FrameSize;
 use std::path::PathBuf;
@@ -74,8 +74,7 @@ impl<'a> Stage<'a> {
         }
         let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
-            let field = Field::chain(layers.into_iter().map(|layer| layer.field).collect());
-            return Ok(remap_plate(plate, &WarpMap::forward(&field, size, plate.reach()), &rules)?);
+            return Ok(undo_plate(plate, &PlateJob { layers, rules: &rules, fill: None }, plate.reach())?);
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &rules))).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
