@@ -36,7 +36,7 @@ pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
 pub use kind::{FileKind, PictureKind};
 pub use metadata::{CameraMatrices, FrameMetadata};
-pub use picture::{read_any, read_picture, write_any, write_picture};
+pub use picture::{read_any, read_any_head, read_picture, write_any, write_picture};
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;
 pub use plate_write::write_plate;

@@ -190,6 +190,18 @@ pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
     }
 }
 
+/// What the head of an EXR, PNG or JPEG file says: of EXR files no channel has samples; pictures are read whole.
+///
+/// # Errors
+/// As [`read_any`] gives for files that cannot be opened or whose head is damaged.
+pub fn read_any_head(path: &Path) -> Result<Plate, ImageError> {
+    if PictureKind::of(path) == Some(PictureKind::Exr) {
+        super::plate_read::read_plate_head(path)
+    } else {
+        read_any(path)
+    }
+}
+
 /// Writes an EXR, PNG or JPEG file, by the ending of its name.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::{Channel, ImageError, Plate, PlatePart, Storage, exr_guard};
 use crate::space::PixelRect;
 use exr::image::{AnyChannel, AnyChannels, FlatSamples, Layer};
 use exr::math::Vec2;
-use exr::meta::attribute::LevelMode;
+use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::{Header, ImageAttributes};
 use exr::meta::{BlockDescription, MetaData};
 use half::slice::HalfFloatSliceExt;
@@ -39,6 +39,40 @@ pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
     }
     take_in_manifests(&mut plate, path);
     Ok(plate)
+}
+
+/// What the head of a flat EXR file says: parts, windows, channels and attributes; no channel has samples.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be opened or its head is damaged.
+pub(super) fn read_plate_head(path: &Path) -> Result<Plate, ImageError> {
+    let head = exr_guard::read_head(path)?;
+    let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
+    let (window, aspect) = (first.shared_attributes.display_window, first.shared_attributes.pixel_aspect);
+    let display = rect(path, window.position, window.size)?;
+    let parts = head.headers.into_iter().map(|header| part_head(path, header)).collect::<Result<_, _>>()?;
+    let mut plate = Plate::new(display, f64::from(aspect), parts);
+    take_in_manifests(&mut plate, path);
+    Ok(plate)
+}
+
+fn part_head(path: &Path, header: Header) -> Result<PlatePart, ImageError> {
+    let data_window = rect(path, header.own_attributes.layer_position, header.layer_size)?;
+    let storage = |kind: SampleType| match kind {
+        SampleType::F16 => Storage::Half,
+        SampleType::F32 => Storage::Float,
+        SampleType::U32 => Storage::Uint,
+    };
+    let channels = header.channels.list.iter().map(|channel| Channel {
+        name: string(&channel.name),
+        storage: storage(channel.sample_type),
+        samples: Vec::new(),
+    });
+    let mut part = PlatePart::new(data_window, channels.collect());
+    part.attributes = header.own_attributes;
+    part.name = part.attributes.layer_name.take().as_ref().map(string);
+    part.view = part.attributes.view_name.take().as_ref().map(string);
+    Ok(part)
 }
 
 /// Parts should agree on these, but some programs give them to one part only.

@@ -114,6 +114,12 @@ impl<'a> Contents<'a> {
         }
     }
 
+    /// Patterns of the shot that no channel fits.
+    pub(super) fn idle_patterns(&self, patterns: &[(String, Meaning)]) -> Vec<String> {
+        let is_idle = |pattern: &&String| !self.entries.iter().any(|entry| entry.name.fits(pattern));
+        patterns.iter().map(|(pattern, _)| pattern).filter(is_idle).cloned().collect()
+    }
+
     /// Tells what every channel was taken for, and warns of names that say nothing.
     pub(super) fn report(&self, report: &mut PlateReport) {
         report.channels = self.entries.iter().map(|entry| entry.report(self.plate)).collect();

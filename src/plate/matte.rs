@@ -32,6 +32,14 @@ pub(super) struct Share {
     pub(super) warning: Option<String>,
 }
 
+/// What names pick from a Cryptomatte.
+struct Picked {
+    matte: MatteLayer<Place>,
+    ids: BTreeSet<MatteId>,
+    /// Names that it does not know, in words.
+    unknown: Vec<String>,
+}
+
 impl Contents<'_> {
     /// The share of a layer of the shot, for messages called `layer`.
     pub(super) fn share(&self, layer: &str, matte: &Matte, ground: Ground) -> Result<Share, PlateError> {
@@ -79,42 +87,64 @@ impl Contents<'_> {
         Ok(twin.unwrap_or(first).place)
     }
 
+    /// Checks what names alone tell: that the plate has what a matte asks for. No samples are needed.
+    pub(super) fn check_matte(&self, layer: &str, matte: &Matte) -> Result<(), PlateError> {
+        let view = self.entries.first().and_then(|entry| entry.name.view.as_deref());
+        match matte {
+            Matte::Alpha => Ok(()),
+            Matte::Channel(channel) | Matte::Id { channel, .. } => self.find(layer, channel, view).map(drop),
+            Matte::Cryptomatte { layer: wanted, names } => {
+                self.picked(layer, (wanted.as_deref(), names), view).map(drop)
+            }
+        }
+    }
+
     fn cryptomatte_share(
         &self,
         layer: &str,
-        (wanted, names): (Option<&str>, &[String]),
+        wanted: (Option<&str>, &[String]),
         ground: Ground,
     ) -> Result<Share, PlateError> {
-        let all = self.matte_layers_of_view(ground.view);
+        let Picked { matte, ids, unknown } = self.picked(layer, wanted, ground.view)?;
+        let missing = format!("layer \"{layer}\": not in {}: {}", matte.name, unknown.join("; "));
+        Ok(Share {
+            pixels: Some(self.covered_by(&matte, &ids, ground.window)),
+            picked: Some((matte.name, ids)),
+            warning: (!unknown.is_empty()).then_some(missing),
+        })
+    }
+
+    /// The Cryptomatte that knows most of the names.
+    fn picked(
+        &self,
+        layer: &str,
+        (wanted, names): (Option<&str>, &[String]),
+        view: Option<&str>,
+    ) -> Result<Picked, PlateError> {
+        let all = self.matte_layers_of_view(view);
         let known = |name: &str| self.mattes.iter().find(|matte| matte.name == name).map(|matte| &matte.manifest);
         let empty = Manifest::default();
         let candidates = all.iter().filter(|matte| wanted.is_none_or(|wanted| is_named(&matte.name, wanted)));
-        let mut best: Option<(&MatteLayer<Place>, BTreeSet<MatteId>, Vec<String>)> = None;
+        let mut best: Option<Picked> = None;
         for matte in candidates {
             let selection = known(&matte.name).unwrap_or(&empty).select(names.iter().map(String::as_str));
-            let is_better = best.as_ref().is_none_or(|(_, _, unknown)| selection.unknown.len() < unknown.len());
-            if is_better {
-                best = Some((matte, selection.ids, selection.unknown));
+            if best.as_ref().is_none_or(|best| selection.unknown.len() < best.unknown.len()) {
+                best = Some(Picked { matte: matte.clone(), ids: selection.ids, unknown: selection.unknown });
             }
         }
         let refused = |wanted: String, hint: String| PlateError::NoCryptomatte { layer: layer.into(), wanted, hint };
-        let Some((matte, ids, unknown)) = best else {
+        let best = best.ok_or_else(|| {
             let hint = match all.as_slice() {
                 [] => "it has no Cryptomatte".to_owned(),
                 all => format!("of Cryptomattes {}", spelling::list(all.iter().map(|matte| matte.name.as_str()))),
             };
-            let wanted = wanted.map_or_else(|| names.join(", "), |wanted| format!("\"{wanted}\""));
-            return Err(refused(wanted, hint));
-        };
-        let missing = format!("in {}: {}", matte.name, unknown.join("; "));
-        if ids.is_empty() {
+            refused(wanted.map_or_else(|| names.join(", "), |wanted| format!("\"{wanted}\"")), hint)
+        })?;
+        if best.ids.is_empty() {
+            let missing = format!("in {}: {}", best.matte.name, best.unknown.join("; "));
             return Err(refused(names.join(", "), missing));
         }
-        Ok(Share {
-            pixels: Some(self.covered_by(matte, &ids, ground.window)),
-            picked: Some((matte.name.clone(), ids)),
-            warning: (!unknown.is_empty()).then(|| format!("layer \"{layer}\": not {missing}")),
-        })
+        Ok(best)
     }
 
     fn matte_layers_of_view(&self, view: Option<&str>) -> Vec<MatteLayer<Place>> {

@@ -42,5 +42,5 @@ pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
-pub use stmap::{map_of_stmap, stmap_of};
-pub use warp::{LayerJob, PlateJob, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate};
+pub use stmap::{check_stmap, map_of_stmap, stmap_of};
+pub use warp::{LayerJob, PlateJob, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate};

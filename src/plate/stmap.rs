@@ -47,9 +47,6 @@ pub fn stmap_of(map: &WarpMap) -> Frame {
 /// numbers; [`PlateError::StMapInPixels`] where the values are no shares of the frame.
 pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
     let Found { part, layer, uv } = found_in(stmap)?;
-    if let Some(channel) = uv.iter().find(|channel| channel.storage == Storage::Uint) {
-        return Err(PlateError::StMapOfIntegers { channel: channel.name.clone() });
-    }
     let alpha = part.channel(&format!("{layer}A")).map(|alpha| alpha.samples.as_slice());
     let mut map = WarpMap::identity(stmap.frame_size(), stmap.window_of(part));
     let place = |index: usize| uv.map(|channel| channel.samples[index]);
@@ -98,11 +95,25 @@ struct Found<'a> {
 
 /// The likeliest layer of the first part that has one.
 fn found_in(stmap: &Plate) -> Result<Found<'_>, PlateError> {
-    stmap.parts.iter().find_map(found_in_part).ok_or_else(|| {
+    let found = stmap.parts.iter().find_map(found_in_part).ok_or_else(|| {
         let channels = stmap.parts.iter().flat_map(|part| &part.channels);
         let found: Vec<&str> = channels.map(|channel| channel.name.as_str()).collect();
         PlateError::NoStMap { found: found.join(", ") }
-    })
+    })?;
+    match found.uv.iter().find(|channel| channel.storage == Storage::Uint) {
+        Some(channel) => Err(PlateError::StMapOfIntegers { channel: channel.name.clone() }),
+        None => Ok(found),
+    }
+}
+
+/// Checks what the head of an STMap tells: that it has channels for a map of the plate's frame. No samples are needed.
+///
+/// # Errors
+/// [`PlateError::NoStMap`], [`PlateError::StMapOfIntegers`], [`PlateError::WrongMap`].
+pub fn check_stmap(stmap: &Plate, plate: &Plate) -> Result<(), PlateError> {
+    found_in(stmap)?;
+    let [map, plate] = [stmap, plate].map(|picture| [picture.display.width, picture.display.height]);
+    if map == plate { Ok(()) } else { Err(PlateError::WrongMap { map, plate }) }
 }
 
 fn found_in_part(part: &PlatePart) -> Option<Found<'_>> {

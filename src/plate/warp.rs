@@ -10,6 +10,7 @@ use super::map_view::Direction;
 use super::{Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
 use crate::image::Plate;
 use crate::space::PixelRect;
+use crate::spelling;
 use std::sync::Arc;
 
 /// What a plate's warp needs beside the plate.
@@ -53,6 +54,22 @@ pub fn has_cryptomattes(plate: &Plate, rules: &WarpRules) -> bool {
 fn has_any(plate: &Plate, rules: &WarpRules, meanings: &[Meaning]) -> bool {
     let contents = Contents::of(plate, &rules.meanings);
     contents.entries.iter().any(|entry| meanings.contains(&entry.known.meaning))
+}
+
+/// Checks what the head of a plate tells, before anything is warped: that it has what mattes (with the names of their
+/// layers) ask for. No samples are needed. Gives back what the user should know.
+///
+/// # Errors
+/// [`PlateError`] as [`warp_plate`] would give it.
+pub fn check_plate(head: &Plate, mattes: &[(&str, &Matte)], rules: &WarpRules) -> Result<Vec<String>, PlateError> {
+    let contents = Contents::of(head, &rules.meanings);
+    mattes.iter().try_for_each(|(layer, matte)| contents.check_matte(layer, matte))?;
+    let names = || contents.entries.iter().map(|entry| entry.name.full.as_str());
+    let note = |pattern: String| {
+        let hint = spelling::hint(&pattern, names());
+        format!("[[warp.channels]]: no channel of the plate fits '{pattern}'; {hint}")
+    };
+    Ok(contents.idle_patterns(&rules.meanings).into_iter().map(note).collect())
 }
 
 /// Warps a plate: every part and channel by its meaning, layer over layer. Windows, attributes and the order of

@@ -119,12 +119,12 @@ fn stmaps_that_are_none_are_named() {
     let stmap = Plate::from_frame(frame(FrameSize::new(32, 18)));
     write_plate(&bench.path("m.exr"), &stmap).expect("written");
     let says = ["m.exr: the map is for a frame of [32, 18] pixels, the plate shows [64, 36]"];
-    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(1, &says);
+    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(2, &says);
     let channels = stmap.parts[0].channels[3..].to_vec();
     let blind = stmap.with_parts(vec![stmap.parts[0].with_channels(stmap.parts[0].data_window, channels)]);
     write_plate(&bench.path("m.exr"), &blind).expect("written");
     let says = ["m.exr: the picture holds no STMap: it has the channels A, depth.Z, id.object"];
-    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(1, &says);
+    bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(2, &says);
 }
 
 #[test]
@@ -223,8 +223,9 @@ fn what_cannot_be_warped_is_refused() {
 #[test]
 fn a_plate_of_another_shape_is_another_shot() {
     let bench = bench(&format!("size = [64, 64]\n{SHOT}"));
-    let shapes = ["in/b.0001.exr shows 64 x 36 pixels, 1.7778 wide to 1 high, the shot is 1.0000 to 1", "2 FAILED"];
-    bench.run("warp --shot shot.toml").says(1, &shapes);
+    let shapes = ["in/b.0001.exr shows 64 x 36 pixels, 1.7778 wide to 1 high, the shot is 1.0000 to 1"];
+    bench.run("warp --shot shot.toml").says(2, &shapes);
+    assert!(bench.frames().is_empty());
     // A proxy of the right shape is welcome: 1920 x 1080 by a thirtieth.
     let proxy = self::bench(&format!("size = [1920, 1080]\n{SHOT}"));
     proxy.run("warp --shot shot.toml").says(0, &["2 frames"]);
@@ -261,8 +262,36 @@ fn mattes_that_are_not_there_are_named() {
         ("{ cryptomatte = [\"Body\"] }", &["no Cryptomatte"]),
     ];
     for (part, says) in cases {
-        matte(part).run("warp --shot shot.toml --frames 2").says(1, says);
+        let bench = matte(part);
+        bench.run("warp --shot shot.toml").says(2, says);
+        assert!(!bench.path("out").exists(), "nothing was begun");
     }
+}
+
+#[test]
+fn what_is_misspelt_is_refused_at_once() {
+    let bench = bench(SHOT);
+    let wrong = [
+        ("warp --shot shot.toml --clean in/claen.####.exr", "cannot read in/claen.0001.exr"),
+        ("warp --shot shot.toml --clean in/clean.exr", "cannot read in/clean.exr"),
+        ("warp in/b.####.exr --stmap in/map.####.exr -o w.####.exr", "cannot read in/map.0001.exr"),
+        ("warp in/x.####.exr --shot shot.toml", "cannot read in/x.0001.exr"),
+    ];
+    for (arguments, says) in wrong {
+        bench.run(arguments).says(2, &[says]);
+    }
+    assert!(!bench.path("out").exists(), "nothing was begun");
+    // One frame that is not there is a fault of that frame.
+    std::fs::copy(bench.path("in/b.0001.exr"), bench.path("in/clean.0001.exr")).expect("copied");
+    bench.run("warp --shot shot.toml --clean in/clean.####.exr").says(1, &["frame 1 ->", "error: frame 2", "1 FAILED"]);
+}
+
+#[test]
+fn channels_that_fit_nothing_are_told() {
+    let channels = "[warp]\nchannels = [{ name = \"deep.Z\", meaning = \"data\" }]\n[output]";
+    let bench = bench(&SHOT.replace("[output]", channels));
+    let says = ["note: [[warp.channels]]: no channel of the plate fits 'deep.Z'", "depth.Z"];
+    bench.run("warp --shot shot.toml").says(0, &says);
 }
 
 /// The shot with one layer, and a second one after it that has another matte.

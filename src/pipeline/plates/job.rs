@@ -48,6 +48,20 @@ pub enum PlateWarp<'a> {
     Maps(PathBuf),
 }
 
+impl PlateWarp<'_> {
+    /// Name and matte of a layer, by its place in the shot or file.
+    pub(super) fn layer(&self, index: usize) -> (&str, Option<&Matte>) {
+        match self {
+            Self::Shot(setup) => {
+                let layer = &setup.shot.layers[index];
+                (&layer.name, layer.matte.as_ref())
+            }
+            Self::Lattices { file, matte, .. } => (&file.layers[index].name, matte.as_ref()),
+            Self::Maps(_) => ("", None),
+        }
+    }
+}
+
 /// There, or back again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WarpDirection {

@@ -8,6 +8,7 @@
 //! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
 
 mod fill;
+mod heads;
 mod job;
 mod plan;
 mod read;

@@ -4,6 +4,7 @@
 
 use super::super::output::{check_not_an_input, frames_to_do, prepare_folder, stale_note};
 use super::super::{PipelineError, Setup};
+use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{ImageError, PictureKind, SequencePath, is_whole};
@@ -50,6 +51,8 @@ impl Plan {
             check_not_the_same(other, &output, &wanted)?;
         }
         let (frames, kept) = frames_to_do(wanted, &output, (job.existing, &is_whole))?;
+        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
+        notes.extend(heads::check(job, &sources, &layers, &frames)?);
         if let Some(&first) = frames.first() {
             prepare_folder(&output.path_of(first))?;
         }

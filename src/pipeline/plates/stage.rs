@@ -4,6 +4,7 @@
 
 use super::super::PipelineError;
 use super::fill::Filler;
+use super::heads::check_shape;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
 use super::write::Warped;
@@ -12,9 +13,8 @@ use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
 use crate::plate::{
-    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, has_motion, map_of_stmap, remap_plate, undo_plate, warp_plate,
+    Field, Holes, LayerJob, PlateJob, PlateReport, has_motion, map_of_stmap, remap_plate, undo_plate, warp_plate,
 };
-use crate::space::FrameSize;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -66,7 +66,7 @@ impl<'a> Stage<'a> {
     fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport), PipelineError> {
         let Pictures { plate, clean, map } = pictures;
         let size = plate.frame_size();
-        self.check_shape(frame, size)?;
+        check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let rules = self.job.rules.in_pixels(size);
         if let Some(map) = map {
             let warped = map_of_stmap(map).and_then(|map| remap_plate(plate, &map, &rules));
@@ -85,36 +85,13 @@ impl<'a> Stage<'a> {
         self.plan.maps.as_ref().map(|maps| maps.path_of(frame)).unwrap_or_default()
     }
 
-    /// Proxies and overscan have the shot's shape; another shape is another shot.
-    fn check_shape(&self, frame: i32, size: FrameSize) -> Result<(), PipelineError> {
-        let (wanted, whose) = match &self.job.warp {
-            PlateWarp::Shot(setup) => (setup.shot.size.aspect(), "the shot is"),
-            PlateWarp::Lattices { file, .. } => (file.frame_aspect, "the lattices are for"),
-            PlateWarp::Maps(_) => return Ok(()),
-        };
-        // A side of a proxy may be half a pixel off.
-        let slack = 0.5 * (size.pixel_aspect + wanted) / f64::from(size.height);
-        if (size.aspect() - wanted).abs() <= slack + 1e-6 {
-            return Ok(());
-        }
-        let FrameSize { width, height, .. } = size;
-        let path = self.plan.plate.path_of(frame);
-        let what = format!(
-            "{} shows {width} x {height} pixels, {:.4} wide to 1 high, {whose} {wanted:.4} to 1",
-            path.display(),
-            size.aspect()
-        );
-        let hint = "warp plates of the same shape (their display window counts), or correct `size` and `pixel_aspect`";
-        Err(PipelineError::Unusable { what, hint: hint.into() })
-    }
-
     /// What warps a frame: one a layer that moves. The neighbours' lattices are looked at where motion is stored.
     fn layers(&self, frame: i32, has_motion: bool) -> Result<Vec<LayerJob>, PipelineError> {
         let at = |frame: i32| self.lattices(frame);
         let now = at(frame)?;
         let around = if has_motion { Some([at(frame - 1)?, at(frame + 1)?]) } else { None };
         let jobs = self.plan.layers.iter().zip(now).enumerate().filter_map(|(place, (&layer, lattice))| {
-            let (name, matte) = self.layer(layer);
+            let (name, matte) = self.job.warp.layer(layer);
             let field = |lattice: &ScreenLattice| match matte {
                 Some(_) => Field::of_layer(lattice.clone()),
                 None => Field::of_picture(lattice.clone()),
@@ -133,18 +110,6 @@ impl<'a> Stage<'a> {
             })
         });
         Ok(jobs.collect())
-    }
-
-    /// Name and matte of a layer.
-    fn layer(&self, index: usize) -> (&'a str, Option<&'a Matte>) {
-        match &self.job.warp {
-            PlateWarp::Shot(setup) => {
-                let layer = &setup.shot.layers[index];
-                (&layer.name, layer.matte.as_ref())
-            }
-            PlateWarp::Lattices { file, matte, .. } => (&file.layers[index].name, matte.as_ref()),
-            PlateWarp::Maps(_) => ("", None),
-        }
     }
 
     /// The lattices of a frame: one a layer that warps; `None` where it is not moved.

@@ -115,7 +115,7 @@ fn word_of(segment: &str) -> String {
 
 impl ChannelName {
     /// Whether a pattern of a shot means this channel: by its full name, or by its part's and its own.
-    fn fits(&self, pattern: &str) -> bool {
+    pub(super) fn fits(&self, pattern: &str) -> bool {
         spelling::fits(pattern, &self.full) || spelling::fits(pattern, &self.with_all_of_part())
     }
 }

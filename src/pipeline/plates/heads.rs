@@ -1,0 +1,94 @@
+//! What the heads of the first and the last frame tell before anything is written: misspelt names, missing files, shapes.
+//!
+//! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would end with.
+
+use super::super::PipelineError;
+use super::{PlateWarp, WarpJob};
+use crate::image::{Plate, SequencePath, read_any_head};
+use crate::plate::{Matte, check_plate, check_stmap};
+use crate::space::FrameSize;
+use std::path::Path;
+
+/// The sequences that frames are made of.
+pub(super) struct Sources<'a> {
+    pub(super) plate: &'a SequencePath,
+    pub(super) clean: Option<&'a SequencePath>,
+    pub(super) maps: Option<&'a SequencePath>,
+}
+
+/// Refuses what would fail at every frame. A name that only some frames know, or a frame that is not there, is a fault of
+/// those frames.
+pub(super) fn check(
+    job: &WarpJob,
+    sources: &Sources,
+    layers: &[usize],
+    frames: &[i32],
+) -> Result<Vec<String>, PipelineError> {
+    let all = [Some(sources.plate), sources.clean, sources.maps];
+    all.into_iter().flatten().try_for_each(|source| check_there(source, frames))?;
+    let mattes: Vec<(&str, &Matte)> = layers
+        .iter()
+        .filter_map(|&layer| {
+            let (name, matte) = job.warp.layer(layer);
+            Some((name, matte?))
+        })
+        .collect();
+    let ends = [frames.first(), frames.last()].into_iter().flatten();
+    let outcomes: Vec<_> = ends.filter_map(|&frame| check_frame(job, (sources, frame), &mattes).transpose()).collect();
+    let is_good = outcomes.iter().any(Result::is_ok);
+    let wanted = outcomes.into_iter().find(|outcome| outcome.is_ok() == is_good);
+    wanted.unwrap_or_else(|| Ok(Vec::new()))
+}
+
+/// At least one of the frames has to be there.
+fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
+    let Some(&first) = frames.first() else { return Ok(()) };
+    if frames.iter().any(|&frame| source.path_of(frame).exists()) {
+        return Ok(());
+    }
+    let path = source.path_of(first);
+    let what = format!("cannot read {}: it is not there, nor is any other frame of it", path.display());
+    Err(PipelineError::Unusable { what, hint: "check the path".into() })
+}
+
+/// `None` where a head cannot be read: then the frame tells why.
+fn check_frame(
+    job: &WarpJob,
+    (sources, frame): (&Sources, i32),
+    mattes: &[(&str, &Matte)],
+) -> Result<Option<Vec<String>>, PipelineError> {
+    let path = sources.plate.path_of(frame);
+    let Ok(head) = read_any_head(&path) else { return Ok(None) };
+    check_shape(&job.warp, &path, head.frame_size())?;
+    if let Some(maps) = sources.maps {
+        check_map(&maps.path_of(frame), &head)?;
+    }
+    Ok(Some(check_plate(&head, mattes, &job.rules)?))
+}
+
+fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
+    let Ok(map) = read_any_head(path) else { return Ok(()) };
+    check_stmap(&map, plate).map_err(|source| PipelineError::StMap { path: path.to_owned(), source })
+}
+
+/// Proxies and overscan have the shot's shape; another shape is another shot.
+pub(super) fn check_shape(warp: &PlateWarp, path: &Path, size: FrameSize) -> Result<(), PipelineError> {
+    let (wanted, whose) = match warp {
+        PlateWarp::Shot(setup) => (setup.shot.size.aspect(), "the shot is"),
+        PlateWarp::Lattices { file, .. } => (file.frame_aspect, "the lattices are for"),
+        PlateWarp::Maps(_) => return Ok(()),
+    };
+    // A side of a proxy may be half a pixel off.
+    let slack = 0.5 * (size.pixel_aspect + wanted) / f64::from(size.height);
+    if (size.aspect() - wanted).abs() <= slack + 1e-6 {
+        return Ok(());
+    }
+    let FrameSize { width, height, .. } = size;
+    let what = format!(
+        "{} shows {width} x {height} pixels, {:.4} wide to 1 high, {whose} {wanted:.4} to 1",
+        path.display(),
+        size.aspect()
+    );
+    let hint = "warp plates of the same shape (their display window counts), or correct `size` and `pixel_aspect`";
+    Err(PipelineError::Unusable { what, hint: hint.into() })
+}
