@@ -43,7 +43,7 @@ pub use jerk::{Jerk, JerkMeter};
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
 #[cfg(feature = "cli")]
-pub(crate) use output::{check_not_an_input, check_not_of_shot, is_stale, stale_words};
+pub(crate) use output::{Inputs, is_stale, stale_words};
 pub use passes::{PassPlan, plan_passes};
 pub use plates::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use posed::PosedLayer;

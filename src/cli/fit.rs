@@ -5,7 +5,7 @@ use super::{Outcome, refuse_existing};
 use crate::export::{LandmarkUnit, Landmarks, LatticeFile, LatticeTrack, Track};
 use crate::image::{FileKind, read_any};
 use crate::lattice::Basis;
-use crate::pipeline::{Registration, Setup, check_not_an_input, picture_shape, register};
+use crate::pipeline::{Inputs, Registration, Setup, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
@@ -32,9 +32,9 @@ struct Subject {
 }
 
 pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
-    for input in [&args.a, &args.b, &args.pairs] {
-        check_not_an_input(input, &args.output)?;
-    }
+    let mut inputs = Inputs::default();
+    [&args.a, &args.b, &args.pairs].into_iter().for_each(|input| inputs.add(input));
+    inputs.refuse(&args.output)?;
     refuse_existing(&args.output, args.overwrite)?;
     let dims = <[usize; 2]>::try_from(args.dims.as_slice())
         .ok()

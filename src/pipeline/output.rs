@@ -2,9 +2,11 @@
 //!
 //! In: frame numbers, a sequence, what may become of files that are there. Out: frames to make, frames to keep.
 
-use super::{Existing, PipelineError};
+use super::{Existing, PipelineError, Setup};
 use crate::image::{SequencePath, read_metadata};
-use crate::shot::{Shot, Source};
+use crate::plate::Holes;
+use crate::shot::Source;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Says so where kept frames were made from another state of the shot (other pins, another size).
@@ -52,26 +54,60 @@ pub(super) fn frames_to_do(
     }
 }
 
-/// A file must not be written over what it is made of, by whatever path that is named.
-pub(crate) fn check_not_an_input(input: &Path, output: &Path) -> Result<(), PipelineError> {
-    let is_same = input == output
-        || output.canonicalize().is_ok_and(|output| input.canonicalize().is_ok_and(|input| input == output));
-    if !is_same {
-        return Ok(());
-    }
-    Err(PipelineError::Unusable {
-        what: format!("{} would be written over what it is made of", output.display()),
-        hint: "give another output path (-o)".to_owned(),
-    })
+/// Everything that something is made of, so that nothing of it is written over.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Inputs {
+    /// As they are named, and where they really lie.
+    paths: BTreeSet<PathBuf>,
 }
 
-/// As [`check_not_an_input`], for all files that a shot reads.
-pub(crate) fn check_not_of_shot(shot: &Shot, output: &Path) -> Result<(), PipelineError> {
-    let drawn = match &shot.source {
-        Source::Scene(scene) => std::slice::from_ref(scene),
-        Source::Images(images) => images,
-        Source::Frame => &[],
-    };
-    let lattices = shot.layers.iter().filter_map(|layer| layer.transfer.as_ref()).map(|transfer| &transfer.file);
-    drawn.iter().chain(lattices).chain([&shot.path]).try_for_each(|input| check_not_an_input(input, output))
+impl Inputs {
+    /// Adds a file.
+    pub(crate) fn add(&mut self, path: &Path) {
+        self.paths.extend(path.canonicalize());
+        self.paths.insert(path.to_owned());
+    }
+
+    /// Adds all frames of a sequence that are there.
+    pub(crate) fn add_sequence(&mut self, sequence: &SequencePath) -> Result<(), PipelineError> {
+        match sequence.frames_on_disk()? {
+            Some(frames) => frames.into_iter().for_each(|frame| self.add(&sequence.path_of(frame))),
+            None => self.add(&sequence.path_of(0)),
+        }
+        Ok(())
+    }
+
+    /// Refuses a file that would be written over one of them, by whatever path that is named.
+    pub(crate) fn refuse(&self, output: &Path) -> Result<(), PipelineError> {
+        let is_input =
+            self.paths.contains(output) || output.canonicalize().is_ok_and(|path| self.paths.contains(&path));
+        if !is_input {
+            return Ok(());
+        }
+        Err(PipelineError::Unusable {
+            what: format!("{} would be written over what it is made of", output.display()),
+            hint: "give another output path (-o)".to_owned(),
+        })
+    }
+}
+
+impl Setup {
+    /// All files that the shot reads: scene and what lies beside it, pictures, plates, clean plates, lattices.
+    pub(crate) fn inputs(&self) -> Result<Inputs, PipelineError> {
+        let mut inputs = Inputs::default();
+        let drawn = match &self.shot.source {
+            Source::Scene(scene) => std::slice::from_ref(scene),
+            Source::Images(images) => images,
+            Source::Frame => &[],
+        };
+        let lattices =
+            self.shot.layers.iter().filter_map(|layer| layer.transfer.as_ref()).map(|transfer| &transfer.file);
+        let files = drawn.iter().chain(lattices).chain(&self.scene.files_beside).chain([&self.shot.path]);
+        files.for_each(|path| inputs.add(path));
+        let clean = if let Holes::Plate(clean) = &self.shot.warp.holes { Some(clean) } else { None };
+        for pattern in self.shot.plate.iter().chain(clean) {
+            inputs.add_sequence(&SequencePath::parse(pattern)?)?;
+        }
+        Ok(inputs)
+    }
 }

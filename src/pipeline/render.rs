@@ -6,7 +6,7 @@
 //! The channels are short, so memory does not grow with the length of the sequence.
 
 use super::draw::{draw_all, tiles};
-use super::output::{check_not_of_shot, frames_to_do, prepare_folder, stale_note};
+use super::output::{frames_to_do, prepare_folder, stale_note};
 use super::pictures::{Wanted, render_pictures};
 use super::produce::Producer;
 use super::write::Writer;
@@ -86,10 +86,11 @@ impl<'a> Work<'a> {
         };
         output.check_frame_count(wanted.len())?;
         check_extension(&setup.shot.output.path)?;
+        let inputs = setup.inputs()?;
         for path in wanted.iter().map(|&frame| output.path_of(frame)) {
-            check_not_of_shot(&setup.shot, &path)?;
+            inputs.refuse(&path)?;
             if options.has_preview || options.has_overlay {
-                check_not_of_shot(&setup.shot, &path.with_extension("png"))?;
+                inputs.refuse(&path.with_extension("png"))?;
             }
         }
         let has_preview =

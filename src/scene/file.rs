@@ -100,6 +100,20 @@ impl File {
         if let Some(data) = uri.strip_prefix("data:") {
             return decode_data_uri(data);
         }
+        let path = self.path_of(uri)?;
+        std::fs::read(&path).map_err(|source| UriFault::Io { path, source })
+    }
+
+    /// The files that buffers and images refer to.
+    pub(super) fn beside(&self) -> Vec<PathBuf> {
+        let buffers = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+        let images = self.root.images.iter().filter_map(|image| image.uri.as_deref());
+        let uris = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
+        uris.filter_map(|uri| self.path_of(uri).ok()).collect()
+    }
+
+    /// The file that a URI other than `data:` leads to.
+    fn path_of(&self, uri: &str) -> Result<PathBuf, UriFault> {
         let relative = match uri.split_once(':') {
             Some(("file", rest)) => rest.trim_start_matches("//"),
             // One letter is a Windows drive, not a scheme.
@@ -113,8 +127,7 @@ impl File {
         let plain = folder.join(relative);
         let path = folder.join(&*decoded);
         // Some exporters write a `%` of the name as it is.
-        let path = if !path.exists() && plain.exists() { plain } else { path };
-        std::fs::read(&path).map_err(|source| UriFault::Io { path, source })
+        Ok(if !path.exists() && plain.exists() { plain } else { path })
     }
 
     fn uri_error(&self, fault: UriFault, what: &str) -> SceneError {

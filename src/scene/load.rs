@@ -25,6 +25,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let file = File::resolve(path, parsed.root, bytes, parsed.binary)?;
     let mut scene = build(&file, &mut warnings)?;
     scene.path = path.to_owned();
+    scene.files_beside = file.beside();
     let is_visible = scene.meshes.iter().flat_map(|mesh| &mesh.primitives).any(Primitive::is_visible);
     if !is_visible {
         warnings.push("the scene has no triangles and no lines: nothing of it can be seen".to_owned());

@@ -40,6 +40,8 @@ use std::path::PathBuf;
 pub struct Scene {
     /// The file it came from.
     pub path: PathBuf,
+    /// Files with buffers and images that it refers to.
+    pub files_beside: Vec<PathBuf>,
     /// All nodes of the scene; a parent has a smaller index than its children.
     pub nodes: Vec<Node>,
     /// One a node: its place among the nodes of the file; of scenes that came from no file, its own.

@@ -1,6 +1,8 @@
 //! Frames that are there already: refused, kept or replaced.
 
-use crate::support::Bench;
+use crate::support::{Bench, HEAD, OUTPUT, PIN, square};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 
 #[test]
 fn refused_unless_asked() {
@@ -77,4 +79,43 @@ fn nothing_is_written_over_what_it_is_made_of() {
         .run("transfer --lattice l.json --onto drawn.png -o drawn.exr --frames 1 --preview --overwrite")
         .says(2, REFUSED);
     assert_eq!(bench.read("drawn.png"), drawing);
+}
+
+#[test]
+fn nothing_is_written_over_files_beside_a_scene_nor_over_plates() {
+    const REFUSED: &[&str] = &["written over what it is made of", "-o"];
+    let mut scene = square().json();
+    let uri = scene["buffers"][0]["uri"].as_str().expect("a data URI").to_owned();
+    let bytes = STANDARD.decode(uri.rsplit(',').next().expect("data")).expect("base64");
+    scene["buffers"][0]["uri"] = "the%20quad.bin".into();
+    scene["images"] = serde_json::json!([{ "uri": "skin.png" }]);
+    let bench = Bench::with(&scene, &format!("plate = \"in/b.####.exr\"\n{HEAD}{PIN}{OUTPUT}"));
+    bench.write("the quad.bin", &bytes);
+    bench.write("skin.png", b"a picture");
+    bench.render("").says(0, &[]);
+    std::fs::create_dir_all(bench.path("in")).expect("a folder");
+    for name in ["in/b.0001.exr", "in/b.0002.exr", "in/b.all.element.0001.exr", "in/n.stmap.0002.exr"] {
+        std::fs::copy(bench.path("out/f.0001.exr"), bench.path(name)).expect("copied");
+    }
+    let plate = bench.read("in/b.0001.exr");
+    std::os::unix::fs::symlink("the quad.bin", bench.path("link")).expect("linked");
+    for format in ["lattice-json", "gltf", "blender", "nuke"] {
+        bench.run(&format!("export shot.toml --to {format} -o link --overwrite")).says(2, REFUSED);
+        bench.run(&format!("export shot.toml --to {format} -o skin.png --overwrite")).says(2, REFUSED);
+    }
+    bench.run("export shot.toml --to stmap -o in/b.####.exr --overwrite").says(2, REFUSED);
+    bench.render("-o in/b.####.exr --overwrite").says(2, REFUSED);
+    let of = |plate: &str| {
+        let shot = format!("plate = \"{plate}\"\n{HEAD}{PIN}{OUTPUT}");
+        bench.write("shot.toml", shot.as_bytes());
+    };
+    of("in/n.stmap.####.exr");
+    bench.run("export shot.toml --to nuke -o in/n.nk").says(2, REFUSED);
+    of("in/b.all.element.####.exr");
+    bench.run("export shot.toml --to after-effects -o in/b --overwrite").says(2, REFUSED);
+    assert_eq!(bench.read("the quad.bin"), bytes);
+    assert_eq!(bench.read("skin.png"), b"a picture");
+    for name in ["in/b.0001.exr", "in/b.0002.exr", "in/b.all.element.0001.exr", "in/n.stmap.0002.exr"] {
+        assert_eq!(bench.read(name), plate, "{name}");
+    }
 }

@@ -8,7 +8,7 @@ use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
-use crate::image::{replace_text, write_codes};
+use crate::image::{SequencePath, replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
 use anyhow::{Context, bail};
@@ -70,8 +70,9 @@ fn displace(args: &ExportArgs, stem: &Path, maps: &Maps) -> anyhow::Result<()> {
         state: digest(&frames.iter().map(|&frame| maps.digest(frame)).collect::<String>()),
     };
     let note_path = with_ending(stem, ".after-effects.txt");
+    maps.inputs.refuse(&note_path)?;
     check_text(args, &note_path, &note.text())?;
-    let written = write_frames(args, &pattern, &frames, |frame, path| {
+    let written = write_frames(args, (&pattern, &maps.inputs), &frames, |frame, path| {
         Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), f64::from(reach_px)))?)
     })?;
     replace_text(&note_path, &note.text())?;
@@ -86,6 +87,8 @@ fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> a
     let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
     let pattern = with_ending(stem, ".element.####.exr");
     let frames = frames(args, setup);
+    let (inputs, sequence) = (setup.inputs()?, SequencePath::parse(&pattern)?);
+    frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
     let alone = match setup.pictures_of(layer, pattern.clone())? {
         Some(alone) => alone,
         None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,

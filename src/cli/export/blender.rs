@@ -6,7 +6,7 @@ use crate::cli::{Outcome, refuse_existing};
 use crate::export::blender::{BlenderLayer, BlenderScene, BlenderWay, number_nodes, script};
 use crate::export::gltf::glb;
 use crate::image::{replace_bytes, replace_text};
-use crate::pipeline::{BakeTimes, Setup, check_not_of_shot};
+use crate::pipeline::{BakeTimes, Setup};
 use anyhow::bail;
 use std::io::{self, Write};
 use std::path::Path;
@@ -16,8 +16,8 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let scene_path = output.with_extension("glb");
     refuse_existing(&scene_path, args.existing)?;
     let setup = Source::with_scene(args, "Blender needs the scene")?;
-    check_not_of_shot(&setup.shot, &output)?;
-    check_not_of_shot(&setup.shot, &scene_path)?;
+    let inputs = setup.inputs()?;
+    [&output, &scene_path].into_iter().try_for_each(|path| inputs.refuse(path))?;
     let moved = moved_layers(&setup);
     if moved.is_empty() {
         bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());

@@ -5,14 +5,14 @@ use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
-use crate::pipeline::{BakeTimes, Setup, check_not_of_shot};
+use crate::pipeline::{BakeTimes, Setup};
 use anyhow::bail;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "warped.glb")?;
     let setup = Source::with_scene(args, "a glTF file needs the scene")?;
-    check_not_of_shot(&setup.shot, &output)?;
+    setup.inputs()?.refuse(&output)?;
     let layers = moved_layers(&setup);
     if layers.is_empty() {
         bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());

@@ -8,7 +8,9 @@ use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "lattice.json")?;
-    let file = Source::open(args)?.into_lattices(args)?;
+    let source = Source::open(args)?;
+    source.inputs(args)?.refuse(&output)?;
+    let file = source.into_lattices(args)?;
     file.write(&output)?;
     let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
     let count = file.layers.iter().map(frame_count).max().unwrap_or(0);

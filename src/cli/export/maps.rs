@@ -7,7 +7,7 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{SequencePath, is_whole};
 use crate::lattice::Lattice;
-use crate::pipeline::Existing;
+use crate::pipeline::{Existing, Inputs};
 use crate::plate::{Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
@@ -29,6 +29,8 @@ pub(super) struct Maps {
     window: PixelRect,
     direction: Direction,
     reach: Reach,
+    /// What must not be written over.
+    pub(super) inputs: Inputs,
 }
 
 /// Which way a map leads.
@@ -61,6 +63,7 @@ impl Maps {
             Source::Shot(setup) => Some(setup.shot.size),
             Source::Lattices(_) => None,
         };
+        let inputs = source.inputs(args)?;
         let mut lattices = source.into_lattices(args)?;
         keep_screen_layers(&mut lattices, args)?;
         let size = match (args.size, shot_size) {
@@ -76,14 +79,14 @@ impl Maps {
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
-        Ok(Self { lattices, size, window, direction, reach })
+        Ok(Self { lattices, size, window, direction, reach, inputs })
     }
 
     /// Maps of each layer alone, for elements that are matted.
     pub(super) fn by_layer(&self) -> Vec<(String, Self)> {
         let alone = |layer: &LatticeTrack| {
             let lattices = LatticeFile { layers: vec![layer.clone()], ..self.lattices.clone() };
-            (layer.name.clone(), Self { lattices, reach: Reach::Layer, ..*self })
+            (layer.name.clone(), Self { lattices, reach: Reach::Layer, inputs: self.inputs.clone(), ..*self })
         };
         self.lattices.layers.iter().map(alone).collect()
     }
@@ -102,7 +105,7 @@ impl Maps {
 
     /// 32 hexadecimal digits over everything that changes the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
-        let Self { lattices, size, window, direction, reach } = self;
+        let Self { lattices, size, window, direction, reach, inputs: _ } = self;
         let of_frame =
             |layer: &LatticeTrack| format!("{} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)));
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
@@ -165,15 +168,16 @@ pub(super) struct Written {
     pub(super) kept: Vec<(i32, PathBuf)>,
 }
 
-/// Writes the frames of a sequence; with `--resume` complete ones stay.
+/// Writes the frames of a sequence, over nothing that they are made of; with `--resume` complete ones stay.
 pub(super) fn write_frames(
     args: &ExportArgs,
-    pattern: &Path,
+    (pattern, inputs): (&Path, &Inputs),
     frames: &[i32],
     mut write: impl FnMut(i32, &Path) -> anyhow::Result<()>,
 ) -> anyhow::Result<Written> {
     let sequence = SequencePath::parse(pattern)?;
     sequence.check_frame_count(frames.len())?;
+    frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
     let existing = Existing::from(args.existing);
     if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
         && existing == Existing::Refuse

@@ -12,7 +12,7 @@ use super::args::{ExportArgs, ExportFormat};
 use super::{Outcome, holds_text, refuse_existing};
 use crate::export::LatticeFile;
 use crate::image::FileKind;
-use crate::pipeline::{Existing, Setup, check_not_an_input, lattices};
+use crate::pipeline::{Existing, Inputs, Setup, lattices};
 use crate::shot::{LayerSpace, Shot};
 use anyhow::bail;
 use std::io::{self, Write};
@@ -78,6 +78,16 @@ impl Source {
         }
     }
 
+    /// All files that are read, so that none is written over.
+    fn inputs(&self, args: &ExportArgs) -> anyhow::Result<Inputs> {
+        let mut inputs = match self {
+            Self::Shot(setup) => setup.inputs()?,
+            Self::Lattices(_) => Inputs::default(),
+        };
+        inputs.add(&args.shot);
+        Ok(inputs)
+    }
+
     /// The lattices of the frames asked for.
     fn into_lattices(self, args: &ExportArgs) -> anyhow::Result<LatticeFile> {
         match self {
@@ -105,7 +115,9 @@ fn frames(args: &ExportArgs, setup: &Setup) -> Vec<i32> {
 /// [`check_text`] before the file is written.
 fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf> {
     let output = args.output.clone().unwrap_or_else(|| args.shot.with_extension(ending));
-    check_not_an_input(&args.shot, &output)?;
+    let mut inputs = Inputs::default();
+    inputs.add(&args.shot);
+    inputs.refuse(&output)?;
     if Existing::from(args.existing) != Existing::Resume {
         refuse_existing(&output, args.existing)?;
     }

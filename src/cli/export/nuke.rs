@@ -11,6 +11,7 @@ use std::io::{self, Write};
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
     let maps = Maps::open(args)?;
+    maps.inputs.refuse(&output)?;
     let pattern = output.with_extension("stmap.####.exr");
     let frames = maps.frames();
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());

@@ -19,7 +19,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 
 /// Writes the maps of all frames.
 pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::Result<Written> {
-    let written = write_frames(args, pattern, &maps.frames(), |frame, path| {
+    let written = write_frames(args, (pattern, &maps.inputs), &maps.frames(), |frame, path| {
         let map = maps.map(frame);
         if !map.folded_pixels.is_empty() {
             let count = map.folded_pixels.len();

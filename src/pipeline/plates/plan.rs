@@ -2,7 +2,7 @@
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
-use super::super::output::{check_not_an_input, frames_to_do, prepare_folder, stale_note};
+use super::super::output::{Inputs, frames_to_do, prepare_folder, stale_note};
 use super::super::{PipelineError, Setup};
 use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
@@ -47,9 +47,12 @@ impl Plan {
         check_mattes_differ(job, &layers)?;
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
-        for other in [Some(&plate), clean.as_ref(), maps.as_ref()].into_iter().flatten() {
-            check_not_the_same(other, &output, &wanted)?;
-        }
+        let mut inputs = if let PlateWarp::Shot(setup) = &job.warp { setup.inputs()? } else { Inputs::default() };
+        [Some(&plate), clean.as_ref(), maps.as_ref()]
+            .into_iter()
+            .flatten()
+            .try_for_each(|source| inputs.add_sequence(source))?;
+        wanted.iter().try_for_each(|&frame| inputs.refuse(&output.path_of(frame)))?;
         let (frames, kept) = frames_to_do(wanted, &output, (job.existing, &is_whole))?;
         let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
         notes.extend(heads::check(job, &sources, &layers, &frames)?);
@@ -217,11 +220,6 @@ fn frames_of(file: &LatticeFile) -> Vec<i32> {
     });
     let frames: std::collections::BTreeSet<i32> = screens.flat_map(|lattices| lattices.keys().copied()).collect();
     frames.into_iter().collect()
-}
-
-/// No frame may be written over what it is made of.
-fn check_not_the_same(input: &SequencePath, output: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
-    frames.iter().try_for_each(|&frame| check_not_an_input(&input.path_of(frame), &output.path_of(frame)))
 }
 
 /// Digest of all that changes the frames: what files are called counts, not where they lie.
