@@ -25,8 +25,12 @@ struct Memory {
 }
 
 impl Memory {
-    fn new(device: &Arc<Device>, wanted: &AllocationCreateDesc) -> Result<Self, RasterError> {
-        Ok(Self { allocation: device.allocate(wanted)?, device: Arc::clone(device) })
+    /// Memory of an object's own, as `wanted` asks; small objects share theirs all the same.
+    fn new(device: &Arc<Device>, wanted: AllocationCreateDesc) -> Result<Self, RasterError> {
+        let is_small = wanted.requirements.size < DEDICATED_BYTES;
+        let allocation_scheme = if is_small { AllocationScheme::GpuAllocatorManaged } else { wanted.allocation_scheme };
+        let allocation = device.allocate(&AllocationCreateDesc { allocation_scheme, ..wanted })?;
+        Ok(Self { allocation, device: Arc::clone(device) })
     }
 
     fn handle(&self) -> vk::DeviceMemory {
@@ -67,18 +71,14 @@ impl Buffer {
         // SAFETY: the buffer is of this device.
         let mut requirements = unsafe { device.raw().get_buffer_memory_requirements(handle.get()) };
         requirements.alignment = requirements.alignment.max(LEAST_ALIGNMENT);
-        let scheme = match requirements.size >= DEDICATED_BYTES {
-            true => AllocationScheme::DedicatedBuffer(handle.get()),
-            false => AllocationScheme::GpuAllocatorManaged,
-        };
         let memory = Memory::new(
             device,
-            &AllocationCreateDesc {
+            AllocationCreateDesc {
                 name: wanted.name,
                 requirements,
                 location: wanted.location,
                 linear: true,
-                allocation_scheme: scheme,
+                allocation_scheme: AllocationScheme::DedicatedBuffer(handle.get()),
             },
         )?;
         // SAFETY: the memory was allocated for these requirements and is bound once
@@ -173,13 +173,9 @@ impl Image {
         let handle = create_image(device, wanted, extent)?;
         // SAFETY: the image is of this device.
         let requirements = unsafe { device.raw().get_image_memory_requirements(handle.get()) };
-        let scheme = match requirements.size >= DEDICATED_BYTES {
-            true => AllocationScheme::DedicatedImage(handle.get()),
-            false => AllocationScheme::GpuAllocatorManaged,
-        };
         let memory = Memory::new(
             device,
-            &AllocationCreateDesc {
+            AllocationCreateDesc {
                 name: wanted.name,
                 requirements,
                 location: match wanted.home {
@@ -187,7 +183,7 @@ impl Image {
                     Home::Mapped => MemoryLocation::GpuToCpu,
                 },
                 linear: wanted.home == Home::Mapped,
-                allocation_scheme: scheme,
+                allocation_scheme: AllocationScheme::DedicatedImage(handle.get()),
             },
         )?;
         // SAFETY: as for buffers (VUID-vkBindImageMemory-image-07460, -memory-01047, -memoryOffset-01048, -size-01049).
