@@ -127,12 +127,11 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     }
     let text = text(args, (file, track, fit), (&path, target))?;
     let shot = Shot::parse(&text, &path)?;
-    if args.shot.is_some() || target == FileKind::Scene {
-        if !holds_text(&path, &text) {
-            refuse_existing(&path, args.draw.existing)?;
-            replace_text(&path, &text)?;
-            writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
-        }
+    let is_kept = args.shot.is_some() || target == FileKind::Scene;
+    if is_kept && !holds_text(&path, &text) {
+        refuse_existing(&path, args.draw.existing)?;
+        replace_text(&path, &text)?;
+        writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
     }
     Ok(shot)
 }

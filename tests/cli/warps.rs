@@ -201,7 +201,7 @@ fn what_cannot_be_warped_is_refused() {
         ("warp in/b.####.exr --shot shot.toml -o w.exr", &["no frame counter for 2 frames", "w.####.exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.png", &["cannot hold the channels", ".exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.jpg", &["lose its alpha"]),
-        ("warp in/b.####.tif --shot shot.toml", &["EXR, PNG and JPEG"]),
+        ("warp in/b.####.tif --shot shot.toml", &["is not the name of a picture", ".png, .jpg or .exr"]),
         ("warp in/b.##.##.exr --shot shot.toml", &["two frame counters"]),
         ("warp --shot shot.toml --layer al", &["has no layer 'al'", "did you mean"]),
         ("warp --shot shot.toml --filter sinc", &["ewa, cubic, lanczos or nearest"]),
