@@ -9,13 +9,16 @@ mod base;
 mod cache;
 mod controls;
 mod error;
+mod handles;
 mod key;
 mod shape;
 mod solve;
 mod warp;
 
+pub use crate::lattice::Basis;
 pub use controls::{Controls, Moved, Pin};
 pub use error::LiveError;
+pub use handles::{Choosing, Picker, Pull};
 pub use shape::{Coverage, OwnPins, Shape, ShotShape};
 pub use solve::warp;
 pub use warp::{GridLine, PinPlace, Warp};

@@ -2,16 +2,22 @@
 //!
 //! In: a descriptor. Out: its properties, set.
 
-use super::api::Status;
-use super::api::names::{image, prop};
+use super::api::names::{image, param, prop};
+use super::api::{EntryPoint, Status};
 use super::entry::{Call, Kind};
 use super::fault::Fault;
-use std::ffi::CStr;
+use super::overlay;
+use super::params::{Kind as ParamKind, Param, table};
+use super::props::Props;
+use std::ffi::{CStr, c_void};
 
 /// Clip name: where it is black, nothing is warped.
 pub(super) const MASK_CLIP: &CStr = c"Mask";
 /// Clip name: what the warped picture is laid over.
 pub(super) const BACKGROUND_CLIP: &CStr = c"Background";
+
+/// Properties of limits: of the value, then of its slider. Resolve shows no parameter without all four.
+const LIMITS: [&CStr; 4] = [param::MIN, param::MAX, param::DISPLAY_MIN, param::DISPLAY_MAX];
 
 /// Contexts, depths and abilities.
 pub(super) fn describe(call: Call) -> Result<Status, Fault> {
@@ -48,6 +54,11 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     ] {
         props.set_int(name, is_set);
     }
+    let overlay = overlay::entry as EntryPoint as *mut c_void;
+    props.set_pointer(image::OVERLAY_INTERACT_V1, overlay);
+    if call.effect.suites.draw.is_some() {
+        props.set_pointer(image::OVERLAY_INTERACT_V2, overlay);
+    }
     Ok(Status::OK)
 }
 
@@ -71,5 +82,74 @@ pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
         clip(BACKGROUND_CLIP, &colour).set_int(image::CLIP_OPTIONAL, 1);
     }
     clip(image::OUTPUT_CLIP, &colour);
+    define_parameters(call)?;
     Ok(Status::OK)
+}
+
+/// Declares the table of parameters, and one page with all of them for hosts that show pages.
+fn define_parameters(call: Call) -> Result<(), Fault> {
+    let params = call.effect.params()?;
+    for entry in table() {
+        let props = params.define(entry.kind.type_name(), &entry.id);
+        props.set_texts(prop::LABEL, &[&entry.label]);
+        props.set_texts(param::SCRIPT_NAME, &[&entry.id]);
+        props.set_texts(param::HINT, &[entry.hint]);
+        if !entry.group.is_empty() {
+            props.set_texts(param::PARENT, &[&entry.group]);
+        }
+        define_kind(call, props, entry);
+    }
+    let page = params.define(param::TYPE_PAGE, "controls");
+    page.set_texts(prop::LABEL, &["Controls"]);
+    let ids: Vec<&str> = table().iter().map(|param| param.id.as_str()).collect();
+    page.set_texts(param::PAGE_CHILD, &ids);
+    params.props().set_texts(param::PAGE_ORDER, &["controls"]);
+    Ok(())
+}
+
+/// Default, range and whatever else belongs to a kind of parameter.
+fn define_kind(call: Call, props: Props, entry: &Param) {
+    let host = call.effect.suites.host();
+    let can = |ability| i32::from(entry.animates && host.int(ability).unwrap_or(0) != 0);
+    let mut animates = i32::from(entry.animates);
+    match &entry.kind {
+        ParamKind::Group(is_open) => return props.set_ints(param::GROUP_OPEN, &[*is_open]),
+        ParamKind::Integer(default, range, shown) => {
+            props.set_ints(param::DEFAULT, &[*default]);
+            for (name, value) in LIMITS.into_iter().zip([range[0], range[1], shown[0], shown[1]]) {
+                props.set_ints(name, &[value]);
+            }
+        }
+        ParamKind::Double(default, range, shown, meaning) => {
+            props.set_doubles(param::DEFAULT, &[*default]);
+            for (name, value) in LIMITS.into_iter().zip([range[0], range[1], shown[0], shown[1]]) {
+                props.set_doubles(name, &[value]);
+            }
+            props.set_names(param::DOUBLE_TYPE, &[meaning]);
+        }
+        ParamKind::Toggle(default) => {
+            props.set_ints(param::DEFAULT, &[*default]);
+            animates = can(param::HOST_BOOLEAN_ANIMATION);
+        }
+        ParamKind::Choice(options) => {
+            props.set_texts(param::CHOICE_OPTION, options);
+            props.set_ints(param::DEFAULT, &[0]);
+        }
+        ParamKind::Point => {
+            props.set_names(param::DOUBLE_TYPE, &[param::DOUBLE_XY_ABSOLUTE]);
+            props.set_names(param::DEFAULT_COORDINATES, &[param::COORDINATES_CANONICAL]);
+            props.set_doubles(param::DEFAULT, &[0.0, 0.0]);
+            for (name, value) in LIMITS.into_iter().zip([-1e6, 1e6, 0.0, 4096.0]) {
+                props.set_doubles(name, &[value, value]);
+            }
+            let has_overlays = host.int(image::SUPPORTS_OVERLAYS).unwrap_or(0) != 0;
+            props.set_ints(param::USE_HOST_OVERLAY_HANDLE, &[i32::from(!has_overlays)]);
+        }
+        ParamKind::Text(mode) => {
+            props.set_names(param::STRING_MODE, &[mode]);
+            props.set_ints(param::STRING_FILE_PATH_EXISTS, &[0]);
+            props.set_texts(param::DEFAULT, &[""]);
+        }
+    }
+    props.set_ints(param::ANIMATES, &[animates]);
 }

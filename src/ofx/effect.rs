@@ -2,7 +2,7 @@
 //!
 //! In: the handle that comes with an action. Out: values, or a [`Fault`] where the host has nothing there.
 
-use super::api::{ClipHandle, EffectHandle, ParamHandle, ParamSetHandle, PropertySet, RectD, names};
+use super::api::{ClipHandle, EffectHandle, ParamHandle, ParamSetHandle, PropertySet, RectD};
 use super::fault::Fault;
 use super::host::Suites;
 use super::props::{Props, c_text, owned};
@@ -187,5 +187,38 @@ impl<'a> Params<'a> {
         // SAFETY: the parameter holds a string, for whose address there is a place.
         let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, &raw mut text) };
         status.is_ok().then(|| owned(text)).flatten()
+    }
+
+    /// Properties of a parameter of an instance.
+    pub(super) fn props_of(self, id: &str) -> Props<'a> {
+        let mut set = PropertySet::NULL;
+        if let (Some(param), Some(get)) = (self.handle(id), self.suites.parameter.get_property_set) {
+            // SAFETY: the host's function with its own handle; the place outlives the call.
+            let _stays_null = unsafe { get(param, &raw mut set) };
+        }
+        Props::new(self.suites, set)
+    }
+
+    /// Sets a point now, canonical.
+    pub(super) fn set_point(self, id: &str, [x, y]: [f64; 2]) {
+        let (Some(param), Some(set)) = (self.handle(id), self.suites.parameter.set_value) else { return };
+        // SAFETY: the parameter holds two doubles.
+        let _stays_as_it_was = unsafe { set(param, x, y) };
+    }
+
+    /// Begins a change that the user undoes in one step.
+    pub(super) fn begin_edit(self, label: &CStr) {
+        if let Some(begin) = self.suites.parameter.edit_begin {
+            // SAFETY: the host's function with its own handle and a constant.
+            let _undone_in_pieces = unsafe { begin(self.set, label.as_ptr()) };
+        }
+    }
+
+    /// Ends it.
+    pub(super) fn end_edit(self) {
+        if let Some(end) = self.suites.parameter.edit_end {
+            // SAFETY: the host's function with its own handle.
+            let _nothing_to_do_about_it = unsafe { end(self.set) };
+        }
     }
 }

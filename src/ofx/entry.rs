@@ -4,11 +4,10 @@
 
 use super::api::names::action;
 use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
-use super::describe;
 use super::effect::Effect;
 use super::fault::Fault;
-use super::host;
 use super::props::Props;
+use super::{changed, describe, host, regions, render};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -36,8 +35,20 @@ pub(super) struct Call<'a> {
 type Act = fn(Call) -> Result<Status, Fault>;
 
 /// Actions on effects. All others are answered with "as you do by default".
-const ACTS: &[(&CStr, Act)] =
-    &[(action::DESCRIBE, describe::describe), (action::DESCRIBE_IN_CONTEXT, describe::describe_in_context)];
+const ACTS: &[(&CStr, Act)] = &[
+    (action::DESCRIBE, describe::describe),
+    (action::DESCRIBE_IN_CONTEXT, describe::describe_in_context),
+    (action::CREATE_INSTANCE, changed::created),
+    (action::DESTROY_INSTANCE, changed::destroyed),
+    (action::INSTANCE_CHANGED, changed::changed),
+    (action::GET_REGION_OF_DEFINITION, regions::definition),
+    (action::GET_REGIONS_OF_INTEREST, regions::interest),
+    (action::IS_IDENTITY, regions::is_identity),
+    (action::GET_CLIP_PREFERENCES, regions::clip_preferences),
+    (action::RENDER, render::render),
+    (action::BEGIN_SEQUENCE_RENDER, |_| Ok(Status::OK)),
+    (action::END_SEQUENCE_RENDER, |_| Ok(Status::OK)),
+];
 
 /// Plugins are constants for the host, though C calls their strings pointers.
 struct Shared(Plugin);
@@ -130,7 +141,7 @@ fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [Pro
     let effect = Effect { suites: &suites, handle: EffectHandle(handle.cast_mut()) };
     let call = Call { kind, effect, args: Props::new(&suites, args), out: Props::new(&suites, out) };
     work(call).unwrap_or_else(|fault| {
-        if !matches!(fault, Fault::Aborted) {
+        if !fault.is_abort() {
             effect.say(names::MESSAGE_ERROR, &fault.to_string());
         }
         fault.status()

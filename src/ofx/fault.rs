@@ -3,6 +3,7 @@
 //! In: the cause. Out: words for the user and a [`Status`] for the host.
 
 use super::api::Status;
+use crate::live::LiveError;
 use thiserror::Error;
 
 /// A failed action.
@@ -22,20 +23,32 @@ pub(super) enum Fault {
         /// What is wrong with its image, and what would be right.
         what: String,
     },
+    /// The shape comes from a shot file, and none is named.
+    #[error("Shape from is set to Shot file, but Shot file is empty; name a .toml file, or choose another shape")]
+    NoShotFile,
+    /// The engine cannot do it.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// The host wants the result no more.
     #[error("stopped by the host")]
     Aborted,
 }
 
 impl Fault {
+    /// Whether the host itself stopped the work.
+    pub(super) fn is_abort(&self) -> bool {
+        matches!(self, Self::Aborted | Self::Live(LiveError::Aborted))
+    }
+
     /// The status that tells the host.
     pub(super) fn status(&self) -> Status {
         match self {
             Self::MissingSuite(_) => Status::ERR_MISSING_HOST_FEATURE,
             Self::Missing(_) => Status::ERR_BAD_HANDLE,
             Self::Image { .. } => Status::ERR_IMAGE_FORMAT,
-            // Hosts that abort throw the frame away; an error here would put a message on the screen.
-            Self::Aborted => Status::OK,
+            // Hosts that abort throw the frame away; an error would put a message on the screen.
+            Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
+            Self::NoShotFile | Self::Live(_) => Status::FAILED,
         }
     }
 }

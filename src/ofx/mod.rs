@@ -11,11 +11,20 @@
 #![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 
 pub mod api;
+mod canvas;
+mod changed;
 mod describe;
 mod effect;
 mod entry;
 mod fault;
 mod host;
+mod images;
+mod overlay;
+mod paint;
+mod params;
 mod props;
+mod regions;
+mod render;
+mod settings;
 
 pub use entry::{number_of_plugins, plugin, set_host};

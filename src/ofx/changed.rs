@@ -1,0 +1,66 @@
+//! Instances come, change and go: what is greyed out, buttons, pins that are switched on.
+//!
+//! In: what changed, and why. Out: parameters.
+
+use super::api::Status;
+use super::api::names::{param, prop};
+use super::canvas::Canvas;
+use super::entry::Call;
+use super::fault::Fault;
+use super::params::{PINS, pin_id, table};
+use super::settings::Moment;
+
+/// A new instance: what does not matter is greyed out.
+pub(super) fn created(call: Call) -> Result<Status, Fault> {
+    enable(Moment::of(call.effect, 0.0)?);
+    Ok(Status::OK)
+}
+
+/// An instance ends; it owns nothing but its last message.
+pub(super) fn destroyed(call: Call) -> Result<Status, Fault> {
+    call.effect.unsay();
+    Ok(Status::OK)
+}
+
+/// The user changed a parameter or pressed a button.
+pub(super) fn changed(call: Call) -> Result<Status, Fault> {
+    let by_user =
+        call.args.text(prop::CHANGE_REASON).is_some_and(|why| why.as_bytes() == prop::CHANGE_USER_EDITED.to_bytes());
+    let Some(id) = call.args.text(prop::NAME).filter(|_| by_user) else { return Ok(Status::REPLY_DEFAULT) };
+    let time = call.args.double(prop::TIME).unwrap_or(0.0);
+    let moment = Moment::of(call.effect, time)?;
+    match id.as_str() {
+        "shape" => enable(moment),
+        _ => match (0..PINS).find(|pin| id == pin_id(*pin, "On")) {
+            Some(pin) => place(moment, pin, &Canvas::of(call.effect, time, [1.0, 1.0])),
+            None => return Ok(Status::REPLY_DEFAULT),
+        },
+    }
+    Ok(Status::OK)
+}
+
+/// Greys out what the choice of shape leaves without effect.
+fn enable(moment: Moment) {
+    let shape = moment.int("shape");
+    let of_shot = ["camera", "layer", "frameOffset", "pinFrame", "shotPins"];
+    for param in table().iter().filter(|param| of_shot.contains(&param.id.as_str())) {
+        moment.params.props_of(&param.id).set_int(param::ENABLED, i32::from(shape == 2));
+    }
+    moment.params.props_of("holdBorder").set_int(param::ENABLED, i32::from(shape != 1));
+}
+
+/// A pin that was never placed starts in the middle of the frame, where it can be seen: hosts differ in what they make
+/// of defaults that are given in parts of the frame.
+fn place(moment: Moment, pin: usize, canvas: &Canvas) {
+    let ends = ["Rest", "Target"].map(|end| pin_id(pin, end));
+    let is_unplaced = |id: &String| moment.params.point(id, moment.time).is_some_and(|at| at == [0.0, 0.0]);
+    if moment.int(&pin_id(pin, "On")) == 0 || !ends.iter().all(is_unplaced) {
+        return;
+    }
+    let [x1, y1, x2, y2] = canvas.region(canvas.frame.window());
+    moment.params.begin_edit(c"Place a pin");
+    for id in &ends {
+        moment.params.set_point(id, [0.5 * (x1 + x2), 0.5 * (y1 + y2)]);
+    }
+    moment.params.end_edit();
+}

@@ -1,0 +1,247 @@
+//! Images of the host: any depth, components and row order, to planes of floats and back.
+//!
+//! In: a clip and a time. Out: an [`Image`], given back to the host when dropped. Planes have their rows from the top
+//! and associated alpha; rows of OpenFX come from below, upside down where the host's row bytes are negative.
+
+use super::api::names::image;
+use super::api::{PropertySet, RectI};
+use super::effect::Clip;
+use super::fault::Fault;
+use super::host::Suites;
+use super::props::Props;
+use half::f16;
+use rayon::prelude::*;
+
+/// How a value is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Depth {
+    Byte,
+    Short,
+    Half,
+    Float,
+}
+
+impl Depth {
+    const fn bytes(self) -> usize {
+        match self {
+            Self::Byte => 1,
+            Self::Short | Self::Half => 2,
+            Self::Float => 4,
+        }
+    }
+}
+
+/// Rows that a window covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rows {
+    /// All.
+    All,
+    /// 0, 2, 4: the lower field.
+    Even,
+    /// 1, 3, 5: the upper field.
+    Odd,
+}
+
+/// An image, until it is dropped.
+pub(super) struct Image<'a> {
+    suites: &'a Suites,
+    set: PropertySet,
+    memory: Memory,
+    /// Its pixels.
+    pub(super) bounds: RectI,
+    pub(super) depth: Depth,
+    /// 4: RGBA, 3: RGB, 1: alpha.
+    pub(super) channels: usize,
+    /// Pixels per pixel of the full size, as the image itself has it; `None`: it does not say.
+    pub(super) scale: Option<[f64; 2]>,
+    /// Colour is not multiplied by alpha.
+    is_straight: bool,
+}
+
+/// Where the rows lie.
+struct Memory {
+    data: *mut u8,
+    row_bytes: isize,
+    /// Lowest row, and the row after the highest.
+    rows: [i32; 2],
+}
+
+// SAFETY: the host leaves the image's memory to this render until the image is given back.
+unsafe impl Send for Memory {}
+// SAFETY: as above; rows are written by one thread each.
+unsafe impl Sync for Memory {}
+
+impl Memory {
+    /// Where a row starts.
+    fn start(&self, y: i32) -> *mut u8 {
+        assert!((self.rows[0]..self.rows[1]).contains(&y), "rows outside the image are not asked for");
+        let offset = (y - self.rows[0]) as isize * self.row_bytes;
+        // SAFETY: the host's rows lie that many bytes apart.
+        unsafe { self.data.offset(offset) }
+    }
+}
+
+impl Drop for Image<'_> {
+    fn drop(&mut self) {
+        if let Some(release) = self.suites.effect.clip_release_image {
+            // SAFETY: the host's function with the image that it gave, once.
+            let _gone_anyway = unsafe { release(self.set) };
+        }
+    }
+}
+
+impl<'a> Clip<'a> {
+    /// The image at a time; `None`: the clip has none there.
+    pub(super) fn image(self, time: f64) -> Result<Option<Image<'a>>, Fault> {
+        let mut set = PropertySet::NULL;
+        let Some(get) = self.suites.effect.clip_get_image else { return Ok(None) };
+        // SAFETY: the host's function with its own handle; the region may be null, the place outlives the call.
+        let status = unsafe { get(self.handle, time, std::ptr::null(), &raw mut set) };
+        if !status.is_ok() || set.is_null() {
+            return Ok(None);
+        }
+        Image::new(self, set).map(Some)
+    }
+}
+
+impl<'a> Image<'a> {
+    fn new(clip: Clip<'a>, set: PropertySet) -> Result<Self, Fault> {
+        let props = Props::new(clip.suites, set);
+        let told = |name| props.text(name).or_else(|| clip.props().text(name)).unwrap_or_default();
+        let depth = told(image::PIXEL_DEPTH);
+        let components = told(image::COMPONENTS);
+        let [x1, y1, x2, y2] = props.ints(image::BOUNDS).unwrap_or_default();
+        let made = Self {
+            suites: clip.suites,
+            set,
+            memory: Memory {
+                data: props.pointer(image::DATA).map_or(std::ptr::null_mut(), |data| data.cast()),
+                row_bytes: props.int(image::ROW_BYTES).unwrap_or(0) as isize,
+                rows: [y1, y2],
+            },
+            bounds: RectI { x1, y1, x2, y2 },
+            depth: match depth.as_bytes() {
+                name if name == image::DEPTH_BYTE.to_bytes() => Depth::Byte,
+                name if name == image::DEPTH_SHORT.to_bytes() => Depth::Short,
+                name if name == image::DEPTH_HALF.to_bytes() => Depth::Half,
+                _ => Depth::Float,
+            },
+            channels: match components.as_bytes() {
+                name if name == image::COMPONENT_RGB.to_bytes() => 3,
+                name if name == image::COMPONENT_ALPHA.to_bytes() => 1,
+                _ => 4,
+            },
+            scale: props.doubles(image::RENDER_SCALE).filter(|scale: &[f64; 2]| scale.iter().all(|side| *side > 0.0)),
+            is_straight: told(image::PREMULTIPLICATION).as_bytes() == image::UNPREMULTIPLIED.to_bytes(),
+        };
+        let fault = |what: String| Err(Fault::Image { clip: clip.name.to_string_lossy().into_owned(), what });
+        let row = made.width() * made.pixel_bytes();
+        if x1 >= x2 || y1 >= y2 || made.memory.data.is_null() {
+            return fault(format!("an image without pixels ({x1}, {y1} to {x2}, {y2})"));
+        }
+        if y2 - y1 > 1 && made.memory.row_bytes.unsigned_abs() < row {
+            let found = made.memory.row_bytes;
+            return fault(format!("rows of {found} bytes for {row} bytes of pixels ({depth}, {components})"));
+        }
+        Ok(made)
+    }
+
+    fn width(&self) -> usize {
+        usize::try_from(i64::from(self.bounds.x2) - i64::from(self.bounds.x1)).unwrap_or(0)
+    }
+
+    fn pixel_bytes(&self) -> usize {
+        self.channels * self.depth.bytes()
+    }
+
+    /// All pixels of the bounds as planes, rows from the top, colour associated with alpha.
+    pub(super) fn planes(&self) -> Vec<Vec<f32>> {
+        let (width, length) = (self.width(), self.width() * self.pixel_bytes());
+        let height = (self.bounds.y2 - self.bounds.y1) as usize;
+        let mut planes = vec![vec![0.0_f32; width * height]; self.channels];
+        let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
+        for plane in &mut planes {
+            rows.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
+        }
+        let (memory, depth, is_straight) = (&self.memory, self.depth, self.is_straight);
+        rows.par_iter_mut().enumerate().for_each(|(index, row)| {
+            let start = memory.start(memory.rows[1] - 1 - index as i32);
+            // SAFETY: a row of the host's image; nobody writes to it while the image is held.
+            spread(unsafe { std::slice::from_raw_parts(start, length) }, depth, row);
+            if let ([red, green, blue, alpha], true) = (&mut row[..], is_straight) {
+                [red, green, blue].into_iter().for_each(|plane| each(plane, alpha, |colour, alpha| colour * alpha));
+            }
+        });
+        planes
+    }
+
+    /// Writes planes of a window within the bounds: as many as there are channels, rows from the top.
+    pub(super) fn write(&self, window: RectI, rows: Rows, planes: &mut [Vec<f32>]) {
+        let width = (window.x2 - window.x1) as usize;
+        let left = (window.x1 - self.bounds.x1) as usize * self.pixel_bytes();
+        assert!(window.x1 >= self.bounds.x1 && window.x2 <= self.bounds.x2, "columns are within the image");
+        let height = (window.y2 - window.y1) as usize;
+        let mut parts: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
+        for plane in planes {
+            parts.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
+        }
+        let (memory, depth, is_straight) = (&self.memory, self.depth, self.is_straight);
+        let length = width * self.pixel_bytes();
+        parts.par_iter_mut().enumerate().for_each(|(index, row)| {
+            let y = window.y2 - 1 - index as i32;
+            if rows == Rows::Even && y.rem_euclid(2) == 1 || rows == Rows::Odd && y.rem_euclid(2) == 0 {
+                return;
+            }
+            if let ([red, green, blue, alpha], true) = (&mut row[..], is_straight) {
+                let divide = |colour: f32, alpha: f32| if alpha > 0.0 { colour / alpha } else { colour };
+                [red, green, blue].into_iter().for_each(|plane| each(plane, alpha, divide));
+            }
+            let start = memory.start(y).wrapping_add(left);
+            // SAFETY: part of a row of the host's output; each row is written by one task.
+            gather(row, depth, unsafe { std::slice::from_raw_parts_mut(start, length) });
+        });
+    }
+}
+
+/// Changes a plane with the help of another.
+fn each(plane: &mut [f32], by: &[f32], change: impl Fn(f32, f32) -> f32) {
+    plane.iter_mut().zip(by).for_each(|(value, by)| *value = change(*value, *by));
+}
+
+/// A row of interleaved values to one row a plane.
+fn spread(row: &[u8], depth: Depth, planes: &mut [&mut [f32]]) {
+    match depth {
+        Depth::Byte => spread_as(row, planes, |[byte]| f32::from(byte) / 255.0),
+        Depth::Short => spread_as(row, planes, |short| f32::from(u16::from_ne_bytes(short)) / 65535.0),
+        Depth::Half => spread_as(row, planes, |half| f16::from_ne_bytes(half).to_f32()),
+        Depth::Float => spread_as(row, planes, f32::from_ne_bytes),
+    }
+}
+
+fn spread_as<const N: usize>(row: &[u8], planes: &mut [&mut [f32]], value: impl Fn([u8; N]) -> f32) {
+    let channels = planes.len();
+    let samples = row.as_chunks::<N>().0;
+    for (channel, plane) in planes.iter_mut().enumerate() {
+        let of_channel = samples.iter().skip(channel).step_by(channels);
+        plane.iter_mut().zip(of_channel).for_each(|(out, sample)| *out = value(*sample));
+    }
+}
+
+/// One row a plane to a row of interleaved values.
+fn gather(planes: &[&mut [f32]], depth: Depth, row: &mut [u8]) {
+    // No number becomes 0: "as" does that.
+    match depth {
+        Depth::Byte => gather_as(planes, row, |value| [(value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8]),
+        Depth::Short => gather_as(planes, row, |value| ((value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16).to_ne_bytes()),
+        Depth::Half => gather_as(planes, row, |value| f16::from_f32(value).to_ne_bytes()),
+        Depth::Float => gather_as(planes, row, f32::to_ne_bytes),
+    }
+}
+
+fn gather_as<const N: usize>(planes: &[&mut [f32]], row: &mut [u8], bytes: impl Fn(f32) -> [u8; N]) {
+    let samples = row.as_chunks_mut::<N>().0;
+    for (channel, plane) in planes.iter().enumerate() {
+        let of_channel = samples.iter_mut().skip(channel).step_by(planes.len());
+        of_channel.zip(plane.iter()).for_each(|(out, value)| *out = bytes(*value));
+    }
+}

@@ -1,0 +1,123 @@
+//! Lines over the viewer: by the host's Draw suite, else by OpenGL 1, found in the process at run time.
+//!
+//! In: points, canonical, and a colour. Out: lines on the screen; none where the host has neither.
+
+use super::api::names::draw;
+use super::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
+use std::ffi::{CStr, c_char, c_void};
+
+/// Red, green, blue, opacity.
+pub(super) type Colour = [f32; 4];
+
+/// What draws.
+pub(super) enum Painter {
+    Suite(&'static DrawSuiteV1, DrawContextHandle),
+    OpenGl(OpenGl),
+}
+
+impl Painter {
+    /// The Draw suite where the host hands out a context, else OpenGL where the process has it.
+    pub(super) fn new(suite: Option<&'static DrawSuiteV1>, context: Option<*mut c_void>) -> Option<Self> {
+        match (suite, context) {
+            (Some(suite), Some(context)) => Some(Self::Suite(suite, DrawContextHandle(context))),
+            _ => OpenGl::find().map(Self::OpenGl),
+        }
+    }
+
+    /// A line through points, canonical.
+    pub(super) fn line(&self, points: &[[f64; 2]], colour: Colour, width: f32) {
+        match self {
+            Self::Suite(suite, context) => suite_line(suite, *context, points, (colour, width)),
+            Self::OpenGl(gl) => gl.line(points, colour, width),
+        }
+    }
+
+    /// The outline of a box.
+    pub(super) fn outline(&self, [[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: Colour, width: f32) {
+        self.line(&[[x1, y1], [x2, y1], [x2, y2], [x1, y2], [x1, y1]], colour, width);
+    }
+}
+
+fn suite_line(suite: &DrawSuiteV1, context: DrawContextHandle, points: &[[f64; 2]], (colour, width): (Colour, f32)) {
+    let [r, g, b, a] = colour;
+    let colour = RgbaColour { r, g, b, a };
+    let points: Vec<PointD> = points.iter().map(|&[x, y]| PointD { x, y }).collect();
+    if let Some(set) = suite.set_colour {
+        // SAFETY: the host's function with the context of this very action; the colour outlives the call.
+        let _drawn_in_another_colour = unsafe { set(context, &raw const colour) };
+    }
+    if let Some(set) = suite.set_line_width {
+        // SAFETY: as above.
+        let _drawn_thinner = unsafe { set(context, width) };
+    }
+    if let (Some(paint), Ok(count)) = (suite.draw, i32::try_from(points.len())) {
+        // SAFETY: as above; there are `count` points, which outlive the call.
+        let _not_drawn = unsafe { paint(context, draw::LINE_STRIP, points.as_ptr(), count) };
+    }
+}
+
+/// The functions of OpenGL 1 that draw lines.
+#[derive(Clone, Copy)]
+pub(super) struct OpenGl {
+    begin: unsafe extern "system" fn(u32),
+    end: unsafe extern "system" fn(),
+    vertex: unsafe extern "system" fn(f64, f64),
+    colour: unsafe extern "system" fn(f32, f32, f32, f32),
+    width: unsafe extern "system" fn(f32),
+}
+
+/// `GL_LINE_STRIP`.
+const LINE_STRIP: u32 = 3;
+
+impl OpenGl {
+    /// `None` where the host's process has no OpenGL; the plugin brings none.
+    fn find() -> Option<Self> {
+        let [begin, end, vertex] = [symbol(c"glBegin")?, symbol(c"glEnd")?, symbol(c"glVertex2d")?];
+        let [colour, width] = [symbol(c"glColor4f")?, symbol(c"glLineWidth")?];
+        Some(Self {
+            // SAFETY: this is the function's type in OpenGL 1.
+            begin: unsafe { std::mem::transmute::<*mut c_void, unsafe extern "system" fn(u32)>(begin) },
+            // SAFETY: as above.
+            end: unsafe { std::mem::transmute::<*mut c_void, unsafe extern "system" fn()>(end) },
+            // SAFETY: as above.
+            vertex: unsafe { std::mem::transmute::<*mut c_void, unsafe extern "system" fn(f64, f64)>(vertex) },
+            // SAFETY: as above.
+            colour: unsafe {
+                std::mem::transmute::<*mut c_void, unsafe extern "system" fn(f32, f32, f32, f32)>(colour)
+            },
+            // SAFETY: as above.
+            width: unsafe { std::mem::transmute::<*mut c_void, unsafe extern "system" fn(f32)>(width) },
+        })
+    }
+
+    fn line(&self, points: &[[f64; 2]], [r, g, b, a]: Colour, width: f32) {
+        // SAFETY: the host made its context current for this action; so for all that follow.
+        unsafe { (self.width)(width) };
+        // SAFETY: as above.
+        unsafe { (self.colour)(r, g, b, a) };
+        // SAFETY: as above.
+        unsafe { (self.begin)(LINE_STRIP) };
+        for &[x, y] in points {
+            // SAFETY: as above, between begin and end.
+            unsafe { (self.vertex)(x, y) };
+        }
+        // SAFETY: as above.
+        unsafe { (self.end)() };
+    }
+}
+
+#[cfg(unix)]
+fn symbol(name: &CStr) -> Option<*mut c_void> {
+    unsafe extern "C" {
+        fn dlsym(library: *mut c_void, name: *const c_char) -> *mut c_void;
+    }
+    // SAFETY: null means "wherever in the process" on Linux; the name outlives the call.
+    let found = unsafe { dlsym(std::ptr::null_mut(), name.as_ptr()) };
+    (!found.is_null()).then_some(found)
+}
+
+#[cfg(not(unix))]
+fn symbol(_name: &CStr) -> Option<*mut c_void> {
+    let _unused: Option<c_char> = None;
+    None
+}

@@ -1,0 +1,277 @@
+//! The one table of parameters: what hosts are told, what is read back and what `docs/OPENFX.md` says come from here.
+//!
+//! In: nothing. Out: [`table`], in the order in which users see it. Ids are in projects for good: never rename one.
+
+use super::api::names::param;
+use std::ffi::CStr;
+use std::sync::LazyLock;
+
+/// Pins that an instance has.
+pub(super) const PINS: usize = 32;
+
+/// The type of a parameter, with its default and its limits.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    /// A box around the parameters that name it as their group; 1: shown open.
+    Group(i32),
+    /// A whole number: default, range, range of its slider.
+    Integer(i32, [i32; 2], [i32; 2]),
+    /// A number: default, range, range of its slider, what it means.
+    Double(f64, [f64; 2], [f64; 2], &'static CStr),
+    /// A box to tick; 1: ticked.
+    Toggle(i32),
+    /// One of several, the first by default.
+    Choice(&'static [&'static str]),
+    /// A point of the picture, in the host's own coordinates.
+    Point,
+    /// A line of text, or a path.
+    Text(&'static CStr),
+}
+
+/// A parameter.
+#[derive(Clone, Debug)]
+pub(super) struct Param {
+    pub(super) id: String,
+    pub(super) label: String,
+    pub(super) hint: &'static str,
+    pub(super) kind: Kind,
+    /// Id of its group; empty: none.
+    pub(super) group: String,
+    /// Can have keys (where the host lets its kind).
+    pub(super) animates: bool,
+}
+
+/// Choices of `shape`, in order.
+pub(super) const SHAPES: &[&str] = &["Whole frame", "Source alpha", "Shot file"];
+/// Choices of `basis`, in order.
+pub(super) const BASES: &[&str] = &["B-spline", "Bernstein", "Bilinear", "Triangles"];
+/// Choices of `filter`, in order.
+pub(super) const FILTERS: &[&str] = &["EWA", "Cubic", "Lanczos", "Nearest"];
+/// Choices of `handles`, in order.
+pub(super) const HANDLES: &[&str] = &["Targets", "Pins with their targets"];
+
+/// Group, id, label, kind, hint.
+type Row = (&'static str, &'static str, &'static str, Kind, &'static str);
+
+/// All parameters but those of the pins.
+const ROWS: &[Row] = &[
+    ("", "lattice", "Lattice", Kind::Group(1), "What bends, and how stiffly."),
+    (
+        "lattice",
+        "shape",
+        "Shape from",
+        Kind::Choice(SHAPES),
+        "What keeps its shape. Whole frame: everything. Source alpha: what the picture's alpha shows. Shot file: the animated model of a shot; lattice and pins follow it.",
+    ),
+    (
+        "lattice",
+        "columns",
+        "Columns",
+        Kind::Integer(10, [2, 64], [4, 24]),
+        "Handles of the lattice from left to right; B-splines need 4.",
+    ),
+    (
+        "lattice",
+        "rows",
+        "Rows",
+        Kind::Integer(10, [2, 64], [4, 24]),
+        "Handles of the lattice from bottom to top; B-splines need 4.",
+    ),
+    (
+        "lattice",
+        "basis",
+        "Basis",
+        Kind::Choice(BASES),
+        "How handles are blended: softly and locally, softly over all, or in flat cells.",
+    ),
+    (
+        "lattice",
+        "stiffness",
+        "Stiffness",
+        Kind::Double(1.0, [0.001, 1000.0], [0.01, 100.0], param::DOUBLE_SCALE),
+        "More: a pin takes more of the picture along. Less: its pull stays near it.",
+    ),
+    (
+        "lattice",
+        "strength",
+        "Strength",
+        Kind::Double(1.0, [-10.0, 10.0], [0.0, 1.0], param::DOUBLE_SCALE),
+        "Scales all offsets and rotations; 0 is no warp.",
+    ),
+    (
+        "lattice",
+        "holdBorder",
+        "Hold the border",
+        Kind::Toggle(1),
+        "The border of the frame stays where it is, so that a background neither slides nor tears. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held.",
+    ),
+    (
+        "lattice",
+        "filter",
+        "Filter",
+        Kind::Choice(FILTERS),
+        "How colour is sampled. EWA neither rings nor flickers; nearest keeps exact values.",
+    ),
+    ("", "shot", "Shot file", Kind::Group(0), "A pinwarp shot whose model the lattice follows."),
+    ("shot", "shotFile", "Shot file", Kind::Text(param::STRING_FILE_PATH), "The .toml file of the shot."),
+    ("shot", "camera", "Camera", Kind::Text(param::STRING_SINGLE_LINE), "Name of the camera; empty: the shot's own."),
+    (
+        "shot",
+        "layer",
+        "Layer",
+        Kind::Text(param::STRING_SINGLE_LINE),
+        "Layer that the pins belong to; empty: the first on the screen.",
+    ),
+    (
+        "shot",
+        "frameOffset",
+        "Frame offset",
+        Kind::Integer(0, [-1_000_000, 1_000_000], [-100, 100]),
+        "Frame of the shot less frame of the host.",
+    ),
+    (
+        "shot",
+        "pinFrame",
+        "Pins placed at",
+        Kind::Integer(1, [-1_000_000, 1_000_000], [1, 200]),
+        "Frame of the shot in which the pins were put on the model; from there they follow it.",
+    ),
+    ("shot", "shotPins", "Shot's own pins act", Kind::Toggle(1), "Pins that are in the file act beside those below."),
+    ("", "pins", "Pins", Kind::Group(1), "Points of the picture and where they go."),
+    (
+        "pins",
+        "handles",
+        "Handles move",
+        Kind::Choice(HANDLES),
+        "What dragging in the viewer does: it moves targets, or puts pins elsewhere with their targets.",
+    ),
+];
+
+/// What each pin has: suffix of the id, label, kind, hint.
+const PIN_ROWS: &[(&str, &str, Kind, &str)] = &[
+    ("On", "On", Kind::Toggle(0), "The pin acts. One that was never placed starts in the middle of the frame."),
+    ("Rest", "Pin", Kind::Point, "The point of the picture that is held, before the warp."),
+    (
+        "Target",
+        "Target",
+        Kind::Point,
+        "Where that point goes; with a shot file the difference to the pin is added to wherever the point is.",
+    ),
+    ("Turns", "Holds a rotation", Kind::Toggle(0), "The pin turns what is around it."),
+    (
+        "Angle",
+        "Rotation",
+        Kind::Double(0.0, [-36_000.0, 36_000.0], [-180.0, 180.0], param::DOUBLE_ANGLE),
+        "Degrees, counter-clockwise; more than a turn is allowed.",
+    ),
+];
+
+/// Id of a parameter of a pin, counted from 0; an empty suffix: its group.
+pub(super) fn pin_id(pin: usize, suffix: &str) -> String {
+    format!("pin{}{suffix}", pin + 1)
+}
+
+impl Kind {
+    /// The API's type.
+    pub(super) const fn type_name(&self) -> &'static CStr {
+        match self {
+            Self::Group(_) => param::TYPE_GROUP,
+            Self::Integer(..) => param::TYPE_INTEGER,
+            Self::Double(..) => param::TYPE_DOUBLE,
+            Self::Toggle(_) => param::TYPE_BOOLEAN,
+            Self::Choice(_) => param::TYPE_CHOICE,
+            Self::Point => param::TYPE_DOUBLE_2D,
+            Self::Text(_) => param::TYPE_STRING,
+        }
+    }
+}
+
+/// All parameters in the order in which users see them.
+pub(super) fn table() -> &'static [Param] {
+    static TABLE: LazyLock<Vec<Param>> = LazyLock::new(|| {
+        let fixed = ROWS.iter().map(|(group, id, label, kind, hint)| Param {
+            id: (*id).into(),
+            label: (*label).into(),
+            hint,
+            kind: kind.clone(),
+            group: (*group).into(),
+            animates: matches!(*id, "strength" | "stiffness"),
+        });
+        fixed.chain((0..PINS).flat_map(pin)).collect()
+    });
+    &TABLE
+}
+
+fn pin(index: usize) -> impl Iterator<Item = Param> {
+    let group = Param {
+        id: pin_id(index, ""),
+        label: format!("Pin {}", index + 1),
+        hint: "A pin.",
+        kind: Kind::Group(i32::from(index == 0)),
+        group: "pins".into(),
+        animates: false,
+    };
+    let rows = PIN_ROWS.iter().map(move |(suffix, label, kind, hint)| Param {
+        id: pin_id(index, suffix),
+        label: format!("{label} {}", index + 1),
+        hint,
+        kind: kind.clone(),
+        group: pin_id(index, ""),
+        animates: true,
+    });
+    std::iter::once(group).chain(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::fmt::Write;
+
+    /// The table as the manual shows it; of the pins the first stands for all.
+    fn manual() -> String {
+        let mut text = String::from("| parameter | id | default | what it does |\n|---|---|---|---|\n");
+        for param in table()
+            .iter()
+            .filter(|param| !param.group.starts_with("pin") || param.group == "pins" || param.group == "pin1")
+        {
+            let default = match &param.kind {
+                Kind::Group(_) => {
+                    let _ = writeln!(text, "| **{}** | | | {} |", param.label, param.hint);
+                    continue;
+                }
+                Kind::Integer(default, [least, most], _) => format!("{default} ({least} to {most})"),
+                Kind::Double(default, [least, most], ..) => format!("{default} ({least} to {most})"),
+                Kind::Toggle(default) => ["off", "on"][*default as usize].into(),
+                Kind::Choice(options) => options.join(", "),
+                Kind::Point => "0, 0".into(),
+                Kind::Text(_) => String::new(),
+            };
+            let _ = writeln!(text, "| {} | `{}` | {default} | {} |", param.label, param.id, param.hint);
+        }
+        text
+    }
+
+    #[test]
+    fn ids_are_unique_and_groups_come_before_their_parameters() {
+        let mut seen = BTreeSet::new();
+        for param in table() {
+            assert!(param.group.is_empty() || seen.contains(&param.group), "{}: its group comes later", param.id);
+            assert!(param.id.is_ascii() && seen.insert(param.id.clone()), "{} is there twice", param.id);
+        }
+    }
+
+    #[test]
+    fn the_manual_has_the_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/OPENFX.md");
+        let page = std::fs::read_to_string(path).expect("the manual is part of the repository");
+        let (before, rest) = page.split_once("<!-- parameters -->\n").expect("the manual marks its table");
+        let (shown, after) = rest.split_once("<!-- end of parameters -->").expect("and the table's end");
+        if std::env::var_os("UPDATE").is_some() {
+            let page = format!("{before}<!-- parameters -->\n{}<!-- end of parameters -->{after}", manual());
+            std::fs::write(path, page).expect("the manual can be written");
+        } else {
+            assert_eq!(shown, manual(), "run `UPDATE=1 cargo test --features ofx --lib ofx::params`");
+        }
+    }
+}

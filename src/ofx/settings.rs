@@ -1,0 +1,155 @@
+//! Parameters as the engine wants them.
+//!
+//! In: the parameters of an instance at a time, and the canvas. Out: [`Settings`]. What a host leaves out has its default.
+
+use super::canvas::Canvas;
+use super::effect::{Effect, Params};
+use super::fault::Fault;
+use super::params::{self, Kind, PINS, pin_id};
+use crate::live::{self, Basis, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
+use crate::plate::Filter;
+use crate::space::PixelRect;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// All that a moment of an instance is set to.
+pub(super) struct Settings {
+    pub(super) controls: Controls,
+    pub(super) shape: ShapeChoice,
+    pub(super) filter: Filter,
+    /// Numbers of the pins that act, as users count them less one, in the order of the controls.
+    pub(super) pins: Vec<usize>,
+}
+
+/// Where the shape comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum ShapeChoice {
+    Frame,
+    /// The alpha of the whole source, which only a render has.
+    Alpha,
+    Shot(ShotShape),
+}
+
+/// Parameters at a time.
+#[derive(Clone, Copy)]
+pub(super) struct Moment<'a> {
+    pub(super) params: Params<'a>,
+    pub(super) time: f64,
+}
+
+impl<'a> Moment<'a> {
+    /// The parameters of an effect at a time.
+    pub(super) fn of(effect: Effect<'a>, time: f64) -> Result<Self, Fault> {
+        Ok(Self { params: effect.params()?, time })
+    }
+
+    /// A whole number, choice or toggle, within its range.
+    pub(super) fn int(self, id: &str) -> i32 {
+        let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
+        let (default, [least, most]) = match kind {
+            Some(Kind::Integer(default, range, _)) => (*default, *range),
+            Some(Kind::Toggle(default)) => (*default, [0, 1]),
+            Some(Kind::Choice(options)) => (0, [0, options.len() as i32 - 1]),
+            _ => (0, [i32::MIN, i32::MAX]),
+        };
+        self.params.int(id, self.time).unwrap_or(default).clamp(least, most)
+    }
+
+    fn double(self, id: &str) -> f64 {
+        let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
+        let Some(Kind::Double(default, [least, most], ..)) = kind else { return 0.0 };
+        self.params.double(id, self.time).unwrap_or(*default).clamp(*least, *most)
+    }
+
+    /// A text without blanks at its ends; `None`: empty.
+    pub(super) fn text(self, id: &str) -> Option<String> {
+        let text = self.params.text(id, self.time)?;
+        let text = text.trim();
+        (!text.is_empty()).then(|| text.to_owned())
+    }
+
+    fn is_on(self, id: &str) -> bool {
+        self.int(id) != 0
+    }
+
+    fn pin(self, index: usize, canvas: &Canvas) -> Option<Pin> {
+        let [rest, target] = ["Rest", "Target"].map(|end| self.params.point(&pin_id(index, end), self.time));
+        let turns = self.is_on(&pin_id(index, "Turns"));
+        let rotation = turns.then(|| self.double(&pin_id(index, "Angle")).to_radians());
+        Some(Pin { rotation, ..Pin::new(canvas.screen(rest?), canvas.screen(target?)) })
+    }
+
+    fn shape(self) -> Result<ShapeChoice, Fault> {
+        Ok(match self.int("shape") {
+            0 => ShapeChoice::Frame,
+            1 => ShapeChoice::Alpha,
+            _ => ShapeChoice::Shot(ShotShape {
+                path: self.text("shotFile").map(PathBuf::from).ok_or(Fault::NoShotFile)?,
+                camera: self.text("camera"),
+                layer: self.text("layer"),
+                frame: self.time + f64::from(self.int("frameOffset")),
+                pin_frame: self.int("pinFrame"),
+                own_pins: if self.is_on("shotPins") { OwnPins::Act } else { OwnPins::LeftOut },
+            }),
+        })
+    }
+
+    /// Everything, in the engine's words.
+    pub(super) fn settings(self, canvas: &Canvas) -> Result<Settings, Fault> {
+        let basis = [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri][self.int("basis") as usize];
+        let least = if basis == Basis::Bspline { 4 } else { 2 };
+        let shape = self.shape()?;
+        let is_held = self.is_on("holdBorder") && shape != ShapeChoice::Alpha;
+        let on = (0..PINS).filter(|pin| self.is_on(&pin_id(*pin, "On")));
+        let (pins, placed) = on.filter_map(|pin| Some((pin, self.pin(pin, canvas)?))).unzip();
+        Ok(Settings {
+            controls: Controls {
+                dims: ["columns", "rows"].map(|id| self.int(id).max(least) as usize),
+                basis,
+                stiffness: self.double("stiffness"),
+                strength: self.double("strength"),
+                moved: if is_held { Moved::Picture } else { Moved::Masked },
+                pins: placed,
+            },
+            shape,
+            filter: [Filter::Ewa, Filter::Cubic, Filter::Lanczos, Filter::Nearest][self.int("filter") as usize],
+            pins,
+        })
+    }
+}
+
+/// The source's alpha, whole, in image space.
+pub(super) struct Alpha<'a> {
+    pub(super) window: PixelRect,
+    pub(super) samples: &'a [f32],
+}
+
+impl Settings {
+    /// Whether it is plain without solving that nothing moves.
+    pub(super) fn is_at_rest(&self) -> bool {
+        let moves = |pin: &Pin| pin.rest != pin.target || pin.rotation.is_some_and(|angle| angle != 0.0);
+        let own_pins = matches!(&self.shape, ShapeChoice::Shot(shot) if shot.own_pins == OwnPins::Act);
+        self.controls.strength == 0.0 || !own_pins && !self.controls.pins.iter().any(moves)
+    }
+
+    /// The warp; a shape from alpha that is not at hand is taken for the whole frame.
+    pub(super) fn warp(&self, canvas: &Canvas, alpha: Option<Alpha>) -> Result<Arc<Warp>, Fault> {
+        let shape = match (&self.shape, alpha) {
+            (ShapeChoice::Alpha, Some(Alpha { window, samples })) => {
+                Shape::Coverage(Coverage { window, alpha: samples })
+            }
+            (ShapeChoice::Shot(shot), _) => Shape::Shot(shot.clone()),
+            _ => Shape::Frame,
+        };
+        Ok(live::warp(&self.controls, &shape, canvas.frame)?)
+    }
+}
+
+/// Canvas and settings at the time and scale of an action's arguments.
+pub(super) fn at_arguments(effect: Effect, args: super::props::Props) -> Result<(f64, Canvas, Settings), Fault> {
+    let time = args.double(super::api::names::prop::TIME).unwrap_or(0.0);
+    // Regions are canonical: they do not depend on the scale that is announced.
+    let canvas = Canvas::of(effect, time, [1.0, 1.0]);
+    let settings = Moment::of(effect, time)?.settings(&canvas)?;
+    Ok((time, canvas, settings))
+}
