@@ -21,6 +21,11 @@ impl Anderson {
         Self { window: window.min(MOST), differences: Vec::new(), last: None }
     }
 
+    /// Whether a next step is another than the plain one.
+    pub(crate) fn knows_steps(&self) -> bool {
+        self.window > 0 && self.last.is_some()
+    }
+
     /// Forgets all steps.
     pub(crate) fn reset(&mut self) {
         self.differences.clear();

@@ -14,6 +14,11 @@ pub(crate) fn stride(band: usize) -> usize {
     (band + 2 * PANEL - 1).next_multiple_of(LANES)
 }
 
+/// Numbers that a factor takes: whole panels.
+pub(crate) fn padded_length(size: usize, band: usize) -> usize {
+    size.next_multiple_of(PANEL) * stride(band)
+}
+
 /// L; entry (j + k, j) at j·stride + k, the diagonal inverted. Columns beyond the matrix are the identity's.
 #[derive(Debug)]
 pub(crate) struct Cholesky {

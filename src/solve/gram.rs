@@ -35,6 +35,19 @@ impl Gram {
         &mut self.rows[start..start + self.count]
     }
 
+    /// Adds four rows and hands them out; all their numbers have to be set.
+    #[inline(always)]
+    pub(crate) fn push_pack(&mut self) -> [&mut [f64]; LANES] {
+        let (start, width, count) = (self.rows.len(), self.width, self.count);
+        self.rows.resize(start + LANES * width, 0.0);
+        let mut rest = &mut self.rows[start..];
+        std::array::from_fn(|_| {
+            let (row, others) = std::mem::take(&mut rest).split_at_mut(width);
+            rest = others;
+            &mut row[..count]
+        })
+    }
+
     /// Column b of the Gram matrix, from its diagonal on.
     pub(crate) fn below(&self, b: usize) -> &[f64] {
         &self.sums[b * self.width + b..b * self.width + self.count]
@@ -49,9 +62,16 @@ impl WithSimd for Sum<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Gram { width, rows, sums, .. } = self.0;
+        self.0.sum(simd);
+    }
+}
+
+impl Gram {
+    /// Computes the sums, from the tiles of the diagonal on; others keep what they held.
+    #[inline(always)]
+    pub(crate) fn sum<S: Simd>(&mut self, simd: S) {
+        let Self { width, rows, sums, .. } = self;
         let width = *width;
-        sums.clear();
         sums.resize(width * width, 0.0);
         for b in (0..width).step_by(TILE[0]) {
             for a in (b / TILE[1] * TILE[1]..width).step_by(TILE[1]) {

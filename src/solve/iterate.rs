@@ -7,7 +7,7 @@ use super::anderson::Anderson;
 use super::constraints::Constraints;
 use super::energy::Distortion;
 use super::matrix::{Factor, Normal};
-use super::newton::Progress;
+use super::newton::{Finish, Pace};
 use super::solver::{Scales, Terms};
 
 /// Part by which the energy may rise: below it rounding decides, and rejecting good steps costs more than it saves.
@@ -29,6 +29,7 @@ pub(crate) struct Iteration<'a, const D: usize> {
     pub(crate) start: Vec<[f64; D]>,
     /// Handles to go on from.
     pub(crate) first: Option<&'a [[f64; D]]>,
+    pub(crate) finish: Finish,
 }
 
 /// How an iteration ended.
@@ -71,6 +72,7 @@ impl<const D: usize> Iteration<'_, D> {
         let mut plain: Option<Vec<[f64; D]>> = None;
         let mut last_energy = f64::INFINITY;
         let mut misses = Vec::new();
+        let mut pace = Pace::of(self);
         for iteration in 1..=self.settings.iteration_limit {
             let mut next = constant.clone();
             let mut energy = self.local_energy(&state, &mut next);
@@ -88,8 +90,8 @@ impl<const D: usize> Iteration<'_, D> {
             self.constraints.enforce(self.terms, &mut misses, &mut next);
             tell(&next, &state);
             let step = largest_step(&state, &next);
-            if let Some(run) = self.newton(&next, Progress { iteration, step }, &mut |place| tell(place, place)) {
-                return run;
+            if pace.as_mut().is_some_and(|pace| pace.is_time(step)) {
+                return self.newton(&next, iteration, &mut |place| tell(place, place));
             }
             if step <= self.settings.tolerance * self.diagonal {
                 return Run { handles: next, iterations: iteration, is_converged: true };

@@ -2,7 +2,7 @@
 //!
 //! In: least-squares rows and Gram blocks. Out: a Cholesky factor (banded for local bases) and its solutions.
 
-use super::cholesky::{Cholesky, stride};
+use super::cholesky::{Cholesky, padded_length, stride};
 use super::gram::Gram;
 use super::small::{Square, identity, symmetric_eigen};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
@@ -52,12 +52,23 @@ impl Normal {
     }
 
     /// Adds scale times a Gram matrix; `rows`: where its columns belong, ascending.
+    #[inline(always)]
     pub(crate) fn add_gram(&mut self, scale: f64, rows: &[usize], gram: &Gram) {
         let stride = stride(self.band);
-        for (b, &column) in rows.iter().enumerate() {
-            let slots = &mut self.columns[column * stride..][..stride];
-            for (&row, sum) in rows[b..].iter().zip(gram.below(b)) {
-                slots[row - column] += scale * sum;
+        // Rows come in runs of neighbours: so loops run over whole registers.
+        let runs: Vec<&[usize]> = rows.chunk_by(|a, b| a + 1 == *b).collect();
+        let mut b = 0;
+        for (number, &run) in runs.iter().enumerate() {
+            for (k, &column) in run.iter().enumerate() {
+                let slots = &mut self.columns[column * stride..][..stride];
+                let mut sums = gram.below(b);
+                for below in std::iter::once(&run[k..]).chain(runs[number + 1..].iter().copied()) {
+                    let (own, rest) = sums.split_at(below.len());
+                    let targets = slots[below[0] - column..].iter_mut();
+                    targets.zip(own).for_each(|(slot, sum)| *slot += scale * sum);
+                    sums = rest;
+                }
+                b += 1;
             }
         }
     }
@@ -94,15 +105,14 @@ impl Normal {
     pub(crate) fn repeated<const D: usize>(&self, mut memory: Vec<f64>) -> Self {
         let (size, band) = (D * self.size, D * (self.band + 1) - 1);
         let wide = stride(band);
-        memory.clear();
+        memory.reserve(padded_length(size, band).saturating_sub(memory.len()));
         memory.resize(size * wide, 0.0);
-        let mut repeated = Self { size, band, columns: memory, squares: Vec::new() };
         for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
-            for d in 0..D {
-                let slots = repeated.columns[(D * j + d) * wide..][..D * self.band + 1].iter_mut().step_by(D);
-                slots.zip(column).for_each(|(slot, x)| *slot = *x);
+            for slots in memory[D * j * wide..][..D * wide].chunks_exact_mut(wide) {
+                spread::<D>(&column[..=self.band], slots);
             }
         }
+        let mut repeated = Self { size, band, columns: memory, squares: Vec::new() };
         for (weight, square) in &self.squares {
             repeated.squares.extend((0..D).map(|d| {
                 let spread = square.iter().flat_map(|&x| (0..D).map(move |other| if other == d { x } else { 0.0 }));
@@ -131,6 +141,16 @@ impl Normal {
         }
     }
 
+    /// Fused multiplications and additions of a factorisation of the matrix of `repeats` coordinates, and of a solve
+    /// with it for one right side.
+    pub(crate) fn work(&self, repeats: usize) -> [f64; 2] {
+        let (size, band) = ((repeats * self.size) as f64, (repeats * (self.band + 1) - 1) as f64);
+        if self.is_banded_enough() {
+            return [0.5 * size * band * band, 2.0 * size * band];
+        }
+        [size * size * size / 6.0, size * size]
+    }
+
     /// Mean of the diagonal.
     pub(crate) fn mean_diagonal(&self) -> f64 {
         (0..self.size).map(|j| self.columns[j * stride(self.band)]).sum::<f64>() / self.size.max(1) as f64
@@ -151,6 +171,15 @@ impl Normal {
         }
         full
     }
+}
+
+/// Every number with D − 1 zeros after it, and zeros to the end.
+fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
+    let (used, rest) = slots.split_at_mut(D * numbers.len());
+    for (slots, &x) in used.as_chunks_mut::<D>().0.iter_mut().zip(numbers) {
+        *slots = std::array::from_fn(|d| if d == 0 { x } else { 0.0 });
+    }
+    rest.fill(0.0);
 }
 
 /// Up to here banded loops beat dense kernels whatever the band.

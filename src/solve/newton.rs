@@ -1,27 +1,35 @@
 //! Newton's method for the end of an iteration: the second derivative knows what local-global steps creep along.
 //!
-//! In: a state that local-global steps have brought near. Out: handles at rest, in a few factorisations.
-//! Steps use a factor again while it serves, and fall back to convex and to plain steps where the energy would rise.
+//! In: a state that local-global steps have brought near. Out: handles at rest, mostly with one factorisation.
+//! Steps use a factor again, accelerated, while that costs less than a new one; where the energy would rise they fall
+//! back to convex and to plain ones.
 
+use super::anderson::Anderson;
 use super::energy::Turns;
 use super::iterate::{Iteration, Run, SAFEGUARD, largest_step};
 use super::matrix::Factor;
 
-/// Local-global steps before Newton's, at most: they turn parts as far as no tangent reaches.
-const FIRST_STEPS: usize = 12;
+/// Local-global steps before Newton's where they shrink slowly: they turn parts as far as no tangent reaches.
+const FIRST_STEPS: usize = 8;
 
-/// The same where matrices are dense: a factorisation costs as much as a hundred local-global steps there.
-const PATIENT_STEPS: usize = 40;
+/// Steps that their rate is taken from.
+const SPAN: usize = 5;
 
 /// A local-global step this small (in box diagonals) needs no more of them.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 3e-3;
+
+/// Steps with an old factor that acceleration looks at.
+const WINDOW: usize = 5;
+
+/// Steps that a new factor is likely to need.
+const NEW_STEPS: f64 = 2.0;
+
+/// A step below the tolerance is the last where the next one would be below this part of it.
+const CERTAIN: f64 = 0.1;
 
 /// A step this small (in box diagonals) is rounding: the state rests, however flat the energy is there. The first step
 /// from the rigid fit may be as large as the tolerance: where all pins move as one, so do the parts that nearly nothing holds.
 const AT_REST: f64 = 1e-10;
-
-/// A factor is used again while steps shrink to this part.
-const STALE: f64 = 0.1;
 
 /// Upper limits of 1/(s1 + s2) to try, one after the other: the true second derivative, one without the worst of its
 /// negative parts, and one without any (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies",
@@ -31,30 +39,77 @@ const LIMITS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
 /// Shares of a step to try where the whole one would raise the energy; they cost no solve.
 const SHORTER: [f64; 3] = [0.5, 0.25, 0.0625];
 
-/// How far the local-global iteration has come.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Progress {
-    pub(crate) iteration: usize,
-    /// Its last step.
-    pub(crate) step: f64,
+/// How an iteration may end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Finish {
+    /// By Newton's method, where the energy knows its second derivative.
+    Newton,
+    /// By local-global steps alone.
+    LocalGlobal,
+}
+
+/// How fast local-global steps shrink, and what Newton's cost by comparison.
+#[derive(Clone, Debug)]
+pub(crate) struct Pace {
+    /// All steps.
+    steps: Vec<f64>,
+    /// Newton matrix and factor, in local-global steps.
+    matrix: f64,
+    /// Steps as small as this need no more of them.
+    near: f64,
+    /// The first step is the last where it is as small as this; later ones rest at `rest`.
+    tolerance: f64,
+    rest: f64,
+}
+
+impl Pace {
+    /// `None` where Newton's method is not to be asked.
+    pub(crate) fn of<const D: usize>(problem: &Iteration<D>) -> Option<Self> {
+        let is_wanted = problem.settings.acceleration > 0 && problem.finish == Finish::Newton;
+        let work = problem.distortion.work().filter(|_| is_wanted)?;
+        let [factor, _] = problem.normal.work(D);
+        let [_, solve] = problem.normal.work(1);
+        let tolerance = problem.settings.tolerance * problem.diagonal;
+        let rest = AT_REST * problem.diagonal;
+        let near = if problem.normal.is_banded_enough() { NEAR * problem.diagonal } else { tolerance.max(rest) };
+        let matrix = (work.turns + factor) / (work.local_step + D as f64 * solve);
+        Some(Self { steps: Vec::new(), matrix, near, tolerance, rest })
+    }
+
+    /// Hears of a step; whether Newton's method is to go on from there.
+    pub(crate) fn is_time(&mut self, step: f64) -> bool {
+        self.steps.push(step);
+        let count = self.steps.len();
+        let rest = if count == 1 { self.tolerance } else { self.rest };
+        if step <= rest {
+            return false;
+        }
+        step <= self.near && self.near > self.tolerance
+            || count >= FIRST_STEPS && steps_left(step / self.near, self.rate()) > self.matrix
+    }
+
+    /// How steps shrink.
+    fn rate(&self) -> f64 {
+        let count = self.steps.len();
+        (self.steps[count - 1] / self.steps[count - 1 - SPAN]).powf(1.0 / SPAN as f64)
+    }
+}
+
+/// Steps until what is left shrinks to 1, at a rate.
+fn steps_left(left: f64, rate: f64) -> f64 {
+    if rate < 1.0 { -left.ln() / rate.ln() } else { f64::INFINITY }
 }
 
 impl<const D: usize> Iteration<'_, D> {
-    /// Goes on from `handles` where it is time to and the energy knows its second derivative; every linear solve counts
-    /// as an iteration. `tell` hears of every place that is taken, and of the last one.
+    /// Goes on from `handles`; every linear solve counts as an iteration, `iterations` of them so far. `tell` hears of
+    /// every place that is taken, and of the last one.
     pub(crate) fn newton(
         &self,
         handles: &[[f64; D]],
-        progress: Progress,
+        mut iterations: usize,
         tell: &mut dyn FnMut(&[[f64; D]]),
-    ) -> Option<Run<D>> {
-        let knows = self.settings.acceleration > 0 && self.distortion.knows_turns();
-        let rest = if progress.iteration == 1 { self.settings.tolerance } else { AT_REST };
-        if !knows || !self.is_time(progress) || progress.step <= rest * self.diagonal {
-            return None;
-        }
+    ) -> Run<D> {
         let mut descent = Descent::new(self, handles);
-        let mut iterations = progress.iteration;
         let mut is_converged = false;
         while !is_converged && iterations < self.settings.iteration_limit {
             iterations += 1;
@@ -67,21 +122,21 @@ impl<const D: usize> Iteration<'_, D> {
         let mut handles = descent.place.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         tell(&handles);
-        Some(Run { handles, iterations, is_converged })
-    }
-
-    fn is_time(&self, Progress { iteration, step }: Progress) -> bool {
-        if self.normal.is_banded_enough() {
-            iteration >= FIRST_STEPS || step <= NEAR * self.diagonal
-        } else {
-            iteration >= PATIENT_STEPS
-        }
+        Run { handles, iterations, is_converged }
     }
 
     fn place(&self, handles: Vec<[f64; D]>, constant: &[[f64; D]]) -> Place<D> {
         let mut right_side = constant.to_vec();
         let energy = self.local_energy(&handles, &mut right_side);
         Place { handles, energy, right_side }
+    }
+
+    /// What a new factor costs, in steps with an old one.
+    fn cost_of_factor(&self) -> f64 {
+        let Some(work) = self.distortion.work() else { return f64::INFINITY };
+        let [factor, solve] = self.normal.work(D);
+        let [_, product] = self.normal.work(1);
+        (work.turns + factor) / (work.local_step + solve + D as f64 * product)
     }
 }
 
@@ -110,11 +165,13 @@ struct Descent<'a, const D: usize> {
     factor: Option<Factor>,
     /// Memory of the last factor.
     spare: Vec<f64>,
-    /// The factor belongs to this place.
-    is_fresh: bool,
+    /// What a new factor costs, in steps with an old one.
+    cost_of_factor: f64,
+    anderson: Anderson,
+    /// Steps with this factor, the first one at the place it belongs to.
+    steps: Vec<f64>,
     /// Which of [`LIMITS`] is in use.
     level: usize,
-    last_step: f64,
 }
 
 impl<'a, const D: usize> Descent<'a, D> {
@@ -127,9 +184,10 @@ impl<'a, const D: usize> Descent<'a, D> {
             place,
             factor: None,
             spare: Vec::new(),
-            is_fresh: false,
+            cost_of_factor: problem.cost_of_factor(),
+            anderson: Anderson::new(WINDOW),
+            steps: Vec::new(),
             level: 0,
-            last_step: f64::INFINITY,
         }
     }
 
@@ -144,21 +202,51 @@ impl<'a, const D: usize> Descent<'a, D> {
             Some(factor) => factor.solve(by.as_flattened_mut().as_chunks_mut::<1>().0),
             None => problem.factor.solve(&mut by),
         }
-        let next = self.ahead(&by, 1.0);
-        let step = largest_step(&self.place.handles, &next);
-        if step <= problem.settings.tolerance * problem.diagonal {
-            self.place.handles = next;
+        let plain = self.ahead(&by, 1.0);
+        self.steps.push(largest_step(&self.place.handles, &plain));
+        if self.is_last() {
+            self.place.handles = plain;
             return Step::Last;
         }
+        let next = self.lower(plain, &by);
+        self.judge(next)
+    }
+
+    /// A step below the tolerance after which little is left, in flat directions, too.
+    fn is_last(&self) -> bool {
+        let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
+        let step = self.steps[self.steps.len() - 1];
+        step <= tolerance && (self.steps.len() == 1 || step * self.rate() <= CERTAIN * tolerance)
+    }
+
+    /// How steps shrink with this factor.
+    fn rate(&self) -> f64 {
+        let [first, .., last] = self.steps[..] else { return 1.0 };
+        (last / first).powf(1.0 / (self.steps.len() - 1) as f64)
+    }
+
+    /// The accelerated step where it lowers the energy, else the plain one, else a part of it.
+    fn lower(&mut self, plain: Vec<[f64; D]>, by: &[[f64; D]]) -> Place<D> {
+        let problem = self.problem;
+        let knows_steps = self.anderson.knows_steps();
+        let mut next = plain.clone();
+        if self.factor.is_some() {
+            self.anderson.step(&self.place.handles, &mut next);
+        }
         let mut next = problem.place(next, &self.constant);
+        if knows_steps && !self.is_lower(&next) {
+            self.anderson.reset();
+            next = problem.place(plain, &self.constant);
+        }
         // The matrix is positive definite: a short enough step along `by` lowers the energy.
         for share in SHORTER {
             if self.is_lower(&next) || self.factor.is_none() {
                 break;
             }
-            next = problem.place(self.ahead(&by, share), &self.constant);
+            self.anderson.reset();
+            next = problem.place(self.ahead(by, share), &self.constant);
         }
-        self.judge(next, step)
+        next
     }
 
     /// The handles, a share of `by` farther.
@@ -172,29 +260,35 @@ impl<'a, const D: usize> Descent<'a, D> {
     }
 
     /// Takes a step that does not raise the energy; else another factor is next.
-    fn judge(&mut self, next: Place<D>, step: f64) -> Step {
+    fn judge(&mut self, next: Place<D>) -> Step {
         if !self.is_lower(&next) && self.factor.is_some() {
-            self.level += usize::from(self.is_fresh);
+            self.level += usize::from(self.steps.len() == 1);
             self.drop_factor();
             return Step::Refused;
         }
         self.place = next;
-        self.is_fresh = false;
-        if self.factor.is_none() || step > STALE * self.last_step {
+        if self.factor.is_none() || self.is_stale() {
             self.drop_factor();
             self.level = 0;
         }
-        self.last_step = step;
         Step::Taken
+    }
+
+    /// What is left costs more than a new factor and two steps with it.
+    fn is_stale(&self) -> bool {
+        let tolerance = self.problem.settings.tolerance.max(AT_REST) * self.problem.diagonal;
+        let step = self.steps[self.steps.len() - 1];
+        self.steps.len() > 1 && steps_left(step / tolerance, self.rate()) > self.cost_of_factor + NEW_STEPS
     }
 
     fn drop_factor(&mut self) {
         self.spare = self.factor.take().map_or_else(Vec::new, Factor::into_memory);
+        self.anderson.reset();
+        self.steps.clear();
     }
 
     /// Factors the second derivative at this place, limited until it is positive definite; no factor past the last limit.
     fn refactor(&mut self) {
-        self.is_fresh = true;
         while let (None, Some(&limit)) = (&self.factor, LIMITS.get(self.level)) {
             let mut second = self.problem.normal.repeated::<D>(std::mem::take(&mut self.spare));
             let turns = Turns { scale: self.problem.scales.shape, limit };

@@ -110,6 +110,13 @@ impl<const C: usize> Packs<C> {
         }
     }
 
+    /// Coefficients of all packs of a block: #handles each.
+    #[inline(always)]
+    pub(crate) fn packs(&self, block: &Block) -> std::slice::ChunksExact<'_, [Lanes; C]> {
+        let count = block.handles.len();
+        self.coefficients[block.start..][..count * block.packs.len()].chunks_exact(count)
+    }
+
     /// Coefficients of one pack: #handles of its block.
     pub(crate) fn pack(&self, block: &Block, pack: usize) -> &[[Lanes; C]] {
         let start = block.start + (pack - block.packs.start) * block.handles.len();

@@ -7,6 +7,7 @@ use super::energy::{self, Distortion};
 use super::iterate::{Energies, Iteration, Run};
 use super::matrix::{Factor, Normal};
 use super::misses::{self, Evidence};
+use super::newton::Finish;
 use super::occupied;
 use super::pins::{self, Rigid};
 use super::regularizer::Hold;
@@ -15,6 +16,7 @@ use super::small::distance;
 use super::waypoint::Waypoint;
 use super::{Guard, HandlePin, MissReason, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
 use crate::lattice::{Folds, Grid, Lattice};
+use std::sync::Arc;
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
 ///
@@ -66,7 +68,8 @@ pub(crate) struct Scales {
 pub(crate) struct Terms<const D: usize> {
     pub(crate) pins: RowSet<D>,
     pub(crate) handles: RowSet<D>,
-    pub(crate) regularizer: Hold<D>,
+    /// Shared: no target changes it.
+    pub(crate) regularizer: Arc<Hold<D>>,
 }
 
 /// Where everything has to go.
@@ -87,8 +90,8 @@ pub(crate) struct Parts<const D: usize> {
 /// moves what something else decides by less than the tolerance.
 const HOLD: f64 = 1e-9;
 
-/// Most local-global steps of a drag, so that it keeps pace with the hand.
-const DRAG_STEPS: usize = 8;
+/// Most local-global steps of a drag, so that it keeps pace with the hand: a quarter of a millisecond at 15 x 15.
+const DRAG_STEPS: usize = 14;
 
 /// A drag also ends when no handle moves farther than this part of the box diagonal: a fiftieth of a pixel at 1080 lines.
 const DRAG_TOLERANCE: f64 = 1e-5;
@@ -123,7 +126,7 @@ impl<const D: usize> Solver<D> {
         let terms = Terms {
             pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
-            regularizer: Hold::new(settings.regularizer, grid, &moved, settings.scaling),
+            regularizer: Arc::new(Hold::new(settings.regularizer, grid, &moved, settings.scaling)),
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
         let reach = terms.pins.reach().max(terms.regularizer.reach()).max(distortion.reach());
@@ -202,7 +205,8 @@ impl<const D: usize> Solver<D> {
         let terms = self.retargeted(pins, handles)?;
         let settings = Settings { iteration_limit: DRAG_STEPS, tolerance: DRAG_TOLERANCE, ..self.settings.clone() };
         let iteration = self.iteration(&Targets { pins, handles, terms: &terms });
-        let run = Iteration { first: Some(&from.handles), settings: &settings, ..iteration }.run(None);
+        let finish = Finish::LocalGlobal;
+        let run = Iteration { first: Some(&from.handles), settings: &settings, finish, ..iteration }.run(None);
         Ok(Lattice { grid: self.grid.clone(), handles: run.handles })
     }
 
@@ -302,6 +306,7 @@ impl<const D: usize> Solver<D> {
             diagonal: self.grid.diagonal(),
             start,
             first: None,
+            finish: Finish::Newton,
         }
     }
 

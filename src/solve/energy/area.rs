@@ -2,7 +2,8 @@
 //!
 //! In: samples (place, area, stiffness). It does not know the mesh, so neither its density nor its flaws matter.
 
-use super::{Distortion, Quality, Turns};
+use super::turns::SubtractTurns;
+use super::{Distortion, Quality, Turns, Work};
 use crate::lattice::Grid;
 use crate::solve::gram::{Gram, Sum};
 use crate::solve::matrix::Normal;
@@ -105,32 +106,20 @@ impl<const D: usize> Distortion<D> for Area<D> {
         dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side })
     }
 
-    fn knows_turns(&self) -> bool {
-        D == 2
+    /// A coefficient meets D coordinates on the way to the samples and back.
+    fn work(&self) -> Option<Work> {
+        let mut work = Work::default();
+        for block in &self.gradients.blocks {
+            let (numbers, samples) = ((D * block.handles.len()) as f64, (LANES * block.packs.len()) as f64);
+            work.local_step += 2.0 * D as f64 * samples * numbers;
+            work.turns += 0.5 * samples * numbers * numbers;
+        }
+        (D == 2).then_some(work)
     }
 
-    /// With along = J00 + J11, across = J10 − J01 and ρ = ‖(along, across)‖ = s1 + s2, R turns by
-    /// dθ = (cos·d across − sin·d along)/ρ, and the second derivative of ‖J − R‖² is 2‖dJ‖² − 2ρ dθ².
     fn subtract_turns(&self, handles: &[[f64; D]], turns: Turns, normal: &mut Normal) {
-        let gradients = self.gradients_at(handles);
-        let (mut gram, mut rows) = (Gram::default(), Vec::new());
-        for block in &self.gradients.blocks {
-            rows.clear();
-            rows.extend(block.handles.iter().flat_map(|&handle| [2 * handle, 2 * handle + 1]));
-            gram.clear(rows.len());
-            for pack in block.packs.clone() {
-                let coefficients = self.gradients.pack(block, pack);
-                for lane in (0..LANES).filter(|&lane| self.areas[pack][lane] > 0.0) {
-                    let root = self.areas[pack][lane].sqrt();
-                    let turn = turn(&lane_of(&gradients[pack], lane), turns.limit).map(|x| root * x);
-                    for (slots, lanes) in gram.push().as_chunks_mut::<2>().0.iter_mut().zip(coefficients) {
-                        *slots = turned_row(turn, [lanes[0][lane], lanes[1][lane]]);
-                    }
-                }
-            }
-            dispatch(Sum(&mut gram));
-            normal.add_gram(-2.0 * turns.scale, &rows, &gram);
-        }
+        let Self { gradients, areas, .. } = self;
+        dispatch(SubtractTurns { gradients, areas, handles, turns, normal });
     }
 
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
@@ -154,22 +143,6 @@ impl<const D: usize> Distortion<D> for Area<D> {
         }
         quality
     }
-}
-
-/// Sine and cosine of the turn nearest to a plane gradient, over √ρ; 1/ρ is at most `limit`.
-pub(super) fn turn<const D: usize>(gradient: &Square<D>, limit: f64) -> [f64; 2] {
-    let (along, across) = (gradient[0][0] + gradient[1][1], gradient[1][0] - gradient[0][1]);
-    let spread = (along * along + across * across).sqrt();
-    // Without a direction there is nothing that could turn.
-    let inverse = if spread > 0.0 { 1.0 / spread } else { 0.0 };
-    let factor = inverse * inverse.min(limit).sqrt();
-    [across * factor, along * factor]
-}
-
-/// What a handle with gradient (x, y) adds to √ρ·dθ, a coordinate of it each.
-#[inline(always)]
-pub(super) fn turned_row([sin, cos]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
-    [-sin * x - cos * y, cos * x - sin * y]
 }
 
 /// Kernel of [`Area::gradients_at`].

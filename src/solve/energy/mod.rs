@@ -10,6 +10,7 @@ mod neighbours;
 mod patches;
 mod rims;
 mod stroke;
+mod turns;
 mod vertex;
 mod vertices;
 
@@ -42,9 +43,9 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Local step: the best rotations at `handles`. Adds their right side, times `scale`; gives the energy there.
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64;
 
-    /// Whether [`Self::subtract_turns`] is known.
-    fn knows_turns(&self) -> bool {
-        false
+    /// What a local step and [`Self::subtract_turns`] cost; `None` where the latter is not known.
+    fn work(&self) -> Option<Work> {
+        None
     }
 
     /// Takes off the matrix of all coordinates (rows D·handle + coordinate) what is less because rotations follow: with
@@ -56,6 +57,15 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
 
     /// How the shape fares at `handles`.
     fn quality(&self, handles: &[[f64; D]]) -> Quality;
+}
+
+/// Fused multiplications and additions.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Work {
+    /// Of a local step.
+    pub(crate) local_step: f64,
+    /// Of the squares that turns take off the matrix.
+    pub(crate) turns: f64,
 }
 
 /// What rotations that follow take off the second derivative.

@@ -4,8 +4,8 @@
 //! In: pins, radii. Out: a [`Distortion`] around the shape's own, E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²).
 //! H is the second derivative around the pin, J̄ the mean gradient over the region, R the rotation nearest to it.
 
-use super::area::{turn, turned_row};
-use super::{Distortion, Quality, Turns};
+use super::turns::{turn, turned_row};
+use super::{Distortion, Quality, Turns, Work};
 use crate::lattice::Grid;
 use crate::solve::bend::{SecondDifferences, bend_around, fade};
 use crate::solve::matrix::Normal;
@@ -170,8 +170,8 @@ impl<const D: usize> Distortion<D> for Patched<D> {
         energy
     }
 
-    fn knows_turns(&self) -> bool {
-        self.shape.knows_turns()
+    fn work(&self) -> Option<Work> {
+        self.shape.work()
     }
 
     fn subtract_turns(&self, handles: &[[f64; D]], turns: Turns, normal: &mut Normal) {
