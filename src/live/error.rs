@@ -1,5 +1,6 @@
 //! What can go wrong on the way from parameters to pixels.
 
+use crate::image::ImageError;
 use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
@@ -26,6 +27,9 @@ pub enum LiveError {
     /// The shot does not fit its scene, or cannot be solved.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] ImageError),
     /// The shot shows another frame than the picture.
     #[error("{path} is for frames {wanted:.4} wide to 1 high, the picture is {found:.4} to 1; {hint}")]
     Shape {
@@ -56,6 +60,14 @@ pub enum LiveError {
         /// Samples.
         found: usize,
         /// Pixels.
+        wanted: usize,
+    },
+    /// A background of other channels.
+    #[error("the background has {found} channels, the source {wanted}; give both the same")]
+    PlaneCount {
+        /// Those of the background.
+        found: usize,
+        /// Those of the source.
         wanted: usize,
     },
     /// The host gave the picture up.

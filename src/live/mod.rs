@@ -2,23 +2,36 @@
 //! an editor).
 //!
 //! In: [`Controls`], a [`Shape`], the size of the frame. Out: a [`Warp`]: where every point goes, what to draw over the
-//! picture, how good it is. All functions may be called from any number of threads, and give the same bits on all.
+//! picture, how good it is; pixels ([`render`]), regions, STMaps ([`stmap`]). All functions may be called from any number of threads, and give the same bits on all.
 //! What was computed is kept for the whole process by content, so hosts may make their instances anew for every frame.
 
 mod base;
 mod cache;
+mod composite;
 mod controls;
 mod error;
 mod handles;
 mod key;
+mod pages;
+mod picture;
+mod read;
+mod regions;
+mod render;
 mod shape;
 mod solve;
+mod stmap;
 mod warp;
+mod write;
 
 pub use crate::lattice::Basis;
 pub use controls::{Controls, Moved, Pin};
 pub use error::LiveError;
 pub use handles::{Choosing, Picker, Pull};
+pub use picture::{Alpha, Picture};
+pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
+pub use render::{Piece, Render, render, render_pieces};
 pub use shape::{Coverage, OwnPins, Shape, ShotShape};
 pub use solve::warp;
+pub use stmap::{StMap, stmap};
 pub use warp::{GridLine, PinPlace, Warp};
+pub use write::{NewShot, Subject, WriteShot, write_shot};

@@ -48,15 +48,27 @@ pub fn warp(controls: &Controls, shape: &Shape, frame: FrameSize) -> Result<Arc<
     }
     let base_key = shape.key(frame)?;
     let solver_key = solver_key(base_key, controls, shape);
-    WARPS.get(warp_key(solver_key, controls), || {
+    let key = warp_key(solver_key, controls);
+    WARPS.get(key, || {
         let base = BASES.get(base_key, || Base::of(shape, frame))?;
         let Some(setup) = &base.setup else {
-            return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped"));
+            return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
         };
         let task = Task { setup, index: base.layer, controls, shape };
         let ready = SOLVERS.get(solver_key, || task.prepare(base_key))?;
-        task.solve(&ready)
+        task.solve(&ready, key)
     })
+}
+
+/// The scene behind a shape, loaded or kept.
+///
+/// # Errors
+/// [`LiveError`] where it cannot be loaded, or is for frames of another shape.
+pub(super) fn base(shape: &Shape, frame: FrameSize) -> Result<Arc<Base>, LiveError> {
+    if let Shape::Shot(shot) = shape {
+        check_aspect(shot, frame)?;
+    }
+    BASES.get(shape.key(frame)?, || Base::of(shape, frame))
 }
 
 /// Everything that fixes the factored matrix.
@@ -176,9 +188,9 @@ impl Task<'_> {
         Ok((pinned.collect(), warnings))
     }
 
-    fn solve(&self, ready: &Ready) -> Result<Warp, LiveError> {
+    fn solve(&self, ready: &Ready, key: Key) -> Result<Warp, LiveError> {
         let Some(prepared) = &ready.prepared else {
-            return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped"));
+            return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped", key));
         };
         let layer = self.layer(Goals::Reached);
         let state = prepared.solve(&layer, &layer.pin_path(self.frames(), self.key_frame()))?;
@@ -201,6 +213,6 @@ impl Task<'_> {
             (Moved::Picture, Shape::Frame | Shape::Shot(_), None) => Field::of_picture(lattice.clone()),
             _ => Field::of_layer(lattice.clone()),
         };
-        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings })
+        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, key })
     }
 }

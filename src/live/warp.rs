@@ -2,6 +2,7 @@
 //!
 //! In: a solved lattice. Out: where points go; lines, handles and pins as points of the screen.
 
+use super::key::Key;
 use crate::lattice::ScreenLattice;
 use crate::plate::Field;
 use crate::solve::SolveReport;
@@ -20,6 +21,8 @@ pub struct Warp {
     pub report: Option<SolveReport>,
     /// What the user should know, in words.
     pub warnings: Vec<String>,
+    /// What stands for all that it was solved from.
+    pub(super) key: Key,
 }
 
 /// A pin at the moment of the warp.
@@ -46,9 +49,9 @@ pub struct GridLine {
 
 impl Warp {
     /// A warp that moves nothing, and why.
-    pub(super) fn nothing(why: &str) -> Self {
+    pub(super) fn nothing(why: &str, key: Key) -> Self {
         let warnings = vec![why.to_owned()];
-        Self { field: Field::identity(), lattice: None, pins: Vec::new(), report: None, warnings }
+        Self { field: Field::identity(), lattice: None, pins: Vec::new(), report: None, warnings, key }
     }
 
     /// Nothing moves anywhere (by more than 1e-8 frame heights).

@@ -9,7 +9,7 @@ use super::passes::mid_shutter;
 use super::pictures::Gallery;
 use super::screen_layer::corners;
 use super::transfer::{self, Loaded};
-use super::{Moment, Pinned, PipelineError, anchors, claims, lighting, stiffness};
+use super::{Moment, Pinned, PipelineError, Rest, anchors, claims, lighting, stiffness};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
 use crate::scene::{self, FindError, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
@@ -230,6 +230,14 @@ impl Setup {
         let mesh = screen::project(&pose, &camera);
         let pick = |&point: &ScreenPoint| screen::pick(&self.scene, &pose, &mesh, camera.near(), point);
         points.iter().map(|point| pick(point).map(|hit| Pinned::on(&self.scene, &pose, &hit))).collect()
+    }
+
+    /// Where the pinned points of a layer are before any warp at a (fractional) frame, one a pin.
+    #[must_use]
+    pub fn rests_of(&self, layer: usize, frame: f64) -> Vec<Rest> {
+        let (pose, camera) = self.view(frame);
+        let mesh = screen::project(&pose, &camera);
+        self.anchors[layer].iter().map(|pinned| pinned.rest(&mesh, &camera)).collect()
     }
 
     /// What the pins of a layer are tied to, one a pin.

@@ -40,6 +40,7 @@ pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table};
 pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
+pub(crate) use over::{laid, left_below};
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
 pub use stmap::{check_stmap, map_of_stmap, stmap_of};

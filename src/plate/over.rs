@@ -140,7 +140,7 @@ impl Canvas<'_> {
 }
 
 /// What is left to see of a pixel that is filled by `filled`, below a sheet that has `share` of it and covers `cover`.
-fn left_below(filled: f32, share: f32, cover: f32) -> f32 {
+pub(crate) fn left_below(filled: f32, share: f32, cover: f32) -> f32 {
     let shared = filled + share - 1.0;
     if shared <= 0.0 || filled <= 0.0 || share <= 0.0 {
         return 1.0;
@@ -149,7 +149,7 @@ fn left_below(filled: f32, share: f32, cover: f32) -> f32 {
 }
 
 /// A sample over another. What cannot be seen does not count, whatever it is.
-fn laid(over: f32, under: f32, below: f32) -> f32 {
+pub(crate) fn laid(over: f32, under: f32, below: f32) -> f32 {
     if below == 0.0 { over } else { over + under * below }
 }
 

@@ -1,4 +1,12 @@
 //! The host-neutral core: warps of one moment, their caches, pixels and shot files.
 
+mod pixels;
+mod regions;
 mod support;
 mod warps;
+
+/// A warp that moves nothing.
+fn live_warp_at_rest() -> std::sync::Arc<pinwarp::live::Warp> {
+    use pinwarp::live::{Controls, Shape, warp};
+    warp(&Controls::default(), &Shape::Frame, support::WIDE).expect("solves")
+}

@@ -161,6 +161,6 @@ impl Check<'_> {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
-        settings
+        settings.with_stiffness(raw.stiffness.unwrap_or(1.0))
     }
 }

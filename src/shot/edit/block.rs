@@ -19,14 +19,34 @@ const DECIMALS: i32 = 7;
 /// ```
 #[must_use]
 pub fn pin_block(name: &str, anchor: &Anchor) -> String {
-    format!("  [[layer.pin]]\n{}", NewPin { name, anchor, first_frame: 1 }.table("  "))
+    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys: resting(1) };
+    format!("  [[layer.pin]]\n{}", pin.table("  "))
 }
 
 /// A pin about to be written.
 pub(super) struct NewPin<'a> {
     pub(super) name: &'a str,
-    pub(super) anchor: &'a Anchor,
-    pub(super) first_frame: i64,
+    pub(super) anchor: InlineTable,
+    pub(super) keys: Array,
+}
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Digits {
+    /// As a person reads them: far below a pixel, free of binary noise.
+    Few,
+    /// So that they come back bit for bit.
+    All,
+}
+
+/// One key without offset.
+pub(super) fn resting(frame: i64) -> Array {
+    let mut key = InlineTable::new();
+    key.insert("frame", frame.into());
+    key.insert("offset", numbers(&[0.0, 0.0], Digits::Few));
+    let mut keys = Array::new();
+    keys.push_formatted(Value::InlineTable(key).decorated(" ", " "));
+    keys
 }
 
 impl NewPin<'_> {
@@ -51,34 +71,29 @@ impl NewPin<'_> {
     }
 
     fn entries(&self) -> [(&'static str, Value); 3] {
-        let mut key = InlineTable::new();
-        key.insert("frame", self.first_frame.into());
-        key.insert("offset", numbers(&[0.0, 0.0]));
-        let mut keys = Array::new();
-        keys.push_formatted(Value::InlineTable(key).decorated(" ", " "));
         [
             ("name", self.name.into()),
-            ("anchor", Value::InlineTable(anchor_table(self.anchor))),
-            ("keys", Value::Array(keys)),
+            ("anchor", Value::InlineTable(self.anchor.clone())),
+            ("keys", Value::Array(self.keys.clone())),
         ]
     }
 }
 
 /// `{ node = .., primitive = .., triangle = .., barycentric = [..], rest = [..] }` or `{ screen = [..], frame = .. }`.
-pub(super) fn anchor_table(anchor: &Anchor) -> InlineTable {
+pub(super) fn anchor_table(anchor: &Anchor, digits: Digits) -> InlineTable {
     let mut table = InlineTable::new();
     match anchor {
         Anchor::Surface { node, primitive, triangle, barycentric, rest } => {
             table.insert("node", node.as_str().into());
             table.insert("primitive", integer(*primitive));
             table.insert("triangle", integer(*triangle));
-            table.insert("barycentric", numbers(barycentric));
+            table.insert("barycentric", numbers(barycentric, digits));
             if let Some(rest) = rest {
-                table.insert("rest", numbers(rest));
+                table.insert("rest", numbers(rest, digits));
             }
         }
         Anchor::Screen { at, frame } => {
-            table.insert("screen", numbers(&at.0.to_array()));
+            table.insert("screen", numbers(&at.0.to_array(), digits));
             if let Some(frame) = frame {
                 table.insert("frame", i64::from(*frame).into());
             }
@@ -91,8 +106,12 @@ fn integer(index: usize) -> Value {
     i64::try_from(index).unwrap_or(i64::MAX).into()
 }
 
-fn numbers(values: &[f64]) -> Value {
+pub(super) fn numbers(values: &[f64], digits: Digits) -> Value {
     let scale = 10_f64.powi(DECIMALS);
+    let rounded = |value: f64| match digits {
+        Digits::Few => (value * scale).round() / scale,
+        Digits::All => value,
+    };
     // Adding zero turns -0 into 0.
-    values.iter().map(|value| (value * scale).round() / scale + 0.0).collect()
+    values.iter().map(|value| rounded(*value) + 0.0).collect()
 }

@@ -3,12 +3,14 @@
 //! In: text and an [`Anchor`]. Out: the new text. The text need not be a valid shot, only TOML.
 
 mod block;
+mod layer;
 mod text;
 
 pub use block::pin_block;
+pub use layer::{KeyedPin, LayerEdit, put_layer};
 
 use super::{Anchor, ShotError};
-use block::NewPin;
+use block::{Digits, NewPin, anchor_table, resting};
 use text::EditableText;
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
 
@@ -34,7 +36,8 @@ pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> 
         return Err(edit("the name is empty", "give a name"));
     }
     let mut text = EditableText::parse(text).map_err(|(what, hint)| edit(&what, hint))?;
-    let pin = NewPin { name, anchor, first_frame: first_frame(text.document.as_table()) };
+    let keys = resting(first_frame(text.document.as_table()));
+    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys };
     let layers = text.document.entry("layer").or_insert_with(no_tables);
     if is_empty_list(layers) && layer.is_none() {
         append_layer(layers);
@@ -113,7 +116,7 @@ fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
     let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
     let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
     if let Ok(existing) = find(pins, Some(pin.name), "pin") {
-        replace_anchor(existing, pin.anchor);
+        replace_anchor(existing, pin.anchor.clone());
         return Ok(());
     }
     let is_appended = append_pin(pins, pin);
@@ -121,8 +124,7 @@ fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
 }
 
 /// Only the anchor changes; a comment behind it stays.
-fn replace_anchor(pin: &mut dyn TableLike, anchor: &Anchor) {
-    let new = block::anchor_table(anchor);
+fn replace_anchor(pin: &mut dyn TableLike, new: InlineTable) {
     match pin.get_mut("anchor") {
         Some(Item::Table(old)) => replace_entries(old, new),
         Some(Item::Value(Value::InlineTable(old))) if old.is_dotted() => replace_entries(old, new),

@@ -156,6 +156,10 @@ pub(in crate::shot) struct RawSolve {
     /// anything of the layer folds; default: report.
     #[schemars(example = &"limit")]
     pub(in crate::shot) guard: Option<Guard>,
+    /// How much the lattice resists being bent: more spreads the pull of a pin over the whole layer; its cube scales the
+    /// regulariser; default: 1.
+    #[schemars(range(min = 0.1, max = 10.0), example = 2.0)]
+    pub(in crate::shot) stiffness: Option<f64>,
 }
 
 /// Settings by name.

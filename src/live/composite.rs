@@ -1,0 +1,186 @@
+//! What moved, over what rests, over what lies behind.
+//!
+//! In: a [`Render`]'s pictures, the map of a page. Out: planes of a window of that page, alpha as the source has it. The
+//! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
+
+use super::pages::{common, place};
+use super::picture::{Alpha, Associated, cut, products};
+use super::{LiveError, Render, Warp};
+use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resampled};
+use crate::space::PixelRect;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Samples that a task takes.
+const BATCH: usize = 1 << 12;
+
+/// Less alpha than this is none: a quotient by it would say nothing.
+const LEAST_ALPHA: f32 = 1e-6;
+
+/// The pictures of a render, ready to be drawn.
+pub(super) struct Sheets<'a> {
+    job: &'a Render<'a>,
+    /// The source, colour multiplied with its alpha.
+    source: Associated<'a>,
+    /// What is filtered: the part of the source that moves; its share; colours that alpha hides.
+    moved: Vec<Cow<'a, [f32]>>,
+    /// The share of every pixel that moves, where it is not all: #pixels of the source.
+    share: Option<Cow<'a, [f32]>>,
+    background: Option<Associated<'a>>,
+    /// Straight colours have to come out again.
+    is_straight: bool,
+}
+
+impl Render<'_> {
+    /// Refuses planes that do not fit.
+    pub(super) fn check(&self) -> Result<(), LiveError> {
+        self.source.check("the source")?;
+        if let Some(mask) = self.mask {
+            mask.check("the mask")?;
+        }
+        let Some(background) = self.background else { return Ok(()) };
+        background.check("the background")?;
+        let (found, wanted) = (background.planes.len(), self.source.planes.len());
+        if found == wanted { Ok(()) } else { Err(LiveError::PlaneCount { found, wanted }) }
+    }
+}
+
+impl<'a> Sheets<'a> {
+    /// `None`: nothing moves, and nothing lies behind.
+    pub(super) fn of(warp: &Warp, job: &'a Render<'a>) -> Option<Self> {
+        if warp.is_identity() && job.background.is_none() {
+            return None;
+        }
+        let is_blended = job.filter != Filter::Nearest || job.mask.is_some() || job.background.is_some();
+        let is_straight = job.source.alpha == Alpha::Straight && is_blended;
+        let plain = || job.source.planes.iter().map(|plane| Cow::Borrowed(*plane)).collect();
+        let window = job.source.window;
+        let source = if is_straight { job.source.associated() } else { Associated { window, planes: plain() } };
+        let share: Option<Cow<[f32]>> =
+            match (job.mask.and_then(|mask| Some((mask, mask.planes.first()?))), job.background) {
+                (Some((mask, plane)), _) => {
+                    let mut share = cut(plane, mask.window, window);
+                    share
+                        .par_iter_mut()
+                        .for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) });
+                    Some(Cow::Owned(share))
+                }
+                (None, Some(_)) => Some(Cow::Owned(vec![1.0; window.area()])),
+                (None, None) => None,
+            };
+        let mut moved: Vec<Cow<[f32]>> = match &share {
+            Some(share) if job.mask.is_some() => {
+                source.planes.iter().map(|plane| Cow::Owned(products(plane, share))).collect()
+            }
+            _ => source.planes.clone(),
+        };
+        moved.extend(share.clone());
+        if is_straight && job.source.has_hidden_color() {
+            let colors = job.source.planes.len() - 1;
+            moved.extend(job.source.planes[..colors].iter().map(|plane| Cow::Borrowed(*plane)));
+        }
+        let background = job.background.map(|background| background.associated());
+        Some(Self { job, source, moved, share, background, is_straight })
+    }
+
+    /// The pixels of a window within a page, whose map is given.
+    pub(super) fn draw(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
+        let planes = self.moved.iter().map(|plane| &plane[..]).collect();
+        let planes = Planes { window: self.source.window, planes };
+        let part = part_of(map, window);
+        let map = part.as_ref().unwrap_or(map);
+        let seen = resampled(map, &planes, self.job.filter);
+        let mut seen: Vec<Vec<f32>> = seen.iter().map(|plane| cut(plane, map.window, window)).collect();
+        let mut hidden = seen.split_off(self.job.source.planes.len() + usize::from(self.share.is_some()));
+        if let Some(share) = &self.share {
+            let landed = seen.pop().unwrap_or_default();
+            self.lay(&mut seen, (share, &landed), window);
+            self.keep_resting(&mut hidden, &landed, window);
+        }
+        if self.is_straight {
+            self.divide(&mut seen, &hidden, window);
+        }
+        seen
+    }
+
+    /// Lays what moved over what rests, and puts the background behind.
+    fn lay(&self, seen: &mut [Vec<f32>], (share, landed): (&[f32], &[f32]), window: PixelRect) {
+        let filled = self.filled(share, window);
+        let cover = match self.job.source.coverage() {
+            Some(alpha) => seen[alpha].clone(),
+            None => landed.to_vec(),
+        };
+        let factor = |((filled, share), cover): ((&f32, &f32), &f32)| {
+            let (share, cover) = (share.clamp(0.0, 1.0), cover.clamp(0.0, 1.0));
+            (left_below(*filled, share, cover), 1.0 - (filled + share).min(1.0))
+        };
+        let all = filled.par_iter().zip(landed).zip(&cover).with_min_len(BATCH);
+        let (below, holes): (Vec<f32>, Vec<f32>) = all.map(factor).unzip();
+        for (index, plane) in seen.iter_mut().enumerate() {
+            if self.job.mask.is_some() {
+                let rest = cut(&self.source.planes[index], self.source.window, window);
+                let rests = products(&rest, &filled);
+                let samples = plane.par_iter_mut().zip(rests).zip(&below).with_min_len(BATCH);
+                samples.for_each(|((sample, rest), below)| *sample = laid(*sample, rest, *below));
+            }
+            if let Some(background) = &self.background {
+                let behind = products(&cut(&background.planes[index], background.window, window), &holes);
+                let samples = plane.par_iter_mut().zip(behind).with_min_len(BATCH);
+                samples.for_each(|(sample, behind)| *sample += behind);
+            }
+        }
+    }
+
+    /// Colours that alpha hides stay where nothing landed on them.
+    fn keep_resting(&self, hidden: &mut [Vec<f32>], landed: &[f32], window: PixelRect) {
+        for (hidden, own) in hidden.iter_mut().zip(&self.job.source.planes) {
+            let own = cut(own, self.source.window, window);
+            let samples = hidden.iter_mut().zip(own).zip(landed);
+            samples.filter(|(_, landed)| **landed == 0.0).for_each(|((hidden, own), _)| *hidden = own);
+        }
+    }
+
+    /// How much of every pixel of a window stays where it is; nothing where the source has no samples.
+    fn filled(&self, share: &[f32], window: PixelRect) -> Vec<f32> {
+        let left: Vec<f32> = share.iter().map(|share| 1.0 - share).collect();
+        cut(&left, self.source.window, window)
+    }
+
+    /// Straight colour again. Samples that came out as they went in keep their bits.
+    fn divide(&self, seen: &mut [Vec<f32>], hidden: &[Vec<f32>], window: PixelRect) {
+        let Some((alpha, colors)) = seen.split_last_mut() else { return };
+        let whole = self.source.window;
+        let of = |plane: &[f32]| cut(plane, whole, window);
+        let Some(source_alpha) = self.job.source.planes.last().map(|plane| of(plane)) else { return };
+        for (index, color) in colors.iter_mut().enumerate() {
+            let (multiplied, straight) = (of(&self.source.planes[index]), of(self.job.source.planes[index]));
+            let hidden = hidden.get(index);
+            color.par_iter_mut().enumerate().with_min_len(BATCH).for_each(|(k, sample)| {
+                let is_kept =
+                    sample.to_bits() == multiplied[k].to_bits() && alpha[k].to_bits() == source_alpha[k].to_bits();
+                *sample = match alpha[k] {
+                    _ if is_kept && (alpha[k] != 0.0 || hidden.is_none_or(|hidden| hidden[k] == straight[k])) => {
+                        straight[k]
+                    }
+                    alpha if alpha.abs() < LEAST_ALPHA => hidden.map_or(0.0, |hidden| hidden[k]),
+                    alpha => *sample / alpha,
+                };
+            });
+        }
+    }
+}
+
+/// The map of a window and the pixels beside it; `None` where that is all there is.
+fn part_of(map: &WarpMap, window: PixelRect) -> Option<WarpMap> {
+    let PixelRect { x, y, width, height } = window;
+    let around = PixelRect { x: x - 1, y: y - 1, width: width + 2, height: height + 2 };
+    let around = common(around, map.window);
+    if around == map.window {
+        return None;
+    }
+    let mut part = WarpMap::identity(map.frame, around);
+    for (row, y) in part.offsets.chunks_exact_mut(around.width as usize).zip(around.y..) {
+        row.copy_from_slice(&map.offsets[place(map.window, around.x, y)..][..around.width as usize]);
+    }
+    Some(part)
+}

@@ -1,0 +1,101 @@
+//! Where the pixels of a warped frame come from, page by page, so that tiles and whole frames show the same pixels.
+//!
+//! In: a [`Warp`], the frame, a window. Out: the pages that the window touches. Pages lie on a grid of their own: a map
+//! depends a little (2e-4 of a pixel) on where its window begins.
+
+use super::cache::Cache;
+use super::key::{Key, KeyWriter};
+use super::{LiveError, Warp};
+use crate::plate::WarpMap;
+use crate::space::{FrameSize, PixelRect};
+use std::sync::{Arc, LazyLock};
+
+/// Pixels across and down of a page's map: whole blocks of the map's own making.
+const MAP: [u32; 2] = [640, 256];
+
+/// Pixels around what a page shows: footprints look at neighbours.
+const RIM: u32 = 1;
+
+/// Bytes of maps that are kept: eight frames of 1080p.
+const KEPT_BYTES: usize = 1 << 27;
+
+static MAPS: LazyLock<Cache<WarpMap>> = LazyLock::new(|| {
+    Cache::new(KEPT_BYTES, |map: &WarpMap| std::mem::size_of_val(&map.offsets[..]) + 4 * map.folded_pixels.len())
+});
+
+/// A part of the image plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Page([i32; 2]);
+
+impl Page {
+    /// The pages that a window touches, row by row.
+    pub(super) fn all_of(window: PixelRect) -> Vec<Self> {
+        if window.area() == 0 {
+            return Vec::new();
+        }
+        let [columns, rows] =
+            [(window.x, window.width, 0), (window.y, window.height, 1)].map(|(start, length, axis)| {
+                let last = i64::from(start) + i64::from(length) - 1;
+                let of = |place: i64| place.div_euclid(i64::from(step(axis))) as i32;
+                of(start.into())..=of(last)
+            });
+        rows.flat_map(|row| columns.clone().map(move |column| Self([column, row]))).collect()
+    }
+
+    /// What it shows.
+    pub(super) fn window(self) -> PixelRect {
+        let Self([column, row]) = self;
+        let [width, height] = [0, 1].map(step);
+        PixelRect { x: column * width as i32, y: row * height as i32, width, height }
+    }
+
+    /// Where its pixels come from, and those of a rim around it.
+    pub(super) fn map(self, warp: &Warp, frame: FrameSize) -> Arc<WarpMap> {
+        let PixelRect { x, y, .. } = self.window();
+        let window = PixelRect { x: x - RIM as i32, y: y - RIM as i32, width: MAP[0], height: MAP[1] };
+        let compute = || Ok::<_, LiveError>(WarpMap::backward(&warp.field, frame, window));
+        MAPS.get(self.key(warp.key, frame), compute).unwrap_or_else(|_| Arc::new(WarpMap::identity(frame, window)))
+    }
+
+    fn key(self, warp: Key, frame: FrameSize) -> Key {
+        let mut key = KeyWriter::after(warp);
+        key.words(&[frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()]);
+        key.words(&self.0.map(|place| place as u64)).finish()
+    }
+}
+
+const fn step(axis: usize) -> u32 {
+    MAP[axis] - 2 * RIM
+}
+
+/// The pixels of two windows.
+pub(super) fn common(a: PixelRect, b: PixelRect) -> PixelRect {
+    let axis = |a: (i32, u32), b: (i32, u32)| {
+        let end = |(start, length): (i32, u32)| i64::from(start) + i64::from(length);
+        let start = a.0.max(b.0);
+        (start, (end(a).min(end(b)) - i64::from(start)).max(0) as u32)
+    };
+    let (x, width) = axis((a.x, a.width), (b.x, b.width));
+    let (y, height) = axis((a.y, a.height), (b.y, b.height));
+    PixelRect { x, y, width, height }
+}
+
+/// Place of a pixel among the samples of a window that holds it.
+pub(super) fn place(window: PixelRect, x: i32, y: i32) -> usize {
+    (y - window.y) as usize * window.width as usize + (x - window.x) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_tile_every_window() {
+        let window = PixelRect { x: -700, y: -3, width: 2000, height: 400 };
+        let pages = Page::all_of(window);
+        let covered: usize = pages.iter().map(|page| common(page.window(), window).area()).sum();
+        assert_eq!(covered, window.area());
+        assert_eq!(pages.len(), 4 * 3);
+        assert_eq!(Page::all_of(PixelRect::default()), []);
+    }
+}

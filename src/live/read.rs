@@ -1,0 +1,169 @@
+//! A shot file as parameters: its pins with their keys, for hosts that keep keys themselves.
+//!
+//! In: a [`ShotShape`]. Out: a [`ShotFile`]; what the parameters cannot say is told in words.
+
+use super::base::Base;
+use super::{Controls, LiveError, Pin, Shape, ShotShape, solve};
+use crate::pipeline::{LayerTask, Pinned, Rest, Setup};
+use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
+use crate::space::{FrameSize, ScreenPoint, ScreenVector};
+
+/// What a shot file says, as parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShotFile {
+    /// The layer's lattice, and its pins at the shape's frame. Strength and stiffness are 1: the file's own stay in force.
+    pub controls: Controls,
+    /// One a pin of the controls.
+    pub tracks: Vec<PinTrack>,
+    /// Name of the layer.
+    pub layer: String,
+    /// First and last frame.
+    pub frames: [i32; 2],
+    /// What the parameters do not say, or not exactly.
+    pub warnings: Vec<String>,
+}
+
+/// A pin over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinTrack {
+    /// Its name in the file.
+    pub name: String,
+    /// Where its point is in the frame in which pins are placed.
+    pub rest: ScreenPoint,
+    /// Its keys, frames increasing.
+    pub keys: Vec<TrackKey>,
+}
+
+/// A pin at a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackKey {
+    /// When.
+    pub frame: f64,
+    /// [`Pin::target`] then.
+    pub target: ScreenPoint,
+    /// [`Pin::rotation`] then, radians.
+    pub rotation: Option<f64>,
+    /// [`Pin::scale`] then.
+    pub scale: Option<f64>,
+    /// Shapes the segment that leaves this key.
+    pub ease: Ease,
+}
+
+/// Reads the layer's pins. With [`OwnPins::LeftOut`](super::OwnPins::LeftOut) and these controls a [`warp`](super::warp) over the same shape
+/// is the shot's own.
+///
+/// # Errors
+/// [`LiveError`] where the file is wrong or does not fit its scene.
+pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
+    let base = solve::base(&Shape::Shot(shape.clone()), frame)?;
+    let setup = base.setup.as_ref().expect("shots have a scene");
+    let reader = Reader { setup, layer: &setup.shot.layers[base.layer], index: base.layer, shape };
+    reader.read(&base)
+}
+
+struct Reader<'a> {
+    setup: &'a Setup,
+    layer: &'a Layer,
+    index: usize,
+    shape: &'a ShotShape,
+}
+
+impl Reader<'_> {
+    fn read(&self, base: &Base) -> Result<ShotFile, LiveError> {
+        let [nx, ny, _] = self.layer.space.dims();
+        let rests = self.setup.rests_of(base.layer, f64::from(self.shape.pin_frame));
+        let points: Vec<ScreenPoint> = rests.iter().map(|rest| rest.point).collect();
+        let casts = self.setup.cast(self.shape.pin_frame, &points);
+        let now = self.targets_now();
+        let (mut pins, mut tracks, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, (rest, cast)) in rests.iter().zip(&casts).enumerate() {
+            warnings.extend(self.doubts(number, rest, cast.as_ref()));
+            let goal = |goal, frame| self.offset(number, goal, frame);
+            let target = &now.pins[number];
+            let rotation = match target.rotation {
+                Some(Rotation::InView(angle)) => Some(angle),
+                _ => None,
+            };
+            let offset = goal(target.goal, self.shape.frame)?;
+            pins.push(Pin {
+                rest: rest.point,
+                target: rest.point + offset,
+                rotation,
+                scale: target.log_scale.map(f64::exp),
+            });
+            let keys = self.layer.pins[number].keys.iter();
+            let keys = keys.map(|key| Ok(track_key(key, rest.point + goal(key.goal, key.frame)?)));
+            let name = self.layer.pins[number].name.clone();
+            tracks.push(PinTrack { name, rest: rest.point, keys: keys.collect::<Result<_, LiveError>>()? });
+        }
+        let controls = Controls { dims: [nx, ny], basis: self.layer.basis, pins, ..Controls::default() };
+        let frames = [self.setup.shot.frames.first, self.setup.shot.frames.last];
+        Ok(ShotFile { controls, tracks, layer: self.layer.name.clone(), frames, warnings })
+    }
+
+    /// What the pins' keys say in the shape's frame, without strength.
+    fn targets_now(&self) -> PinTargets {
+        let layer = Layer { strength: 1.0, ..self.layer.clone() };
+        let frame = self.setup.key_frame(&layer, self.setup.exposed_at(self.shape.frame));
+        layer.pin_path(&self.setup.shot.frames, frame).pop().unwrap_or_default()
+    }
+
+    /// How far a goal is from where the pin's point is in a frame.
+    fn offset(&self, number: usize, goal: Goal, frame: f64) -> Result<ScreenVector, LiveError> {
+        let unit = self.layer.pins[number].unit;
+        match goal {
+            Goal::Offset(offset) if unit == OffsetUnit::Frame => Ok(offset),
+            Goal::Offset(offset) => {
+                let moment = self.setup.unsolved(self.setup.exposed_at(frame))?;
+                let task = LayerTask { index: self.index, layer: self.layer, anchors: &[] };
+                let prepared = self.setup.prepare(&moment, &task, &[])?;
+                let size = prepared.map_or([1.0; 2], |prepared| [0, 1].map(|axis| prepared.grid().size(axis)));
+                Ok(ScreenVector::new(offset.0.x * size[0], offset.0.y * size[1]))
+            }
+            Goal::Target(target) => {
+                let rests = self.setup.rests_of(self.index, self.setup.exposed_at(frame));
+                Ok(target - rests[number].point)
+            }
+            // Those are of layers of the scene.
+            Goal::SceneOffset(_) | Goal::SceneTarget(_) => Ok(ScreenVector::default()),
+        }
+    }
+
+    /// What is not exact about a pin.
+    fn doubts(&self, number: usize, rest: &Rest, cast: Option<&Pinned>) -> Vec<String> {
+        let pin = &self.layer.pins[number];
+        let frame = self.shape.pin_frame;
+        let told = |what: String| format!("pin '{}' {what}", pin.name);
+        let mut doubts = Vec::new();
+        let own = self.setup.anchors_of(self.index)[number];
+        match (own, cast) {
+            _ if rest.presence <= 0.0 => {
+                doubts.push(told(format!("is behind the camera in frame {frame}: place pins in another")))
+            }
+            (Pinned::Surface { part, corners, .. }, Some(Pinned::Surface { part: other, corners: found, .. }))
+                if part == *other && corners.iter().any(|corner| found.contains(corner)) => {}
+            (Pinned::Surface { .. }, _) => {
+                doubts.push(told(format!("is hidden in frame {frame}: placed there it would stick to something else")));
+            }
+            (Pinned::Screen(_), Some(_)) if self.setup.shot.scene().is_some() => {
+                doubts.push(told("is fixed on the screen in the file: here it sticks to the model".into()));
+            }
+            (Pinned::Screen(_), _) => {}
+        }
+        if pin.unit == OffsetUnit::Box || matches!(pin.keys.first().map(|key| key.goal), Some(Goal::Target(_))) {
+            doubts.push(told("has goals that follow the box or the screen: they are exact at its keys only".into()));
+        }
+        if pin.region.is_some() {
+            doubts.push(told("takes a region along: only the file says that".into()));
+        }
+        doubts
+    }
+}
+
+fn track_key(key: &PinKey, target: ScreenPoint) -> TrackKey {
+    let rotation = match key.rotate_degrees {
+        Some(Rotation::InView(degrees)) => Some(degrees.to_radians()),
+        _ => None,
+    };
+    TrackKey { frame: key.frame, target, rotation, scale: key.scale, ease: key.ease }
+}

@@ -1,0 +1,113 @@
+//! Which pixels can show something, and which are needed for it.
+//!
+//! In: a [`Warp`], the frame, a window. Out: windows that hold at least all of them.
+
+use super::cache::Cache;
+use super::key::{Key, KeyWriter};
+use super::pages::{Page, common, place};
+use super::{LiveError, Warp};
+use crate::plate::{Filter, WarpMap};
+use crate::space::{FrameSize, PixelRect};
+use rayon::prelude::*;
+use std::sync::LazyLock;
+
+/// Answers kept: hosts ask for the same region many times.
+const KEPT: usize = 4096;
+
+/// Samples around a picture's edge that its filter may spread to, in pixels of the result.
+const SOFT_EDGE: i32 = 3;
+
+static REGIONS: LazyLock<Cache<PixelRect>> = LazyLock::new(|| Cache::new(KEPT, |_| 1));
+
+impl Warp {
+    /// Every pixel that can show something of a picture with that window: the region of definition. Cut to the frame and
+    /// as much again on every side, unless the window itself reaches further.
+    #[must_use]
+    pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
+        if self.is_identity() || window.area() == 0 {
+            return window;
+        }
+        let key = self.region_key((0, frame), window);
+        let found = REGIONS.get(key, || {
+            let seen = self.field.warped_window(frame, window);
+            Ok::<_, LiveError>(if seen.area() == 0 { seen } else { grown(seen, SOFT_EDGE) })
+        });
+        found.map_or(window, |found| *found)
+    }
+
+    /// Every pixel of the source that the pixels of `window` can show something of: the region of interest, with all that
+    /// the filter reads around it. With a mask what rests is needed, too: add the window itself.
+    #[must_use]
+    pub fn source_of(&self, window: PixelRect, frame: FrameSize, filter: Filter) -> PixelRect {
+        if self.is_identity() || window.area() == 0 {
+            return window;
+        }
+        let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
+            let reaches = Page::all_of(window).into_iter().filter_map(|page| {
+                let map = page.map(self, frame);
+                reach(&map, common(page.window(), window), filter)
+            });
+            Ok::<_, LiveError>(reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect))
+        });
+        found.map_or(window, |found| *found)
+    }
+
+    fn region_key(&self, (question, frame): (u64, FrameSize), window: PixelRect) -> Key {
+        let mut key = KeyWriter::after(self.key);
+        key.words(&[question, frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()]);
+        key.words(&[window.x as u64, window.y as u64, window.width.into(), window.height.into()]).finish()
+    }
+}
+
+/// Left, top, right and bottom of what is read, in pixels.
+type Reach = [f32; 4];
+
+fn union(a: Reach, b: Reach) -> Reach {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
+}
+
+/// What the pixels of a window within a map read; `None`: nothing.
+fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
+    let rows = (window.y..window.y + window.height as i32).into_par_iter();
+    let of_row = |y: i32| {
+        let first = place(map.window, window.x, y);
+        let pixels = (0..window.width as usize).filter_map(|column| {
+            let [dx, dy] = map.offsets[first + column];
+            if !(dx + dy).is_finite() {
+                return None;
+            }
+            let [x, y] = [(window.x + column as i32) as f32 + dx, y as f32 + dy];
+            let [rx, ry] = footprint(map, first + column, filter);
+            Some([x - rx, y - ry, x + rx, y + ry])
+        });
+        pixels.reduce(union)
+    };
+    rows.filter_map(of_row).reduce_with(union)
+}
+
+/// Samples on each side of a place that a filter reads, at most.
+fn footprint(map: &WarpMap, index: usize, filter: Filter) -> [f32; 2] {
+    match filter {
+        Filter::Nearest => [1.0; 2],
+        Filter::Cubic => [2.0; 2],
+        Filter::Lanczos => [3.0; 2],
+        Filter::Ewa => {
+            // With H² = max(1, J Jᵀ) by eigenvalues, a row of H is at most √(1 + |row of J|²) long, and the filter's square
+            // of "radius" 2 reaches √2 times as far into its corners.
+            let [x, y] = map.jacobian(index);
+            [x, y].map(|[a, b]| 2.0 * std::f32::consts::SQRT_2 * (1.0 + a * a + b * b).sqrt())
+        }
+    }
+}
+
+/// The pixels around a reach of places; a sample beside the last for rounding.
+fn rect([left, top, right, bottom]: Reach) -> PixelRect {
+    let (x, y) = (left.floor() as i32 - 1, top.floor() as i32 - 1);
+    let size = |from: i32, to: f32| (to.ceil() as i32 + 2).saturating_sub(from).max(0) as u32;
+    PixelRect { x, y, width: size(x, right), height: size(y, bottom) }
+}
+
+fn grown(window: PixelRect, by: i32) -> PixelRect {
+    let PixelRect { x, y, width, height } = window;
+    PixelRect { x: x - by, y: y - by, width: width + 2 * by as u32, height: height + 2 * by as u32 }
+}

@@ -1,0 +1,48 @@
+//! A warp as an STMap.
+//!
+//! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`.
+
+use super::Warp;
+use super::pages::{Page, common, place};
+use crate::plate::{WarpMap, stmap_of};
+use crate::space::{FrameSize, PixelRect};
+
+/// Where the pixels of a window come from, as shares of the frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StMap {
+    /// The pixels, in image space.
+    pub window: PixelRect,
+    /// #pixels, rows from the top: u = (x + .5) / W, from left to right; -1 where nothing is seen.
+    pub u: Vec<f32>,
+    /// #pixels: v = 1 - (y + .5) / H, from below; -1 where nothing is seen.
+    pub v: Vec<f32>,
+    /// #pixels: 1, or 0 where nothing is seen.
+    pub coverage: Vec<f32>,
+}
+
+/// The STMap of a window of a frame. Whatever else is warped with it (other layers, other programs) moves as the picture.
+#[must_use]
+pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
+    let channels = stmap_of(&map(warp, frame, window)).channels.into_iter().map(|channel| channel.samples);
+    let mut planes = channels.collect::<Vec<_>>().into_iter();
+    let mut next = || planes.next().unwrap_or_default();
+    let (u, v, _, coverage) = (next(), next(), next(), next());
+    StMap { window, u, v, coverage }
+}
+
+/// Where the pixels of a window come from.
+fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
+    let mut whole = WarpMap::identity(frame, window);
+    if warp.is_identity() {
+        return whole;
+    }
+    for page in Page::all_of(window) {
+        let (map, part) = (page.map(warp, frame), common(page.window(), window));
+        for y in part.y..part.y + part.height as i32 {
+            let [from, to] = [map.window, window].map(|window| place(window, part.x, y));
+            let width = part.width as usize;
+            whole.offsets[to..to + width].copy_from_slice(&map.offsets[from..from + width]);
+        }
+    }
+    whole
+}

@@ -1,0 +1,171 @@
+//! Parameters as a shot file: a new one, or pins in one that is there.
+//!
+//! In: a [`WriteShot`]. Out: a checked file; comments and everything that parameters do not speak of stay.
+
+use super::read::{PinTrack, TrackKey};
+use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, solve};
+use crate::image::replace_text;
+use crate::shot::edit::{KeyedPin, LayerEdit, put_layer};
+use crate::shot::{Anchor, Goal, PinKey, Rotation, Shot};
+use crate::space::{FrameSize, ScreenPoint};
+use std::path::Path;
+
+/// A pin that is this near to where the file has it stays tied as the file says, frame heights.
+const SAME: f64 = 1e-9;
+
+/// What is written.
+#[derive(Clone, Debug)]
+pub struct WriteShot<'a> {
+    /// The file; its folder is where relative paths start.
+    pub path: &'a Path,
+    /// Lattice, strength, stiffness; the pins come from the tracks.
+    pub controls: &'a Controls,
+    /// The pins, with all their keys.
+    pub tracks: &'a [PinTrack],
+    /// The layer that gets them; `None`: the first.
+    pub layer: Option<&'a str>,
+    /// The frame in which pins are placed, where the shot has a scene.
+    pub pin_frame: i32,
+    /// What a new file is about.
+    pub new: NewShot<'a>,
+}
+
+/// What a file that is not there yet is about.
+#[derive(Clone, Copy, Debug)]
+pub struct NewShot<'a> {
+    /// What is warped.
+    pub subject: Subject<'a>,
+    /// First and last frame.
+    pub frames: [i32; 2],
+    /// Frames a second.
+    pub rate: f64,
+    /// The frame.
+    pub size: FrameSize,
+}
+
+/// What a shot warps, as the host knows it.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// Whole frames, with #### for the number: the shape is the frame.
+    Plate(&'a Path),
+    /// A picture whose alpha is the shape.
+    Picture(&'a Path),
+}
+
+/// Writes pins and lattice so that `pinwarp warp` (pictures: `pinwarp render`) solves the same lattices. Strength and stiffness are
+/// multiplied into the file: a host that goes on over that file sets its own to 1.
+///
+/// # Errors
+/// [`LiveError`] where the file is no shot, cannot be written, or has pins of its own that would act beside these.
+pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
+    let is_there = job.path.exists();
+    let text =
+        if is_there { std::fs::read_to_string(job.path).map_err(|source| io(job, source))? } else { job.blank() };
+    let rests = if is_there { job.own_pins()? } else { Vec::new() };
+    let pins: Vec<KeyedPin> =
+        job.tracks.iter().map(|track| job.keyed(track, is_there, &rests)).collect::<Result<_, _>>()?;
+    let Controls { dims, basis, strength, stiffness, .. } = *job.controls;
+    let edit = LayerEdit { dims, basis, strength, stiffness, pins: &pins };
+    let text = put_layer(&text, job.layer, &edit)?;
+    // Nothing is written that would not be read.
+    Shot::parse(&text, job.path)?;
+    Ok(replace_text(job.path, &text)?)
+}
+
+fn io(job: &WriteShot, source: std::io::Error) -> LiveError {
+    crate::shot::ShotError::Io { path: job.path.to_owned(), source }.into()
+}
+
+impl WriteShot<'_> {
+    /// A shot without pins.
+    fn blank(&self) -> String {
+        let NewShot { subject, frames: [first, last], rate, size } = self.new;
+        let (key, path) = match subject {
+            Subject::Plate(path) => ("plate", path),
+            Subject::Picture(path) => ("image", path),
+        };
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let path = path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/");
+        let FrameSize { width, height, pixel_aspect } = size;
+        let name = self.layer.unwrap_or("pins");
+        let matte = match (self.controls.moved, subject) {
+            (Moved::Masked, Subject::Plate(_)) => {
+                "matte   = \"alpha\"    # what the host's mask selects: name its channel\n"
+            }
+            _ => "",
+        };
+        format!(
+            "version = 1\n{key:<7} = {path:?}\nframes  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n\
+             size    = [{width}, {height}]\npixel_aspect = {pixel_aspect:?}\n\n[[layer]]\nname    = {name:?}\n{matte}"
+        )
+    }
+
+    fn shape(&self) -> ShotShape {
+        ShotShape {
+            path: self.path.to_owned(),
+            camera: None,
+            layer: self.layer.map(str::to_owned),
+            frame: f64::from(self.pin_frame),
+            pin_frame: self.pin_frame,
+            own_pins: OwnPins::Act,
+        }
+    }
+
+    /// Names of the layer's pins and where they rest; refuses those that would act beside the tracks.
+    fn own_pins(&self) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
+        let base = solve::base(&Shape::Shot(self.shape()), self.new.size)?;
+        let setup = base.setup.as_ref().expect("shots have a scene");
+        let rests = setup.rests_of(base.layer, f64::from(self.pin_frame));
+        let names = setup.shot.layers[base.layer].pins.iter().map(|pin| pin.name.clone());
+        let own: Vec<_> = names.zip(rests.iter().map(|rest| rest.point)).collect();
+        let is_known = |name: &str| self.tracks.iter().any(|track| track.name == name);
+        match own.iter().find(|(name, _)| !is_known(name)) {
+            None => Ok(own),
+            Some((name, _)) => Err(LiveError::Layer {
+                path: self.path.to_owned(),
+                what: format!("it has a pin '{name}' that would act beside the new ones"),
+                hint: "read the shot first, remove the pin, or write another file".into(),
+            }),
+        }
+    }
+
+    fn keyed<'t>(
+        &self,
+        track: &'t PinTrack,
+        is_there: bool,
+        own: &[(String, ScreenPoint)],
+    ) -> Result<KeyedPin<'t>, LiveError> {
+        let is_same =
+            |(name, rest): &&(String, ScreenPoint)| *name == track.name && (*rest - track.rest).0.length() < SAME;
+        let anchor = match own.iter().find(is_same) {
+            Some(_) => None,
+            None => Some(Anchor::Screen { at: track.rest, frame: self.cast_frame(track.rest, is_there)? }),
+        };
+        Ok(KeyedPin {
+            name: &track.name,
+            anchor,
+            keys: track.keys.iter().map(|key| pin_key(key, track.rest)).collect(),
+        })
+    }
+
+    /// The frame in which a new pin is cast; `None`: it hits nothing, or there is nothing to hit.
+    fn cast_frame(&self, rest: ScreenPoint, is_there: bool) -> Result<Option<i32>, LiveError> {
+        if !is_there {
+            return Ok(None);
+        }
+        let base = solve::base(&Shape::Shot(self.shape()), self.new.size)?;
+        let setup = base.setup.as_ref().filter(|setup| setup.shot.scene().is_some());
+        let hit = setup.and_then(|setup| setup.cast(self.pin_frame, &[rest]).pop().flatten());
+        Ok(hit.map(|_| self.pin_frame))
+    }
+}
+
+fn pin_key(key: &TrackKey, rest: ScreenPoint) -> PinKey {
+    PinKey {
+        frame: key.frame,
+        goal: Goal::Offset(key.target - rest),
+        rotate_degrees: key.rotation.map(|angle| Rotation::InView(angle.to_degrees())),
+        scale: key.scale,
+        ease: key.ease,
+    }
+}

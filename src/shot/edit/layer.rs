@@ -1,0 +1,175 @@
+//! A layer's lattice and keyed pins, put into the text of a shot.
+//!
+//! In: text, what is to be said. Out: the new text; what the edit does not speak of stays as it is, comments included.
+
+use super::block::{Digits, NewPin, anchor_table, numbers};
+use super::text::EditableText;
+use super::{append_layer, fault, find, is_empty_list, no_tables, put_pin, replace_anchor, tables};
+use crate::lattice::Basis;
+use crate::shot::{Anchor, Ease, Goal, PinKey, Rotation, ShotError};
+use toml_edit::{Array, InlineTable, Item, TableLike, Value};
+
+/// What a layer shall say.
+#[derive(Clone, Debug)]
+pub struct LayerEdit<'a> {
+    /// Handles across and up.
+    pub dims: [usize; 2],
+    /// Basis of the lattice.
+    pub basis: Basis,
+    /// What its strength is multiplied by.
+    pub strength: f64,
+    /// What its stiffness is multiplied by.
+    pub stiffness: f64,
+    /// Its pins; others that it has stay.
+    pub pins: &'a [KeyedPin<'a>],
+}
+
+/// A pin with its keys.
+#[derive(Clone, Debug)]
+pub struct KeyedPin<'a> {
+    /// Its name in the layer.
+    pub name: &'a str,
+    /// What it is attached to; `None`: a pin of that name is there, and stays attached as it is.
+    pub anchor: Option<Anchor>,
+    /// Keys on the screen, in frame heights.
+    pub keys: Vec<PinKey>,
+}
+
+/// Writes a layer's lattice and pins: into the layer of that name, `None`: the first (where there is none, one is made).
+///
+/// # Errors
+/// [`ShotError::Edit`] where the text is not TOML, has no such layer, or is written in a way that cannot be edited.
+pub fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<String, ShotError> {
+    let name = layer.unwrap_or("layer");
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
+    let layers = text.document.entry("layer").or_insert_with(no_tables);
+    if is_empty_list(layers) && layer.is_none() {
+        append_layer(layers);
+    }
+    let is_inline = layers.is_value();
+    let table = find(layers, layer, "layer").map_err(|(what, hint)| fault(name, &what, &hint))?;
+    put_lattice(table, edit)
+        .ok_or_else(|| fault(name, "`lattice` is no table", "write lattice = { dims = [10, 10] }"))?;
+    scale(table, "strength", edit.strength);
+    if edit.stiffness != 1.0 {
+        let solve = sub_table(table, "solve");
+        let solve = solve.ok_or_else(|| fault(name, "`solve` is no table", "write solve = { stiffness = 1.0 }"))?;
+        scale(solve, "stiffness", edit.stiffness);
+    }
+    if !table.contains_key("pin") && !edit.pins.is_empty() {
+        table.insert("pin", if is_inline { Item::Value(Array::new().into()) } else { no_tables() });
+    }
+    edit.pins.iter().try_for_each(|pin| put_keyed(table, pin))?;
+    Ok(text.finish())
+}
+
+fn put_lattice(layer: &mut dyn TableLike, edit: &LayerEdit) -> Option<()> {
+    let lattice = sub_table(layer, "lattice")?;
+    let basis = match edit.basis {
+        Basis::Bernstein => "bernstein",
+        Basis::Bspline => "bspline",
+        Basis::Bilinear => "bilinear",
+        Basis::Barytri => "barytri",
+    };
+    let dims: Array = edit.dims.iter().map(|&count| count as i64).collect();
+    replace(lattice, "dims", dims.into());
+    if lattice.contains_key("basis") || edit.basis != Basis::Bspline {
+        replace(lattice, "basis", basis.into());
+    }
+    Some(())
+}
+
+/// The table of that name, made where there is none; `None` where something else has the name.
+fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<&'a mut dyn TableLike> {
+    if !table.contains_key(name) {
+        table.insert(name, Item::Value(Value::InlineTable(InlineTable::new())));
+    }
+    table.get_mut(name)?.as_table_like_mut()
+}
+
+/// A value in place of another; a comment behind it stays.
+fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    match table.get_mut(key) {
+        Some(item) => *item = Item::Value(value),
+        None => _ = table.insert(key, Item::Value(value)),
+    }
+}
+
+/// A factor, 1 where it is not there, times another.
+fn scale(table: &mut dyn TableLike, key: &str, by: f64) {
+    if by == 1.0 {
+        return;
+    }
+    let number = |item: &Item| item.as_float().or_else(|| item.as_integer().map(|number| number as f64));
+    let old = table.get(key).and_then(number).unwrap_or(1.0);
+    replace(table, key, (old * by).into());
+}
+
+fn put_keyed(layer: &mut dyn TableLike, pin: &KeyedPin) -> Result<(), ShotError> {
+    let pins = layer.get_mut("pin").and_then(tables);
+    let is_there =
+        pins.is_some_and(|pins| pins.iter().enumerate().any(|(k, table)| super::name_of(*table, "pin", k) == pin.name));
+    let keys = keys_array(&pin.keys);
+    if !is_there {
+        let anchor = pin.anchor.as_ref().ok_or_else(|| fault(pin.name, "is not there", "give it an anchor"))?;
+        return put_pin(layer, &NewPin { name: pin.name, anchor: anchor_table(anchor, Digits::All), keys });
+    }
+    let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
+    let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
+    let table = find(pins, Some(pin.name), "pin").map_err(|(what, hint)| fault(pin.name, &what, &hint))?;
+    if let Some(anchor) = &pin.anchor {
+        replace_anchor(table, anchor_table(anchor, Digits::All));
+    }
+    // The new keys are in frame heights.
+    if table.contains_key("unit") {
+        replace(table, "unit", "frame".into());
+    }
+    replace(table, "keys", keys.into());
+    Ok(())
+}
+
+/// One key a line.
+fn keys_array(keys: &[PinKey]) -> Array {
+    let mut array = Array::new();
+    for (index, key) in keys.iter().enumerate() {
+        let prefix = if index == 0 { " " } else { "\n             " };
+        let suffix = if index + 1 == keys.len() { " " } else { "" };
+        array.push_formatted(Value::InlineTable(key_table(key)).decorated(prefix, suffix));
+    }
+    array
+}
+
+fn key_table(key: &PinKey) -> InlineTable {
+    let mut table = InlineTable::new();
+    let is_whole = key.frame.fract() == 0.0;
+    table.insert("frame", if is_whole { (key.frame as i64).into() } else { key.frame.into() });
+    let (name, place) = match key.goal {
+        Goal::Offset(offset) => ("offset", offset.0.to_array().to_vec()),
+        Goal::Target(target) => ("target", target.0.to_array().to_vec()),
+        Goal::SceneOffset(offset) => ("offset", offset.to_vec()),
+        Goal::SceneTarget(target) => ("target", target.to_vec()),
+    };
+    table.insert(name, numbers(&place, Digits::All));
+    match key.rotate_degrees {
+        Some(Rotation::InView(angle)) => _ = table.insert("rotate", angle.into()),
+        Some(Rotation::Axes(angles)) => _ = table.insert("rotate", numbers(&angles, Digits::All)),
+        None => {}
+    }
+    if let Some(scale) = key.scale {
+        table.insert("scale", scale.into());
+    }
+    match key.ease {
+        Ease::Linear => {}
+        Ease::Hold => _ = table.insert("ease", "hold".into()),
+        Ease::Smooth => _ = table.insert("ease", "smooth".into()),
+        Ease::Bezier(curve) => {
+            let mut ease = InlineTable::new();
+            ease.insert("bezier", numbers(&curve, Digits::All));
+            table.insert("ease", Value::InlineTable(ease));
+        }
+    }
+    table
+}

@@ -1,0 +1,67 @@
+//! Regions hold what is drawn and what is read; STMaps are those of the engine.
+
+use crate::support::{WIDE, bent, job, noise, picture};
+use pinwarp::live::{Alpha, Render, render, stmap};
+use pinwarp::plate::{Filter, WarpMap, stmap_of};
+use pinwarp::space::PixelRect;
+
+const FILTERS: [Filter; 4] = [Filter::Nearest, Filter::Cubic, Filter::Lanczos, Filter::Ewa];
+
+#[test]
+fn everything_drawn_lies_in_the_destination() {
+    let (warp, around) = (bent(), PixelRect { x: -200, y: -100, width: 1100, height: 500 });
+    for window in [WIDE.window(), PixelRect { x: 120, y: 90, width: 200, height: 120 }] {
+        let planes = [vec![1.0; window.area()]];
+        let source = picture(window, &planes, Alpha::Opaque);
+        let region = warp.destination_of(window, WIDE);
+        for filter in FILTERS {
+            let drawn = render(&warp, &Render { filter, ..job(&source, around) }).expect("rendered");
+            for (k, _) in drawn[0].iter().enumerate().filter(|(_, sample)| **sample != 0.0) {
+                let (x, y) = (around.x + (k % 1100) as i32, around.y + (k / 1100) as i32);
+                let is_in = (region.x..region.x + region.width as i32).contains(&x)
+                    && (region.y..region.y + region.height as i32).contains(&y);
+                assert!(is_in, "{filter:?}: {x}, {y} is drawn outside {region:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_lies_outside_the_source_region_is_not_read() {
+    let (warp, window) = (bent(), WIDE.window());
+    let clean = [noise(window, 3)];
+    for tile in
+        [PixelRect { x: 200, y: 80, width: 60, height: 50 }, PixelRect { x: 610, y: 240, width: 60, height: 40 }]
+    {
+        for filter in FILTERS {
+            let region = warp.source_of(tile, WIDE, filter);
+            assert!(region.area() < window.area() / 2, "{filter:?}: all of the frame is no answer: {region:?}");
+            let is_in = |k: usize| {
+                let (x, y) = ((k % 700) as i32, (k / 700) as i32);
+                (region.x..region.x + region.width as i32).contains(&x)
+                    && (region.y..region.y + region.height as i32).contains(&y)
+            };
+            let spoiled =
+                [clean[0].iter().enumerate().map(|(k, &s)| if is_in(k) { s } else { 1e6 }).collect::<Vec<f32>>()];
+            let draw = |planes: &[Vec<f32>]| {
+                let source = picture(window, planes, Alpha::Opaque);
+                render(&warp, &Render { filter, ..job(&source, tile) }).expect("rendered")
+            };
+            assert!(draw(&clean) == draw(&spoiled), "{filter:?}, {tile:?}: {region:?} is too small");
+        }
+    }
+}
+
+#[test]
+fn the_stmap_is_the_engines() {
+    let (warp, window) = (bent(), PixelRect { x: -10, y: 5, width: 710, height: 280 });
+    let map = stmap(&warp, WIDE, window);
+    let whole = stmap_of(&WarpMap::backward(&warp.field, WIDE, window));
+    for (plane, channel) in [&map.u, &map.v].into_iter().zip(&whole.channels) {
+        let furthest = plane.iter().zip(&channel.samples).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(furthest * 700.0 < 2e-3, "{} is off by {furthest}", channel.name);
+    }
+    assert!(map.coverage.iter().all(|coverage| *coverage == 1.0));
+    let rest = stmap(&super::live_warp_at_rest(), WIDE, WIDE.window());
+    assert_eq!((rest.u[0], rest.v[0]), (0.5 / 700.0, (289.5_f64 / 290.0) as f32));
+}
