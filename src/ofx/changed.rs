@@ -3,8 +3,10 @@
 //! In: what changed, and why. Out: parameters.
 
 use super::api::Status;
-use super::api::names::{param, prop};
+use super::api::names::{self, param, prop};
+use super::buttons;
 use super::canvas::Canvas;
+use super::effect::When;
 use super::entry::Call;
 use super::fault::Fault;
 use super::params::{PINS, pin_id, table};
@@ -29,6 +31,11 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     let Some(id) = call.args.text(prop::NAME).filter(|_| by_user) else { return Ok(Status::REPLY_DEFAULT) };
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
     let moment = Moment::of(call.effect, time)?;
+    if let Some(done) = buttons::press(call, &id, moment) {
+        call.effect.say_once(names::MESSAGE_MESSAGE, &done?);
+        enable(moment);
+        return Ok(Status::OK);
+    }
     match id.as_str() {
         "shape" => enable(moment),
         _ => match (0..PINS).find(|pin| id == pin_id(*pin, "On")) {
@@ -60,7 +67,7 @@ fn place(moment: Moment, pin: usize, canvas: &Canvas) {
     let [x1, y1, x2, y2] = canvas.region(canvas.frame.window());
     moment.params.begin_edit(c"Place a pin");
     for id in &ends {
-        moment.params.set_point(id, [0.5 * (x1 + x2), 0.5 * (y1 + y2)]);
+        moment.params.set_point(id, [0.5 * (x1 + x2), 0.5 * (y1 + y2)], When::Now);
     }
     moment.params.end_edit();
 }

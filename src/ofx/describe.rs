@@ -11,9 +11,9 @@ use super::params::{Kind as ParamKind, Param, table};
 use super::props::Props;
 use std::ffi::{CStr, c_void};
 
-/// Clip name: where it is black, nothing is warped.
+/// Clip name: what is moved; where it is black, nothing is.
 pub(super) const MASK_CLIP: &CStr = c"Mask";
-/// Clip name: what the warped picture is laid over.
+/// Clip name: what is seen where something moved away.
 pub(super) const BACKGROUND_CLIP: &CStr = c"Background";
 
 /// Properties of limits: of the value, then of its slider. Resolve shows no parameter without all four.
@@ -114,6 +114,7 @@ fn define_kind(call: Call, props: Props, entry: &Param) {
     let mut animates = i32::from(entry.animates);
     match &entry.kind {
         ParamKind::Group(is_open) => return props.set_ints(param::GROUP_OPEN, &[*is_open]),
+        ParamKind::Button => return,
         ParamKind::Integer(default, range, shown) => {
             props.set_ints(param::DEFAULT, &[*default]);
             for (name, value) in LIMITS.into_iter().zip([range[0], range[1], shown[0], shown[1]]) {

@@ -2,7 +2,7 @@
 //!
 //! In: the handle that comes with an action. Out: values, or a [`Fault`] where the host has nothing there.
 
-use super::api::{ClipHandle, EffectHandle, ParamHandle, ParamSetHandle, PropertySet, RectD};
+use super::api::{ClipHandle, EffectHandle, Message, ParamHandle, ParamSetHandle, PropertySet, RectD};
 use super::fault::Fault;
 use super::host::Suites;
 use super::props::{Props, c_text, owned};
@@ -19,6 +19,9 @@ pub(super) struct Effect<'a> {
     pub(super) suites: &'a Suites,
     pub(super) handle: EffectHandle,
 }
+
+// SAFETY: the API lets a render ask from any of its threads whether it is still wanted.
+unsafe impl Sync for Effect<'_> {}
 
 impl<'a> Effect<'a> {
     /// The effect's properties; none where the host fails to give them.
@@ -74,7 +77,20 @@ impl<'a> Effect<'a> {
         }
         drop(said);
         let lasting = self.suites.lasting_message.and_then(|suite| suite.set_persistent_message);
-        let Some(message) = lasting.or(self.suites.message.and_then(|suite| suite.message)) else { return };
+        self.tell(lasting.or(self.message()), kind, text);
+    }
+
+    /// Says `text` to the user this once.
+    pub(super) fn say_once(self, kind: &CStr, text: &str) {
+        self.tell(self.message(), kind, text);
+    }
+
+    fn message(self) -> Message {
+        self.suites.message.and_then(|suite| suite.message)
+    }
+
+    fn tell(self, message: Message, kind: &CStr, text: &str) {
+        let Some(message) = message else { return };
         let text = c_text(text);
         // SAFETY: the host's function, `printf` style: one "%s" and one string, which outlive the call.
         let _nobody_else_to_tell =
@@ -120,6 +136,15 @@ impl<'a> Clip<'a> {
         let status = unsafe { get(self.handle, time, &raw mut region) };
         (status.is_ok() && region.x1 < region.x2 && region.y1 < region.y2).then_some(region)
     }
+}
+
+/// When a value is set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum When {
+    /// Now: a host makes a key of it where there are others.
+    Now,
+    /// As a key at a time.
+    Key(f64),
 }
 
 /// The parameters of a descriptor or of an instance.
@@ -199,11 +224,68 @@ impl<'a> Params<'a> {
         Props::new(self.suites, set)
     }
 
-    /// Sets a point now, canonical.
-    pub(super) fn set_point(self, id: &str, [x, y]: [f64; 2]) {
+    /// Sets an int, boolean or choice.
+    pub(super) fn set_int(self, id: &str, value: i32) {
         let (Some(param), Some(set)) = (self.handle(id), self.suites.parameter.set_value) else { return };
-        // SAFETY: the parameter holds two doubles.
-        let _stays_as_it_was = unsafe { set(param, x, y) };
+        // SAFETY: the parameter holds one int.
+        let _stays_as_it_was = unsafe { set(param, value) };
+    }
+
+    /// Sets a string.
+    pub(super) fn set_text(self, id: &str, value: &str) {
+        let (Some(param), Some(set)) = (self.handle(id), self.suites.parameter.set_value) else { return };
+        let value = c_text(value);
+        // SAFETY: the parameter holds a string; the host copies this one.
+        let _stays_as_it_was = unsafe { set(param, value.as_ptr()) };
+    }
+
+    /// Sets a double, or a key of it.
+    pub(super) fn set_double(self, id: &str, value: f64, when: When) {
+        let Some(param) = self.handle(id) else { return };
+        let _stays_as_it_was = match (when, self.suites.parameter.set_value, self.suites.parameter.set_value_at_time) {
+            // SAFETY: the parameter holds one double.
+            (When::Now, Some(set), _) => unsafe { set(param, value) },
+            // SAFETY: as above.
+            (When::Key(time), _, Some(set)) => unsafe { set(param, time, value) },
+            _ => return,
+        };
+    }
+
+    /// Sets a point, canonical, or a key of it.
+    pub(super) fn set_point(self, id: &str, [x, y]: [f64; 2], when: When) {
+        let Some(param) = self.handle(id) else { return };
+        let _stays_as_it_was = match (when, self.suites.parameter.set_value, self.suites.parameter.set_value_at_time) {
+            // SAFETY: the parameter holds two doubles.
+            (When::Now, Some(set), _) => unsafe { set(param, x, y) },
+            // SAFETY: as above.
+            (When::Key(time), _, Some(set)) => unsafe { set(param, time, x, y) },
+            _ => return,
+        };
+    }
+
+    /// Removes all keys.
+    pub(super) fn delete_keys(self, id: &str) {
+        if let (Some(param), Some(delete)) = (self.handle(id), self.suites.parameter.delete_all_keys) {
+            // SAFETY: the host's function with its own handle.
+            let _had_none = unsafe { delete(param) };
+        }
+    }
+
+    /// Times of the keys.
+    pub(super) fn keys(self, id: &str) -> Vec<f64> {
+        let suite = self.suites.parameter;
+        let (Some(param), Some(count), Some(get)) = (self.handle(id), suite.get_num_keys, suite.get_key_time) else {
+            return Vec::new();
+        };
+        let mut keys = 0;
+        // SAFETY: the host's function with its own handle; the place outlives the call.
+        let _stays_none = unsafe { count(param, &raw mut keys) };
+        let key = |index| {
+            let mut time = 0.0;
+            // SAFETY: as above.
+            unsafe { get(param, index, &raw mut time) }.is_ok().then_some(time)
+        };
+        (0..keys).filter_map(key).collect()
     }
 
     /// Begins a change that the user undoes in one step.

@@ -3,7 +3,9 @@
 //! In: the cause. Out: words for the user and a [`Status`] for the host.
 
 use super::api::Status;
+use crate::image::ImageError;
 use crate::live::LiveError;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// A failed action.
@@ -26,6 +28,23 @@ pub(super) enum Fault {
     /// The shape comes from a shot file, and none is named.
     #[error("Shape from is set to Shot file, but Shot file is empty; name a .toml file, or choose another shape")]
     NoShotFile,
+    /// A button needs a path.
+    #[error("{0} is empty; name a file to write")]
+    NoPath(&'static str),
+    /// A shot that names its files relative to its own folder.
+    #[error("write the shot beside {0}: the files that it names are found from there")]
+    OtherFolder(PathBuf),
+    /// A shot file cannot be copied.
+    #[error("cannot write {path}: {source}")]
+    Copy {
+        /// The new file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A map cannot be written.
+    #[error(transparent)]
+    Write(#[from] ImageError),
     /// The engine cannot do it.
     #[error(transparent)]
     Live(#[from] LiveError),
@@ -48,7 +67,8 @@ impl Fault {
             Self::Image { .. } => Status::ERR_IMAGE_FORMAT,
             // Hosts that abort throw the frame away; an error would put a message on the screen.
             Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
-            Self::NoShotFile | Self::Live(_) => Status::FAILED,
+            Self::NoShotFile | Self::NoPath(_) | Self::OtherFolder(_) | Self::Copy { .. } => Status::FAILED,
+            Self::Write(_) | Self::Live(_) => Status::FAILED,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Images of the host: any depth, components and row order, to planes of floats and back.
 //!
-//! In: a clip and a time. Out: an [`Image`], given back to the host when dropped. Planes have their rows from the top
-//! and associated alpha; rows of OpenFX come from below, upside down where the host's row bytes are negative.
+//! In: a clip and a time. Out: an [`Image`], given back to the host when dropped. Planes have their rows from the top;
+//! rows of OpenFX come from below, upside down where the host's row bytes are negative.
 
 use super::api::names::image;
 use super::api::{PropertySet, RectI};
@@ -9,6 +9,7 @@ use super::effect::Clip;
 use super::fault::Fault;
 use super::host::Suites;
 use super::props::Props;
+use crate::live::Alpha;
 use half::f16;
 use rayon::prelude::*;
 
@@ -154,7 +155,16 @@ impl<'a> Image<'a> {
         self.channels * self.depth.bytes()
     }
 
-    /// All pixels of the bounds as planes, rows from the top, colour associated with alpha.
+    /// How its planes go together.
+    pub(super) fn alpha(&self) -> Alpha {
+        match (self.channels, self.is_straight) {
+            (3, _) => Alpha::Opaque,
+            (_, true) => Alpha::Straight,
+            (_, false) => Alpha::Premultiplied,
+        }
+    }
+
+    /// All pixels of the bounds as planes, rows from the top, alpha last.
     pub(super) fn planes(&self) -> Vec<Vec<f32>> {
         let (width, length) = (self.width(), self.width() * self.pixel_bytes());
         let height = (self.bounds.y2 - self.bounds.y1) as usize;
@@ -163,49 +173,35 @@ impl<'a> Image<'a> {
         for plane in &mut planes {
             rows.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
         }
-        let (memory, depth, is_straight) = (&self.memory, self.depth, self.is_straight);
+        let (memory, depth) = (&self.memory, self.depth);
         rows.par_iter_mut().enumerate().for_each(|(index, row)| {
             let start = memory.start(memory.rows[1] - 1 - index as i32);
             // SAFETY: a row of the host's image; nobody writes to it while the image is held.
             spread(unsafe { std::slice::from_raw_parts(start, length) }, depth, row);
-            if let ([red, green, blue, alpha], true) = (&mut row[..], is_straight) {
-                [red, green, blue].into_iter().for_each(|plane| each(plane, alpha, |colour, alpha| colour * alpha));
-            }
         });
         planes
     }
 
     /// Writes planes of a window within the bounds: as many as there are channels, rows from the top.
-    pub(super) fn write(&self, window: RectI, rows: Rows, planes: &mut [Vec<f32>]) {
+    pub(super) fn write(&self, window: RectI, rows: Rows, planes: &[Vec<f32>]) {
         let width = (window.x2 - window.x1) as usize;
         let left = (window.x1 - self.bounds.x1) as usize * self.pixel_bytes();
         assert!(window.x1 >= self.bounds.x1 && window.x2 <= self.bounds.x2, "columns are within the image");
         let height = (window.y2 - window.y1) as usize;
-        let mut parts: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
-        for plane in planes {
-            parts.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
-        }
-        let (memory, depth, is_straight) = (&self.memory, self.depth, self.is_straight);
+        assert!(planes.len() == self.channels && planes.iter().all(|plane| plane.len() == width * height));
+        let (memory, depth) = (&self.memory, self.depth);
         let length = width * self.pixel_bytes();
-        parts.par_iter_mut().enumerate().for_each(|(index, row)| {
+        (0..height).into_par_iter().for_each(|index| {
+            let row: Vec<&[f32]> = planes.iter().map(|plane| &plane[index * width..][..width]).collect();
             let y = window.y2 - 1 - index as i32;
             if rows == Rows::Even && y.rem_euclid(2) == 1 || rows == Rows::Odd && y.rem_euclid(2) == 0 {
                 return;
             }
-            if let ([red, green, blue, alpha], true) = (&mut row[..], is_straight) {
-                let divide = |colour: f32, alpha: f32| if alpha > 0.0 { colour / alpha } else { colour };
-                [red, green, blue].into_iter().for_each(|plane| each(plane, alpha, divide));
-            }
             let start = memory.start(y).wrapping_add(left);
             // SAFETY: part of a row of the host's output; each row is written by one task.
-            gather(row, depth, unsafe { std::slice::from_raw_parts_mut(start, length) });
+            gather(&row, depth, unsafe { std::slice::from_raw_parts_mut(start, length) });
         });
     }
-}
-
-/// Changes a plane with the help of another.
-fn each(plane: &mut [f32], by: &[f32], change: impl Fn(f32, f32) -> f32) {
-    plane.iter_mut().zip(by).for_each(|(value, by)| *value = change(*value, *by));
 }
 
 /// A row of interleaved values to one row a plane.
@@ -228,7 +224,7 @@ fn spread_as<const N: usize>(row: &[u8], planes: &mut [&mut [f32]], value: impl 
 }
 
 /// One row a plane to a row of interleaved values.
-fn gather(planes: &[&mut [f32]], depth: Depth, row: &mut [u8]) {
+fn gather(planes: &[&[f32]], depth: Depth, row: &mut [u8]) {
     // No number becomes 0: "as" does that.
     match depth {
         Depth::Byte => gather_as(planes, row, |value| [(value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8]),
@@ -238,7 +234,7 @@ fn gather(planes: &[&mut [f32]], depth: Depth, row: &mut [u8]) {
     }
 }
 
-fn gather_as<const N: usize>(planes: &[&mut [f32]], row: &mut [u8], bytes: impl Fn(f32) -> [u8; N]) {
+fn gather_as<const N: usize>(planes: &[&[f32]], row: &mut [u8], bytes: impl Fn(f32) -> [u8; N]) {
     let samples = row.as_chunks_mut::<N>().0;
     for (channel, plane) in planes.iter().enumerate() {
         let of_channel = samples.iter_mut().skip(channel).step_by(planes.len());

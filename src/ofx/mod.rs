@@ -11,6 +11,7 @@
 #![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 
 pub mod api;
+mod buttons;
 mod canvas;
 mod changed;
 mod describe;

@@ -5,7 +5,7 @@
 use super::api::names::{action, interact, prop};
 use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
 use super::canvas::Canvas;
-use super::effect::Effect;
+use super::effect::{Effect, When};
 use super::entry::guarded;
 use super::fault::Fault;
 use super::host::{self, Suites};
@@ -227,9 +227,9 @@ impl Event<'_> {
     fn drag(&self, view: &View, by: [f64; 2]) {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         for (pin, [rest, target]) in &view.starts {
-            self.moment.params.set_point(&pin_id(*pin, "Target"), moved(*target));
+            self.moment.params.set_point(&pin_id(*pin, "Target"), moved(*target), When::Now);
             if self.moment.int("handles") == 1 {
-                self.moment.params.set_point(&pin_id(*pin, "Rest"), moved(*rest));
+                self.moment.params.set_point(&pin_id(*pin, "Rest"), moved(*rest), When::Now);
             }
         }
     }

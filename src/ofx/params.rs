@@ -26,6 +26,8 @@ pub(super) enum Kind {
     Point,
     /// A line of text, or a path.
     Text(&'static CStr),
+    /// A button.
+    Button,
 }
 
 /// A parameter.
@@ -54,116 +56,62 @@ pub(super) const HANDLES: &[&str] = &["Targets", "Pins with their targets"];
 type Row = (&'static str, &'static str, &'static str, Kind, &'static str);
 
 /// All parameters but those of the pins.
+#[rustfmt::skip]
 const ROWS: &[Row] = &[
     ("", "lattice", "Lattice", Kind::Group(1), "What bends, and how stiffly."),
-    (
-        "lattice",
-        "shape",
-        "Shape from",
-        Kind::Choice(SHAPES),
-        "What keeps its shape. Whole frame: everything. Source alpha: what the picture's alpha shows. Shot file: the animated model of a shot; lattice and pins follow it.",
-    ),
-    (
-        "lattice",
-        "columns",
-        "Columns",
-        Kind::Integer(10, [2, 64], [4, 24]),
-        "Handles of the lattice from left to right; B-splines need 4.",
-    ),
-    (
-        "lattice",
-        "rows",
-        "Rows",
-        Kind::Integer(10, [2, 64], [4, 24]),
-        "Handles of the lattice from bottom to top; B-splines need 4.",
-    ),
-    (
-        "lattice",
-        "basis",
-        "Basis",
-        Kind::Choice(BASES),
-        "How handles are blended: softly and locally, softly over all, or in flat cells.",
-    ),
-    (
-        "lattice",
-        "stiffness",
-        "Stiffness",
-        Kind::Double(1.0, [0.001, 1000.0], [0.01, 100.0], param::DOUBLE_SCALE),
-        "More: a pin takes more of the picture along. Less: its pull stays near it.",
-    ),
-    (
-        "lattice",
-        "strength",
-        "Strength",
-        Kind::Double(1.0, [-10.0, 10.0], [0.0, 1.0], param::DOUBLE_SCALE),
-        "Scales all offsets and rotations; 0 is no warp.",
-    ),
-    (
-        "lattice",
-        "holdBorder",
-        "Hold the border",
-        Kind::Toggle(1),
-        "The border of the frame stays where it is, so that a background neither slides nor tears. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held.",
-    ),
-    (
-        "lattice",
-        "filter",
-        "Filter",
-        Kind::Choice(FILTERS),
-        "How colour is sampled. EWA neither rings nor flickers; nearest keeps exact values.",
-    ),
+    ("lattice", "shape", "Shape from", Kind::Choice(SHAPES),
+     "What keeps its shape. Whole frame: everything. Source alpha: what the picture's alpha shows. Shot file: the animated model of a shot; lattice and pins follow it."),
+    ("lattice", "columns", "Columns", Kind::Integer(10, [2, 64], [4, 24]),
+     "Handles of the lattice from left to right; B-splines need 4."),
+    ("lattice", "rows", "Rows", Kind::Integer(10, [2, 64], [4, 24]),
+     "Handles of the lattice from bottom to top; B-splines need 4."),
+    ("lattice", "basis", "Basis", Kind::Choice(BASES),
+     "How handles are blended: softly and locally, softly over all, or in flat cells."),
+    ("lattice", "stiffness", "Stiffness", Kind::Double(1.0, [0.001, 1000.0], [0.01, 100.0], param::DOUBLE_SCALE),
+     "More: a pin takes more of the picture along. Less: its pull stays near it."),
+    ("lattice", "strength", "Strength", Kind::Double(1.0, [-10.0, 10.0], [0.0, 1.0], param::DOUBLE_SCALE),
+     "Scales all offsets and rotations; 0 is no warp."),
+    ("lattice", "holdBorder", "Hold the border", Kind::Toggle(1),
+     "The border of the frame stays where it is, so that a background neither slides nor tears. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held."),
+    ("lattice", "filter", "Filter", Kind::Choice(FILTERS),
+     "How colour is sampled. EWA neither rings nor flickers; nearest keeps exact values."),
     ("", "shot", "Shot file", Kind::Group(0), "A pinwarp shot whose model the lattice follows."),
     ("shot", "shotFile", "Shot file", Kind::Text(param::STRING_FILE_PATH), "The .toml file of the shot."),
     ("shot", "camera", "Camera", Kind::Text(param::STRING_SINGLE_LINE), "Name of the camera; empty: the shot's own."),
-    (
-        "shot",
-        "layer",
-        "Layer",
-        Kind::Text(param::STRING_SINGLE_LINE),
-        "Layer that the pins belong to; empty: the first on the screen.",
-    ),
-    (
-        "shot",
-        "frameOffset",
-        "Frame offset",
-        Kind::Integer(0, [-1_000_000, 1_000_000], [-100, 100]),
-        "Frame of the shot less frame of the host.",
-    ),
-    (
-        "shot",
-        "pinFrame",
-        "Pins placed at",
-        Kind::Integer(1, [-1_000_000, 1_000_000], [1, 200]),
-        "Frame of the shot in which the pins were put on the model; from there they follow it.",
-    ),
-    ("shot", "shotPins", "Shot's own pins act", Kind::Toggle(1), "Pins that are in the file act beside those below."),
+    ("shot", "layer", "Layer", Kind::Text(param::STRING_SINGLE_LINE),
+     "Layer that the pins belong to; empty: the first on the screen."),
+    ("shot", "frameOffset", "Frame offset", Kind::Integer(0, [-1_000_000, 1_000_000], [-100, 100]),
+     "Frame of the shot less frame of the host."),
+    ("shot", "pinFrame", "Pins placed at", Kind::Integer(1, [-1_000_000, 1_000_000], [1, 200]),
+     "Frame of the shot in which the pins were put on the model; from there they follow it."),
+    ("shot", "shotPins", "Shot's own pins act", Kind::Toggle(1),
+     "Pins that are in the file act beside those below. Reading the shot switches this off."),
+    ("shot", "readShot", "Read the shot", Kind::Button,
+     "Takes lattice, pins and their keys from the shot file; one step to undo."),
+    ("shot", "writePath", "Write to", Kind::Text(param::STRING_FILE_PATH),
+     "Where a shot file is written; never the file that is read."),
+    ("shot", "writeShot", "Write a shot", Kind::Button,
+     "Writes lattice, pins and their keys as a shot file for `pinwarp`. In a new file, name your picture; between keys every frame gets one."),
+    ("shot", "stmapPath", "STMaps to", Kind::Text(param::STRING_FILE_PATH),
+     "Where STMaps are written, with #### for the frame: stmap.####.exr."),
+    ("shot", "writeStmaps", "Write STMaps", Kind::Button,
+     "Writes the map of every frame of the source as a 32-bit EXR."),
     ("", "pins", "Pins", Kind::Group(1), "Points of the picture and where they go."),
-    (
-        "pins",
-        "handles",
-        "Handles move",
-        Kind::Choice(HANDLES),
-        "What dragging in the viewer does: it moves targets, or puts pins elsewhere with their targets.",
-    ),
+    ("pins", "handles", "Handles move", Kind::Choice(HANDLES),
+     "What dragging in the viewer does: it moves targets, or puts pins elsewhere with their targets."),
 ];
 
 /// What each pin has: suffix of the id, label, kind, hint.
+#[rustfmt::skip]
 const PIN_ROWS: &[(&str, &str, Kind, &str)] = &[
     ("On", "On", Kind::Toggle(0), "The pin acts. One that was never placed starts in the middle of the frame."),
     ("Rest", "Pin", Kind::Point, "The point of the picture that is held, before the warp."),
-    (
-        "Target",
-        "Target",
-        Kind::Point,
-        "Where that point goes; with a shot file the difference to the pin is added to wherever the point is.",
-    ),
+    ("Target", "Target", Kind::Point,
+     "Where that point goes; with a shot file the difference to the pin is added to wherever the point is."),
     ("Turns", "Holds a rotation", Kind::Toggle(0), "The pin turns what is around it."),
-    (
-        "Angle",
-        "Rotation",
-        Kind::Double(0.0, [-36_000.0, 36_000.0], [-180.0, 180.0], param::DOUBLE_ANGLE),
-        "Degrees, counter-clockwise; more than a turn is allowed.",
-    ),
+    ("Angle", "Rotation", Kind::Double(0.0, [-36_000.0, 36_000.0], [-180.0, 180.0], param::DOUBLE_ANGLE),
+     "Degrees, counter-clockwise; more than a turn is allowed."),
+    ("Name", "Name", Kind::Text(param::STRING_SINGLE_LINE), "The pin's name in shot files; empty: its number."),
 ];
 
 /// Id of a parameter of a pin, counted from 0; an empty suffix: its group.
@@ -182,6 +130,7 @@ impl Kind {
             Self::Choice(_) => param::TYPE_CHOICE,
             Self::Point => param::TYPE_DOUBLE_2D,
             Self::Text(_) => param::TYPE_STRING,
+            Self::Button => param::TYPE_PUSH_BUTTON,
         }
     }
 }
@@ -217,7 +166,7 @@ fn pin(index: usize) -> impl Iterator<Item = Param> {
         hint,
         kind: kind.clone(),
         group: pin_id(index, ""),
-        animates: true,
+        animates: !matches!(kind, Kind::Text(_)),
     });
     std::iter::once(group).chain(rows)
 }
@@ -231,10 +180,13 @@ mod tests {
     /// The table as the manual shows it; of the pins the first stands for all.
     fn manual() -> String {
         let mut text = String::from("| parameter | id | default | what it does |\n|---|---|---|---|\n");
-        for param in table()
-            .iter()
-            .filter(|param| !param.group.starts_with("pin") || param.group == "pins" || param.group == "pin1")
-        {
+        let is_shown = |param: &&Param| {
+            let of_pin =
+                |id: &str| id.strip_prefix("pin").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+            let is_first = param.id == "pin1" || param.group == "pin1";
+            is_first || !of_pin(&param.id)
+        };
+        for param in table().iter().filter(is_shown) {
             let default = match &param.kind {
                 Kind::Group(_) => {
                     let _ = writeln!(text, "| **{}** | | | {} |", param.label, param.hint);
@@ -245,7 +197,7 @@ mod tests {
                 Kind::Toggle(default) => ["off", "on"][*default as usize].into(),
                 Kind::Choice(options) => options.join(", "),
                 Kind::Point => "0, 0".into(),
-                Kind::Text(_) => String::new(),
+                Kind::Text(_) | Kind::Button => String::new(),
             };
             let _ = writeln!(text, "| {} | `{}` | {default} | {} |", param.label, param.id, param.hint);
         }

@@ -14,12 +14,9 @@ use super::settings::{Settings, ShapeChoice, at_arguments};
 use crate::space::PixelRect;
 use std::ffi::{CStr, CString};
 
-/// Pixels of the full size beyond its centre that a filter looks at, with room for the proxies' larger ones.
-const FILTER_PX: f64 = 16.0;
-
 /// Where the output has pixels.
 pub(super) fn definition(call: Call) -> Result<Status, Fault> {
-    let (time, canvas, settings) = at_arguments(call.effect, call.args)?;
+    let (time, canvas, settings) = at_arguments(call)?;
     let Some(source) = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)) else {
         return Ok(Status::REPLY_DEFAULT);
     };
@@ -51,12 +48,12 @@ fn warped(settings: &Settings, canvas: &Canvas, source: RectD) -> Result<PixelRe
         let reach = settings.controls.strength.abs() * furthest * 1.5 + if turns { 1.0 } else { 0.0 };
         return Ok(grown(window, reach * f64::from(canvas.frame.height)));
     }
-    Ok(settings.warp(canvas, None)?.field.warped_window(canvas.frame, window))
+    Ok(settings.warp(canvas, None)?.destination_of(window, canvas.frame))
 }
 
 /// What is needed of each clip for a part of the output.
 pub(super) fn interest(call: Call) -> Result<Status, Fault> {
-    let (time, canvas, settings) = at_arguments(call.effect, call.args)?;
+    let (time, canvas, settings) = at_arguments(call)?;
     let Some([x1, y1, x2, y2]) = call.args.doubles(image::REGION_OF_INTEREST) else {
         return Ok(Status::REPLY_DEFAULT);
     };
@@ -65,8 +62,7 @@ pub(super) fn interest(call: Call) -> Result<Status, Fault> {
     let mut needed = [source.x1, source.y1, source.x2, source.y2];
     if settings.shape != ShapeChoice::Alpha {
         let warp = settings.warp(&canvas, None)?;
-        let reach = warp.field.reach() * f64::from(canvas.frame.height);
-        needed = canvas.region(grown(canvas.window_of(asked), reach + FILTER_PX));
+        needed = canvas.region(warp.source_of(canvas.window_of(asked), canvas.frame, settings.filter));
         if connected(call, MASK_CLIP).is_some() {
             needed = joined(needed, [x1, y1, x2, y2]);
         }
@@ -116,7 +112,7 @@ pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
     if call.kind == Kind::StMap || connected(call, BACKGROUND_CLIP).is_some() {
         return Ok(Status::REPLY_DEFAULT);
     }
-    let (time, canvas, settings) = at_arguments(call.effect, call.args)?;
+    let (time, canvas, settings) = at_arguments(call)?;
     let rests = settings.is_at_rest()
         || matches!(settings.shape, ShapeChoice::Shot(_)) && settings.warp(&canvas, None)?.is_identity();
     if !rests {

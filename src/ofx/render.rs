@@ -10,10 +10,11 @@ use super::entry::{Call, Kind};
 use super::fault::Fault;
 use super::images::{Depth, Image, Rows};
 use super::regions::connected;
-use super::settings::{Alpha, Moment, Settings, ShapeChoice};
-use crate::live::Warp;
-use crate::plate::{Planes, WarpMap, resampled, stmap_of};
+use super::settings::{Settings, ShapeChoice, settings_of};
+use crate::live::{self, Alpha, Coverage, Picture, Render, Warp};
 use crate::space::PixelRect;
+use std::ffi::CStr;
+use std::sync::Arc;
 
 /// A render's arguments.
 struct Task<'a> {
@@ -26,16 +27,60 @@ struct Task<'a> {
     settings: Settings,
 }
 
-/// Planes of a picture and where they lie in image space.
-struct Picture {
+/// Planes of a clip and where they lie in image space.
+pub(super) struct Fetched {
     window: PixelRect,
     planes: Vec<Vec<f32>>,
+    alpha: Alpha,
+}
+
+impl Fetched {
+    /// A clip's picture at a time, as so many channels; `None`: it has none.
+    pub(super) fn of(call: Call, name: &'static CStr, time: f64, canvas: &Canvas) -> Result<Option<Self>, Fault> {
+        let image = call.effect.clip(name).map(|clip| clip.image(time)).transpose()?.flatten();
+        Ok(image.map(|image| Self {
+            window: canvas.window(image.bounds),
+            planes: image.planes(),
+            alpha: image.alpha(),
+        }))
+    }
+
+    /// A mask without pixels.
+    fn black() -> Self {
+        Self { window: PixelRect::default(), planes: vec![Vec::new()], alpha: Alpha::Premultiplied }
+    }
+
+    /// The same with the channels of another picture: 4 are RGBA, 3 RGB, 1 alpha. What has no alpha is opaque.
+    fn with_channels(mut self, channels: usize) -> Self {
+        let area = self.window.area();
+        match (self.planes.len(), channels) {
+            (4, 3) => self.planes.truncate(3),
+            (4, 1) => self.planes = self.planes.split_off(3),
+            (3, 4) => self.planes.push(vec![1.0; area]),
+            (3, 1) => self.planes = vec![vec![1.0; area]],
+            (1, 3) => self.planes = vec![self.planes.swap_remove(0); 3],
+            (1, 4) => self.planes = [vec![vec![0.0; area]; 3], self.planes].concat(),
+            _ => return self,
+        }
+        self.alpha = if channels == 3 { Alpha::Opaque } else { Alpha::Premultiplied };
+        self
+    }
+
+    fn picture(&self) -> Picture<'_> {
+        Picture { window: self.window, planes: self.planes.iter().map(Vec::as_slice).collect(), alpha: self.alpha }
+    }
+
+    /// Its alpha; `None`: it has none.
+    pub(super) fn coverage(&self) -> Option<Coverage<'_>> {
+        let alpha = self.planes.last().filter(|_| self.alpha != Alpha::Opaque)?;
+        Some(Coverage { window: self.window, alpha })
+    }
 }
 
 /// Draws a window of the output.
 pub(super) fn render(call: Call) -> Result<Status, Fault> {
     let Some(task) = Task::of(call)? else { return Ok(Status::OK) };
-    let mut planes = match call.kind {
+    let planes = match call.kind {
         Kind::PinWarp => task.picture()?,
         Kind::StMap => task.map()?,
     };
@@ -47,7 +92,7 @@ pub(super) fn render(call: Call) -> Result<Status, Fault> {
         field if field == image::FIELD_UPPER.to_bytes() => Rows::Odd,
         _ => Rows::All,
     };
-    task.output.write(task.pixels, rows, &mut planes);
+    task.output.write(task.pixels, rows, &planes);
     call.effect.unsay();
     Ok(Status::OK)
 }
@@ -67,7 +112,7 @@ impl<'a> Task<'a> {
         // Fusion announces one scale and renders at another: what the image says holds.
         let scale = output.scale.or_else(|| call.args.doubles(image::RENDER_SCALE)).unwrap_or([1.0, 1.0]);
         let canvas = Canvas::of(call.effect, time, scale.map(|side| if side > 0.0 { side } else { 1.0 }));
-        let settings = Moment::of(call.effect, time)?.settings(&canvas)?;
+        let settings = settings_of(call, time, &canvas)?;
         Ok(Some(Self { call, time, output, pixels, canvas, settings }))
     }
 
@@ -75,50 +120,43 @@ impl<'a> Task<'a> {
         self.canvas.window(self.pixels)
     }
 
-    /// A clip's picture with the channels of the output; `None`: it has none at this time.
-    fn fetch(&self, name: &'static std::ffi::CStr) -> Result<Option<Picture>, Fault> {
-        let Some(image) = self.call.effect.clip(name).map(|clip| clip.image(self.time)).transpose()?.flatten() else {
-            return Ok(None);
-        };
-        let channels = if name == MASK_CLIP { 1 } else { self.output.channels };
-        let planes = as_channels(image.planes(), channels);
-        Ok(Some(Picture { window: self.canvas.window(image.bounds), planes }))
+    fn fetch(&self, name: &'static CStr) -> Result<Option<Fetched>, Fault> {
+        Fetched::of(self.call, name, self.time, &self.canvas)
     }
 
-    fn warp(&self, source: Option<&Picture>) -> Result<std::sync::Arc<Warp>, Fault> {
-        let has_alpha = |source: &&Picture| source.planes.len() != 3;
-        let alpha = source
-            .filter(has_alpha)
-            .and_then(|source| Some(Alpha { window: source.window, samples: source.planes.last()? }));
-        let warp = self.settings.warp(&self.canvas, alpha)?;
+    fn warp(&self, source: Option<&Fetched>) -> Result<Arc<Warp>, Fault> {
+        let warp = self.settings.warp(&self.canvas, source.and_then(Fetched::coverage))?;
         if self.call.effect.is_aborted() { Err(Fault::Aborted) } else { Ok(warp) }
     }
 
     fn picture(&self) -> Result<Vec<Vec<f32>>, Fault> {
-        let window = self.window();
+        let (window, channels) = (self.window(), self.output.channels);
         let Some(source) = self.fetch(image::SOURCE_CLIP)? else {
-            return Ok(vec![vec![0.0; window.area()]; self.output.channels]);
+            return Ok(vec![vec![0.0; window.area()]; channels]);
         };
         let warp = self.warp(Some(&source))?;
-        let map = WarpMap::backward(&warp.field, self.canvas.frame, window);
-        let seen = |picture: &Picture, map: &WarpMap, filter| {
-            let planes = picture.planes.iter().map(Vec::as_slice).collect();
-            resampled(map, &Planes { window: picture.window, planes }, filter)
+        let source = source.with_channels(channels);
+        // A mask that is connected and has no image is black everywhere: nothing is warped.
+        let mask = match connected(self.call, MASK_CLIP) {
+            Some(_) => Some(self.fetch(MASK_CLIP)?.map(|mask| mask.with_channels(1)).unwrap_or_else(Fetched::black)),
+            None => None,
         };
-        let mut planes = seen(&source, &map, self.settings.filter);
-        let still =
-            |picture: &Picture| seen(picture, &WarpMap::identity(self.canvas.frame, window), self.settings.filter);
-        if connected(self.call, BACKGROUND_CLIP).is_some() && self.output.channels == 4 {
-            if let Some(background) = self.fetch(BACKGROUND_CLIP)? {
-                lay_over(&mut planes, &still(&background));
-            }
-        }
-        if connected(self.call, MASK_CLIP).is_some() {
-            // A mask without an image is black: nothing is warped.
-            let mask = self.fetch(MASK_CLIP)?.map(|mask| still(&mask)).unwrap_or_default();
-            mix(&mut planes, &still(&source), mask.first().map(Vec::as_slice));
-        }
-        Ok(planes)
+        let background = match connected(self.call, BACKGROUND_CLIP) {
+            Some(_) => self.fetch(BACKGROUND_CLIP)?.map(|picture| picture.with_channels(channels)),
+            None => None,
+        };
+        let (mask, background) = (mask.as_ref().map(Fetched::picture), background.as_ref().map(Fetched::picture));
+        let effect = self.call.effect;
+        let job = Render {
+            frame: self.canvas.frame,
+            window,
+            source: &source.picture(),
+            mask: mask.as_ref(),
+            background: background.as_ref(),
+            filter: self.settings.filter,
+            abort: &|| effect.is_aborted(),
+        };
+        Ok(live::render(&warp, &job)?)
     }
 
     fn map(&self) -> Result<Vec<Vec<f32>>, Fault> {
@@ -126,53 +164,12 @@ impl<'a> Task<'a> {
             let what = "STMaps need 32-bit floats; set the project or the node to float".to_owned();
             return Err(Fault::Image { clip: "Output".to_owned(), what });
         }
-        let source = match self.settings.shape {
-            ShapeChoice::Alpha => self.fetch(image::SOURCE_CLIP)?,
-            _ => None,
-        };
-        let warp = self.warp(source.as_ref())?;
-        let map = WarpMap::backward(&warp.field, self.canvas.frame, self.window());
-        let channels = stmap_of(&map).channels.into_iter().map(|channel| channel.samples).collect();
-        Ok(as_channels(channels, self.output.channels))
-    }
-}
-
-/// Planes as the channels of another picture: 4 are RGBA, 3 RGB, 1 alpha. What has no alpha is opaque.
-fn as_channels(mut planes: Vec<Vec<f32>>, channels: usize) -> Vec<Vec<f32>> {
-    let length = planes.first().map_or(0, Vec::len);
-    match (planes.len(), channels) {
-        (4, 3) => planes.truncate(3),
-        (4, 1) => planes = planes.split_off(3),
-        (3, 4) => planes.push(vec![1.0; length]),
-        (3, 1) => planes = vec![vec![1.0; length]],
-        (1, 3) => planes = vec![planes.swap_remove(0); 3],
-        (1, 4) => planes = [vec![vec![0.0; length]; 3], planes].concat(),
-        _ => {}
-    }
-    planes
-}
-
-/// Lays RGBA over a background, both associated.
-fn lay_over(front: &mut [Vec<f32>], background: &[Vec<f32>]) {
-    let Some((alpha, colours)) = front.split_last_mut() else { return };
-    let over = |plane: &mut Vec<f32>, back: &Vec<f32>, alpha: &[f32]| {
-        plane.iter_mut().zip(back).zip(alpha).for_each(|((front, back), alpha)| *front += back * (1.0 - alpha));
-    };
-    colours.iter_mut().zip(background).for_each(|(plane, back)| over(plane, back, alpha));
-    if let Some(back) = background.last() {
-        alpha.iter_mut().zip(back).for_each(|(front, back)| *front += back * (1.0 - *front));
-    }
-}
-
-/// Keeps what is warped where the mask is 1, what is not where it is 0; no mask is black.
-fn mix(warped: &mut [Vec<f32>], still: &[Vec<f32>], mask: Option<&[f32]>) {
-    for (plane, still) in warped.iter_mut().zip(still) {
-        let Some(mask) = mask else {
-            plane.clone_from(still);
-            continue;
-        };
-        for ((value, still), mask) in plane.iter_mut().zip(still).zip(mask) {
-            *value = still + (*value - still) * mask.clamp(0.0, 1.0);
-        }
+        let is_of_alpha = self.settings.shape == ShapeChoice::Alpha;
+        let source = if is_of_alpha { self.fetch(image::SOURCE_CLIP)? } else { None };
+        let map = live::stmap(&*self.warp(source.as_ref())?, self.canvas.frame, self.window());
+        let blue = vec![0.0; map.u.len()];
+        let planes = vec![map.u, map.v, blue, map.coverage];
+        let map = Fetched { window: map.window, planes, alpha: Alpha::Straight };
+        Ok(map.with_channels(self.output.channels).planes)
     }
 }

@@ -2,15 +2,21 @@
 //!
 //! In: the parameters of an instance at a time, and the canvas. Out: [`Settings`]. What a host leaves out has its default.
 
+use super::api::names::prop;
 use super::canvas::Canvas;
+use super::describe::MASK_CLIP;
 use super::effect::{Effect, Params};
+use super::entry::Call;
 use super::fault::Fault;
 use super::params::{self, Kind, PINS, pin_id};
+use super::regions::connected;
 use crate::live::{self, Basis, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
 use crate::plate::Filter;
-use crate::space::PixelRect;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Bases, in the order of `params::BASES`.
+pub(super) const BASES: [Basis; 4] = [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri];
 
 /// All that a moment of an instance is set to.
 pub(super) struct Settings {
@@ -72,7 +78,8 @@ impl<'a> Moment<'a> {
         self.int(id) != 0
     }
 
-    fn pin(self, index: usize, canvas: &Canvas) -> Option<Pin> {
+    /// A pin, on or off.
+    pub(super) fn pin(self, index: usize, canvas: &Canvas) -> Option<Pin> {
         let [rest, target] = ["Rest", "Target"].map(|end| self.params.point(&pin_id(index, end), self.time));
         let turns = self.is_on(&pin_id(index, "Turns"));
         let rotation = turns.then(|| self.double(&pin_id(index, "Angle")).to_radians());
@@ -83,20 +90,25 @@ impl<'a> Moment<'a> {
         Ok(match self.int("shape") {
             0 => ShapeChoice::Frame,
             1 => ShapeChoice::Alpha,
-            _ => ShapeChoice::Shot(ShotShape {
-                path: self.text("shotFile").map(PathBuf::from).ok_or(Fault::NoShotFile)?,
-                camera: self.text("camera"),
-                layer: self.text("layer"),
-                frame: self.time + f64::from(self.int("frameOffset")),
-                pin_frame: self.int("pinFrame"),
-                own_pins: if self.is_on("shotPins") { OwnPins::Act } else { OwnPins::LeftOut },
-            }),
+            _ => ShapeChoice::Shot(self.shot()?),
+        })
+    }
+
+    /// The shot file and how it is looked at.
+    pub(super) fn shot(self) -> Result<ShotShape, Fault> {
+        Ok(ShotShape {
+            path: self.text("shotFile").map(PathBuf::from).ok_or(Fault::NoShotFile)?,
+            camera: self.text("camera"),
+            layer: self.text("layer"),
+            frame: self.time + f64::from(self.int("frameOffset")),
+            pin_frame: self.int("pinFrame"),
+            own_pins: if self.is_on("shotPins") { OwnPins::Act } else { OwnPins::LeftOut },
         })
     }
 
     /// Everything, in the engine's words.
     pub(super) fn settings(self, canvas: &Canvas) -> Result<Settings, Fault> {
-        let basis = [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri][self.int("basis") as usize];
+        let basis = BASES[self.int("basis") as usize];
         let least = if basis == Basis::Bspline { 4 } else { 2 };
         let shape = self.shape()?;
         let is_held = self.is_on("holdBorder") && shape != ShapeChoice::Alpha;
@@ -118,12 +130,6 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// The source's alpha, whole, in image space.
-pub(super) struct Alpha<'a> {
-    pub(super) window: PixelRect,
-    pub(super) samples: &'a [f32],
-}
-
 impl Settings {
     /// Whether it is plain without solving that nothing moves.
     pub(super) fn is_at_rest(&self) -> bool {
@@ -133,11 +139,9 @@ impl Settings {
     }
 
     /// The warp; a shape from alpha that is not at hand is taken for the whole frame.
-    pub(super) fn warp(&self, canvas: &Canvas, alpha: Option<Alpha>) -> Result<Arc<Warp>, Fault> {
+    pub(super) fn warp(&self, canvas: &Canvas, alpha: Option<Coverage>) -> Result<Arc<Warp>, Fault> {
         let shape = match (&self.shape, alpha) {
-            (ShapeChoice::Alpha, Some(Alpha { window, samples })) => {
-                Shape::Coverage(Coverage { window, alpha: samples })
-            }
+            (ShapeChoice::Alpha, Some(coverage)) => Shape::Coverage(coverage),
             (ShapeChoice::Shot(shot), _) => Shape::Shot(shot.clone()),
             _ => Shape::Frame,
         };
@@ -145,11 +149,18 @@ impl Settings {
     }
 }
 
-/// Canvas and settings at the time and scale of an action's arguments.
-pub(super) fn at_arguments(effect: Effect, args: super::props::Props) -> Result<(f64, Canvas, Settings), Fault> {
-    let time = args.double(super::api::names::prop::TIME).unwrap_or(0.0);
-    // Regions are canonical: they do not depend on the scale that is announced.
-    let canvas = Canvas::of(effect, time, [1.0, 1.0]);
-    let settings = Moment::of(effect, time)?.settings(&canvas)?;
-    Ok((time, canvas, settings))
+/// The settings of an instance at a time; what a mask selects is free to leave the frame.
+pub(super) fn settings_of(call: Call, time: f64, canvas: &Canvas) -> Result<Settings, Fault> {
+    let mut settings = Moment::of(call.effect, time)?.settings(canvas)?;
+    if connected(call, MASK_CLIP).is_some() {
+        settings.controls.moved = Moved::Masked;
+    }
+    Ok(settings)
+}
+
+/// Time, canvas and settings of an action's arguments. Regions are canonical: they do not depend on the scale.
+pub(super) fn at_arguments(call: Call) -> Result<(f64, Canvas, Settings), Fault> {
+    let time = call.args.double(prop::TIME).unwrap_or(0.0);
+    let canvas = Canvas::of(call.effect, time, [1.0, 1.0]);
+    Ok((time, canvas, settings_of(call, time, &canvas)?))
 }

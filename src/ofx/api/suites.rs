@@ -138,7 +138,8 @@ pub struct ParameterSuiteV1 {
 }
 
 /// A message: effect (may be null), kind, id (may be null), format as of `printf`, its arguments.
-type Message = Option<unsafe extern "C" fn(*mut c_void, *const c_char, *const c_char, *const c_char, ...) -> Status>;
+pub type Message =
+    Option<unsafe extern "C" fn(*mut c_void, *const c_char, *const c_char, *const c_char, ...) -> Status>;
 
 /// Words for the user.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,175 @@
+//! The buttons: shot files read and written, STMaps written.
+//!
+//! In: the parameters with their keys. Out: parameters, set in one step to undo; files.
+
+use super::api::names::image;
+use super::canvas::Canvas;
+use super::effect::{Clip, When};
+use super::entry::Call;
+use super::fault::Fault;
+use super::params::{PINS, pin_id};
+use super::render::Fetched;
+use super::settings::{BASES, Moment, ShapeChoice, settings_of};
+use crate::image::{Compression, FrameMetadata, SequencePath, write_exr};
+use crate::live::{self, NewShot, Pin, PinTrack, Subject, TrackKey, WriteShot};
+use crate::plate::{WarpMap, stmap_of};
+use crate::shot::Ease;
+use std::path::{Path, PathBuf};
+
+/// Frames over which keys and maps are written at most: a host's "for ever" ends there.
+const MOST_FRAMES: i32 = 100_000;
+
+/// Does what a button says, and tells how it went; `None`: there is no such button.
+pub(super) fn press(call: Call, id: &str, moment: Moment) -> Option<Result<String, Fault>> {
+    let canvas = Canvas::of(call.effect, moment.time, [1.0, 1.0]);
+    match id {
+        "readShot" => Some(read(moment, &canvas)),
+        "writeShot" => Some(write(call, moment, &canvas)),
+        "writeStmaps" => Some(write_stmaps(call, moment, &canvas)),
+        _ => None,
+    }
+}
+
+fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
+    let params = moment.params;
+    let mut told = vec![];
+    let file = live::read_shot(&moment.shot()?, canvas.frame)?;
+    params.begin_edit(c"Read a shot");
+    let basis = BASES.iter().position(|basis| *basis == file.controls.basis).unwrap_or(0);
+    let [columns, rows] = file.controls.dims.map(|count| count as i32);
+    for (id, value) in [("shape", 2), ("shotPins", 0), ("columns", columns), ("rows", rows), ("basis", basis as i32)] {
+        params.set_int(id, value);
+    }
+    for id in ["strength", "stiffness"] {
+        params.delete_keys(id);
+        params.set_double(id, 1.0, When::Now);
+    }
+    for pin in 0..PINS {
+        params.delete_keys(&pin_id(pin, "On"));
+        params.set_int(&pin_id(pin, "On"), i32::from(pin < file.tracks.len()));
+    }
+    for (pin, track) in file.tracks.iter().take(PINS).enumerate() {
+        set_track(moment, canvas, pin, track);
+    }
+    params.end_edit();
+    told.push(format!("read {} pins of layer {}", file.tracks.len().min(PINS), file.layer));
+    if file.tracks.len() > PINS {
+        told.push(format!("{} more are left out: an instance has {PINS}", file.tracks.len() - PINS));
+    }
+    if file.tracks.iter().any(|track| track.keys.len() > 1) {
+        told.push("between keys the host's own curves hold".to_owned());
+    }
+    told.extend(file.warnings);
+    Ok(told.join("; "))
+}
+
+/// A pin and its keys as parameters.
+fn set_track(moment: Moment, canvas: &Canvas, pin: usize, track: &PinTrack) {
+    let params = moment.params;
+    let [name, rest, target, turns, angle] = ["Name", "Rest", "Target", "Turns", "Angle"].map(|end| pin_id(pin, end));
+    [&rest, &target, &turns, &angle].into_iter().for_each(|id| params.delete_keys(id));
+    params.set_text(&name, &track.name);
+    params.set_point(&rest, canvas.canonical(track.rest), When::Now);
+    params.set_int(&turns, i32::from(track.keys.iter().any(|key| key.rotation.is_some())));
+    let offset = f64::from(moment.int("frameOffset"));
+    for key in &track.keys {
+        let when = if track.keys.len() == 1 { When::Now } else { When::Key(key.frame - offset) };
+        params.set_point(&target, canvas.canonical(key.target), when);
+        params.set_double(&angle, key.rotation.unwrap_or(0.0).to_degrees(), when);
+    }
+}
+
+fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
+    let path = moment.text("writePath").map(PathBuf::from).ok_or(Fault::NoPath("Write to"))?;
+    let settings = settings_of(call, moment.time, canvas)?;
+    if let (ShapeChoice::Shot(shot), false) = (&settings.shape, path.exists()) {
+        // Paths in the file are relative to its folder.
+        if shot.path.parent() != path.parent() {
+            return Err(Fault::OtherFolder(shot.path.clone()));
+        }
+        std::fs::copy(&shot.path, &path).map_err(|source| Fault::Copy { path: path.clone(), source })?;
+    }
+    let offset = moment.int("frameOffset");
+    let tracks: Vec<PinTrack> = settings.pins.iter().map(|pin| track(moment, canvas, *pin)).collect();
+    let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
+    let layer = moment.text("layer");
+    let file = if settings.shape == ShapeChoice::Alpha { "picture.exr" } else { "plate.####.exr" };
+    let picture = path.with_file_name(file);
+    let subject =
+        if settings.shape == ShapeChoice::Alpha { Subject::Picture(&picture) } else { Subject::Plate(&picture) };
+    live::write_shot(&WriteShot {
+        path: &path,
+        controls: &settings.controls,
+        tracks: &tracks,
+        layer: layer.as_deref(),
+        pin_frame: moment.int("pinFrame"),
+        new: NewShot {
+            subject,
+            frames: frames(call, moment.time).map(|frame| frame.saturating_add(offset)),
+            rate: source.and_then(|props| props.double(image::FRAME_RATE)).filter(|rate| *rate > 0.0).unwrap_or(24.0),
+            size: canvas.frame,
+        },
+    })?;
+    Ok(format!("wrote {} pins to {}", tracks.len(), path.display()))
+}
+
+/// First and last frame of the source, or the frame that is shown.
+fn frames(call: Call, time: f64) -> [i32; 2] {
+    let range = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.props().doubles(image::FRAME_RANGE));
+    let [first, last] = range.unwrap_or([time; 2]).map(|frame| frame.round() as i32);
+    [first, last.clamp(first, first.saturating_add(MOST_FRAMES))]
+}
+
+/// A pin with a key at every frame between its first and its last, so that the host's curves are kept.
+fn track(moment: Moment, canvas: &Canvas, pin: usize) -> PinTrack {
+    let mut times: Vec<f64> = ["Rest", "Target", "Turns", "Angle"]
+        .iter()
+        .flat_map(|end| moment.params.keys(&pin_id(pin, end)))
+        .filter(|time| time.is_finite())
+        .collect();
+    let [first, last] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
+    if let (Some(first), Some(last)) = (first, last) {
+        let last = last.min(first + f64::from(MOST_FRAMES));
+        times.extend((first.ceil() as i32..=last.floor() as i32).map(f64::from));
+    } else {
+        times.push(moment.time);
+    }
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let offset = f64::from(moment.int("frameOffset"));
+    let rest = moment.pin(pin, canvas).map(|now| now.rest).unwrap_or_default();
+    let key = |time: f64| {
+        let Pin { rest: was, target, rotation, scale } = Moment { time, ..moment }.pin(pin, canvas)?;
+        Some(TrackKey { frame: time + offset, target: rest + (target - was), rotation, scale, ease: Ease::Linear })
+    };
+    let name = moment.text(&pin_id(pin, "Name")).unwrap_or_else(|| pin_id(pin, ""));
+    PinTrack { name, rest, keys: times.into_iter().filter_map(key).collect() }
+}
+
+fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
+    let pattern = moment.text("stmapPath").ok_or(Fault::NoPath("STMaps to"))?;
+    let pattern = SequencePath::parse(Path::new(&pattern))?;
+    let [first, last] = frames(call, moment.time);
+    pattern.check_frame_count((last - first + 1) as usize)?;
+    for frame in first..=last {
+        if call.effect.is_aborted() {
+            return Err(Fault::Aborted);
+        }
+        let time = f64::from(frame);
+        let settings = settings_of(call, time, canvas)?;
+        let is_of_alpha = settings.shape == ShapeChoice::Alpha;
+        let source = if is_of_alpha { Fetched::of(call, image::SOURCE_CLIP, time, canvas)? } else { None };
+        let warp = settings.warp(canvas, source.as_ref().and_then(Fetched::coverage))?;
+        let map = WarpMap::backward(&warp.field, canvas.frame, canvas.frame.window());
+        let metadata = FrameMetadata {
+            frame,
+            frames_per_second: 24.0,
+            shot_hash: String::new(),
+            device: "CPU".into(),
+            camera: None,
+            mattes: Default::default(),
+        };
+        write_exr(&pattern.path_of(frame), &stmap_of(&map), &metadata, Compression::Zip)?;
+    }
+    Ok(format!("wrote {} STMaps", last - first + 1))
+}
