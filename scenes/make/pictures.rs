@@ -1,7 +1,8 @@
 //! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
-//! also docs/bulge.png, a hard pull as the paper, a point and a disc answer it; docs/flag.png and docs/transfer.png.
+//! also docs/bulge.png (a hard pull as the paper, a point and a disc answer it), docs/fit.png, docs/flag.png, docs/transfer.png.
 //! Names as arguments: only theirs.
 
+mod fit_sheet;
 mod flag_sheet;
 
 use anyhow::{Context as _, bail};
@@ -56,7 +57,8 @@ fn main() -> anyhow::Result<()> {
         }
         both.save(place.join("picture.png")).with_context(|| format!("writing the picture of {}", picture.scene))?;
     }
-    let strips: [(&str, Strip); 3] = [("bulge", bulge), ("flag", flag_sheet::strip), ("transfer", transfer)];
+    let strips: [(&str, Strip); 4] =
+        [("bulge", bulge), ("fit", fit_sheet::strip), ("flag", flag_sheet::strip), ("transfer", transfer)];
     for (name, strip) in strips.iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|other| other == name))
     {
         let path = folder.join(format!("../docs/{name}.png"));
