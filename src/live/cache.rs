@@ -50,7 +50,7 @@ impl<V> Cache<V> {
         if let Some(value) = guard.as_ref() {
             return Ok(Arc::clone(value));
         }
-        let value = Arc::new(compute()?);
+        let value = Arc::new(compute().inspect_err(|_| _ = self.locked().slots.remove(&key))?);
         *guard = Some(Arc::clone(&value));
         drop(guard);
         self.settle(key, (self.weigh)(&value));
@@ -130,6 +130,7 @@ mod tests {
     fn failures_are_not_kept() {
         let cache = Cache::new(3, |_: &u32| 1);
         assert_eq!(cache.get(key(1), || Err("no")).unwrap_err(), "no");
+        assert_eq!(cache.count(), 0);
         assert_eq!(cache.get(key(1), || Ok::<_, &str>(5)).map(|value| *value), Ok(5));
     }
 }

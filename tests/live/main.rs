@@ -1,7 +1,9 @@
 //! The host-neutral core: warps of one moment, their caches, pixels and shot files.
 
+mod files;
 mod pixels;
 mod regions;
+mod shots;
 mod support;
 mod warps;
 

@@ -54,6 +54,21 @@ fn tiles_are_parts_of_the_whole() {
 }
 
 #[test]
+fn a_sample_that_is_no_number_changes_no_tile_that_does_not_read_it() {
+    let (warp, window) = (bent(), WIDE.window());
+    let mut planes = [noise(window, 5)];
+    planes[0][145 * 700 + 350] = f32::NAN;
+    let source = picture(window, &planes, Alpha::Opaque);
+    let whole = render(&warp, &job(&source, window)).expect("rendered");
+    assert!(whole[0].iter().all(|sample| sample.is_finite()));
+    for (x, y) in [(330, 130), (365, 150), (300, 160)] {
+        let tile = PixelRect { x, y, width: 20, height: 20 };
+        let part = render(&warp, &job(&source, tile)).expect("rendered");
+        check_same(&[cut(&whole[0], window, tile)], &part, "beside a NaN");
+    }
+}
+
+#[test]
 fn eight_threads_show_the_same() {
     let window = WIDE.window();
     let planes: Vec<Vec<f32>> = (0..4).map(|k| noise(window, k)).collect();

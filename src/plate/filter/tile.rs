@@ -21,6 +21,8 @@ const TILE: usize = 64;
 const BLOCK: usize = 1 << 15;
 /// A sum that misses more than three quarters of its weights says nothing.
 const LEAST_PRESENCE: f32 = 0.25;
+/// A sum that misses less than this of its weights is whole: rounding must not tell whether a NaN lies elsewhere in its tile.
+const ROUNDING: f32 = 1e-5;
 
 /// What all tiles of a resampling share.
 pub(super) struct Tiles<'a> {
@@ -200,7 +202,12 @@ impl<'a> Tiles<'a> {
 /// Spreads the weights of samples that are no numbers over the others.
 fn renormalize(sum: &mut Texel, present: &Texel) {
     for (sum, present) in sum.iter_mut().zip(present) {
-        *sum = if *present >= LEAST_PRESENCE { *sum / present } else { 0.0 };
+        let is_whole = (1.0 - present).abs() < ROUNDING;
+        *sum = match *present {
+            _ if is_whole => *sum,
+            present if present >= LEAST_PRESENCE => *sum / present,
+            _ => 0.0,
+        };
     }
 }
 

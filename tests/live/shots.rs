@@ -1,0 +1,82 @@
+//! Shapes from shot files: lattices follow the model, pins stick to it, the shot's own pins act.
+
+use pinwarp::live::{Controls, LiveError, OwnPins, Pin, Shape, ShotShape, warp};
+use pinwarp::pipeline::Setup;
+use pinwarp::shot::Shot;
+use pinwarp::space::{FrameSize, ScreenPoint};
+use std::path::PathBuf;
+
+/// The walker's legs, on twos, pinned by name.
+pub(crate) fn legs(frame: f64) -> ShotShape {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/shot.toml");
+    ShotShape { path, camera: None, layer: Some("legs".into()), frame, pin_frame: 1, own_pins: OwnPins::Act }
+}
+
+pub(crate) const SIZE: FrameSize = FrameSize::new(1280, 720);
+
+#[test]
+fn a_shots_own_pins_act_as_in_the_program() {
+    let shape = legs(7.0);
+    let setup = Setup::new(Shot::read(&shape.path).expect("a good shot")).expect("fits");
+    let cold = setup.exposed(7).expect("solves");
+    let cold = &cold.layers[0].solution.as_ref().expect("pins act").lattice;
+    let controls = Controls { dims: [10, 8], ..Controls::default() };
+    let live = warp(&controls, &Shape::Shot(shape.clone()), SIZE).expect("solves");
+    let live = live.lattice.as_ref().expect("a lattice");
+    assert_eq!(cold.grid, live.grid);
+    for (a, b) in cold.handles.iter().zip(&live.handles) {
+        assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
+    }
+    let without = ShotShape { own_pins: OwnPins::LeftOut, ..shape };
+    assert!(warp(&controls, &Shape::Shot(without), SIZE).expect("solves").is_identity());
+}
+
+#[test]
+fn a_pin_follows_the_animated_surface() {
+    let setup = Setup::new(Shot::read(&legs(1.0).path).expect("a good shot")).expect("fits");
+    // A point of the near toe, as the camera sees it in frame 1.
+    let rests = setup.rests_of(0, 1.0);
+    let seen = setup.cast(1, &rests.iter().map(|rest| rest.point).collect::<Vec<_>>());
+    let on_legs = |cast: &Option<pinwarp::pipeline::Pinned>| cast.is_some();
+    let index = seen.iter().position(on_legs).expect("a pin that can be seen");
+    let rest = rests[index].point;
+    let pin = Pin::new(rest, ScreenPoint::new(rest.0.x + 0.03, rest.0.y + 0.01));
+    let controls = Controls { dims: [10, 8], pins: vec![pin], ..Controls::default() };
+    let at = |frame: f64| {
+        let shape = ShotShape { own_pins: OwnPins::LeftOut, ..legs(frame) };
+        warp(&controls, &Shape::Shot(shape), SIZE).expect("solves")
+    };
+    let mut places = Vec::new();
+    for frame in [1.0, 9.0, 20.5, 33.0] {
+        let warp = at(frame);
+        let place = warp.pins[0];
+        let off = (place.moved.0 - place.rest.0 - (pin.target.0 - pin.rest.0)).length();
+        assert!(off * 720.0 < 0.05 && place.presence == 1.0, "frame {frame}: {place:?}");
+        assert!(warp.warnings.is_empty(), "{:?}", warp.warnings);
+        places.push(place.rest.0);
+    }
+    assert!((places[0] - rest.0).length() < 1e-5, "it begins where it was placed");
+    assert!(places.windows(2).all(|pair| (pair[0] - pair[1]).length() > 0.01), "it walks: {places:?}");
+    let lattices = [at(1.0), at(33.0)].map(|warp| warp.lattice.as_ref().expect("a lattice").grid.lo);
+    assert!((lattices[0][0] - lattices[1][0]).abs() > 0.01, "the lattice walks, too");
+}
+
+#[test]
+fn pins_beside_the_model_stay_on_the_screen() {
+    let sky = ScreenPoint::new(20.0, 20.0);
+    let controls = Controls { dims: [10, 8], pins: vec![Pin::new(sky, sky)], ..Controls::default() };
+    let warp = warp(&controls, &Shape::Shot(legs(9.0)), SIZE).expect("solves");
+    assert_eq!(warp.pins[0].rest, sky);
+    assert!(warp.warnings.iter().any(|warning| warning.contains("pin 1: there is no surface")), "{:?}", warp.warnings);
+}
+
+#[test]
+fn shots_that_do_not_fit_are_refused() {
+    let of = |shape: ShotShape, size| warp(&Controls::default(), &Shape::Shot(shape), size).expect_err("a fault");
+    assert!(matches!(of(legs(1.0), FrameSize::new(720, 720)), LiveError::Shape { .. }));
+    let missing = of(ShotShape { layer: Some("wings".into()), ..legs(1.0) }, SIZE).to_string();
+    assert!(missing.contains("'wings'") && missing.contains("legs, body, head"), "{missing}");
+    let camera = of(ShotShape { camera: Some("Shotcam".into()), ..legs(1.0) }, SIZE).to_string();
+    assert!(camera.contains("ShotCam"), "{camera}");
+    assert!(matches!(of(ShotShape { path: "no.toml".into(), ..legs(1.0) }, SIZE), LiveError::Shot(_)));
+}
