@@ -5,9 +5,11 @@
 //! What is seen of an id is the sum, over the samples below the pixel's footprint, of weight · share · coverage,
 //! sheet over sheet as colour (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters).
 
+use super::alike::Alike;
 use super::canvas::{Canvas, Sheet};
-use super::footprint;
+use super::filter::{BAND, bands, footprint, footprint_box};
 use super::over::Overlay;
+use super::resampler::Tools;
 use crate::image::cryptomatte::{Coverage, MatteId};
 use rayon::prelude::*;
 
@@ -23,6 +25,13 @@ pub(super) struct Ranks<'a> {
     pub(super) filling: Vec<[Vec<f32>; 2]>,
 }
 
+/// What the pixels of a canvas are gathered from.
+struct Seen<'a> {
+    matte: &'a Ranks<'a>,
+    overlay: &'a Overlay,
+    alike: &'a Alike,
+}
+
 /// Memory that a thread uses again for every pixel.
 #[derive(Default)]
 struct Scratch {
@@ -33,31 +42,42 @@ struct Scratch {
 
 impl Canvas<'_> {
     /// Ranks after the warp: for each id and coverage, #pixels of the canvas.
-    pub(super) fn matted(&self, matte: &Ranks, overlay: &Overlay) -> Vec<[Vec<f32>; 2]> {
+    pub(super) fn matted(&self, matte: &Ranks, overlay: &Overlay, tools: &Tools) -> Vec<[Vec<f32>; 2]> {
         let width = self.window.width as usize;
-        let count = matte.ranks.len();
-        let mut rows = vec![0.0; self.window.area() * 2 * count];
-        let work = |scratch: &mut Scratch, (row, ranks): (usize, &mut [f32])| {
-            let y = self.window.y + row as i32;
-            for (ranks, x) in ranks.chunks_exact_mut(2 * count).zip(self.window.x..) {
-                self.gather(matte, overlay, [x, y], scratch);
-                ranks.copy_from_slice(&scratch.ranks);
+        let mut planes: Vec<_> = (0..2 * matte.ranks.len()).map(|_| tools.plane(self.window.area())).collect();
+        let alike = self.alike(matte);
+        let work = |scratch: &mut Scratch, (band, planes): (usize, &mut Vec<&mut [f32]>)| {
+            for place in 0..planes[0].len() {
+                let (x, y) = (place % width, band * BAND + place / width);
+                self.gather(
+                    &Seen { matte, overlay, alike: &alike },
+                    [self.window.x + x as i32, self.window.y + y as i32],
+                    scratch,
+                );
+                planes.iter_mut().zip(&scratch.ranks).for_each(|(plane, rank)| plane[place] = *rank);
             }
         };
-        rows.par_chunks_mut(width * 2 * count).enumerate().for_each_init(Scratch::default, work);
-        let plane = |offset: usize| rows.par_iter().skip(offset).step_by(2 * count).copied().collect();
-        (0..count).map(|rank| [plane(2 * rank), plane(2 * rank + 1)]).collect()
+        bands(&mut planes, BAND * width).par_iter_mut().enumerate().for_each_init(Scratch::default, work);
+        let mut planes = planes.into_iter();
+        std::iter::from_fn(|| planes.next().zip(planes.next()).map(<[Vec<f32>; 2]>::from)).collect()
+    }
+
+    /// Where ranks and the shares of all sheets are the same in neighbouring samples.
+    fn alike(&self, matte: &Ranks) -> Alike {
+        let shares = self.sheets.iter().filter_map(|sheet| sheet.share.pixels.as_deref());
+        Alike::of(self.source, &matte.ranks.as_flattened().iter().copied().chain(shares).collect::<Vec<_>>())
     }
 
     /// Leaves the ranks of one pixel in `scratch`.
-    fn gather(&self, matte: &Ranks, overlay: &Overlay, at: [i32; 2], scratch: &mut Scratch) {
+    fn gather(&self, seen: &Seen, at: [i32; 2], scratch: &mut Scratch) {
+        let Seen { matte, overlay, .. } = *seen;
         scratch.ranks.clear();
         scratch.ranks.resize(2 * matte.ranks.len(), 0.0);
         scratch.coverage.clear();
         let mut visible = 1.0;
         for (sheet, below) in self.sheets.iter().zip(&overlay.below).rev() {
             let Some(place) = sheet.window.place_of(at) else { continue };
-            self.find_taps(sheet, place, at, &mut scratch.taps);
+            self.find_taps(seen.alike, sheet, (place, at), &mut scratch.taps);
             if let [(index, 1.0)] = scratch.taps[..]
                 && self.sheets.len() == 1
             {
@@ -80,10 +100,20 @@ impl Canvas<'_> {
         limit(&mut scratch.ranks);
     }
 
-    /// Samples below a pixel of a sheet.
-    fn find_taps(&self, sheet: &Sheet, place: usize, at: [i32; 2], taps: &mut Vec<(usize, f32)>) {
+    /// Samples below a pixel of a sheet. Where all hold the same, one of them stands for all: shares of 1 that sum to
+    /// 0.9999999 would leave noise in every matte.
+    fn find_taps(&self, alike: &Alike, sheet: &Sheet, (place, at): (usize, [i32; 2]), taps: &mut Vec<(usize, f32)>) {
         match &sheet.map {
-            Some(map) => footprint(map, place, self.source, taps),
+            Some(map) => {
+                let one = footprint_box(map, place, self.source).and_then(|ends| alike.one_of(ends));
+                match one {
+                    Some(sample) => {
+                        taps.clear();
+                        taps.push((sample, 1.0));
+                    }
+                    None => footprint(map, place, self.source, taps),
+                }
+            }
             None => {
                 taps.clear();
                 taps.extend(self.source.place_of(at).map(|index| (index, 1.0)));

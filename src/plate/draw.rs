@@ -8,6 +8,7 @@ use super::cryptomatte::Ranks;
 use super::fill::{Filling, add_behind};
 use super::nearest::{Pick, copied};
 use super::over::Overlay;
+use super::resampler::{Resampling, Tools};
 use super::{Filter, Meaning, Planes, PlateReport, WarpRules};
 use crate::image::{Channel, EMPTY_DEPTH, Plate};
 use std::borrow::Cow;
@@ -26,6 +27,7 @@ pub(super) struct Drawing<'a> {
     /// `None` where a map alone is known.
     pub(super) movers: Option<&'a [Mover<'a>]>,
     pub(super) filling: Option<Filling<'a>>,
+    pub(super) tools: &'a Tools,
 }
 
 /// What the channels of one canvas with one alpha share.
@@ -65,7 +67,7 @@ impl Drawing<'_> {
             let alpha = place.map(|place| self.contents.over(place, canvas.source, 0.0));
             let is_copied = |entry: &&Entry| !matches!(entry.known.meaning, Meaning::Color | Meaning::Alpha);
             let picks = if entries.iter().any(is_copied) { canvas.picks(alpha.as_deref()) } else { Vec::new() };
-            let overlay = canvas.overlay(alpha.as_deref(), self.rules.filter);
+            let overlay = canvas.overlay(alpha.as_deref(), self.by(self.rules.filter));
             let shared = Shared { entries, overlay, picks };
             self.report_holes(&shared, report);
             self.draw_colors(canvas, &shared, planes, report);
@@ -104,7 +106,7 @@ impl Drawing<'_> {
             let bad = bad.not_finite();
             report.contained_samples += bad.nan + bad.infinite;
         }
-        let colors = canvas.colors(&sources, &shared.overlay, self.rules.filter);
+        let colors = canvas.colors(&sources, &shared.overlay, self.by(self.rules.filter));
         for (entry, mut color) in entries.into_iter().zip(colors) {
             if let Some((holes, filling)) =
                 shared.overlay.holes.as_ref().zip(self.fill(entry, canvas, self.rules.filter))
@@ -118,20 +120,28 @@ impl Drawing<'_> {
     /// What fills holes in a channel.
     fn fill(&self, entry: &Entry, canvas: &Canvas, filter: Filter) -> Option<Vec<f32>> {
         let filling = self.filling.as_ref()?;
-        Some(filling.seen(filling.find(entry)?.place, canvas, filter))
+        Some(filling.seen(filling.find(entry)?.place, canvas, self.by(filter)))
     }
 
     fn draw_data(&self, canvas: &Canvas, shared: &Shared, planes: &mut Planned) {
-        for entry in shared.of(&[Meaning::Depth, Meaning::Id, Meaning::Data, Meaning::Normal]) {
-            planes.insert(entry.place, self.copy(entry, canvas, shared));
+        self.copy(&shared.of(&[Meaning::Depth, Meaning::Id, Meaning::Data, Meaning::Normal]), (canvas, shared), planes);
+    }
+
+    /// Samples of channels as they are, all together: what a pixel shows is the same in all of them.
+    pub(super) fn copy(&self, entries: &[&Entry], (canvas, shared): (&Canvas, &Shared), planes: &mut Planned) {
+        let empty = |entry: &Entry| if entry.known.meaning == Meaning::Depth { EMPTY_DEPTH } else { 0.0 };
+        let source = |entry: &&Entry| (&self.contents.channel(entry.place).samples[..], empty(entry));
+        let sources: Vec<(&[f32], f32)> = entries.iter().map(source).collect();
+        let mut copies: Vec<_> = entries.iter().map(|_| self.tools.plane(shared.picks.len())).collect();
+        copied(&shared.picks, canvas.window.width as usize, &sources, &mut copies);
+        for (entry, mut plane) in entries.iter().zip(copies) {
+            self.fill_picked(entry, canvas, shared, &mut plane);
+            planes.insert(entry.place, plane);
         }
     }
 
-    pub(super) fn copy(&self, entry: &Entry, canvas: &Canvas, shared: &Shared) -> Vec<f32> {
-        let empty = if entry.known.meaning == Meaning::Depth { EMPTY_DEPTH } else { 0.0 };
-        let mut plane = copied(&shared.picks, &self.contents.channel(entry.place).samples, empty);
-        self.fill_picked(entry, canvas, shared, &mut plane);
-        plane
+    fn by(&self, filter: Filter) -> Resampling<'_> {
+        Resampling { tools: self.tools, filter }
     }
 
     /// Puts what fills holes into a channel that is never blended. Vectors of whose units nothing is known are left out.
@@ -161,16 +171,15 @@ impl Drawing<'_> {
                 ranks: matte.ranks.iter().map(|rank| [samples(rank.id), samples(rank.coverage)]).collect(),
                 filling: if shared.overlay.holes.is_some() { fillings.flatten().collect() } else { Vec::new() },
             };
-            let matted = canvas.matted(&ranks, &shared.overlay);
+            let matted = canvas.matted(&ranks, &shared.overlay, self.tools);
             for (rank, [ids, coverage]) in matte.ranks.iter().zip(matted) {
                 planes.insert(rank.id, ids);
                 planes.insert(rank.coverage, coverage);
             }
         }
         // Half a pair of ranks cannot be read: it stays data.
-        for entry in entries {
-            planes.entry(entry.place).or_insert_with(|| self.copy(entry, canvas, shared));
-        }
+        let alone: Vec<&Entry> = entries.into_iter().filter(|entry| !planes.contains_key(&entry.place)).collect();
+        self.copy(&alone, (canvas, shared), planes);
     }
 
     fn put_together(&self, canvases: &[Canvas], mut planes: Planned) -> Plate {

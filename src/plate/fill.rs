@@ -2,10 +2,11 @@
 //!
 //! In: the plate that fills, a canvas, a channel's name. Out: samples over the canvas's window.
 
+use super::Planes;
 use super::canvas::Canvas;
 use super::contents::{Contents, Entry, Place};
 use super::over::BATCH;
-use super::{Filter, Planes, resampled};
+use super::resampler::Resampling;
 use crate::image::cryptomatte::Manifest;
 use crate::image::{Plate, Storage};
 use crate::space::PixelRect;
@@ -92,10 +93,10 @@ impl<'a> Filling<'a> {
     }
 
     /// A channel as it is seen at the back of a canvas; 0 where it has nothing.
-    pub(super) fn seen(&self, place: Place, canvas: &Canvas, filter: Filter) -> Vec<f32> {
+    pub(super) fn seen(&self, place: Place, canvas: &Canvas, by: Resampling) -> Vec<f32> {
         let (window, samples) = (self.contents.window(place), &self.contents.channel(place).samples);
         match &canvas.base().map {
-            Some(map) => resampled(map, &Planes { window, planes: vec![samples] }, filter).swap_remove(0),
+            Some(map) => by.seen(map, &Planes { window, planes: vec![samples] }).swap_remove(0),
             None => window.over(samples, canvas.window, 0.0),
         }
     }

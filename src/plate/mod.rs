@@ -7,6 +7,7 @@
 //!                        Matte ─weight───┴─ cryptomatte, nearest, motion … ───┴─▶ Plate
 //! ```
 
+mod alike;
 mod around;
 mod canvas;
 mod color_layers;
@@ -30,6 +31,7 @@ mod nearest;
 mod normals;
 mod over;
 mod report;
+mod resampler;
 mod rules;
 mod stmap;
 mod vectors;
@@ -42,6 +44,9 @@ pub use filter::{NotFinite, Planes, footprint, resample_into, resampled};
 pub use map::WarpMap;
 pub(crate) use over::{laid, left_below};
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
+pub use resampler::Resampler;
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
 pub use stmap::{check_stmap, map_of_stmap, stmap_of};
-pub use warp::{LayerJob, PlateJob, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate};
+pub use warp::{
+    LayerJob, PlateJob, Warper, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate,
+};

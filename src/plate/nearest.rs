@@ -4,9 +4,13 @@
 //!
 //! The sheet in front counts, as for colour, so depth and ids tell of the surface that is seen.
 
+use super::WarpMap;
 use super::canvas::{Canvas, Sheet};
-use super::over::BATCH;
+use super::filter::{BAND, NOWHERE, bands, copy_samples, nearest_in_row};
 use rayon::prelude::*;
+
+/// Columns of a tile.
+const TILE: usize = 64;
 
 /// A sheet has a pixel if it covers at least this much of it.
 const HALF: f32 = 0.5;
@@ -27,6 +31,18 @@ pub(super) enum Pick {
     Nothing,
 }
 
+impl Pick {
+    /// Of a picture that is one sheet.
+    fn alone(index: u32) -> Self {
+        if index == NOWHERE { Self::Nothing } else { Self::Sample { sheet: 0, index } }
+    }
+
+    /// Place in the source window; [`NOWHERE`] where no sample is shown.
+    fn sample(&self) -> u32 {
+        if let Self::Sample { index, .. } = *self { index } else { NOWHERE }
+    }
+}
+
 /// A sheet at one pixel.
 struct Candidate {
     pick: Pick,
@@ -41,11 +57,26 @@ impl Canvas<'_> {
     pub(super) fn picks(&self, alpha: Option<&[f32]>) -> Vec<Pick> {
         let width = self.window.width as usize;
         let mut picks = vec![Pick::Nothing; self.window.area()];
-        picks.par_chunks_mut(width).enumerate().for_each(|(row, picks)| {
+        let alone = self.alone();
+        picks.par_chunks_mut(width).enumerate().for_each_init(Vec::new, |samples, (row, picks)| {
             let y = self.window.y + row as i32;
-            picks.iter_mut().zip(self.window.x..).for_each(|(pick, x)| *pick = self.pick([x, y], alpha));
+            if let Some(map) = alone {
+                samples.resize(width, NOWHERE);
+                nearest_in_row(map, [0, row], self.source, samples);
+                picks.iter_mut().zip(samples).for_each(|(pick, &mut index)| *pick = Pick::alone(index));
+            } else {
+                picks.iter_mut().zip(self.window.x..).for_each(|(pick, x)| *pick = self.pick([x, y], alpha));
+            }
         });
         picks
+    }
+
+    /// The map of the only sheet, where it moves all of the picture and is as large as the canvas.
+    fn alone(&self) -> Option<&WarpMap> {
+        match &self.sheets[..] {
+            [only] if only.share.pixels.is_none() && only.window == self.window => only.map.as_deref(),
+            _ => None,
+        }
     }
 
     fn pick(&self, at: [i32; 2], alpha: Option<&[f32]>) -> Pick {
@@ -115,11 +146,25 @@ pub(super) fn nearest_source(pixel: [i32; 2], offset: [f32; 2]) -> Option<[i32; 
     (x.abs() < 1e9 && y.abs() < 1e9).then_some([x as i32, y as i32])
 }
 
-/// The samples that the picks show; `empty` where there is none.
-pub(super) fn copied(picks: &[Pick], samples: &[f32], empty: f32) -> Vec<f32> {
-    let sample = |pick: &Pick| match *pick {
-        Pick::Sample { index, .. } => samples[index as usize],
-        Pick::Hole | Pick::Nothing => empty,
-    };
-    picks.par_iter().with_min_len(BATCH).map(sample).collect()
+/// The samples that the picks show, of several planes: (samples, what stands where there is none). Tiles of one plane
+/// after the other stay in the cache and in the table of pages.
+pub(super) fn copied(picks: &[Pick], width: usize, sources: &[(&[f32], f32)], copies: &mut [Vec<f32>]) {
+    if picks.is_empty() || copies.is_empty() {
+        return;
+    }
+    let bands = bands(copies, BAND * width);
+    bands.into_par_iter().zip(picks.par_chunks(BAND * width)).for_each_init(Vec::new, |samples, (mut band, picks)| {
+        for column in (0..width).step_by(TILE) {
+            let columns = column..width.min(column + TILE);
+            samples.clear();
+            for picks in picks.chunks_exact(width) {
+                samples.extend(picks[columns.clone()].iter().map(Pick::sample));
+            }
+            for (&(source, empty), copy) in sources.iter().zip(&mut band) {
+                for (row, samples) in copy.chunks_exact_mut(width).zip(samples.chunks_exact(columns.len())) {
+                    copy_samples(source, samples, empty, &mut row[columns.clone()]);
+                }
+            }
+        }
+    });
 }

@@ -6,8 +6,9 @@
 //! So the first thing a sheet covers is the hole it left (Porter and Duff, "Compositing Digital Images", 1984, call such
 //! coverage disjoint), and only what exceeds the hole hides what lies below. A layer that stays gives the picture back.
 
+use super::Planes;
 use super::canvas::{Canvas, Sheet};
-use super::{Filter, Planes, resampled};
+use super::resampler::Resampling;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -15,7 +16,7 @@ use std::borrow::Cow;
 pub(super) const BATCH: usize = 1 << 14;
 
 /// Planes that are weighted and filtered together.
-const GROUP: usize = 4;
+const GROUP: usize = 8;
 
 /// What is left to see of what lies below.
 #[derive(Clone, Debug, Default)]
@@ -28,15 +29,15 @@ pub(super) struct Overlay {
 
 impl Canvas<'_> {
     /// `alpha`: #pixels of the source, the coverage of its colour; `None`: it covers where it is.
-    pub(super) fn overlay(&self, alpha: Option<&[f32]>, filter: Filter) -> Overlay {
+    pub(super) fn overlay(&self, alpha: Option<&[f32]>, by: Resampling) -> Overlay {
         let Some(carved) = &self.carved else {
-            return self.overlay_uncarved(alpha, filter);
+            return self.overlay_uncarved(alpha, by);
         };
-        let left = self.seen_from(self.base(), &[Cow::Borrowed(carved)], filter).swap_remove(0);
+        let left = self.seen_from(self.base(), &[Cow::Borrowed(carved)], by).swap_remove(0);
         let mut filled: Vec<f32> = left.par_iter().map(|left| 1.0 - left.clamp(0.0, 1.0)).collect();
         let mut below = vec![Vec::new()];
         below.extend(self.sheets[1..].iter().map(|sheet| {
-            let [share, cover] = self.coverage(sheet, alpha, filter);
+            let [share, cover] = self.coverage(sheet, alpha, by);
             let mut factors = vec![1.0; sheet.window.area()];
             self.each_row(sheet, &mut filled, &mut factors, |at, filled, factor| {
                 *factor = left_below(*filled, share[at], cover[at]);
@@ -48,17 +49,17 @@ impl Canvas<'_> {
         Overlay { below, holes: Some(holes) }
     }
 
-    fn overlay_uncarved(&self, alpha: Option<&[f32]>, filter: Filter) -> Overlay {
+    fn overlay_uncarved(&self, alpha: Option<&[f32]>, by: Resampling) -> Overlay {
         let above = self.sheets.iter().skip(1);
         let factors = above.map(|sheet| {
-            let [_, cover] = self.coverage(sheet, alpha, filter);
+            let [_, cover] = self.coverage(sheet, alpha, by);
             cover.into_iter().map(|cover| 1.0 - cover).collect()
         });
         Overlay { below: std::iter::once(Vec::new()).chain(factors).collect(), holes: None }
     }
 
     /// Where a sheet lands, and how much it covers there: #pixels of its window, 0 to 1.
-    fn coverage(&self, sheet: &Sheet, alpha: Option<&[f32]>, filter: Filter) -> [Vec<f32>; 2] {
+    fn coverage(&self, sheet: &Sheet, alpha: Option<&[f32]>, by: Resampling) -> [Vec<f32>; 2] {
         let ones;
         let share = match &sheet.share.pixels {
             Some(share) => share,
@@ -69,26 +70,26 @@ impl Canvas<'_> {
         };
         let mut planes = vec![Cow::Borrowed(&share[..])];
         planes.extend(alpha.map(|alpha| Cow::Owned(product(alpha, share))));
-        let mut seen = self.seen_from(sheet, &planes, filter);
+        let mut seen = self.seen_from(sheet, &planes, by);
         seen.iter_mut().for_each(|plane| plane.iter_mut().for_each(|sample| *sample = sample.clamp(0.0, 1.0)));
         let cover = if alpha.is_some() { seen.swap_remove(1) } else { seen[0].clone() };
         [seen.swap_remove(0), cover]
     }
 
     /// Planes of colour, laid over each other: #pixels of the canvas's window each.
-    pub(super) fn colors(&self, planes: &[Cow<[f32]>], overlay: &Overlay, filter: Filter) -> Vec<Vec<f32>> {
+    pub(super) fn colors(&self, planes: &[Cow<[f32]>], overlay: &Overlay, by: Resampling) -> Vec<Vec<f32>> {
         let groups = planes.chunks(GROUP);
-        groups.flat_map(|group| self.color_group(group, overlay, filter)).collect()
+        groups.flat_map(|group| self.color_group(group, overlay, by)).collect()
     }
 
-    fn color_group(&self, planes: &[Cow<[f32]>], overlay: &Overlay, filter: Filter) -> Vec<Vec<f32>> {
+    fn color_group(&self, planes: &[Cow<[f32]>], overlay: &Overlay, by: Resampling) -> Vec<Vec<f32>> {
         let mut result: Option<Vec<Vec<f32>>> = None;
         for (sheet, below) in self.sheets.iter().zip(&overlay.below) {
             let weighted: Vec<Cow<[f32]>> = match &sheet.share.pixels {
                 Some(share) => planes.iter().map(|plane| Cow::Owned(product(plane, share))).collect(),
                 None => planes.iter().map(|plane| Cow::Borrowed(&plane[..])).collect(),
             };
-            let seen = self.seen_from(sheet, &weighted, filter);
+            let seen = self.seen_from(sheet, &weighted, by);
             match &mut result {
                 None if sheet.window == self.window => result = Some(seen),
                 None => {
@@ -108,10 +109,10 @@ impl Canvas<'_> {
     }
 
     /// Planes of the source in a sheet's window.
-    fn seen_from(&self, sheet: &Sheet, planes: &[Cow<[f32]>], filter: Filter) -> Vec<Vec<f32>> {
+    fn seen_from(&self, sheet: &Sheet, planes: &[Cow<[f32]>], by: Resampling) -> Vec<Vec<f32>> {
         let source = Planes { window: self.source, planes: planes.iter().map(|plane| &plane[..]).collect() };
         match &sheet.map {
-            Some(map) => resampled(map, &source, filter),
+            Some(map) => by.seen(map, &source),
             None => planes.iter().map(|plane| self.source.over(plane, sheet.window, 0.0)).collect(),
         }
     }

@@ -51,7 +51,7 @@ impl Drawing<'_> {
                 Err(unknown) => {
                     report.warnings.push(unknown.in_words(&layer));
                     report.warnings.extend(self.unfilled(shared, &layer));
-                    planes.extend(layer.iter().map(|entry| (entry.place, self.copy(entry, canvas, shared))));
+                    self.copy(&layer, (canvas, shared), planes);
                 }
             }
         }

@@ -7,6 +7,7 @@ use super::contents::Contents;
 use super::draw::Drawing;
 use super::fill::Filling;
 use super::map_view::Direction;
+use super::resampler::{Resampler, Tools};
 use super::{Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
 use crate::image::Plate;
 use crate::space::PixelRect;
@@ -72,26 +73,113 @@ pub fn check_plate(head: &Plate, mattes: &[(&str, &Matte)], rules: &WarpRules) -
     Ok(contents.idle_patterns(&rules.meanings).into_iter().map(note).collect())
 }
 
+/// Warps plates one after the other, and uses memory again.
+#[derive(Default)]
+pub struct Warper {
+    tools: Tools,
+}
+
+impl Warper {
+    /// A warper whose colour is resampled by a device, not by the kernels of this stage.
+    #[must_use]
+    pub fn on(device: Box<dyn Resampler>) -> Self {
+        Self { tools: Tools::with_device(Some(device)) }
+    }
+
+    /// What resamples, where it is not the CPU; `None` too from the moment on when a device failed.
+    #[must_use]
+    pub fn device(&self) -> Option<String> {
+        self.tools.device()
+    }
+
+    /// Takes a plate that is not needed any more: the next result lies in its memory.
+    pub fn recycle(&self, plate: Plate) {
+        self.tools.keep(plate);
+    }
+
+    /// As [`warp_plate`].
+    ///
+    /// # Errors
+    /// As [`warp_plate`].
+    pub fn warp(&self, plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
+        let contents = Contents::of(plate, &job.rules.meanings);
+        let movers = Mover::all_of(job);
+        let mut canvases = Canvas::all_of(&contents);
+        for canvas in &mut canvases {
+            canvas.share_out(&contents, &movers)?;
+        }
+        find_windows(&mut canvases, plate.frame_size(), &movers);
+        find_maps(&mut canvases, plate.frame_size(), &movers);
+        let filling = job.fill.map(|fill| Filling::of(fill, plate));
+        let tools = &self.tools;
+        let drawing = Drawing { contents: &contents, rules: job.rules, movers: Some(&movers), filling, tools };
+        let (mut warped, report) = drawn(&drawing, &canvases, PlateReport::default());
+        drawing.filling.iter().for_each(|filling| filling.add_names(&mut warped));
+        Ok((warped, report))
+    }
+
+    /// As [`undo_plate`].
+    ///
+    /// # Errors
+    /// As [`undo_plate`].
+    pub fn undo(&self, plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+        let whole = Mover::all_of(job).swap_remove(0);
+        let map = WarpMap::forward(&whole.now, plate.frame_size(), reach);
+        let undone = Mover { course: Direction::Backward, ..whole };
+        self.remapped(plate, &map, (job.rules, Some(&[undone])))
+    }
+
+    /// As [`remap_plate`].
+    ///
+    /// # Errors
+    /// As [`remap_plate`].
+    pub fn remap(&self, plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(Plate, PlateReport), PlateError> {
+        self.remapped(plate, map, (rules, None))
+    }
+
+    fn remapped(
+        &self,
+        plate: &Plate,
+        map: &WarpMap,
+        (rules, movers): (&WarpRules, Option<&[Mover]>),
+    ) -> Result<(Plate, PlateReport), PlateError> {
+        let frame = plate.frame_size();
+        if (frame.width, frame.height) != (map.frame.width, map.frame.height) {
+            let (map, plate) = ([map.frame.width, map.frame.height], [frame.width, frame.height]);
+            return Err(PlateError::WrongMap { map, plate });
+        }
+        let contents = Contents::of(plate, &rules.meanings);
+        let mut canvases = Canvas::all_of(&contents);
+        for canvas in &mut canvases {
+            canvas.share_out(&contents, &[])?;
+            canvas.window = canvas.window_under(map);
+        }
+        settle_windows(&mut canvases);
+        give_map(&mut canvases, 0, &Arc::new(map.clone()));
+        let mut report = PlateReport::default();
+        if canvases.iter().any(|canvas| canvas.source.intersection(map.window) != canvas.source) {
+            let what = "the map does not reach as far as the plate: what lies outside it is left out";
+            report.warnings.push(format!("{what}; make the map with the plate's overscan"));
+        }
+        let drawing = Drawing { contents: &contents, rules, movers, filling: None, tools: &self.tools };
+        Ok(drawn(&drawing, &canvases, report))
+    }
+}
+
+/// What is drawn, and all that is to be told of it.
+fn drawn(drawing: &Drawing, canvases: &[Canvas], mut report: PlateReport) -> (Plate, PlateReport) {
+    let plate = drawing.draw(canvases, &mut report);
+    report.warnings.extend(drawing.tools.take_warnings());
+    (plate, report)
+}
+
 /// Warps a plate: every part and channel by its meaning, layer over layer. Windows, attributes and the order of
 /// everything stay; data windows grow and shrink with the picture, unless the plate fills its frame.
 ///
 /// # Errors
 /// [`PlateError`] where a matte names something that the plate does not have.
 pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
-    let contents = Contents::of(plate, &job.rules.meanings);
-    let movers = Mover::all_of(job);
-    let mut canvases = Canvas::all_of(&contents);
-    for canvas in &mut canvases {
-        canvas.share_out(&contents, &movers)?;
-    }
-    find_windows(&mut canvases, plate.frame_size(), &movers);
-    find_maps(&mut canvases, plate.frame_size(), &movers);
-    let filling = job.fill.map(|fill| Filling::of(fill, plate));
-    let mut report = PlateReport::default();
-    let drawing = Drawing { contents: &contents, rules: job.rules, movers: Some(&movers), filling };
-    let mut warped = drawing.draw(&canvases, &mut report);
-    drawing.filling.iter().for_each(|filling| filling.add_names(&mut warped));
-    Ok((warped, report))
+    Warper::default().warp(plate, job)
 }
 
 /// Undoes the warp of a plate by the layers of a job, which have no mattes, where it is one-to-one: motion vectors too.
@@ -100,10 +188,7 @@ pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport),
 /// # Errors
 /// None but those of [`remap_plate`].
 pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
-    let whole = Mover::all_of(job).swap_remove(0);
-    let map = WarpMap::forward(&whole.now, plate.frame_size(), reach);
-    let undone = Mover { course: Direction::Backward, ..whole };
-    remapped(plate, &map, (job.rules, Some(&[undone])))
+    Warper::default().undo(plate, job, reach)
 }
 
 /// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.
@@ -111,32 +196,5 @@ pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Pl
 /// # Errors
 /// [`PlateError::WrongMap`] where the map was made for another frame.
 pub fn remap_plate(plate: &Plate, map: &WarpMap, rules: &WarpRules) -> Result<(Plate, PlateReport), PlateError> {
-    remapped(plate, map, (rules, None))
-}
-
-fn remapped(
-    plate: &Plate,
-    map: &WarpMap,
-    (rules, movers): (&WarpRules, Option<&[Mover]>),
-) -> Result<(Plate, PlateReport), PlateError> {
-    let frame = plate.frame_size();
-    if (frame.width, frame.height) != (map.frame.width, map.frame.height) {
-        let (map, plate) = ([map.frame.width, map.frame.height], [frame.width, frame.height]);
-        return Err(PlateError::WrongMap { map, plate });
-    }
-    let contents = Contents::of(plate, &rules.meanings);
-    let mut canvases = Canvas::all_of(&contents);
-    for canvas in &mut canvases {
-        canvas.share_out(&contents, &[])?;
-        canvas.window = canvas.window_under(map);
-    }
-    settle_windows(&mut canvases);
-    give_map(&mut canvases, 0, &Arc::new(map.clone()));
-    let mut report = PlateReport::default();
-    if canvases.iter().any(|canvas| canvas.source.intersection(map.window) != canvas.source) {
-        let what = "the map does not reach as far as the plate: what lies outside it is left out";
-        report.warnings.push(format!("{what}; make the map with the plate's overscan"));
-    }
-    let drawing = Drawing { contents: &contents, rules, movers, filling: None };
-    Ok((drawing.draw(&canvases, &mut report), report))
+    Warper::default().remap(plate, map, rules)
 }

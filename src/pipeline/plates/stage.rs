@@ -12,9 +12,7 @@ use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
 use crate::lattice::ScreenLattice;
-use crate::plate::{
-    Field, Holes, LayerJob, PlateJob, PlateReport, has_motion, map_of_stmap, remap_plate, undo_plate, warp_plate,
-};
+use crate::plate::{Field, Holes, LayerJob, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -24,6 +22,7 @@ pub(super) struct Stage<'a> {
     job: &'a WarpJob<'a>,
     plan: &'a Plan,
     filler: Option<Filler<'a>>,
+    warper: Warper,
 }
 
 impl<'a> Stage<'a> {
@@ -34,14 +33,19 @@ impl<'a> Stage<'a> {
             }
             _ => None,
         };
-        Self { job, plan, filler }
+        Self { job, plan, filler, warper: Warper::default() }
     }
 
     /// Warps everything that arrives.
     pub(super) fn run(&mut self, loads: Receiver<Loaded>, warped: &SyncSender<Warped>) {
         for Loaded { frame, pictures, read_ms } in loads {
             let begun = Instant::now();
-            let outcome = pictures.and_then(|pictures| self.warp(frame, &pictures)).map(|(plate, report)| {
+            let outcome = pictures.and_then(|pictures| {
+                let warped = self.warp(frame, &pictures);
+                self.warper.recycle(pictures.plate);
+                warped
+            });
+            let outcome = outcome.map(|(plate, report)| {
                 let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
@@ -69,16 +73,16 @@ impl<'a> Stage<'a> {
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let rules = self.job.rules.in_pixels(size);
         if let Some(map) = map {
-            let warped = map_of_stmap(map).and_then(|map| remap_plate(plate, &map, &rules));
+            let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &rules));
             return warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source });
         }
         let layers = self.layers(frame, has_motion(plate, &rules))?;
         if self.job.direction == WarpDirection::Inverse {
-            return Ok(undo_plate(plate, &PlateJob { layers, rules: &rules, fill: None }, plate.reach())?);
+            return Ok(self.warper.undo(plate, &PlateJob { layers, rules: &rules, fill: None }, plate.reach())?);
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &rules))).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
-        Ok(warp_plate(plate, &job)?)
+        Ok(self.warper.warp(plate, &job)?)
     }
 
     fn map_path(&self, frame: i32) -> PathBuf {

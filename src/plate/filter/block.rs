@@ -3,7 +3,6 @@
 //! In: planes, a rectangle of samples that may reach over their borders. Out: texels; and where samples are not a
 //! number, texels that say so.
 
-use super::Planes;
 use super::border::Extent;
 use pulp::{Simd, WithSimd};
 
@@ -46,7 +45,7 @@ pub(super) struct Block {
 /// Reads a rectangle of up to four planes.
 pub(super) struct FillBlock<'a> {
     pub(super) block: &'a mut Block,
-    pub(super) source: &'a Planes<'a>,
+    pub(super) planes: &'a [&'a [f32]],
     pub(super) extents: &'a [Extent; 2],
     pub(super) reach: &'a Reach,
 }
@@ -56,7 +55,7 @@ impl WithSimd for FillBlock<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { block, source, extents, reach } = self;
+        let Self { block, planes, extents, reach } = self;
         block.low = reach.low;
         block.stride = reach.size(0);
         block.texels.resize(block.stride * reach.size(1) + SPARE, [0.0; 4]);
@@ -64,7 +63,7 @@ impl WithSimd for FillBlock<'_> {
         let mut all_finite = true;
         for (row, texels) in block.texels.chunks_exact_mut(block.stride).take(reach.size(1)).enumerate() {
             match extents[1].sample(reach.low[1] + row as i32) {
-                Some(y) => all_finite &= fill_row(source, y, &extents[0], reach.low[0], texels),
+                Some(y) => all_finite &= fill_row(planes, y, &extents[0], reach.low[0], texels),
                 None => texels.fill([0.0; 4]),
             }
         }
@@ -94,16 +93,16 @@ fn finite(sample: f32) -> f32 {
 
 /// Reads a row from sample `low`; whether all samples are finite.
 #[inline(always)]
-fn fill_row(source: &Planes, y: usize, extent: &Extent, low: i32, texels: &mut [Texel]) -> bool {
+fn fill_row(planes: &[&[f32]], y: usize, extent: &Extent, low: i32, texels: &mut [Texel]) -> bool {
     let count = extent.count;
     let begin = low.clamp(0, count);
     let end = (low + texels.len() as i32).clamp(begin, count);
     let (before, inside) = texels.split_at_mut((begin - low).clamp(0, texels.len() as i32) as usize);
     let (inside, after) = inside.split_at_mut((end - begin) as usize);
     let row = y * count as usize;
-    interleave(source, row + begin as usize, inside);
+    interleave(planes, row + begin as usize, inside);
     for (texels, place) in [(before, -1), (after, count)] {
-        let beyond = |x| std::array::from_fn(|k| source.planes.get(k).map_or(0.0, |plane| plane[row + x]));
+        let beyond = |x| std::array::from_fn(|k| planes.get(k).map_or(0.0, |plane| plane[row + x]));
         texels.fill(extent.sample(place).map_or([0.0; 4], beyond));
     }
     // A sum of products with 0 is 0 or NaN, and needs no branch a sample.
@@ -118,8 +117,8 @@ fn fill_row(source: &Planes, y: usize, extent: &Extent, low: i32, texels: &mut [
 
 /// Puts planes side by side from a sample on.
 #[inline(always)]
-fn interleave(source: &Planes, begin: usize, texels: &mut [Texel]) {
-    if let [r, g, b, a] = source.planes[..] {
+fn interleave(planes: &[&[f32]], begin: usize, texels: &mut [Texel]) {
+    if let [r, g, b, a] = planes[..] {
         let count = texels.len();
         let [r, g, b, a] = [r, g, b, a].map(|plane| &plane[begin..begin + count]);
         for ((((texel, r), g), b), a) in texels.iter_mut().zip(r).zip(g).zip(b).zip(a) {
@@ -128,7 +127,7 @@ fn interleave(source: &Planes, begin: usize, texels: &mut [Texel]) {
         return;
     }
     texels.fill([0.0; 4]);
-    for (k, plane) in source.planes.iter().enumerate() {
+    for (k, plane) in planes.iter().enumerate() {
         texels.iter_mut().zip(&plane[begin..]).for_each(|(texel, sample)| texel[k] = *sample);
     }
 }

@@ -36,6 +36,24 @@ pub fn footprint(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &m
     });
 }
 
+/// The first and the last sample (column and row of the source window) of the rectangle that holds all below a pixel's
+/// footprint; `None` where the map tells nothing.
+pub(crate) fn footprint_box(map: &WarpMap, pixel: usize, source: PixelRect) -> Option<[[i32; 2]; 2]> {
+    let width = map.window.width as usize;
+    let (column, row) = (pixel % width, pixel / width);
+    let extents = Extent::of_window(source, map.frame.window());
+    let start = [
+        i64::from(map.window.x) + column as i64 - i64::from(source.x),
+        i64::from(map.window.y) + row as i64 - i64::from(source.y),
+    ];
+    let places = places(map.offsets[pixel], start, extents)?;
+    let shape = Shape::at(map, column, row);
+    let end = |axis: usize, reach: f32| places[axis].1 + reach * shape.reach[axis];
+    let low = [0, 1].map(|axis| places[axis].0 + end(axis, -1.0).ceil() as i32);
+    let high = [0, 1].map(|axis| places[axis].0 + end(axis, 1.0).floor() as i32);
+    Some([low, high])
+}
+
 /// Sample and fraction on both axes; `None` where the place is not near the picture.
 fn places(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<[(i32, f32); 2]> {
     let place = |axis: usize| {

@@ -58,8 +58,11 @@ impl<S: Simd> Range<S> {
     fn hold(self, texel: Texel) -> Texel {
         let (low, high) = (store::<S>(self.low), store::<S>(self.high));
         std::array::from_fn(|k| {
-            let (low, high) = (low[k].min(low[k + 4]), high[k].max(high[k + 4]));
-            if low <= high { texel[k].clamp(low, high) } else { texel[k] }
+            let low = if low[k + 4] < low[k] { low[k + 4] } else { low[k] };
+            let high = if high[k + 4] > high[k] { high[k + 4] } else { high[k] };
+            let held = if texel[k] < low { low } else { texel[k] };
+            let held = if held > high { high } else { held };
+            if low <= high { held } else { texel[k] }
         })
     }
 }
@@ -95,18 +98,25 @@ fn separable<const PAIRS: usize, S: Simd>(
     halves::<S>(sum)
 }
 
-/// Catmull-Rom along the axes of a widened footprint, normalised. `texels` is the whole block, `base` the place in it of
-/// the sample before the pixel's place, `fraction` how far behind that sample the place lies.
+/// Catmull-Rom along the axes of a widened footprint, normalised: `N` groups of planes share its weights. `texels` are
+/// whole blocks, `base` the place in them of the sample before the pixel's place, `fraction` how far behind that sample the
+/// place lies.
 #[inline(always)]
-fn widened<S: Simd>(simd: S, block: (&[Texel], usize), base: [usize; 2], fraction: [f32; 2], shape: &Shape) -> Texel {
-    let (texels, stride) = block;
-    let (mut sum, mut weight_sum) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
-    let mut near = Range::empty(simd);
+fn widened<const N: usize, S: Simd>(
+    simd: S,
+    (texels, stride): ([&[Texel]; N], usize),
+    base: [usize; 2],
+    fraction: [f32; 2],
+    shape: &Shape,
+) -> [Texel; N] {
+    let (mut sums, mut weight_sum) = ([simd.splat_f32s(0.0); N], simd.splat_f32s(0.0));
+    let mut near = [Range::empty(simd); N];
     let reach = [2.0 * shape.reach[0], 2.0 * shape.reach[1]];
     let edges = Edges::of(shape);
     let (mut first, mut last) = whole(fraction[0] - reach[0], fraction[0] + reach[0]);
     let is_narrow = last - first < LANES as i32;
     let (top, bottom) = whole(fraction[1] - reach[1], fraction[1] + reach[1]);
+    let inner = Inner::of(fraction, shape);
     for y in top..bottom + 1 {
         let dy = y as f32 - fraction[1];
         if !is_narrow {
@@ -117,19 +127,55 @@ fn widened<S: Simd>(simd: S, block: (&[Texel], usize), base: [usize; 2], fractio
         let mut x = first;
         while x <= last {
             let (weights, out) = weights(simd, [x as f32 - fraction[0], dy], shape.filter_from_source);
-            let taps = texels[(row + x) as usize..][..LANES].as_flattened();
+            let taps = texels.map(|texels| texels[(row + x) as usize..][..LANES].as_flattened());
             let (each, out) = (store::<S>(weights), store::<S>(out));
-            for k in 0..LANES / 2 {
-                let pair = pair::<S>(taps, k);
-                sum = simd.mul_add_e_f32s(twice::<S>(each[2 * k], each[2 * k + 1]), pair, sum);
-                near = near.with(simd, pair, twice::<S>(out[2 * k], out[2 * k + 1]));
+            // Pairs beyond the last sample weigh nothing.
+            let pairs = ((last - x) as usize / 2 + 1).min(LANES / 2);
+            for k in 0..pairs {
+                let weight = twice::<S>(each[2 * k], each[2 * k + 1]);
+                for (sum, taps) in sums.iter_mut().zip(taps) {
+                    *sum = simd.mul_add_e_f32s(weight, pair::<S>(taps, k), *sum);
+                }
+            }
+            for k in inner.pairs(x, y, pairs) {
+                let out = twice::<S>(out[2 * k], out[2 * k + 1]);
+                for (near, taps) in near.iter_mut().zip(taps) {
+                    *near = near.with(simd, pair::<S>(taps, k), out);
+                }
             }
             weight_sum = simd.add_f32s(weight_sum, weights);
             x += LANES as i32;
         }
     }
     let norm = 1.0 / simd.reduce_sum_f32s(weight_sum);
-    near.hold(halves::<S>(sum).map(|value| value * norm))
+    std::array::from_fn(|n| near[n].hold(halves::<S>(sums[n]).map(|value| value * norm)))
+}
+
+/// The rectangle of samples around a filter's inner square, the only ones that count for the range.
+struct Inner {
+    low: [i32; 2],
+    high: [i32; 2],
+}
+
+impl Inner {
+    #[inline(always)]
+    fn of(fraction: [f32; 2], shape: &Shape) -> Self {
+        // A little more, since rounding decides what is inside.
+        let reach = [1.001 * shape.reach[0], 1.001 * shape.reach[1]];
+        let [x, y] = [0, 1].map(|axis| whole(fraction[axis] - reach[axis], fraction[axis] + reach[axis]));
+        Self { low: [x.0, y.0], high: [x.1, y.1] }
+    }
+
+    /// Pairs of samples from sample `x` of row `y` on, of `pairs`, that lie in it.
+    #[inline(always)]
+    fn pairs(&self, x: i32, y: i32, pairs: usize) -> std::ops::Range<usize> {
+        if y < self.low[1] || y > self.high[1] {
+            return 0..0;
+        }
+        let first = (self.low[0] - x).max(0) as usize / 2;
+        let end = ((self.high[0] - x + 2).max(0) as usize / 2).min(pairs);
+        first..end
+    }
 }
 
 /// Weights of eight samples from a distance on; and 0 for those in the filter's inner square, where weights are
@@ -177,21 +223,23 @@ impl Edges {
     }
 }
 
-/// Filters an area.
-pub(super) struct Sums<'a> {
+/// Filters an area: `N` groups of up to four planes that share places and weights.
+pub(super) struct Sums<'a, const N: usize> {
     pub(super) filter: Filter,
     /// Weights of Lanczos.
     pub(super) table: &'a [Weights],
+    /// Of each group the texels of its block, or which of them are there.
+    pub(super) texels: [&'a [Texel]; N],
+    /// Where the blocks lie, the same for all.
     pub(super) block: &'a Block,
-    /// The block's texels, or which of them are there.
-    pub(super) texels: &'a [Texel],
     pub(super) places: &'a [Place],
     /// As many as places, or none: all are plain.
     pub(super) shapes: &'a [Shape],
-    pub(super) sums: &'a mut [Texel],
+    /// As many as places.
+    pub(super) sums: &'a mut [[Texel; N]],
 }
 
-impl WithSimd for Sums<'_> {
+impl<const N: usize> WithSimd for Sums<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -205,20 +253,22 @@ impl WithSimd for Sums<'_> {
     }
 }
 
-impl Sums<'_> {
+impl<const N: usize> Sums<'_, N> {
     /// The same filter for all pixels.
     #[inline(always)]
     fn run_plain<const PAIRS: usize, S: Simd>(self, simd: S, profile: impl Profile<PAIRS>) {
         let (stride, low) = (self.block.stride, self.block.low);
         let low = [(low[0] + PAIRS as i32 - 1) as f32, (low[1] + PAIRS as i32 - 1) as f32];
-        for (place, sum) in self.places.iter().zip(self.sums) {
+        for (place, sums) in self.places.iter().zip(self.sums) {
             // Nowhere is NaN, and so becomes texel 0; its sum is not used.
             let first =
                 (place.sample[1] - low[1]) as i32 as usize * stride + (place.sample[0] - low[0]) as i32 as usize;
             let across = profile.weights(simd, place.fraction[0]);
             let down = profile.weights(simd, place.fraction[1]);
-            let found = separable::<PAIRS, S>(simd, &self.texels[first..], stride, [&across, &down]);
-            *sum = if place.is_nowhere() { [0.0; 4] } else { found };
+            for (sum, texels) in sums.iter_mut().zip(self.texels) {
+                let found = separable::<PAIRS, S>(simd, &texels[first..], stride, [&across, &down]);
+                *sum = if place.is_nowhere() { [0.0; 4] } else { found };
+            }
         }
     }
 
@@ -226,20 +276,23 @@ impl Sums<'_> {
     #[inline(always)]
     fn run_shapes<S: Simd>(self, simd: S) {
         let (stride, low) = (self.block.stride, [self.block.low[0] as f32, self.block.low[1] as f32]);
-        for ((place, shape), sum) in self.places.iter().zip(self.shapes).zip(self.sums) {
+        for ((place, shape), sums) in self.places.iter().zip(self.shapes).zip(self.sums) {
             if place.is_nowhere() {
+                *sums = [[0.0; 4]; N];
                 continue;
             }
             let base = [(place.sample[0] - low[0]) as i32 as usize, (place.sample[1] - low[1]) as i32 as usize];
             if !shape.is_unit() {
-                *sum = widened(simd, (self.texels, stride), base, place.fraction, shape);
+                *sums = widened(simd, (self.texels, stride), base, place.fraction, shape);
                 continue;
             }
             let across = Cubic.weights(simd, place.fraction[0]);
             let down = Cubic.weights(simd, place.fraction[1]);
             let first = (base[1] - 1) * stride + base[0] - 1;
-            let found = separable::<2, S>(simd, &self.texels[first..], stride, [&across, &down]);
-            *sum = around::<S>(simd, &self.texels[first + stride + 1..], stride).hold(found);
+            for (sum, texels) in sums.iter_mut().zip(self.texels) {
+                let found = separable::<2, S>(simd, &texels[first..], stride, [&across, &down]);
+                *sum = around::<S>(simd, &texels[first + stride + 1..], stride).hold(found);
+            }
         }
     }
 }

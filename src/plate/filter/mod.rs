@@ -20,6 +20,8 @@ mod tests;
 
 pub(crate) use border::Extent;
 pub use footprint::footprint;
+pub(super) use footprint::footprint_box;
+pub(super) use nearest::{NOWHERE, copy_samples, nearest_in_row};
 pub(crate) use profile::lanczos_table;
 
 use super::{Filter, WarpMap};
@@ -28,9 +30,10 @@ use rayon::prelude::*;
 use tile::{Scratch, Tiles};
 
 /// Rows that a task takes.
-const BAND: usize = 32;
-/// Planes that are filtered side by side.
-const GROUP: usize = 4;
+pub(super) const BAND: usize = 32;
+
+/// Samples that are looked through at once for those that are not finite.
+const CHECKED: usize = 1 << 14;
 
 /// Samples of equal windows.
 #[derive(Clone, Debug)]
@@ -54,12 +57,30 @@ impl Planes<'_> {
     /// Counts the samples that a filter contains, for the report.
     #[must_use]
     pub fn not_finite(&self) -> NotFinite {
-        let count = |test: fn(f32) -> bool| {
-            let of_plane = |plane: &&[f32]| plane.par_iter().filter(|sample| test(**sample)).count();
-            self.planes.iter().map(of_plane).sum()
-        };
-        NotFinite { nan: count(f32::is_nan), infinite: count(f32::is_infinite) }
+        let rows = self.planes.par_iter().flat_map(|plane| plane.par_chunks(CHECKED));
+        rows.filter(|samples| !all_finite(samples)).map(NotFinite::of).reduce(NotFinite::default, NotFinite::plus)
     }
+}
+
+impl NotFinite {
+    fn of(samples: &[f32]) -> Self {
+        let count = |test: fn(f32) -> bool| samples.iter().filter(|sample| test(**sample)).count();
+        Self { nan: count(f32::is_nan), infinite: count(f32::is_infinite) }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { nan: self.nan + other.nan, infinite: self.infinite + other.infinite }
+    }
+}
+
+/// A product with 0 is 0 or NaN: the sum needs no branch a sample.
+fn all_finite(samples: &[f32]) -> bool {
+    let mut sums = [0.0; 16];
+    let (chunks, rest) = samples.as_chunks::<16>();
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, sample)| *sum += 0.0 * sample);
+    }
+    sums.iter().sum::<f32>() == 0.0 && rest.iter().all(|sample| sample.is_finite())
 }
 
 /// The planes as seen through the map: one an input plane, each `map.window.area()` samples; 0 where the map holds NaN.
@@ -98,19 +119,19 @@ pub fn resample_into(map: &WarpMap, source: &Planes, filter: Filter, planes: &mu
     if map.window.area() == 0 || source.window.area() == 0 {
         return planes.iter_mut().for_each(|plane| plane.fill(0.0));
     }
-    for (inputs, outputs) in source.planes.chunks(GROUP).zip(planes.chunks_mut(GROUP)) {
-        let group = Planes { window: source.window, planes: inputs.to_vec() };
-        let tiles = Tiles::new(map, &group, filter);
-        let mut bands = bands(outputs, BAND * map.window.width as usize);
-        let work = |scratch: &mut Scratch, (index, band): (usize, &mut Vec<&mut [f32]>)| {
-            tiles.write_band(index * BAND, band, scratch);
-        };
-        bands.par_iter_mut().enumerate().for_each_init(Scratch::default, work);
+    if planes.is_empty() {
+        return;
     }
+    let tiles = Tiles::new(map, source, filter);
+    let mut bands = bands(planes, BAND * map.window.width as usize);
+    let work = |scratch: &mut Scratch, (index, band): (usize, &mut Vec<&mut [f32]>)| {
+        tiles.write_band(index * BAND, band, scratch);
+    };
+    bands.par_iter_mut().enumerate().for_each_init(Scratch::default, work);
 }
 
 /// Cuts planes into bands of `length` samples: the bands, and in each the part of every plane.
-fn bands(planes: &mut [Vec<f32>], length: usize) -> Vec<Vec<&mut [f32]>> {
+pub(super) fn bands(planes: &mut [Vec<f32>], length: usize) -> Vec<Vec<&mut [f32]>> {
     let mut bands: Vec<Vec<&mut [f32]>> = Vec::new();
     for plane in planes {
         for (index, part) in plane.chunks_mut(length).enumerate() {

@@ -1,15 +1,69 @@
 //! The nearest sample.
 //!
-//! In: offsets of a row of pixels. Out: the bits of the samples nearest to where they lead.
+//! In: offsets of a row of pixels. Out: the places of the samples nearest to where they lead; copies of their bits.
 
 use super::border::Extent;
+use super::simd::dispatch;
+use crate::plate::WarpMap;
+use crate::space::PixelRect;
+use pulp::{Simd, WithSimd};
 
-/// Index into the source of the sample nearest to a place; `None` outside the picture and where the offset is NaN.
+/// Stands for a place outside the picture.
+pub(crate) const NOWHERE: u32 = u32::MAX;
+
+/// Index into the source of the sample nearest to a place; [`NOWHERE`] outside the picture and where the offset is NaN.
 /// `start` is the pixel's own sample, in samples of the source.
 #[inline(always)]
-pub(super) fn nearest_sample(offset: [f32; 2], start: [i32; 2], extents: &[Extent; 2]) -> Option<usize> {
-    let x = start[0] as f32 + (offset[0] + 0.5).floor();
-    let y = start[1] as f32 + (offset[1] + 0.5).floor();
+pub(super) fn nearest_sample(offset: [f32; 2], start: [i32; 2], extents: &[Extent; 2]) -> u32 {
+    let x = start[0] as f32 + rounded(offset[0]);
+    let y = start[1] as f32 + rounded(offset[1]);
     let is_inside = (x >= 0.0) & (y >= 0.0) & (x < extents[0].count as f32) & (y < extents[1].count as f32);
-    if is_inside { Some(y as usize * extents[0].count as usize + x as usize) } else { None }
+    let index = (y as i32).wrapping_mul(extents[0].count).wrapping_add(x as i32);
+    if is_inside { index as u32 } else { NOWHERE }
+}
+
+/// The nearest whole number, halves up. Adding a half first would round the number before it.
+#[inline(always)]
+fn rounded(x: f32) -> f32 {
+    let whole = x.floor();
+    if x - whole >= 0.5 { whole + 1.0 } else { whole }
+}
+
+/// Finds the nearest samples of pixels side by side.
+pub(super) struct FindNearest<'a> {
+    pub(super) offsets: &'a [[f32; 2]],
+    /// The first pixel's own sample.
+    pub(super) start: [i32; 2],
+    pub(super) extents: &'a [Extent; 2],
+    /// As many as offsets.
+    pub(super) samples: &'a mut [u32],
+}
+
+impl WithSimd for FindNearest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [x, y] = self.start;
+        for (k, (sample, offset)) in self.samples.iter_mut().zip(self.offsets).enumerate() {
+            *sample = nearest_sample(*offset, [x + k as i32, y], self.extents);
+        }
+    }
+}
+
+/// For the pixels of a row of the map, from column `first` on: places of the nearest samples in a source window of fewer
+/// than 2^32 samples.
+pub(crate) fn nearest_in_row(map: &WarpMap, [first, row]: [usize; 2], source: PixelRect, samples: &mut [u32]) {
+    let offsets = &map.offsets[row * map.window.width as usize + first..][..samples.len()];
+    let extents = &Extent::of_window(source, map.frame.window());
+    let start = [map.window.x + first as i32 - source.x, map.window.y + row as i32 - source.y];
+    dispatch(FindNearest { offsets, start, extents, samples });
+}
+
+/// Copies the samples at some places; `empty` for those outside the picture.
+#[inline(always)]
+pub(crate) fn copy_samples(from: &[f32], samples: &[u32], empty: f32, to: &mut [f32]) {
+    for (to, sample) in to.iter_mut().zip(samples) {
+        *to = from.get(*sample as usize).copied().unwrap_or(empty);
+    }
 }

@@ -6,6 +6,7 @@
 use super::block::Reach;
 use super::border::Extent;
 use super::shape::Shape;
+use super::simd::LANES as WIDE;
 use super::tile::Area;
 use crate::plate::WarpMap;
 use pulp::{Simd, WithSimd};
@@ -119,15 +120,23 @@ impl WithSimd for FindShapes<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> i32 {
         let Area { column, row, width, height } = self.area;
+        let [columns, rows] = [self.map.window.width as usize, self.map.window.height as usize];
         self.shapes.clear();
-        let mut reach = 0.0_f32;
         for row in row..row + height {
-            for column in column..column + width {
-                let shape = Shape::at(self.map, column, row);
-                reach = reach.max(shape.reach[0]).max(shape.reach[1]);
-                self.shapes.push(shape);
+            let mut at = column;
+            while at < column + width {
+                let is_inner = at > 0 && at + WIDE < columns.min(column + width + 1) && row > 0 && row + 1 < rows;
+                if is_inner {
+                    self.shapes.extend_from_slice(&Shape::of_inner(self.map, at, row));
+                    at += WIDE;
+                } else {
+                    self.shapes.push(Shape::at(self.map, at, row));
+                    at += 1;
+                }
             }
         }
+        let furthest = |reach: f32, shape: &Shape| reach.max(shape.reach[0]).max(shape.reach[1]);
+        let reach = self.shapes.iter().fold(0.0, furthest);
         if reach > 1.0 { (2.0 * reach) as i32 + 1 } else { 2 }
     }
 }

@@ -6,6 +6,7 @@
 //! with J Jᵀ, J = d source / d output. Its axes are held at 1 or more, so that magnified samples are interpolated, not blurred:
 //! H = max(1, √(J Jᵀ)) by eigenvalues, and a filter is read at H⁻¹ (source − place). H = 1 wherever the warp turns, shifts or magnifies.
 
+use super::simd::LANES;
 use crate::plate::WarpMap;
 
 /// Greatest shrink that is filtered in full; a footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
@@ -39,19 +40,34 @@ impl Shape {
         let index = row * width + column;
         let across = steepness(&map.offsets, index, 1, [column > 0, column + 1 < width]);
         let down = steepness(&map.offsets, index, width, [row > 0, row + 1 < height]);
-        Self::of_jacobian([1.0 + across[0], down[0], across[1], 1.0 + down[1]])
+        Self::of_jacobian(jacobian(across, down))
+    }
+
+    /// The footprints of pixels side by side, none of them at the border of the map.
+    #[inline(always)]
+    pub(super) fn of_inner(map: &WarpMap, column: usize, row: usize) -> [Self; LANES] {
+        let width = map.window.width as usize;
+        let index = row * width + column;
+        let step = |k: usize, stride: usize| {
+            let here = map.offsets[index + k];
+            let before = difference(here, map.offsets[index + k - stride]);
+            smaller(before, difference(map.offsets[index + k + stride], here))
+        };
+        // Whether anything shrinks is asked of all at once, in wide registers; few footprints have to be found then.
+        let jacobians: [_; LANES] = std::array::from_fn(|k| jacobian(step(k, 1), step(k, width)));
+        let longest = jacobians.map(|jacobian| Ellipse::of_jacobian(jacobian).longest());
+        std::array::from_fn(|k| if shrinks(longest[k]) { Self::of_jacobian(jacobians[k]) } else { Self::UNIT })
     }
 
     /// From J, rows first.
     #[inline(always)]
-    fn of_jacobian([xx, xy, yx, yy]: [f32; 4]) -> Self {
-        let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
-        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-        let radius = (half * half + b * b).sqrt();
-        let longest = mean + radius;
-        if longest <= SLACK * SLACK || !longest.is_finite() {
+    fn of_jacobian(jacobian: [f32; 4]) -> Self {
+        let ellipse = Ellipse::of_jacobian(jacobian);
+        let longest = ellipse.longest();
+        if !shrinks(longest) {
             return Self::UNIT;
         }
+        let Ellipse { mean, half, b, radius } = ellipse;
         let (long, short) = (held(longest), held(mean - radius));
         // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
         let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
@@ -64,6 +80,44 @@ impl Shape {
             reach: [s + t * along + corner, s - t * along + corner],
         }
     }
+}
+
+/// J Jᵀ by its eigenvalues, mean ± radius.
+#[derive(Clone, Copy)]
+struct Ellipse {
+    mean: f32,
+    /// Half the difference of the elements xx and yy.
+    half: f32,
+    /// The element xy.
+    b: f32,
+    radius: f32,
+}
+
+impl Ellipse {
+    /// From J, rows first.
+    #[inline(always)]
+    fn of_jacobian([xx, xy, yx, yy]: [f32; 4]) -> Self {
+        let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
+        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        Self { mean, half, b, radius: (half * half + b * b).sqrt() }
+    }
+
+    #[inline(always)]
+    fn longest(self) -> f32 {
+        self.mean + self.radius
+    }
+}
+
+/// J, rows first, from how the offsets change to the right and down.
+#[inline(always)]
+fn jacobian(across: [f32; 2], down: [f32; 2]) -> [f32; 4] {
+    [1.0 + across[0], down[0], across[1], 1.0 + down[1]]
+}
+
+/// Whether the longer eigenvalue of J Jᵀ widens the footprint.
+#[inline(always)]
+fn shrinks(longest: f32) -> bool {
+    longest > SLACK * SLACK && longest < f32::INFINITY
 }
 
 /// A half axis of the footprint from an eigenvalue of J Jᵀ.
@@ -79,15 +133,20 @@ fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]
     let here = offsets[index];
     let before = if sides[0] { difference(here, offsets[index - stride]) } else { [f32::NAN; 2] };
     let after = if sides[1] { difference(offsets[index + stride], here) } else { [f32::NAN; 2] };
+    smaller(before, after)
+}
+
+/// The smaller difference; the other one where one is NaN, 0 where both are.
+#[inline(always)]
+fn smaller(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let first = before[0] * before[0] + before[1] * before[1];
     let second = after[0] * after[0] + after[1] * after[1];
-    if first.is_nan() && second.is_nan() {
-        [0.0; 2]
-    } else if second.is_nan() || first <= second {
-        before
-    } else {
-        after
-    }
+    let is_before = second.is_nan() | (first <= second);
+    let is_nothing = first.is_nan() & second.is_nan();
+    [0, 1].map(|axis| {
+        let step = if is_before { before[axis] } else { after[axis] };
+        if is_nothing { 0.0 } else { step }
+    })
 }
 
 #[inline(always)]

@@ -1,13 +1,14 @@
 //! Resampling tile by tile, so that the samples a tile needs stay in the cache.
 //!
-//! In: a map and up to four planes. Out: bands of rows. A tile finds the rectangle of the source below it, copies that
-//! into a [`Block`] (cut in half while that is too large), and runs a kernel that needs no tests for borders.
+//! In: a map and planes. Out: bands of rows. A tile finds places, footprints and the rectangle of the source below it once
+//! for all planes (cut in half while that is too large); for some planes at a time it copies that into [`Block`]s and
+//! runs a kernel that needs no tests for borders.
 
 use super::Planes;
-use super::block::{Block, FillBlock, Texel};
+use super::block::{Block, FillBlock, Reach, Texel};
 use super::border::Extent;
 use super::kernel::Sums;
-use super::nearest::nearest_sample;
+use super::nearest::{FindNearest, copy_samples, nearest_sample};
 use super::places::{FindPlaces, FindShapes, Found, Place};
 use super::profile::{Weights, lanczos_table};
 use super::shape::Shape;
@@ -19,6 +20,10 @@ use pulp::{Simd, WithSimd};
 const TILE: usize = 64;
 /// Texels of a block, 16 bytes each: half of a second-level cache.
 const BLOCK: usize = 1 << 15;
+/// Planes that lie side by side in a block.
+const GROUP: usize = 4;
+/// Groups that share the weights of a pixel: as many as registers hold the sums of.
+const GROUPS: usize = 2;
 /// A sum that misses more than three quarters of its weights says nothing.
 const LEAST_PRESENCE: f32 = 0.25;
 /// A sum that misses less than this of its weights is whole: rounding must not tell whether a NaN lies elsewhere in its tile.
@@ -36,12 +41,12 @@ pub(super) struct Tiles<'a> {
 /// Memory that tiles of a thread use one after the other.
 #[derive(Default)]
 pub(super) struct Scratch {
-    block: Block,
+    blocks: [Block; GROUPS],
     places: Vec<Place>,
     shapes: Vec<Shape>,
     sums: Vec<Texel>,
     presence: Vec<Texel>,
-    samples: Vec<usize>,
+    samples: Vec<u32>,
 }
 
 /// A rectangle of the map.
@@ -88,18 +93,17 @@ impl<'a> Tiles<'a> {
         let width = self.map.window.width as usize;
         let height = planes[0].len() / width;
         let mut band = Band { planes, row };
-        if self.filter == Filter::Nearest {
-            let area = Area { column: 0, row, width, height };
-            return dispatch(CopyNearest { tiles: self, area, samples: &mut scratch.samples, band: &mut band });
-        }
         for column in (0..width).step_by(TILE) {
             let area = Area { column, row, width: TILE.min(width - column), height };
-            self.write_area(area, &mut band, scratch);
+            match self.filter {
+                Filter::Nearest => self.copy_nearest(area, &mut band, &mut scratch.samples),
+                _ => self.write_area(area, &mut band, scratch),
+            }
         }
     }
 
     fn write_area(&self, area: Area, band: &mut Band, scratch: &mut Scratch) {
-        let Scratch { block, places, shapes, sums, presence, .. } = scratch;
+        let Scratch { places, shapes, .. } = scratch;
         let taps = self.find_shapes(area, shapes);
         let found = self.find_places(area, taps, places);
         // A narrow tile may stand still beside a part that shrinks: then its footprints reach out of it.
@@ -110,19 +114,45 @@ impl<'a> Tiles<'a> {
         if reach.size(0) * reach.size(1) > BLOCK && area.width * area.height > 1 {
             return area.halves().into_iter().for_each(|half| self.write_area(half, band, scratch));
         }
-        dispatch(FillBlock { block, source: self.source, extents: &self.extents, reach: &reach });
-        self.filter_texels(block, &block.texels, (places, shapes), sums);
-        if !block.presence.is_empty() {
-            self.filter_texels(block, &block.presence, (places, shapes), presence);
-            sums.iter_mut().zip(presence.iter()).for_each(|(sum, present)| renormalize(sum, present));
+        for first in (0..self.source.planes.len()).step_by(GROUP * GROUPS) {
+            let planes = &self.source.planes[first..];
+            match planes.len().div_ceil(GROUP) {
+                1 => self.write_groups::<1>((area, reach), first, band, scratch),
+                _ => self.write_groups::<GROUPS>((area, reach), first, band, scratch),
+            }
         }
-        if (0..2).any(|axis| reach.low[axis] < 0 || reach.high[axis] > self.extents[axis].count) {
-            self.cover(places, sums);
-        }
-        dispatch(Scatter { area, sums, band, width: self.map.window.width as usize });
         if found.still > 0 {
             self.copy_still(area, band);
         }
+    }
+
+    /// Filters `N` groups of planes from the plane `first` on.
+    fn write_groups<const N: usize>(
+        &self,
+        (area, reach): (Area, Reach),
+        first: usize,
+        band: &mut Band,
+        scratch: &mut Scratch,
+    ) {
+        let Scratch { blocks, places, shapes, sums, presence, .. } = scratch;
+        let groups = self.source.planes[first..].chunks(GROUP);
+        for (block, planes) in blocks.iter_mut().zip(groups).take(N) {
+            dispatch(FillBlock { block, planes, extents: &self.extents, reach: &reach });
+        }
+        let texels: [&[Texel]; N] = std::array::from_fn(|n| &blocks[n].texels[..]);
+        self.filter_texels(&blocks[0], texels, (places, shapes), sums);
+        for (n, block) in blocks.iter().take(N).enumerate().filter(|(_, block)| !block.presence.is_empty()) {
+            self.filter_texels(block, [&block.presence[..]], (places, shapes), presence);
+            let sums = sums.iter_mut().skip(n).step_by(N);
+            sums.zip(presence.iter()).for_each(|(sum, present)| renormalize(sum, present));
+        }
+        let sums = sums.as_chunks_mut::<N>().0;
+        if (0..2).any(|axis| reach.low[axis] < 0 || reach.high[axis] > self.extents[axis].count) {
+            self.cover(places, sums);
+        }
+        let last = self.source.planes.len().min(first + N * GROUP);
+        let planes = &mut band.planes[first..last];
+        dispatch(Scatter { area, sums, planes, row: band.row, width: self.map.window.width as usize });
     }
 
     /// A pixel's own place in samples of the source.
@@ -146,24 +176,24 @@ impl<'a> Tiles<'a> {
         dispatch(FindPlaces { map: self.map, area, start, extents: &self.extents, taps, places })
     }
 
-    /// Runs the filter over an area.
-    fn filter_texels(
+    /// Runs the filter over an area: one sum a group, pixel after pixel.
+    fn filter_texels<const N: usize>(
         &self,
         block: &Block,
-        texels: &[Texel],
+        texels: [&[Texel]; N],
         (places, shapes): (&[Place], &[Shape]),
         sums: &mut Vec<Texel>,
     ) {
-        sums.clear();
-        sums.resize(places.len(), [0.0; 4]);
+        sums.resize(N * places.len(), [0.0; 4]);
+        let sums = sums.as_chunks_mut::<N>().0;
         dispatch(Sums { filter: self.filter, table: self.table, block, texels, places, shapes, sums });
     }
 
     /// The softness of the picture's own edges.
-    fn cover(&self, places: &[Place], sums: &mut [Texel]) {
-        for (place, sum) in places.iter().zip(sums).filter(|(place, _)| !place.is_nowhere()) {
+    fn cover<const N: usize>(&self, places: &[Place], sums: &mut [[Texel; N]]) {
+        for (place, sums) in places.iter().zip(sums).filter(|(place, _)| !place.is_nowhere()) {
             let [x, y] = [0, 1].map(|axis| self.extents[axis].coverage(place.sample[axis], place.fraction[axis]));
-            *sum = sum.map(|sample| sample * (x * y));
+            sums.as_flattened_mut().iter_mut().for_each(|sample| *sample *= x * y);
         }
     }
 
@@ -183,10 +213,28 @@ impl<'a> Tiles<'a> {
 
     /// Copies a sample of all planes to a pixel; nothing is 0.
     #[inline(always)]
-    fn copy_sample(&self, sample: Option<usize>, [column, row]: [usize; 2], band: &mut Band) {
+    fn copy_sample(&self, sample: u32, [column, row]: [usize; 2], band: &mut Band) {
         let index = (row - band.row) * self.map.window.width as usize + column;
         for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
-            to[index] = sample.map_or(0.0, |sample| from[sample]);
+            to[index] = from.get(sample as usize).copied().unwrap_or(0.0);
+        }
+    }
+
+    /// Copies the nearest samples of an area, a plane after the other: few rows of one plane stay in the cache and in
+    /// the table of pages, those of all planes do not.
+    fn copy_nearest(&self, area: Area, band: &mut Band, samples: &mut Vec<u32>) {
+        let width = self.map.window.width as usize;
+        samples.resize(area.width * area.height, 0);
+        for (row, samples) in area.rows().zip(samples.chunks_exact_mut(area.width)) {
+            let offsets = &self.map.offsets[row * width + area.column..][..area.width];
+            let start = self.start(area.column, row);
+            dispatch(FindNearest { offsets, start, extents: &self.extents, samples });
+        }
+        for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
+            let rows = to[(area.row - band.row) * width..].chunks_mut(width);
+            for (to, samples) in rows.zip(samples.chunks_exact(area.width)) {
+                copy_samples(from, samples, 0.0, &mut to[area.column..area.column + area.width]);
+            }
         }
     }
 
@@ -211,56 +259,28 @@ fn renormalize(sum: &mut Texel, present: &Texel) {
     }
 }
 
-/// Puts sums into their planes.
-struct Scatter<'a, 'b, 'c> {
+/// Puts sums into their planes: `N` groups of four, the last may have fewer.
+struct Scatter<'a, 'b, const N: usize> {
     area: Area,
-    sums: &'a [Texel],
-    band: &'a mut Band<'b, 'c>,
+    sums: &'a [[Texel; N]],
+    planes: &'a mut [&'b mut [f32]],
+    /// Row of the map that the planes begin with.
+    row: usize,
     /// Pixels of a row of the planes.
     width: usize,
 }
 
-impl WithSimd for Scatter<'_, '_, '_> {
+impl<const N: usize> WithSimd for Scatter<'_, '_, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let area = self.area;
         for (row, sums) in area.rows().zip(self.sums.chunks_exact(area.width)) {
-            let begin = (row - self.band.row) * self.width + area.column;
-            for (k, plane) in self.band.planes.iter_mut().enumerate() {
-                plane[begin..begin + area.width].iter_mut().zip(sums).for_each(|(to, sum)| *to = sum[k]);
-            }
-        }
-    }
-}
-
-/// Copies the nearest samples of an area.
-struct CopyNearest<'a, 'b, 'c> {
-    tiles: &'a Tiles<'a>,
-    area: Area,
-    /// Memory for a row.
-    samples: &'a mut Vec<usize>,
-    band: &'a mut Band<'b, 'c>,
-}
-
-impl WithSimd for CopyNearest<'_, '_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let (tiles, width) = (self.tiles, self.area.width);
-        for row in self.area.rows() {
-            self.samples.clear();
-            for (column, offset) in tiles.map.offsets[row * width..][..width].iter().enumerate() {
-                let sample = nearest_sample(*offset, tiles.start(column, row), &tiles.extents);
-                self.samples.push(sample.unwrap_or(usize::MAX));
-            }
-            let begin = (row - self.band.row) * width;
-            for (from, to) in tiles.source.planes.iter().zip(self.band.planes.iter_mut()) {
-                for (to, sample) in to[begin..begin + width].iter_mut().zip(self.samples.iter()) {
-                    *to = from.get(*sample).copied().unwrap_or(0.0);
-                }
+            let begin = (row - self.row) * self.width + area.column;
+            for (k, plane) in self.planes.iter_mut().enumerate() {
+                let to = plane[begin..begin + area.width].iter_mut();
+                to.zip(sums).for_each(|(to, sum)| *to = sum[k / GROUP][k % GROUP]);
             }
         }
     }
