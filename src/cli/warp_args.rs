@@ -46,7 +46,8 @@ pub(super) struct WarpArgs {
     /// Undo the warp, where it is one-to-one.
     #[arg(long)]
     pub(super) inverse: bool,
-    /// What draws the scene where `holes = "geometry"`: auto, cpu, or a Vulkan device by index or part of its name.
+    /// What resamples colour, and draws the scene where `holes = "geometry"`: auto (a graphics card resamples, a software
+    /// driver only draws), cpu, or a Vulkan device by index or part of its name.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]

@@ -12,7 +12,7 @@ mod error;
 mod open;
 
 pub use error::RasterError;
-pub use open::open;
+pub use open::{open, resampler};
 
 use crate::image::Frame;
 use crate::image::cryptomatte::MatteId;

@@ -1,10 +1,12 @@
 //! Opens what `--device` asks for.
 //!
-//! In: a choice, a scene. Out: a raster, and where the CPU twin stands in for a missing device, the reason.
+//! In: a choice, a scene. Out: a raster, and where the CPU twin stands in for a missing device, the reason; or what
+//! resamples plates.
 
 use super::cpu::CpuRaster;
-use super::vulkan::VulkanRaster;
+use super::vulkan::{DeviceInfo, DeviceKind, VulkanRaster, VulkanRemap, devices};
 use super::{DeviceChoice, Raster, RasterError};
+use crate::plate::Resampler;
 use crate::scene::Scene;
 
 /// A raster for a scene; with [`DeviceChoice::Auto`] also why the CPU twin draws, where no device could be opened.
@@ -27,4 +29,25 @@ pub fn open(choice: &DeviceChoice, scene: &Scene) -> Result<(Box<dyn Raster + Se
             Err(error) => (Box::new(CpuRaster::new(scene)), Some(error.to_string())),
         }),
     }
+}
+
+/// What resamples plates; `None`: the CPU. [`DeviceChoice::Auto`] takes a graphics card where there is one, never a
+/// software driver, which is slower than the kernels of [`plate`](crate::plate).
+///
+/// # Errors
+/// [`RasterError`] where a device was named and cannot be opened.
+pub fn resampler(choice: &DeviceChoice) -> Result<Option<Box<dyn Resampler>>, RasterError> {
+    let open = || VulkanRemap::open(choice);
+    let boxed = |device| -> Box<dyn Resampler> { Box::new(device) };
+    match choice {
+        DeviceChoice::Cpu => Ok(None),
+        DeviceChoice::Named(_) => open().map(boxed).map(Some),
+        DeviceChoice::Auto => Ok(if has_card() { open().ok().map(boxed) } else { None }),
+    }
+}
+
+/// Whether the best device that serves is no software.
+fn has_card() -> bool {
+    let usable = |device: &DeviceInfo| device.unusable.is_none();
+    devices().is_ok_and(|all| all.iter().any(|device| usable(device) && device.kind < DeviceKind::Software))
 }

@@ -1,6 +1,7 @@
 //! Planes resampled on the device and on the CPU: the same picture within rounding, the same bits where nothing moves.
 
-use pinwarp::plate::{Filter, Planes, WarpMap, resampled};
+use pinwarp::image::{Frame, Plate, Storage};
+use pinwarp::plate::{Filter, Planes, WarpMap, WarpRules, Warper, remap_plate, resampled};
 use pinwarp::raster::vulkan::{Messages, VulkanRemap};
 use pinwarp::raster::{DeviceChoice, RasterError};
 use pinwarp::space::{FrameSize, PixelRect};
@@ -222,4 +223,33 @@ fn what_is_empty_or_wrong_is_told() {
         VulkanRemap::open(&DeviceChoice::Cpu).map(drop),
         Err(RasterError::Misuse(_) | RasterError::NoDevice { .. })
     ));
+}
+
+/// A plate warped on a device is the plate warped on the CPU, within rounding, and no plane is forgotten.
+#[test]
+fn plates_are_warped_on_the_device() {
+    let names = ["R", "G", "B", "A", "glow.R", "glow.G", "glow.B", "depth.Z"].map(|name| (name, Storage::Float));
+    let mut frame = Frame::blank(FRAME.window(), FRAME.window(), &names);
+    for (p, channel) in frame.channels.iter_mut().enumerate() {
+        channel.samples.iter_mut().enumerate().for_each(|(k, sample)| *sample = noise(k + 7919 * p));
+    }
+    let plate = Plate::from_frame(frame);
+    let map = random_map(3, FRAME.window());
+    let messages = Messages::default();
+    let warper = match VulkanRemap::open_validated(&DeviceChoice::Auto, &messages) {
+        Ok(device) => Warper::on(Box::new(device)),
+        Err(error) => return eprintln!("SKIPPED: {error}"),
+    };
+    for rules in FILTERS.map(|filter| WarpRules { filter, ..WarpRules::default() }) {
+        let (wanted, _) = remap_plate(&plate, &map, &rules).expect("the map is of this frame");
+        let samples = |plate: &Plate| -> Vec<Vec<f32>> {
+            plate.parts[0].channels.iter().map(|channel| channel.samples.clone()).collect()
+        };
+        let (found, report) = warper.remap(&plate, &map, &rules).expect("the map is of this frame");
+        assert!(warper.device().is_some() && report.warnings.is_empty(), "{:?}", report.warnings);
+        let difference = difference(&samples(&found), &samples(&wanted));
+        assert!(is_rounding(rules.filter, difference), "{:?}: {difference:?}", rules.filter);
+    }
+    drop(warper);
+    assert_eq!(messages.take(), Vec::<String>::new());
 }

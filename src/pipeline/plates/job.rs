@@ -26,7 +26,7 @@ pub struct WarpJob<'a> {
     pub frames: Vec<i32>,
     /// What happens to frames that are already there.
     pub existing: Existing,
-    /// What draws the scene that fills holes.
+    /// What resamples colour, and draws the scene that fills holes.
     pub device: DeviceChoice,
 }
 
@@ -114,6 +114,8 @@ pub struct WarpReport {
     pub warp_ms: f64,
     /// Milliseconds spent in encoding and writing.
     pub write_ms: f64,
+    /// What resampled colour: `CPU`, or the name of a device.
+    pub device: String,
     /// Pixels that a layer left and nothing covers; filled ones are counted, too.
     pub hole_pixels: usize,
     /// Pixels where a layer lies over itself; its front is seen, and the warp cannot be undone there. STMaps do not tell.

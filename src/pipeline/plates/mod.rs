@@ -18,6 +18,8 @@ mod write;
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
 
 use super::PipelineError;
+use crate::plate::Warper;
+use crate::raster;
 use plan::Plan;
 use read::Reader;
 use stage::Stage;
@@ -39,12 +41,16 @@ pub fn warp_frames(
 ) -> Result<WarpSummary, PipelineError> {
     let begun = Instant::now();
     let plan = Plan::of(job)?;
+    let warper = raster::resampler(&job.device)?.map_or_else(Warper::default, Warper::on);
+    if let Some(name) = warper.device() {
+        tell(WarpEvent::Note { text: format!("{name} resamples colour") });
+    }
     for text in plan.notes.iter().cloned() {
         tell(WarpEvent::Note { text });
     }
     let wanted = plan.frames.len();
     tell(WarpEvent::Started { frames: wanted, kept: plan.kept });
-    let mut stage = Stage::of(job, &plan);
+    let mut stage = Stage::of(job, &plan, warper);
     let mut writer = Writer::of(job, &plan);
     std::thread::scope(|scope| {
         let (loaded, loads) = sync_channel(0);

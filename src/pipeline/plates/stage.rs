@@ -26,14 +26,14 @@ pub(super) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    pub(super) fn of(job: &'a WarpJob<'a>, plan: &'a Plan) -> Self {
+    pub(super) fn of(job: &'a WarpJob<'a>, plan: &'a Plan, warper: Warper) -> Self {
         let filler = match &job.warp {
             PlateWarp::Shot(setup) if job.rules.holes == Holes::Geometry => {
                 Filler::of(setup, &job.device, &plan.layers)
             }
             _ => None,
         };
-        Self { job, plan, filler, warper: Warper::default() }
+        Self { job, plan, filler, warper }
     }
 
     /// Warps everything that arrives.
@@ -52,6 +52,7 @@ impl<'a> Stage<'a> {
                     frame,
                     read_ms,
                     warp_ms,
+                    device: self.warper.device().unwrap_or_else(|| "CPU".into()),
                     hole_pixels,
                     folded_pixels,
                     contained_samples,

@@ -78,7 +78,7 @@ impl<'a> Writer<'a> {
             frame: report.frame,
             frames_per_second: self.rate,
             shot_hash: self.plan.hash.clone(),
-            device: "CPU".into(),
+            device: report.device.clone(),
             ..FrameMetadata::default()
         });
         write_any(&report.path, &plate)?;

@@ -12,7 +12,7 @@ use super::owned::Owned;
 use super::pipeline::{Pipeline, PipelineLayout, shader};
 use super::remap_tiles::{Cut, Tile};
 use super::{Messages, choose};
-use crate::plate::{Extent, Filter, Planes, WarpMap, lanczos_table};
+use crate::plate::{Extent, Filter, Planes, Resampler, WarpMap, lanczos_table};
 use crate::raster::{DeviceChoice, RasterError};
 use crate::space::PixelRect;
 use ash::vk;
@@ -150,10 +150,24 @@ impl VulkanRemap {
     /// [`RasterError`] where a plane or the map does not have as many elements as its window has pixels, or memory or the
     /// device fails.
     pub fn resample(&mut self, map: &WarpMap, source: &Planes, filter: Filter) -> Result<Vec<Vec<f32>>, RasterError> {
-        check(map, source)?;
         let mut results = vec![vec![0.0; map.window.area()]; source.planes.len()];
+        self.resample_into(map, source, filter, &mut results)?;
+        Ok(results)
+    }
+
+    /// The same, into planes that are there. Every plane goes to the device once, and so does the map where it fits there
+    /// as a whole.
+    fn resample_into(
+        &mut self,
+        map: &WarpMap,
+        source: &Planes,
+        filter: Filter,
+        results: &mut [Vec<f32>],
+    ) -> Result<(), RasterError> {
+        check(map, source)?;
         if map.window.area() == 0 || source.window.area() == 0 {
-            return Ok(results);
+            results.iter_mut().for_each(|plane| plane.fill(0.0));
+            return Ok(());
         }
         self.prepare(filter)?;
         let extents = Extent::of_window(source.window, map.frame.window());
@@ -161,6 +175,7 @@ impl VulkanRemap {
         let texel_bytes = (size_of::<f32>() * source.planes.len().clamp(2, GROUP)) as u64;
         let most = usize::try_from(self.most_bytes / texel_bytes).unwrap_or(usize::MAX);
         let tiles = Cut { map, extents, start, filter, most }.tiles();
+        let mut told = None;
         for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {
             let group = Group { map, window: source.window, planes, extents, start };
             let mut held = None;
@@ -168,10 +183,15 @@ impl VulkanRemap {
                 if held.replace(tile.part) != Some(tile.part) {
                     self.upload_source(&group, tile.part)?;
                 }
-                self.run(&group, tile, filter, results)?;
+                let net = match told {
+                    Some((area, net)) if area == tile.area => net,
+                    _ => self.upload_offsets(map, tile.area)?,
+                };
+                told = Some((tile.area, net));
+                self.run(&group, (tile, net), filter, results)?;
             }
         }
-        Ok(results)
+        Ok(())
     }
 
     /// Makes a filter's pipeline if it is not there yet.
@@ -218,10 +238,15 @@ impl VulkanRemap {
         Ok(net)
     }
 
-    /// Draws a tile, whose source is there, into its planes.
-    fn run(&mut self, group: &Group, tile: &Tile, filter: Filter, results: &mut [Vec<f32>]) -> Result<(), RasterError> {
+    /// Draws a tile, whose source and offsets (of the rectangle `net`) are there, into its planes.
+    fn run(
+        &mut self,
+        group: &Group,
+        (tile, net): (&Tile, PixelRect),
+        filter: Filter,
+        results: &mut [Vec<f32>],
+    ) -> Result<(), RasterError> {
         let area = tile.area;
-        let net = self.upload_offsets(group.map, area)?;
         self.bind(Role::Result, area.area() * size_of::<f32>() * results.len())?;
         self.dispatch(&group.push(tile, net), filter)?;
         let result = self.buffers[Role::Result as usize].as_ref().map_or(&[][..], Buffer::bytes);
@@ -245,6 +270,22 @@ impl VulkanRemap {
         self.commands.compute(&Compute { pipeline, layout: &self.layout, set: self.set, push, groups }, result);
         self.commands.submit()?;
         self.commands.wait()
+    }
+}
+
+impl Resampler for VulkanRemap {
+    fn name(&self) -> String {
+        Self::name(self)
+    }
+
+    fn resample(
+        &mut self,
+        map: &WarpMap,
+        source: &Planes,
+        filter: Filter,
+        results: &mut [Vec<f32>],
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(self.resample_into(map, source, filter, results)?)
     }
 }
 
