@@ -1,0 +1,84 @@
+//! Buttons: shots are written and read, maps are written; `pinwarp` itself takes them.
+
+use crate::host::profile::BOOK;
+use crate::host::{Frame, Host, Pixels, Which};
+use crate::{SIZE, pulled};
+use pinwarp::ofx::api::Status;
+use std::process::Command;
+
+/// A folder of its own for a test.
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for files")
+}
+
+#[test]
+fn a_shot_that_was_written_is_read_back() {
+    let folder = folder();
+    let path = folder.path().join("pins.toml");
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    host.key(node, "pin1Target", 0.0, [96.0, 54.0]);
+    host.key(node, "pin1Target", 8.0, [60.0, 30.0]);
+    host.set(node, "writePath", path.to_str().expect("plain letters"));
+    assert_eq!(host.press(node, "writeShot"), Status::OK, "{:?}", host.said());
+    assert!(path.exists());
+    let other = host.node();
+    host.through(other, &Pixels::scenery(SIZE, 4));
+    host.set(other, "shotFile", path.to_str().expect("plain letters"));
+    assert_eq!(host.press(other, "readShot"), Status::OK, "{:?}", host.said());
+    for time in [0.0, 4.0, 8.0] {
+        for id in ["pin1Rest", "pin1Target", "pin2Rest", "pin2Target"] {
+            let [found, expected] = [other, node].map(|node| host.point(node, id, time));
+            let distance = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+            assert!(distance < 1e-6, "{id} at {time}: {found:?}, not {expected:?}");
+        }
+    }
+    assert_eq!(host.int(other, "pin1On"), 1);
+    assert_eq!(host.undo().last().map(|undo| undo.label.is_empty()), Some(false), "one step to undo");
+    host.finish();
+}
+
+#[test]
+fn buttons_without_a_path_say_what_is_missing() {
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    for button in ["readShot", "writeShot", "writeStmaps"] {
+        let before = host.said().len();
+        assert_ne!(host.press(node, button), Status::OK, "{button}");
+        assert!(host.said().len() > before, "{button} failed without a word");
+    }
+    host.set(node, "shotFile", "/nowhere/shot.toml");
+    assert_ne!(host.press(node, "readShot"), Status::OK);
+    host.set(node, "writePath", "/nowhere/shot.toml");
+    assert_ne!(host.press(node, "writeShot"), Status::OK);
+    host.finish();
+}
+
+#[test]
+fn the_map_in_the_host_is_the_map_that_pinwarp_exports() {
+    let Some(program) = option_env!("CARGO_BIN_EXE_pinwarp") else {
+        eprintln!("SKIPPED: the pinwarp program is not built (feature cli)");
+        return;
+    };
+    let folder = folder();
+    let shot = folder.path().join("pins.toml");
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    host.set(node, "writePath", shot.to_str().expect("plain letters"));
+    assert_eq!(host.press(node, "writeShot"), Status::OK, "{:?}", host.said());
+    host.finish();
+    let out = folder.path().join("map.####.exr");
+    let ran = Command::new(program)
+        .args(["export", shot.to_str().expect("plain letters"), "--to", "stmap", "--frames", "0", "-o"])
+        .arg(&out)
+        .output()
+        .expect("pinwarp runs");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let exported = pinwarp::image::read_plate(&folder.path().join("map.0000.exr")).expect("an EXR file");
+    let mut host = Host::start(&BOOK, Which::StMap);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    let found = host.render(node, Frame::default()).expect("it renders");
+    let worst = crate::maps::worst(&exported, &found);
+    assert!(worst < 2e-6, "{worst} apart");
+    host.finish();
+}

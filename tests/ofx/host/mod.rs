@@ -1,0 +1,20 @@
+//! A host in this process, in Rust, over the C ABI: scripted, strict with the plugin, and free in all that hosts are free in.
+//!
+//! In: a [`Profile`](profile::Profile) and calls of [`Host`](session::Host). Out: pictures, answers, and a failed test for every fault.
+
+mod effects;
+mod extras;
+mod making;
+mod params;
+mod pen;
+pub(crate) mod pixels;
+pub(crate) mod profile;
+mod props;
+pub(crate) mod session;
+mod spec;
+mod world;
+
+pub(crate) use making::feed;
+pub(crate) use pixels::{Depth, Pixels, Rows};
+pub(crate) use profile::Profile;
+pub(crate) use session::{Frame, Host, Node, Which};
