@@ -14,6 +14,7 @@ mod host;
 mod life;
 mod maps;
 mod overlay;
+mod picture;
 mod pixels;
 mod regions;
 mod scales;
