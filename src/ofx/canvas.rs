@@ -28,20 +28,26 @@ pub(super) struct Canvas {
 impl Canvas {
     /// The picture that pins are measured in: the project's, or else the whole of the source.
     pub(super) fn of(effect: Effect, time: f64, scale: [f64; 2]) -> Self {
+        Self::at_render(effect, time, scale, None)
+    }
+
+    /// The same while an image of these pixels is drawn: of hosts without a project, MLT tells regions of the source in
+    /// pixels of its preview, and its older versions tell none.
+    pub(super) fn at_render(effect: Effect, time: f64, scale: [f64; 2], drawn: Option<RectI>) -> Self {
         let props = effect.props();
         let size = props.doubles(image::PROJECT_SIZE).or_else(|| props.doubles(image::PROJECT_EXTENT));
         let offset: [f64; 2] = props.doubles(image::PROJECT_OFFSET).unwrap_or_default();
         let source = effect.clip(image::SOURCE_CLIP);
-        let region = match (size.filter(|size: &[f64; 2]| size.iter().all(|side| *side >= 1.0)), source) {
-            (Some([width, height]), _) => {
-                RectD { x1: offset[0], y1: offset[1], x2: offset[0] + width, y2: offset[1] + height }
-            }
-            (None, Some(source)) => source.region(time).unwrap_or(RectD { x1: 0.0, y1: 0.0, x2: 1920.0, y2: 1080.0 }),
-            (None, None) => RectD { x1: 0.0, y1: 0.0, x2: 1920.0, y2: 1080.0 },
-        };
         let aspect = source.and_then(|source| source.props().double(image::PIXEL_ASPECT));
         let aspect = aspect.or_else(|| props.double(image::PROJECT_PIXEL_ASPECT)).filter(|aspect| *aspect > 0.0);
-        Self::new(region, aspect.unwrap_or(1.0), scale)
+        let aspect = aspect.unwrap_or(1.0);
+        let region = match size.filter(|size: &[f64; 2]| size.iter().all(|side| *side >= 1.0)) {
+            Some([width, height]) => {
+                RectD { x1: offset[0], y1: offset[1], x2: offset[0] + width, y2: offset[1] + height }
+            }
+            None => without_project(source.and_then(|source| source.region(time)), drawn, aspect, scale),
+        };
+        Self::new(region, aspect, scale)
     }
 
     fn new(region: RectD, aspect: f64, scale: [f64; 2]) -> Self {
@@ -98,6 +104,22 @@ impl Canvas {
         let top = f64::from(self.frame.height) - f64::from(window.y) + f64::from(self.origin[1]);
         let [x, y] = self.pixels;
         [left / x, (top - f64::from(window.height)) / y, (left + f64::from(window.width)) / x, top / y]
+    }
+}
+
+/// The source's region, or that of the drawn pixels where the host tells none, or tells it in pixels.
+fn without_project(region: Option<RectD>, drawn: Option<RectI>, aspect: f64, [across, up]: [f64; 2]) -> RectD {
+    let scaled = |RectI { x1, y1, x2, y2 }: RectI, [x, y]: [f64; 2]| {
+        let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(f64::from);
+        RectD { x1: x1 * x, y1: y1 * y, x2: x2 * x, y2: y2 * y }
+    };
+    match (region, drawn) {
+        (Some(region), Some(drawn)) if region == scaled(drawn, [aspect, 1.0]) => {
+            scaled(drawn, [aspect / across, 1.0 / up])
+        }
+        (Some(region), _) => region,
+        (None, Some(drawn)) => scaled(drawn, [aspect / across, 1.0 / up]),
+        (None, None) => RectD { x1: 0.0, y1: 0.0, x2: 1920.0, y2: 1080.0 },
     }
 }
 

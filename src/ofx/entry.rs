@@ -147,3 +147,13 @@ fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [Pro
         fault.status()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_as_a_status() {
+        assert_eq!(guarded(|| panic!("on purpose")), Status::FAILED);
+    }
+}

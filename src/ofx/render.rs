@@ -111,7 +111,8 @@ impl<'a> Task<'a> {
         }
         // Fusion announces one scale and renders at another: what the image says holds.
         let scale = output.scale.or_else(|| call.args.doubles(image::RENDER_SCALE)).unwrap_or([1.0, 1.0]);
-        let canvas = Canvas::of(call.effect, time, scale.map(|side| if side > 0.0 { side } else { 1.0 }));
+        let scale = scale.map(|side| if side > 0.0 { side } else { 1.0 });
+        let canvas = Canvas::at_render(call.effect, time, scale, Some(output.bounds));
         let settings = settings_of(call, time, &canvas)?;
         Ok(Some(Self { call, time, output, pixels, canvas, settings }))
     }

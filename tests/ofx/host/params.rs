@@ -217,7 +217,10 @@ fn write(param: ParamHandle, time: Option<f64>, whole: usize, numbers: [f64; 2])
         let Some(found) = world.params.get(&handle) else { return world.bad_handle(handle, "a parameter") };
         let (name, effect, set) = (found.name.clone(), found.effect, found.set);
         let shown = name.to_string_lossy().into_owned();
-        if !matches!(current_action(), "InstanceChanged" | "PenDown" | "PenMotion" | "PenUp" | "KeyDown") {
+        if !matches!(
+            current_action(),
+            "InstanceChanged" | "PenDown" | "PenMotion" | "PenUp" | "KeyDown" | "CloseOverlay"
+        ) {
             return world.fault(format!("{shown} was set"));
         }
         let value = passed(&found.value, whole, numbers);

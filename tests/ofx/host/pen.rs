@@ -62,7 +62,7 @@ impl Overlay<'_> {
 
     /// Ends the overlay.
     pub(crate) fn close(self) {
-        self.act(action::DESTROY_INSTANCE, "DestroyInstance", Vec::new());
+        self.act(action::DESTROY_INSTANCE, "CloseOverlay", Vec::new());
         with(|world| {
             let set = world.interacts.remove(&self.handle).expect("it was there");
             world.end_set(set, "set of an overlay");

@@ -396,10 +396,11 @@ impl Host {
     pub(crate) fn overlay(&self, node: Node, pixel: f64) -> Option<Overlay<'_>> {
         let pointer = with(|world| {
             let set = world.effects[&self.descriptor].set;
-            match world.sets[&set].values.get(image::OVERLAY_INTERACT_V2).map(Vec::as_slice) {
+            let entry = |name| match world.sets[&set].values.get(name).map(Vec::as_slice) {
                 Some([Value::Pointer(entry)]) => Some(*entry),
                 _ => None,
-            }
+            };
+            entry(image::OVERLAY_INTERACT_V2).or_else(|| entry(image::OVERLAY_INTERACT_V1))
         })?;
         // SAFETY: the property holds the overlay's entry, a function of this type.
         let entry = unsafe { std::mem::transmute::<usize, EntryPoint>(pointer) };
