@@ -269,6 +269,10 @@ impl World {
     /// Notes the end of a handle.
     pub(crate) fn end(&mut self, handle: usize, kind: &'static str) {
         self.gone.insert(handle, kind);
+        // The host's own memory must not grow either; handles count up.
+        if self.gone.len() > 20_000 {
+            self.gone.pop_first();
+        }
     }
 
     /// Ends a set of properties.
