@@ -27,6 +27,22 @@ struct Slot<V> {
     used: u64,
 }
 
+/// A value that is being computed: where that fails, by an error or a panic, its slot goes again.
+struct Pending<'a, V> {
+    cache: &'a Cache<V>,
+    key: Key,
+    place: &'a Place<V>,
+}
+
+impl<V> Drop for Pending<'_, V> {
+    fn drop(&mut self) {
+        let mut state = self.cache.locked();
+        if state.slots.get(&self.key).is_some_and(|slot| Arc::ptr_eq(&slot.value, self.place)) {
+            state.slots.remove(&self.key);
+        }
+    }
+}
+
 /// Where a value is, or will be.
 type Place<V> = Arc<Mutex<Option<Arc<V>>>>;
 
@@ -50,11 +66,31 @@ impl<V> Cache<V> {
         if let Some(value) = guard.as_ref() {
             return Ok(Arc::clone(value));
         }
-        let value = Arc::new(compute().inspect_err(|_| _ = self.locked().slots.remove(&key))?);
+        let pending = Pending { cache: self, key, place: &place };
+        let value = Arc::new(compute()?);
+        std::mem::forget(pending);
         *guard = Some(Arc::clone(&value));
         drop(guard);
         self.settle(key, (self.weigh)(&value));
         Ok(value)
+    }
+
+    /// Keeps a value under one more key, in place of what was there.
+    pub(super) fn put(&self, key: Key, value: Arc<V>) {
+        let weight = (self.weigh)(&value);
+        let place = Arc::new(Mutex::new(Some(value)));
+        let mut state = self.locked();
+        state.clock += 1;
+        let used = state.clock;
+        state.slots.insert(key, Slot { value: place, weight, used });
+        drop(state);
+        self.settle(key, weight);
+    }
+
+    /// The value of a key where it is kept and ready.
+    pub(super) fn peek(&self, key: Key) -> Option<Arc<V>> {
+        let place = self.locked().slots.get(&key).map(|slot| Arc::clone(&slot.value))?;
+        place.try_lock().ok()?.clone()
     }
 
     /// Values that are kept.
@@ -132,5 +168,24 @@ mod tests {
         assert_eq!(cache.get(key(1), || Err("no")).unwrap_err(), "no");
         assert_eq!(cache.count(), 0);
         assert_eq!(cache.get(key(1), || Ok::<_, &str>(5)).map(|value| *value), Ok(5));
+    }
+
+    #[test]
+    fn a_panic_leaves_nothing_behind() {
+        let cache = Cache::new(3, |_: &u32| 1);
+        let stumble = || cache.get(key(1), || -> Result<u32, &str> { panic!("on purpose") });
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(stumble)).is_err());
+        assert_eq!(cache.count(), 0);
+        assert_eq!(cache.get(key(1), || Ok::<_, &str>(5)).map(|value| *value), Ok(5));
+    }
+
+    #[test]
+    fn what_was_put_is_there_in_place_of_what_was() {
+        let cache = Cache::new(2, |_: &u32| 1);
+        assert_eq!(cache.peek(key(1)), None);
+        (1..5).for_each(|value| cache.put(key(1), Arc::new(value)));
+        assert_eq!((cache.peek(key(1)).as_deref(), cache.count()), (Some(&4), 1));
+        [2, 3].into_iter().for_each(|word| cache.put(key(word), Arc::new(0)));
+        assert_eq!(cache.peek(key(1)), None, "the oldest goes");
     }
 }

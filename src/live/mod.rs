@@ -31,7 +31,7 @@ pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
 pub use render::{Piece, Render, render, render_pieces};
 pub use shape::{Coverage, OwnPins, Shape, ShotShape};
-pub use solve::warp;
+pub use solve::{last_of_alpha, warp};
 pub use stmap::{StMap, stmap};
 pub use warp::{GridLine, PinPlace, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};

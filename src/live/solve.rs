@@ -26,6 +26,8 @@ const KEPT_CASTS: usize = 256;
 static BASES: LazyLock<Cache<Base>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
 static SOLVERS: LazyLock<Cache<Ready>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
 static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_| 1));
+/// The last warp over a picture's alpha, by the controls alone.
+static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
 static CASTS: LazyLock<Cache<Vec<Option<Pinned>>>> = LazyLock::new(|| Cache::new(KEPT_CASTS, |_| 1));
 
 /// A solver, and what it told while it was made.
@@ -49,7 +51,7 @@ pub fn warp(controls: &Controls, shape: &Shape, frame: FrameSize) -> Result<Arc<
     let base_key = shape.key(frame)?;
     let solver_key = solver_key(base_key, controls, shape);
     let key = warp_key(solver_key, controls);
-    WARPS.get(key, || {
+    let warp = WARPS.get(key, || {
         let base = BASES.get(base_key, || Base::of(shape, frame))?;
         let Some(setup) = &base.setup else {
             return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
@@ -57,7 +59,22 @@ pub fn warp(controls: &Controls, shape: &Shape, frame: FrameSize) -> Result<Arc<
         let task = Task { setup, index: base.layer, controls, shape };
         let ready = SOLVERS.get(solver_key, || task.prepare(base_key))?;
         task.solve(&ready, key)
-    })
+    })?;
+    if matches!(shape, Shape::Coverage(_)) {
+        SHOWN.put(shown_key(controls), Arc::clone(&warp));
+    }
+    Ok(warp)
+}
+
+/// The last [`warp`] of these controls over a picture's alpha, of whatever size, for hosts that have no pixels while they draw
+/// handles; `None`: there was none lately.
+#[must_use]
+pub fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
+    SHOWN.peek(shown_key(controls))
+}
+
+fn shown_key(controls: &Controls) -> Key {
+    warp_key(solver_key(KeyWriter::new().finish(), controls, &Shape::Frame), controls)
 }
 
 /// The scene behind a shape, loaded or kept.

@@ -1,7 +1,7 @@
 //! Warps from controls: pins arrive, the engine's own solve is met to the bit, what is kept is kept by content.
 
 use crate::support::{HD, eight_pins};
-use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, Shape, Warp, warp};
+use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, Shape, Warp, last_of_alpha, warp};
 use pinwarp::pipeline::Setup;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
@@ -138,6 +138,23 @@ fn an_outline_follows_the_alpha() {
     assert!(nothing.is_identity() && nothing.warnings[0].contains("alpha is 0"), "{:?}", nothing.warnings);
     let short = Coverage { window: PixelRect { height: 100, ..window }, alpha: &left };
     assert!(matches!(warp(&controls, &Shape::Coverage(short), frame), Err(LiveError::Planes { .. })));
+}
+
+#[test]
+fn the_last_warp_over_an_alpha_can_be_shown_without_its_pixels() {
+    let frame = FrameSize::new(64, 36);
+    let pin = Pin::new(ScreenPoint::new(0.61, 0.5), ScreenPoint::new(0.73, 0.5));
+    let controls = Controls { pins: vec![pin], ..Controls::default() };
+    assert!(last_of_alpha(&controls).is_none(), "nothing was solved yet");
+    warp(&controls, &Shape::Frame, frame).expect("solves");
+    assert!(last_of_alpha(&controls).is_none(), "only alpha is remembered");
+    for samples in [&[1.0; 64 * 36], &[0.5; 64 * 36]] {
+        let shape = Shape::Coverage(Coverage { window: frame.window(), alpha: samples });
+        let solved = warp(&controls, &shape, frame).expect("solves");
+        assert!(last_of_alpha(&controls).is_some_and(|last| Arc::ptr_eq(&last, &solved)), "the last one");
+    }
+    let other = Controls { strength: 0.5, ..controls };
+    assert!(last_of_alpha(&other).is_none(), "other controls have their own");
 }
 
 #[test]
