@@ -67,7 +67,7 @@ const ROWS: &[Row] = &[
      "Handles of the lattice from bottom to top; B-splines need 4."),
     ("lattice", "basis", "Basis", Kind::Choice(BASES),
      "How handles are blended: softly and locally, softly over all, or in flat cells."),
-    ("lattice", "stiffness", "Stiffness", Kind::Double(1.0, [0.001, 1000.0], [0.01, 100.0], param::DOUBLE_SCALE),
+    ("lattice", "stiffness", "Stiffness", Kind::Double(1.0, [0.1, 10.0], [0.1, 10.0], param::DOUBLE_SCALE),
      "More: a pin takes more of the picture along. Less: its pull stays near it."),
     ("lattice", "strength", "Strength", Kind::Double(1.0, [-10.0, 10.0], [0.0, 1.0], param::DOUBLE_SCALE),
      "Scales all offsets and rotations; 0 is no warp."),
