@@ -177,6 +177,22 @@ fn unsafe_lives_in_two_folders() {
     assert!(unsafe_code("let x = unsafe { read() };"));
 }
 
+/// What the binding of the OpenFX API names of this crate beside the declarations.
+fn known_beyond_the_api(text: &str) -> Vec<String> {
+    let code: String = code_lines(text).collect::<Vec<_>>().join("\n");
+    let own = code.replace("pub(in crate::ofx)", "").replace("crate::ofx::api", "");
+    own.lines().filter(|line| line.contains("crate::") || line.contains("super::super")).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_host_s_binding_knows_no_warps() {
+    for (file, text) in sources("src/ofx/host") {
+        assert_eq!(known_beyond_the_api(&text), [""; 0], "{file}");
+    }
+    assert_eq!(known_beyond_the_api("use crate::live::Warp;"), ["use crate::live::Warp;"]);
+    assert_eq!(known_beyond_the_api("use super::super::fault::Fault;").len(), 1);
+}
+
 #[test]
 fn every_file_says_what_it_is_for() {
     for (file, text) in sources("src") {

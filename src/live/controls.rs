@@ -87,6 +87,25 @@ impl Default for Controls {
 }
 
 impl Controls {
+    /// Whether it is plain without solving that nothing moves (a shot's own pins aside).
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        let moves = |pin: &Pin| {
+            let turns = pin.rotation.is_some_and(|angle| angle != 0.0);
+            pin.rest != pin.target || turns || pin.scale.is_some_and(|scale| scale != 1.0)
+        };
+        self.strength == 0.0 || !self.pins.iter().any(moves)
+    }
+
+    /// How far a warp carries a point at most, frame heights, where nothing can be solved yet: no sensible one carries any
+    /// further than its furthest pin and half more, or, turning, than across the frame.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let furthest = self.pins.iter().map(|pin| (pin.target - pin.rest).0.length()).fold(0.0, f64::max);
+        let turns = self.pins.iter().any(|pin| pin.rotation.is_some());
+        self.strength.abs() * furthest * 1.5 + if turns { 1.0 } else { 0.0 }
+    }
+
     /// Refuses what no slider may send: numbers that are none, and values out of range.
     pub(super) fn check(&self) -> Result<(), LiveError> {
         let fault = |what: String, hint: &str| Err(LiveError::Controls { what, hint: hint.to_owned() });

@@ -7,11 +7,13 @@
 
 mod base;
 mod cache;
+mod canvas;
 mod composite;
 mod controls;
 mod error;
 mod handles;
 mod key;
+mod owned;
 mod pages;
 mod picture;
 mod read;
@@ -24,9 +26,11 @@ mod warp;
 mod write;
 
 pub use crate::lattice::Basis;
+pub use canvas::Canvas;
 pub use controls::{Controls, Moved, Pin};
 pub use error::LiveError;
 pub use handles::{Choosing, Picker, Pull};
+pub use owned::OwnedPicture;
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
 pub use render::{Piece, Render, render, render_pieces};

@@ -49,6 +49,34 @@ pub struct TrackKey {
     pub ease: Ease,
 }
 
+/// Frames that a pin has keys at most: a host's "for ever" ends there.
+const MOST_FRAMES: i32 = 100_000;
+
+impl PinTrack {
+    /// A pin of a host with curves of its own: a key at every frame from its first to its last one and wherever the host
+    /// has one, so that the curves are kept; `pin_at` tells it at a time, `offset` is the frame less the time. Without
+    /// keys there is one `now`.
+    #[must_use]
+    pub fn sampled(name: String, times: &[f64], [now, offset]: [f64; 2], pin_at: impl Fn(f64) -> Option<Pin>) -> Self {
+        let mut times: Vec<f64> = times.iter().copied().filter(|time| time.is_finite()).collect();
+        let [first, last] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
+        if let (Some(first), Some(last)) = (first, last) {
+            let last = last.min(first + f64::from(MOST_FRAMES));
+            times.extend((first.ceil() as i32..=last.floor() as i32).map(f64::from));
+        } else {
+            times.push(now);
+        }
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let rest = pin_at(now).map(|pin| pin.rest).unwrap_or_default();
+        let key = |time: f64| {
+            let Pin { rest: was, target, rotation, scale } = pin_at(time)?;
+            Some(TrackKey { frame: time + offset, target: rest + (target - was), rotation, scale, ease: Ease::Linear })
+        };
+        Self { name, rest, keys: times.into_iter().filter_map(key).collect() }
+    }
+}
+
 /// Reads the layer's pins. With [`OwnPins::LeftOut`](super::OwnPins::LeftOut) and these controls a [`warp`](super::warp) over the same shape
 /// is the shot's own.
 ///
@@ -166,4 +194,20 @@ fn track_key(key: &PinKey, target: ScreenPoint) -> TrackKey {
         _ => None,
     };
     TrackKey { frame: key.frame, target, rotation, scale: key.scale, ease: key.ease }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_host_s_curve_gets_a_key_at_every_frame_and_at_its_own() {
+        let at = |time: f64| Some(Pin::new(ScreenPoint::new(0.0, time), ScreenPoint::new(time * time, time)));
+        let track = PinTrack::sampled("nose".into(), &[4.0, 1.5, 2.0, f64::NAN], [2.0, 100.0], at);
+        let found: Vec<[f64; 2]> = track.keys.iter().map(|key| [key.frame, key.target.0.x]).collect();
+        assert_eq!(found, [[101.5, 2.25], [102.0, 4.0], [103.0, 9.0], [104.0, 16.0]]);
+        // What moves with its rest does not move from it.
+        assert!(track.keys.iter().all(|key| key.target.0.y == track.rest.0.y), "{track:?}");
+        assert_eq!(PinTrack::sampled("still".into(), &[], [7.0, 0.0], at).keys.len(), 1);
+    }
 }

@@ -5,7 +5,7 @@
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
 use super::pages::{Page, common, place};
-use super::{LiveError, Warp};
+use super::{Controls, LiveError, Warp};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
@@ -59,6 +59,14 @@ impl Warp {
     }
 }
 
+impl Controls {
+    /// Pixels that a picture's window may be carried to, as far as can be told without solving ([`Controls::reach`]).
+    #[must_use]
+    pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
+        grown(window, (self.reach() * f64::from(frame.height)).ceil().clamp(0.0, 1e5) as i32)
+    }
+}
+
 /// Left, top, right and bottom of what is read, in pixels.
 type Reach = [f32; 4];
 
@@ -109,5 +117,11 @@ fn rect([left, top, right, bottom]: Reach) -> PixelRect {
 
 fn grown(window: PixelRect, by: i32) -> PixelRect {
     let PixelRect { x, y, width, height } = window;
-    PixelRect { x: x - by, y: y - by, width: width + 2 * by as u32, height: height + 2 * by as u32 }
+    let more = 2 * by as u32;
+    PixelRect {
+        x: x.saturating_sub(by),
+        y: y.saturating_sub(by),
+        width: width.saturating_add(more),
+        height: height.saturating_add(more),
+    }
 }

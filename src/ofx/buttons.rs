@@ -3,17 +3,16 @@
 //! In: the parameters with their keys. Out: parameters, set in one step to undo; files.
 
 use super::api::names::image;
-use super::canvas::Canvas;
-use super::effect::{Clip, When};
+use super::canvas::canvas_of;
 use super::entry::Call;
 use super::fault::Fault;
+use super::host::{Clip, When};
 use super::params::{PINS, pin_id};
-use super::render::Fetched;
+use super::render::fetched;
 use super::settings::{BASES, Moment, ShapeChoice, settings_of};
 use crate::image::{Compression, FrameMetadata, SequencePath, write_exr};
-use crate::live::{self, NewShot, Pin, PinTrack, Subject, TrackKey, WriteShot};
+use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, Subject, WriteShot};
 use crate::plate::{WarpMap, stmap_of};
-use crate::shot::Ease;
 use std::path::{Path, PathBuf};
 
 /// Frames over which keys and maps are written at most: a host's "for ever" ends there.
@@ -21,7 +20,7 @@ const MOST_FRAMES: i32 = 100_000;
 
 /// Does what a button says, and tells how it went; `None`: there is no such button.
 pub(super) fn press(call: Call, id: &str, moment: Moment) -> Option<Result<String, Fault>> {
-    let canvas = Canvas::of(call.effect, moment.time, [1.0, 1.0]);
+    let canvas = canvas_of(call.effect, moment.time);
     match id {
         "readShot" => Some(read(moment, &canvas)),
         "writeShot" => Some(write(call, moment, &canvas)),
@@ -120,30 +119,13 @@ fn frames(call: Call, time: f64) -> [i32; 2] {
     [first, last.clamp(first, first.saturating_add(MOST_FRAMES))]
 }
 
-/// A pin with a key at every frame between its first and its last, so that the host's curves are kept.
+/// A pin with its keys.
 fn track(moment: Moment, canvas: &Canvas, pin: usize) -> PinTrack {
-    let mut times: Vec<f64> = ["Rest", "Target", "Turns", "Angle"]
-        .iter()
-        .flat_map(|end| moment.params.keys(&pin_id(pin, end)))
-        .filter(|time| time.is_finite())
-        .collect();
-    let [first, last] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
-    if let (Some(first), Some(last)) = (first, last) {
-        let last = last.min(first + f64::from(MOST_FRAMES));
-        times.extend((first.ceil() as i32..=last.floor() as i32).map(f64::from));
-    } else {
-        times.push(moment.time);
-    }
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    let offset = f64::from(moment.int("frameOffset"));
-    let rest = moment.pin(pin, canvas).map(|now| now.rest).unwrap_or_default();
-    let key = |time: f64| {
-        let Pin { rest: was, target, rotation, scale } = Moment { time, ..moment }.pin(pin, canvas)?;
-        Some(TrackKey { frame: time + offset, target: rest + (target - was), rotation, scale, ease: Ease::Linear })
-    };
+    let ends = ["Rest", "Target", "Turns", "Angle"].iter();
+    let times: Vec<f64> = ends.flat_map(|end| moment.params.keys(&pin_id(pin, end))).collect();
     let name = moment.text(&pin_id(pin, "Name")).unwrap_or_else(|| pin_id(pin, ""));
-    PinTrack { name, rest, keys: times.into_iter().filter_map(key).collect() }
+    let now = [moment.time, f64::from(moment.int("frameOffset"))];
+    PinTrack::sampled(name, &times, now, |time| Moment { time, ..moment }.pin(pin, canvas))
 }
 
 fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
@@ -158,8 +140,8 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
         let time = f64::from(frame);
         let settings = settings_of(call, time, canvas)?;
         let is_of_alpha = settings.shape == ShapeChoice::Alpha;
-        let source = if is_of_alpha { Fetched::of(call, image::SOURCE_CLIP, time, canvas)? } else { None };
-        let warp = settings.warp(canvas, source.as_ref().and_then(Fetched::coverage))?;
+        let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, canvas)? } else { None };
+        let warp = settings.warp(canvas, source.as_ref().and_then(OwnedPicture::coverage))?;
         let map = WarpMap::backward(&warp.field, canvas.frame, canvas.frame.window());
         let metadata = FrameMetadata {
             frame,

@@ -5,22 +5,26 @@
 use super::api::Status;
 use super::api::names::{self, param, prop};
 use super::buttons;
-use super::canvas::Canvas;
-use super::effect::When;
+use super::canvas::canvas_of;
 use super::entry::Call;
 use super::fault::Fault;
+use super::host::When;
+use super::overlay;
 use super::params::{PINS, pin_id, table};
 use super::settings::Moment;
+use crate::live::Canvas;
 
-/// A new instance: what does not matter is greyed out.
+/// A new instance: what does not matter is greyed out. Its handle may be that of one which the host never ended.
 pub(super) fn created(call: Call) -> Result<Status, Fault> {
+    call.effect.forget();
     enable(Moment::of(call.effect, 0.0)?);
     Ok(Status::OK)
 }
 
-/// An instance ends; it owns nothing but its last message.
+/// An instance ends; it owns nothing but its last message and its overlays.
 pub(super) fn destroyed(call: Call) -> Result<Status, Fault> {
     call.effect.unsay();
+    overlay::forget(call.effect);
     Ok(Status::OK)
 }
 
@@ -39,7 +43,7 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     match id.as_str() {
         "shape" => enable(moment),
         _ => match (0..PINS).find(|pin| id == pin_id(*pin, "On")) {
-            Some(pin) => place(moment, pin, &Canvas::of(call.effect, time, [1.0, 1.0])),
+            Some(pin) => place(moment, pin, &canvas_of(call.effect, time)),
             None => return Ok(Status::REPLY_DEFAULT),
         },
     }
@@ -59,15 +63,13 @@ fn enable(moment: Moment) {
 /// A pin that was never placed starts in the middle of the frame, where it can be seen: hosts differ in what they make
 /// of defaults that are given in parts of the frame.
 fn place(moment: Moment, pin: usize, canvas: &Canvas) {
-    let ends = ["Rest", "Target"].map(|end| pin_id(pin, end));
-    let is_unplaced = |id: &String| moment.params.point(id, moment.time).is_some_and(|at| at == [0.0, 0.0]);
-    if moment.int(&pin_id(pin, "On")) == 0 || !ends.iter().all(is_unplaced) {
+    if moment.int(&pin_id(pin, "On")) == 0 || moment.is_placed(pin) {
         return;
     }
     let [x1, y1, x2, y2] = canvas.region(canvas.frame.window());
     moment.params.begin_edit(c"Place a pin");
-    for id in &ends {
-        moment.params.set_point(id, [0.5 * (x1 + x2), 0.5 * (y1 + y2)], When::Now);
+    for end in ["Rest", "Target"] {
+        moment.params.set_point(&pin_id(pin, end), [0.5 * (x1 + x2), 0.5 * (y1 + y2)], When::Now);
     }
     moment.params.end_edit();
 }

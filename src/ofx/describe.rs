@@ -6,9 +6,9 @@ use super::api::names::{image, param, prop};
 use super::api::{EntryPoint, Status};
 use super::entry::{Call, Kind};
 use super::fault::Fault;
+use super::host::Props;
 use super::overlay;
 use super::params::{Kind as ParamKind, Param, table};
-use super::props::Props;
 use std::ffi::{CStr, c_void};
 
 /// Clip name: what is moved; where it is black, nothing is.

@@ -4,12 +4,10 @@
 
 use super::api::names::action;
 use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
-use super::effect::Effect;
 use super::fault::Fault;
-use super::props::Props;
-use super::{changed, describe, host, regions, render};
+use super::host::{self, Effect, Props, action_name, caught, guarded};
+use super::{changed, describe, regions, render};
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Which of the two plugins is spoken to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,20 +116,12 @@ unsafe extern "C" fn st_map(name: *const c_char, handle: *const c_void, args: Pr
     guarded(|| act(Kind::StMap, name, handle, [args, out]))
 }
 
-/// Runs `work`; a panic, which must not reach C, becomes a failure.
-pub(super) fn guarded(work: impl FnOnce() -> Status) -> Status {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or(Status::FAILED)
-}
-
 fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [PropertySet; 2]) -> Status {
-    if name.is_null() {
-        return Status::ERR_UNKNOWN;
-    }
-    // SAFETY: not null, and the host ends the names of actions with zero.
-    let name = unsafe { CStr::from_ptr(name) };
+    // SAFETY: the host ends the names of actions with zero.
+    let Some(name) = (unsafe { action_name(name) }) else { return Status::ERR_UNKNOWN };
     // Loading is answered with OK, never with "by default": MLT takes any other answer for a failure.
     if name == action::LOAD {
-        return host::load().map_or_else(|fault| fault.status(), |_| Status::OK);
+        return host::load().map_or_else(|error| Fault::from(error).status(), |_| Status::OK);
     }
     let Some((_, work)) = ACTS.iter().find(|(known, _)| *known == name) else { return Status::REPLY_DEFAULT };
     let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
@@ -140,20 +130,10 @@ fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [Pro
     }
     let effect = Effect { suites: &suites, handle: EffectHandle(handle.cast_mut()) };
     let call = Call { kind, effect, args: Props::new(&suites, args), out: Props::new(&suites, out) };
-    work(call).unwrap_or_else(|fault| {
+    caught(|| work(call)).unwrap_or_else(|words| Err(Fault::Panic(words))).unwrap_or_else(|fault| {
         if !fault.is_abort() {
             effect.say(names::MESSAGE_ERROR, &fault.to_string());
         }
         fault.status()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_panic_ends_as_a_status() {
-        assert_eq!(guarded(|| panic!("on purpose")), Status::FAILED);
-    }
 }

@@ -3,6 +3,7 @@
 //! In: the cause. Out: words for the user and a [`Status`] for the host.
 
 use super::api::Status;
+use super::host::HostError;
 use crate::image::ImageError;
 use crate::live::LiveError;
 use std::path::PathBuf;
@@ -11,20 +12,9 @@ use thiserror::Error;
 /// A failed action.
 #[derive(Debug, Error)]
 pub(super) enum Fault {
-    /// The host never introduced itself, or lacks a suite that every host has to offer.
-    #[error("the host offers no {0}; pinwarp needs it")]
-    MissingSuite(&'static str),
-    /// A handle that should be there is not.
-    #[error("the host gave no {0}")]
-    Missing(&'static str),
-    /// An image that cannot be read or written.
-    #[error("{clip}: {what}")]
-    Image {
-        /// The clip.
-        clip: String,
-        /// What is wrong with its image, and what would be right.
-        what: String,
-    },
+    /// The host lacks something, or gives what cannot be used.
+    #[error(transparent)]
+    Host(#[from] HostError),
     /// The shape comes from a shot file, and none is named.
     #[error("Shape from is set to Shot file, but Shot file is empty; name a .toml file, or choose another shape")]
     NoShotFile,
@@ -48,6 +38,9 @@ pub(super) enum Fault {
     /// The engine cannot do it.
     #[error(transparent)]
     Live(#[from] LiveError),
+    /// A panic.
+    #[error("pinwarp stumbled over a fault of its own: {0}; please report this with your project")]
+    Panic(String),
     /// The host wants the result no more.
     #[error("stopped by the host")]
     Aborted,
@@ -62,13 +55,13 @@ impl Fault {
     /// The status that tells the host.
     pub(super) fn status(&self) -> Status {
         match self {
-            Self::MissingSuite(_) => Status::ERR_MISSING_HOST_FEATURE,
-            Self::Missing(_) => Status::ERR_BAD_HANDLE,
-            Self::Image { .. } => Status::ERR_IMAGE_FORMAT,
+            Self::Host(HostError::MissingSuite(_)) => Status::ERR_MISSING_HOST_FEATURE,
+            Self::Host(HostError::Missing(_)) => Status::ERR_BAD_HANDLE,
+            Self::Host(HostError::Image { .. }) => Status::ERR_IMAGE_FORMAT,
             // Hosts that abort throw the frame away; an error would put a message on the screen.
             Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
             Self::NoShotFile | Self::NoPath(_) | Self::OtherFolder(_) | Self::Copy { .. } => Status::FAILED,
-            Self::Write(_) | Self::Live(_) => Status::FAILED,
+            Self::Write(_) | Self::Live(_) | Self::Panic(_) => Status::FAILED,
         }
     }
 }

@@ -6,6 +6,8 @@
 //! host ─action─▶ entry ─▶ describe                                 ─▶ clips, parameters
 //!                     ├─▶ regions, render ─ settings ─▶ crate::live ─▶ regions, pixels
 //!                     └─▶ changed, overlay                          ─▶ parameters, shot files, drawing
+//!
+//! api: the C declarations ─▶ host: what stands behind them, safely ─▶ all others
 //! ```
 
 #![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
@@ -15,15 +17,11 @@ mod buttons;
 mod canvas;
 mod changed;
 mod describe;
-mod effect;
 mod entry;
 mod fault;
 mod host;
-mod images;
 mod overlay;
-mod paint;
 mod params;
-mod props;
 mod regions;
 mod render;
 mod settings;

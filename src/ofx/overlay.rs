@@ -4,20 +4,15 @@
 
 use super::api::names::{action, interact, prop};
 use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
-use super::canvas::Canvas;
-use super::effect::{Effect, When};
-use super::entry::guarded;
+use super::canvas::canvas_of;
 use super::fault::Fault;
-use super::host::{self, Suites};
-use super::paint::{Colour, Painter};
+use super::host::{
+    self, Colour, Effect, HostError, Interact, Kept, Painter, Props, Suites, When, action_name, guarded,
+};
 use super::params::{PINS, pin_id};
-use super::props::Props;
-use super::settings::{Moment, Settings, ShapeChoice};
-use crate::live::{Choosing, Picker, Pull};
-use crate::space::ScreenPoint;
-use std::collections::BTreeMap;
+use super::settings::{Moment, Settings};
+use crate::live::{Canvas, Choosing, Picker, Pull, Warp};
 use std::ffi::{CStr, c_char, c_void};
-use std::sync::{Mutex, PoisonError};
 
 /// Pixels of the screen from a handle within which the pen hits it, and half the size of a handle.
 const REACH_PX: f64 = 9.0;
@@ -30,11 +25,13 @@ const TARGET: Colour = [1.0, 0.6, 0.1, 1.0];
 const CHOSEN: Colour = [0.3, 1.0, 0.4, 1.0];
 
 /// What is kept for each overlay, by its handle.
-static VIEWS: Mutex<BTreeMap<usize, View>> = Mutex::new(BTreeMap::new());
+static VIEWS: Kept<View> = Kept::new();
 
 /// One overlay.
 #[derive(Clone, Default)]
 struct View {
+    /// The effect it belongs to, by its handle.
+    effect: usize,
     picker: Picker,
     is_adding: bool,
     /// Pins that are dragged: index, place of pin and target when the pen went down, canonical.
@@ -52,7 +49,7 @@ struct Dot {
 struct Event<'a> {
     effect: Effect<'a>,
     args: Props<'a>,
-    handle: InteractHandle,
+    overlay: Interact<'a>,
     moment: Moment<'a>,
     canvas: Canvas,
 }
@@ -65,59 +62,53 @@ pub(super) unsafe extern "C" fn entry(
     _out: PropertySet,
 ) -> Status {
     guarded(|| {
-        if name.is_null() || handle.is_null() {
-            return Status::ERR_BAD_HANDLE;
-        }
-        // SAFETY: not null, and the host ends the names of actions with zero.
-        let name = unsafe { CStr::from_ptr(name) };
+        // SAFETY: the host ends the names of actions with zero.
+        let name = unsafe { action_name(name) };
+        let Some(name) = name.filter(|_| !handle.is_null()) else { return Status::ERR_BAD_HANDLE };
         let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
-        let handle = InteractHandle(handle.cast_mut());
-        act(&suites, name, handle, Props::new(&suites, args)).unwrap_or(Status::REPLY_DEFAULT)
+        act(&suites, name, InteractHandle(handle.cast_mut()), args).unwrap_or(Status::REPLY_DEFAULT)
     })
 }
 
-fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: Props) -> Result<Status, Fault> {
+/// Lets go of the overlays of an effect that ends.
+pub(super) fn forget(effect: Effect) {
+    VIEWS.retain(|view| view.effect != effect.key());
+}
+
+fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) -> Result<Status, Fault> {
     if name == action::DESCRIBE {
         return Ok(Status::OK);
     }
-    let own = own_props(suites, handle);
+    let (overlay, args) = (Interact { suites, handle }, Props::new(suites, args));
+    let own = overlay.props();
     if name == action::CREATE_INSTANCE {
         let ids: Vec<String> = (0..PINS).flat_map(|pin| ["On", "Rest", "Target"].map(|end| pin_id(pin, end))).collect();
         own.set_texts(interact::SLAVE_TO_PARAM, &ids.iter().map(String::as_str).collect::<Vec<_>>());
         return Ok(Status::OK);
     }
+    // The effect may be gone before its overlay: what is kept must go all the same.
+    let view = if name == interact::DRAW { VIEWS.get(overlay.key()) } else { VIEWS.remove(overlay.key()) };
+    let mut view = view.unwrap_or_default();
     let effect = args.pointer(prop::EFFECT_INSTANCE).or_else(|| own.pointer(prop::EFFECT_INSTANCE));
-    let effect = Effect { suites, handle: EffectHandle(effect.ok_or(Fault::Missing("effect of the overlay"))?) };
+    let effect = effect.ok_or(HostError::Missing("effect of the overlay"))?;
+    let effect = Effect { suites, handle: EffectHandle(effect) };
     let time = args.double(prop::TIME).unwrap_or(0.0);
-    let canvas = Canvas::of(effect, time, [1.0, 1.0]);
-    let event = Event { effect, args, handle, moment: Moment::of(effect, time)?, canvas };
+    let event = Event { effect, args, overlay, moment: Moment::of(effect, time)?, canvas: canvas_of(effect, time) };
     if name == interact::DRAW {
-        return event.draw(own);
+        return event.draw(&view.picker, own);
     }
-    let mut views = VIEWS.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut view = views.remove(&(handle.0 as usize)).unwrap_or_default();
-    drop(views);
+    view.effect = effect.key();
     let status = event.pen_or_key(&mut view, name, own);
     if name != action::DESTROY_INSTANCE {
-        VIEWS.lock().unwrap_or_else(PoisonError::into_inner).insert(handle.0 as usize, view);
+        VIEWS.insert(overlay.key(), view);
     }
     status
 }
 
-fn own_props<'a>(suites: &'a Suites, handle: InteractHandle) -> Props<'a> {
-    let mut set = PropertySet::NULL;
-    if let Some(get) = suites.interact.and_then(|suite| suite.get_property_set) {
-        // SAFETY: the host's function with its own handle; the place outlives the call.
-        let _stays_null = unsafe { get(handle, &raw mut set) };
-    }
-    Props::new(suites, set)
-}
-
 impl Event<'_> {
     /// Pins that act, where they are shown: over a shot they are where the model takes them.
-    fn dots(&self, settings: &Settings) -> Vec<Dot> {
-        let warp = if settings.shape == ShapeChoice::Alpha { None } else { settings.warp(&self.canvas, None).ok() };
-        let place = |index: usize| match warp.as_ref().and_then(|warp| warp.pins.get(index)) {
+    fn dots(&self, settings: &Settings, warp: Option<&Warp>) -> Vec<Dot> {
+        let place = |index: usize| match warp.and_then(|warp| warp.pins.get(index)) {
             Some(place) => [place.rest, place.target],
             None => [settings.controls.pins[index].rest, settings.controls.pins[index].target],
         };
@@ -134,18 +125,17 @@ impl Event<'_> {
         told(self.args).or_else(|| told(own)).unwrap_or([1.0, 1.0]).map(f64::abs)
     }
 
-    fn draw(&self, own: Props) -> Result<Status, Fault> {
+    fn draw(&self, picker: &Picker, own: Props) -> Result<Status, Fault> {
         let context = self.args.pointer(interact::DRAW_CONTEXT);
         let Some(painter) = Painter::new(self.effect.suites.draw, context) else { return Ok(Status::REPLY_DEFAULT) };
         let settings = self.moment.settings(&self.canvas)?;
-        if settings.shape != ShapeChoice::Alpha {
-            self.draw_lattice(&painter, &settings);
+        let warp = settings.shown(&self.canvas);
+        if let Some(warp) = &warp {
+            self.draw_lattice(&painter, warp);
         }
-        let view = VIEWS.lock().unwrap_or_else(PoisonError::into_inner).get(&(self.handle.0 as usize)).cloned();
-        let picker = view.unwrap_or_default().picker;
         let half = self.pixel(own).map(|size| size * HALF_PX);
         let square = |[x, y]: [f64; 2]| [[x - half[0], y - half[1]], [x + half[0], y + half[1]]];
-        for dot in self.dots(&settings) {
+        for dot in self.dots(&settings, warp.as_deref()) {
             let colour = if picker.is_chosen(dot.pin) { CHOSEN } else { TARGET };
             painter.line(&[dot.rest, dot.target], colour, 1.0);
             let [[x1, y1], [x2, y2]] = square(dot.rest);
@@ -159,10 +149,9 @@ impl Event<'_> {
         Ok(Status::OK)
     }
 
-    fn draw_lattice(&self, painter: &Painter, settings: &Settings) {
-        let Ok(warp) = settings.warp(&self.canvas, None) else { return };
+    fn draw_lattice(&self, painter: &Painter, warp: &Warp) {
         for line in warp.grid_lines(PIECES) {
-            let points: Vec<[f64; 2]> = line.moved.iter().map(|&at: &ScreenPoint| self.canvas.canonical(at)).collect();
+            let points: Vec<[f64; 2]> = line.moved.iter().map(|at| self.canvas.canonical(*at)).collect();
             painter.line(&points, GRID, 1.0);
         }
     }
@@ -197,17 +186,18 @@ impl Event<'_> {
         if was_dragging && !view.picker.is_dragging() {
             self.moment.params.end_edit();
         }
-        if let Some(redraw) = self.effect.suites.interact.and_then(|suite| suite.redraw) {
-            // SAFETY: the host's function with its own handle.
-            let _drawn_later = unsafe { redraw(self.handle) };
-        }
+        self.overlay.redraw();
         Ok(Status::OK)
     }
 
     /// What the pen can hit: targets, with their pins' numbers.
     fn points(&self, settings: &Settings) -> Vec<(usize, [f64; 2])> {
         let by_pin = self.moment.int("handles") == 1;
-        self.dots(settings).iter().map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target })).collect()
+        let warp = settings.shown(&self.canvas);
+        self.dots(settings, warp.as_deref())
+            .iter()
+            .map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target }))
+            .collect()
     }
 
     fn press(&self, view: &mut View, at: [f64; 2], own: Props) -> Result<Pull, Fault> {

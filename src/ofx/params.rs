@@ -104,7 +104,7 @@ const ROWS: &[Row] = &[
 /// What each pin has: suffix of the id, label, kind, hint.
 #[rustfmt::skip]
 const PIN_ROWS: &[(&str, &str, Kind, &str)] = &[
-    ("On", "On", Kind::Toggle(0), "The pin acts. One that was never placed starts in the middle of the frame."),
+    ("On", "On", Kind::Toggle(0), "The pin acts. Switched on for the first time it comes to the middle of the frame; one that lies in the corner with its target (0, 0) does nothing."),
     ("Rest", "Pin", Kind::Point, "The point of the picture that is held, before the warp."),
     ("Target", "Target", Kind::Point,
      "Where that point goes; with a shot file the difference to the pin is added to wherever the point is."),

@@ -3,14 +3,14 @@
 //! In: time and region. Out: regions, canonical. Only renders have pixels; where the shape comes from them, regions are
 //! generous.
 
+use super::api::Status;
 use super::api::names::{image, prop};
-use super::api::{RectD, Status};
-use super::canvas::Canvas;
 use super::describe::{BACKGROUND_CLIP, MASK_CLIP};
-use super::effect::Clip;
 use super::entry::{Call, Kind};
 use super::fault::Fault;
+use super::host::Clip;
 use super::settings::{Settings, ShapeChoice, at_arguments};
+use crate::live::Canvas;
 use crate::space::PixelRect;
 use std::ffi::{CStr, CString};
 
@@ -30,7 +30,7 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
         // Where the mask hides the warp the source shows; a background shows everywhere.
         if let Some(clip) = connected(call, name) {
             let shown = if name == MASK_CLIP { Some(source) } else { clip.region(time) };
-            region = shown.map_or(region, |shown| joined(region, [shown.x1, shown.y1, shown.x2, shown.y2]));
+            region = shown.map_or(region, |shown| joined(region, shown));
         }
     }
     call.out.set_doubles(image::REGION_OF_DEFINITION, &region);
@@ -38,15 +38,10 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
 }
 
 /// What a region of the source becomes.
-fn warped(settings: &Settings, canvas: &Canvas, source: RectD) -> Result<PixelRect, Fault> {
+fn warped(settings: &Settings, canvas: &Canvas, source: [f64; 4]) -> Result<PixelRect, Fault> {
     let window = canvas.window_of(source);
     if settings.shape == ShapeChoice::Alpha {
-        // Nothing is solved without pixels; no sensible warp carries a point further than its furthest pin and half more.
-        let pins = settings.controls.pins.iter();
-        let turns = settings.controls.pins.iter().any(|pin| pin.rotation.is_some());
-        let furthest = pins.map(|pin| (pin.target - pin.rest).0.length()).fold(0.0, f64::max);
-        let reach = settings.controls.strength.abs() * furthest * 1.5 + if turns { 1.0 } else { 0.0 };
-        return Ok(grown(window, reach * f64::from(canvas.frame.height)));
+        return Ok(settings.controls.destination_of(window, canvas.frame));
     }
     Ok(settings.warp(canvas, None)?.destination_of(window, canvas.frame))
 }
@@ -54,23 +49,19 @@ fn warped(settings: &Settings, canvas: &Canvas, source: RectD) -> Result<PixelRe
 /// What is needed of each clip for a part of the output.
 pub(super) fn interest(call: Call) -> Result<Status, Fault> {
     let (time, canvas, settings) = at_arguments(call)?;
-    let Some([x1, y1, x2, y2]) = call.args.doubles(image::REGION_OF_INTEREST) else {
-        return Ok(Status::REPLY_DEFAULT);
-    };
-    let asked = RectD { x1, y1, x2, y2 };
-    let source = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)).unwrap_or(asked);
-    let mut needed = [source.x1, source.y1, source.x2, source.y2];
+    let Some(asked) = call.args.doubles(image::REGION_OF_INTEREST) else { return Ok(Status::REPLY_DEFAULT) };
+    let mut needed = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)).unwrap_or(asked);
     if settings.shape != ShapeChoice::Alpha {
         let warp = settings.warp(&canvas, None)?;
         needed = canvas.region(warp.source_of(canvas.window_of(asked), canvas.frame, settings.filter));
         if connected(call, MASK_CLIP).is_some() {
-            needed = joined(needed, [x1, y1, x2, y2]);
+            needed = joined(needed, asked);
         }
     }
     set_region(call, image::SOURCE_CLIP, needed);
     for name in [MASK_CLIP, BACKGROUND_CLIP] {
         if connected(call, name).is_some() {
-            set_region(call, name, [x1, y1, x2, y2]);
+            set_region(call, name, asked);
         }
     }
     Ok(Status::OK)
@@ -90,17 +81,6 @@ pub(super) fn connected<'a>(call: Call<'a>, name: &'static CStr) -> Option<Clip<
     let is_there = call.kind == Kind::PinWarp;
     let clip = is_there.then(|| call.effect.clip(name)).flatten()?;
     (clip.props().int(image::CLIP_CONNECTED) == Some(1)).then_some(clip)
-}
-
-/// A window with a border of so many pixels more.
-fn grown(window: PixelRect, border: f64) -> PixelRect {
-    let border = border.ceil().clamp(0.0, 1e5) as u32;
-    PixelRect {
-        x: window.x.saturating_sub_unsigned(border),
-        y: window.y.saturating_sub_unsigned(border),
-        width: window.width.saturating_add(2 * border),
-        height: window.height.saturating_add(2 * border),
-    }
 }
 
 fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {

@@ -3,14 +3,14 @@
 //! In: the parameters of an instance at a time, and the canvas. Out: [`Settings`]. What a host leaves out has its default.
 
 use super::api::names::prop;
-use super::canvas::Canvas;
+use super::canvas::canvas_of;
 use super::describe::MASK_CLIP;
-use super::effect::{Effect, Params};
 use super::entry::Call;
 use super::fault::Fault;
+use super::host::{Effect, Params};
 use super::params::{self, Kind, PINS, pin_id};
 use super::regions::connected;
-use crate::live::{self, Basis, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
+use crate::live::{self, Basis, Canvas, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
 use crate::plate::Filter;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -86,6 +86,14 @@ impl<'a> Moment<'a> {
         Some(Pin { rotation, ..Pin::new(canvas.screen(rest?), canvas.screen(target?)) })
     }
 
+    /// Whether a pin was ever put anywhere. One that was not has no keys, and lies in the corner with both ends.
+    pub(super) fn is_placed(self, index: usize) -> bool {
+        ["Rest", "Target"].map(|end| pin_id(index, end)).iter().any(|id| {
+            let is_elsewhere = self.params.point(id, self.time).is_some_and(|at| at != [0.0, 0.0]);
+            is_elsewhere || !self.params.keys(id).is_empty()
+        })
+    }
+
     fn shape(self) -> Result<ShapeChoice, Fault> {
         Ok(match self.int("shape") {
             0 => ShapeChoice::Frame,
@@ -112,7 +120,7 @@ impl<'a> Moment<'a> {
         let least = if basis == Basis::Bspline { 4 } else { 2 };
         let shape = self.shape()?;
         let is_held = self.is_on("holdBorder") && shape != ShapeChoice::Alpha;
-        let on = (0..PINS).filter(|pin| self.is_on(&pin_id(*pin, "On")));
+        let on = (0..PINS).filter(|pin| self.is_on(&pin_id(*pin, "On")) && self.is_placed(*pin));
         let (pins, placed) = on.filter_map(|pin| Some((pin, self.pin(pin, canvas)?))).unzip();
         Ok(Settings {
             controls: Controls {
@@ -133,9 +141,8 @@ impl<'a> Moment<'a> {
 impl Settings {
     /// Whether it is plain without solving that nothing moves.
     pub(super) fn is_at_rest(&self) -> bool {
-        let moves = |pin: &Pin| pin.rest != pin.target || pin.rotation.is_some_and(|angle| angle != 0.0);
         let own_pins = matches!(&self.shape, ShapeChoice::Shot(shot) if shot.own_pins == OwnPins::Act);
-        self.controls.strength == 0.0 || !own_pins && !self.controls.pins.iter().any(moves)
+        self.controls.strength == 0.0 || !own_pins && self.controls.is_at_rest()
     }
 
     /// The warp; a shape from alpha that is not at hand is taken for the whole frame.
@@ -146,6 +153,15 @@ impl Settings {
             _ => Shape::Frame,
         };
         Ok(live::warp(&self.controls, &shape, canvas.frame)?)
+    }
+
+    /// The warp as it is drawn over the viewer, where there are no pixels: over a picture's alpha the last one that was
+    /// rendered. `None`: nothing can be shown.
+    pub(super) fn shown(&self, canvas: &Canvas) -> Option<Arc<Warp>> {
+        if self.shape == ShapeChoice::Alpha {
+            return live::last_of_alpha(&self.controls);
+        }
+        self.warp(canvas, None).ok()
     }
 }
 
@@ -161,6 +177,6 @@ pub(super) fn settings_of(call: Call, time: f64, canvas: &Canvas) -> Result<Sett
 /// Time, canvas and settings of an action's arguments. Regions are canonical: they do not depend on the scale.
 pub(super) fn at_arguments(call: Call) -> Result<(f64, Canvas, Settings), Fault> {
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
-    let canvas = Canvas::of(call.effect, time, [1.0, 1.0]);
+    let canvas = canvas_of(call.effect, time);
     Ok((time, canvas, settings_of(call, time, &canvas)?))
 }

@@ -3,19 +3,18 @@
 //! In: a clip and a time. Out: an [`Image`], given back to the host when dropped. Planes have their rows from the top;
 //! rows of OpenFX come from below, upside down where the host's row bytes are negative.
 
-use super::api::names::image;
-use super::api::{PropertySet, RectI};
 use super::effect::Clip;
-use super::fault::Fault;
-use super::host::Suites;
+use super::error::HostError;
 use super::props::Props;
-use crate::live::Alpha;
+use super::suites::Suites;
+use crate::ofx::api::PropertySet;
+use crate::ofx::api::names::image;
 use half::f16;
 use rayon::prelude::*;
 
 /// How a value is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Depth {
+pub(in crate::ofx) enum Depth {
     Byte,
     Short,
     Half,
@@ -34,7 +33,7 @@ impl Depth {
 
 /// Rows that a window covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rows {
+pub(in crate::ofx) enum Rows {
     /// All.
     All,
     /// 0, 2, 4: the lower field.
@@ -44,19 +43,19 @@ pub(super) enum Rows {
 }
 
 /// An image, until it is dropped.
-pub(super) struct Image<'a> {
+pub(in crate::ofx) struct Image<'a> {
     suites: &'a Suites,
     set: PropertySet,
     memory: Memory,
-    /// Its pixels.
-    pub(super) bounds: RectI,
-    pub(super) depth: Depth,
+    /// Its pixels: left column, lowest row, and those after the last.
+    pub(in crate::ofx) bounds: [i32; 4],
+    pub(in crate::ofx) depth: Depth,
     /// 4: RGBA, 3: RGB, 1: alpha.
-    pub(super) channels: usize,
+    pub(in crate::ofx) channels: usize,
     /// Pixels per pixel of the full size, as the image itself has it; `None`: it does not say.
-    pub(super) scale: Option<[f64; 2]>,
+    pub(in crate::ofx) scale: Option<[f64; 2]>,
     /// Colour is not multiplied by alpha.
-    is_straight: bool,
+    pub(in crate::ofx) is_straight: bool,
 }
 
 /// Where the rows lie.
@@ -93,7 +92,7 @@ impl Drop for Image<'_> {
 
 impl<'a> Clip<'a> {
     /// The image at a time; `None`: the clip has none there.
-    pub(super) fn image(self, time: f64) -> Result<Option<Image<'a>>, Fault> {
+    pub(in crate::ofx) fn image(self, time: f64) -> Result<Option<Image<'a>>, HostError> {
         let mut set = PropertySet::NULL;
         let Some(get) = self.suites.effect.clip_get_image else { return Ok(None) };
         // SAFETY: the host's function with its own handle; the region may be null, the place outlives the call.
@@ -106,7 +105,7 @@ impl<'a> Clip<'a> {
 }
 
 impl<'a> Image<'a> {
-    fn new(clip: Clip<'a>, set: PropertySet) -> Result<Self, Fault> {
+    fn new(clip: Clip<'a>, set: PropertySet) -> Result<Self, HostError> {
         let props = Props::new(clip.suites, set);
         let told = |name| props.text(name).or_else(|| clip.props().text(name)).unwrap_or_default();
         let depth = told(image::PIXEL_DEPTH);
@@ -120,7 +119,7 @@ impl<'a> Image<'a> {
                 row_bytes: props.int(image::ROW_BYTES).unwrap_or(0) as isize,
                 rows: [y1, y2],
             },
-            bounds: RectI { x1, y1, x2, y2 },
+            bounds: [x1, y1, x2, y2],
             depth: match depth.as_bytes() {
                 name if name == image::DEPTH_BYTE.to_bytes() => Depth::Byte,
                 name if name == image::DEPTH_SHORT.to_bytes() => Depth::Short,
@@ -135,7 +134,7 @@ impl<'a> Image<'a> {
             scale: props.doubles(image::RENDER_SCALE).filter(|scale: &[f64; 2]| scale.iter().all(|side| *side > 0.0)),
             is_straight: told(image::PREMULTIPLICATION).as_bytes() == image::UNPREMULTIPLIED.to_bytes(),
         };
-        let fault = |what: String| Err(Fault::Image { clip: clip.name.to_string_lossy().into_owned(), what });
+        let fault = |what: String| Err(HostError::Image { clip: clip.name.to_string_lossy().into_owned(), what });
         let row = made.width() * made.pixel_bytes();
         if x1 >= x2 || y1 >= y2 || made.memory.data.is_null() {
             return fault(format!("an image without pixels ({x1}, {y1} to {x2}, {y2})"));
@@ -148,26 +147,17 @@ impl<'a> Image<'a> {
     }
 
     fn width(&self) -> usize {
-        usize::try_from(i64::from(self.bounds.x2) - i64::from(self.bounds.x1)).unwrap_or(0)
+        usize::try_from(i64::from(self.bounds[2]) - i64::from(self.bounds[0])).unwrap_or(0)
     }
 
     fn pixel_bytes(&self) -> usize {
         self.channels * self.depth.bytes()
     }
 
-    /// How its planes go together.
-    pub(super) fn alpha(&self) -> Alpha {
-        match (self.channels, self.is_straight) {
-            (3, _) => Alpha::Opaque,
-            (_, true) => Alpha::Straight,
-            (_, false) => Alpha::Premultiplied,
-        }
-    }
-
     /// All pixels of the bounds as planes, rows from the top, alpha last.
-    pub(super) fn planes(&self) -> Vec<Vec<f32>> {
+    pub(in crate::ofx) fn planes(&self) -> Vec<Vec<f32>> {
         let (width, length) = (self.width(), self.width() * self.pixel_bytes());
-        let height = (self.bounds.y2 - self.bounds.y1) as usize;
+        let height = (self.bounds[3] - self.bounds[1]) as usize;
         let mut planes = vec![vec![0.0_f32; width * height]; self.channels];
         let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
         for plane in &mut planes {
@@ -183,17 +173,18 @@ impl<'a> Image<'a> {
     }
 
     /// Writes planes of a window within the bounds: as many as there are channels, rows from the top.
-    pub(super) fn write(&self, window: RectI, rows: Rows, planes: &[Vec<f32>]) {
-        let width = (window.x2 - window.x1) as usize;
-        let left = (window.x1 - self.bounds.x1) as usize * self.pixel_bytes();
-        assert!(window.x1 >= self.bounds.x1 && window.x2 <= self.bounds.x2, "columns are within the image");
-        let height = (window.y2 - window.y1) as usize;
+    pub(in crate::ofx) fn write(&self, window: [i32; 4], rows: Rows, planes: &[Vec<f32>]) {
+        let [x1, y1, x2, y2] = window;
+        let width = (x2 - x1) as usize;
+        let left = (x1 - self.bounds[0]) as usize * self.pixel_bytes();
+        assert!(x1 >= self.bounds[0] && x2 <= self.bounds[2], "columns are within the image");
+        let height = (y2 - y1) as usize;
         assert!(planes.len() == self.channels && planes.iter().all(|plane| plane.len() == width * height));
         let (memory, depth) = (&self.memory, self.depth);
         let length = width * self.pixel_bytes();
         (0..height).into_par_iter().for_each(|index| {
             let row: Vec<&[f32]> = planes.iter().map(|plane| &plane[index * width..][..width]).collect();
-            let y = window.y2 - 1 - index as i32;
+            let y = y2 - 1 - index as i32;
             if rows == Rows::Even && y.rem_euclid(2) == 1 || rows == Rows::Odd && y.rem_euclid(2) == 0 {
                 return;
             }

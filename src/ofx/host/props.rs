@@ -2,8 +2,8 @@
 //!
 //! In: a handle of the host, which may be null. Out: values, or `None`; what cannot be set is not.
 
-use super::api::{PropertySet, Status};
-use super::host::Suites;
+use super::suites::Suites;
+use crate::ofx::api::{PropertySet, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 /// Reads one value of a property.
@@ -13,14 +13,14 @@ type Set<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, T) 
 
 /// A set of properties.
 #[derive(Clone, Copy)]
-pub(super) struct Props<'a> {
+pub(in crate::ofx) struct Props<'a> {
     suites: &'a Suites,
     set: PropertySet,
 }
 
 impl<'a> Props<'a> {
     /// The properties behind a handle of the host; null: there are none.
-    pub(super) fn new(suites: &'a Suites, set: PropertySet) -> Self {
+    pub(in crate::ofx) fn new(suites: &'a Suites, set: PropertySet) -> Self {
         Self { suites, set }
     }
 
@@ -39,7 +39,7 @@ impl<'a> Props<'a> {
     }
 
     /// The first `N` ints of a property; `None` where one is missing.
-    pub(super) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
+    pub(in crate::ofx) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
         let mut values = [0; N];
         for (index, value) in values.iter_mut().enumerate() {
             *value = self.get(self.suites.property.get_int, name, index, 0)?;
@@ -48,12 +48,12 @@ impl<'a> Props<'a> {
     }
 
     /// An int.
-    pub(super) fn int(self, name: &CStr) -> Option<i32> {
+    pub(in crate::ofx) fn int(self, name: &CStr) -> Option<i32> {
         self.ints(name).map(|[value]| value)
     }
 
     /// The first `N` doubles of a property, all finite; `None` where one is not.
-    pub(super) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
+    pub(in crate::ofx) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
         let mut values = [0.0; N];
         for (index, value) in values.iter_mut().enumerate() {
             *value = self.get(self.suites.property.get_double, name, index, 0.0).filter(|value| value.is_finite())?;
@@ -62,62 +62,62 @@ impl<'a> Props<'a> {
     }
 
     /// A double.
-    pub(super) fn double(self, name: &CStr) -> Option<f64> {
+    pub(in crate::ofx) fn double(self, name: &CStr) -> Option<f64> {
         self.doubles(name).map(|[value]| value)
     }
 
     /// A string, copied.
-    pub(super) fn text(self, name: &CStr) -> Option<String> {
+    pub(in crate::ofx) fn text(self, name: &CStr) -> Option<String> {
         let text = self.get(self.suites.property.get_string, name, 0, std::ptr::null_mut())?;
         owned(text)
     }
 
     /// A pointer that is not null.
-    pub(super) fn pointer(self, name: &CStr) -> Option<*mut c_void> {
+    pub(in crate::ofx) fn pointer(self, name: &CStr) -> Option<*mut c_void> {
         self.get(self.suites.property.get_pointer, name, 0, std::ptr::null_mut()).filter(|pointer| !pointer.is_null())
     }
 
     /// Sets an int.
-    pub(super) fn set_int(self, name: &CStr, value: i32) {
+    pub(in crate::ofx) fn set_int(self, name: &CStr, value: i32) {
         self.set(self.suites.property.set_int, name, 0, value);
     }
 
     /// Sets ints.
-    pub(super) fn set_ints(self, name: &CStr, values: &[i32]) {
+    pub(in crate::ofx) fn set_ints(self, name: &CStr, values: &[i32]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suites.property.set_int, name, index, *value);
         }
     }
 
     /// Sets doubles.
-    pub(super) fn set_doubles(self, name: &CStr, values: &[f64]) {
+    pub(in crate::ofx) fn set_doubles(self, name: &CStr, values: &[f64]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suites.property.set_double, name, index, *value);
         }
     }
 
     /// Sets strings.
-    pub(super) fn set_names(self, name: &CStr, values: &[&CStr]) {
+    pub(in crate::ofx) fn set_names(self, name: &CStr, values: &[&CStr]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suites.property.set_string, name, index, value.as_ptr());
         }
     }
 
     /// Sets strings of our own making.
-    pub(super) fn set_texts(self, name: &CStr, values: &[&str]) {
+    pub(in crate::ofx) fn set_texts(self, name: &CStr, values: &[&str]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suites.property.set_string, name, index, c_text(value).as_ptr());
         }
     }
 
     /// Sets a pointer.
-    pub(super) fn set_pointer(self, name: &CStr, value: *mut c_void) {
+    pub(in crate::ofx) fn set_pointer(self, name: &CStr, value: *mut c_void) {
         self.set(self.suites.property.set_pointer, name, 0, value);
     }
 }
 
 /// A string of the host, copied at once: it lasts until the host's next call only.
-pub(super) fn owned(text: *const c_char) -> Option<String> {
+pub(in crate::ofx) fn owned(text: *const c_char) -> Option<String> {
     if text.is_null() {
         return None;
     }
@@ -127,6 +127,6 @@ pub(super) fn owned(text: *const c_char) -> Option<String> {
 }
 
 /// A text as C wants it; what follows a zero byte is lost.
-pub(super) fn c_text(text: &str) -> CString {
+pub(in crate::ofx) fn c_text(text: &str) -> CString {
     CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
 }

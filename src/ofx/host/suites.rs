@@ -2,12 +2,12 @@
 //!
 //! In: the structure of `setHost`. Out: [`Suites`], shared by all instances.
 
-use super::api::{
+use super::error::HostError;
+use super::props::Props;
+use crate::ofx::api::{
     DrawSuiteV1, Host, ImageEffectSuiteV1, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
     PropertySet, PropertySuiteV1, names,
 };
-use super::fault::Fault;
-use super::props::Props;
 use std::ffi::{CStr, c_int};
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -18,14 +18,14 @@ static HOST: AtomicPtr<Host> = AtomicPtr::new(std::ptr::null_mut());
 static SUITES: RwLock<Option<Arc<Suites>>> = RwLock::new(None);
 
 /// The host's functions, valid while the plugin is loaded.
-pub(super) struct Suites {
-    pub(super) property: &'static PropertySuiteV1,
-    pub(super) effect: &'static ImageEffectSuiteV1,
-    pub(super) parameter: &'static ParameterSuiteV1,
-    pub(super) message: Option<&'static MessageSuiteV1>,
-    pub(super) lasting_message: Option<&'static MessageSuiteV2>,
-    pub(super) interact: Option<&'static InteractSuiteV1>,
-    pub(super) draw: Option<&'static DrawSuiteV1>,
+pub(in crate::ofx) struct Suites {
+    pub(in crate::ofx) property: &'static PropertySuiteV1,
+    pub(in crate::ofx) effect: &'static ImageEffectSuiteV1,
+    pub(in crate::ofx) parameter: &'static ParameterSuiteV1,
+    pub(in crate::ofx) message: Option<&'static MessageSuiteV1>,
+    pub(in crate::ofx) lasting_message: Option<&'static MessageSuiteV2>,
+    pub(in crate::ofx) interact: Option<&'static InteractSuiteV1>,
+    pub(in crate::ofx) draw: Option<&'static DrawSuiteV1>,
     properties: PropertySet,
 }
 
@@ -43,7 +43,7 @@ unsafe trait Suite: 'static {
     const ID: (&'static CStr, c_int);
 }
 
-// SAFETY: `super::api` declares these layouts as the API's headers do.
+// SAFETY: `crate::ofx::api` declares these layouts as the API's headers do.
 unsafe impl Suite for PropertySuiteV1 {
     const ID: (&'static CStr, c_int) = (names::PROPERTY_SUITE, 1);
 }
@@ -81,18 +81,18 @@ fn fetch<T: Suite>(host: &Host) -> Option<&'static T> {
 }
 
 /// Remembers the host; null is remembered as none.
-pub(super) fn meet(host: *const Host) {
+pub(in crate::ofx) fn meet(host: *const Host) {
     HOST.store(host.cast_mut(), Ordering::Release);
 }
 
 /// Fetches the suites, again at each call: a host may come back with others.
-pub(super) fn load() -> Result<Arc<Suites>, Fault> {
+pub(in crate::ofx) fn load() -> Result<Arc<Suites>, HostError> {
     // SAFETY: `setHost` promises a structure that is valid while the plugin is loaded.
-    let host = unsafe { HOST.load(Ordering::Acquire).as_ref() }.ok_or(Fault::MissingSuite("OfxHost"))?;
+    let host = unsafe { HOST.load(Ordering::Acquire).as_ref() }.ok_or(HostError::MissingSuite("OfxHost"))?;
     let mut suites = Suites {
-        property: fetch(host).ok_or(Fault::MissingSuite("OfxPropertySuite"))?,
-        effect: fetch(host).ok_or(Fault::MissingSuite("OfxImageEffectSuite"))?,
-        parameter: fetch(host).ok_or(Fault::MissingSuite("OfxParameterSuite"))?,
+        property: fetch(host).ok_or(HostError::MissingSuite("OfxPropertySuite"))?,
+        effect: fetch(host).ok_or(HostError::MissingSuite("OfxImageEffectSuite"))?,
+        parameter: fetch(host).ok_or(HostError::MissingSuite("OfxParameterSuite"))?,
         message: fetch(host),
         lasting_message: None,
         interact: fetch(host),
@@ -109,19 +109,19 @@ pub(super) fn load() -> Result<Arc<Suites>, Fault> {
 }
 
 /// The suites; fetched now where the host left out the load action.
-pub(super) fn suites() -> Result<Arc<Suites>, Fault> {
+pub(in crate::ofx) fn suites() -> Result<Arc<Suites>, HostError> {
     let known = SUITES.read().unwrap_or_else(PoisonError::into_inner).clone();
     known.map_or_else(load, Ok)
 }
 
 impl Suites {
     /// Properties of the host.
-    pub(super) fn host(&self) -> Props<'_> {
+    pub(in crate::ofx) fn host(&self) -> Props<'_> {
         Props::new(self, self.properties)
     }
 
     /// Whether the host calls itself by a name that contains `part`.
-    pub(super) fn host_is(&self, part: &str) -> bool {
+    pub(in crate::ofx) fn host_is(&self, part: &str) -> bool {
         self.host().text(names::prop::NAME).is_some_and(|name| name.contains(part))
     }
 }

@@ -2,22 +2,22 @@
 //!
 //! In: points, canonical, and a colour. Out: lines on the screen; none where the host has neither.
 
-use super::api::names::draw;
-use super::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
+use crate::ofx::api::names::draw;
+use crate::ofx::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
 use std::ffi::{CStr, c_char, c_void};
 
 /// Red, green, blue, opacity.
-pub(super) type Colour = [f32; 4];
+pub(in crate::ofx) type Colour = [f32; 4];
 
 /// What draws.
-pub(super) enum Painter {
+pub(in crate::ofx) enum Painter {
     Suite(&'static DrawSuiteV1, DrawContextHandle),
     OpenGl(OpenGl),
 }
 
 impl Painter {
     /// The Draw suite where the host hands out a context, else OpenGL where the process has it.
-    pub(super) fn new(suite: Option<&'static DrawSuiteV1>, context: Option<*mut c_void>) -> Option<Self> {
+    pub(in crate::ofx) fn new(suite: Option<&'static DrawSuiteV1>, context: Option<*mut c_void>) -> Option<Self> {
         match (suite, context) {
             (Some(suite), Some(context)) => Some(Self::Suite(suite, DrawContextHandle(context))),
             _ => OpenGl::find().map(Self::OpenGl),
@@ -25,7 +25,7 @@ impl Painter {
     }
 
     /// A line through points, canonical.
-    pub(super) fn line(&self, points: &[[f64; 2]], colour: Colour, width: f32) {
+    pub(in crate::ofx) fn line(&self, points: &[[f64; 2]], colour: Colour, width: f32) {
         match self {
             Self::Suite(suite, context) => suite_line(suite, *context, points, (colour, width)),
             Self::OpenGl(gl) => gl.line(points, colour, width),
@@ -33,7 +33,7 @@ impl Painter {
     }
 
     /// The outline of a box.
-    pub(super) fn outline(&self, [[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: Colour, width: f32) {
+    pub(in crate::ofx) fn outline(&self, [[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: Colour, width: f32) {
         self.line(&[[x1, y1], [x2, y1], [x2, y2], [x1, y2], [x1, y1]], colour, width);
     }
 }
@@ -58,7 +58,7 @@ fn suite_line(suite: &DrawSuiteV1, context: DrawContextHandle, points: &[[f64; 2
 
 /// The functions of OpenGL 1 that draw lines.
 #[derive(Clone, Copy)]
-pub(super) struct OpenGl {
+pub(in crate::ofx) struct OpenGl {
     begin: unsafe extern "system" fn(u32),
     end: unsafe extern "system" fn(),
     vertex: unsafe extern "system" fn(f64, f64),

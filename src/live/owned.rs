@@ -1,0 +1,82 @@
+//! A picture of a host's clip, copied out of the host's memory.
+//!
+//! In: planes. Out: the same as other channels, as a [`Picture`], as a [`Coverage`].
+
+use super::{Alpha, Coverage, Picture};
+use crate::space::PixelRect;
+
+/// A picture that owns its planes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnedPicture {
+    /// Where its samples lie, in image space.
+    pub window: PixelRect,
+    /// 4: RGBA, 3: RGB, 1: alpha; each `window.area()` samples, rows from the top.
+    pub planes: Vec<Vec<f32>>,
+    /// What the last of them means.
+    pub alpha: Alpha,
+}
+
+impl OwnedPicture {
+    /// A mask without pixels: nothing is selected.
+    #[must_use]
+    pub fn black_mask() -> Self {
+        Self { window: PixelRect::default(), planes: vec![Vec::new()], alpha: Alpha::Premultiplied }
+    }
+
+    /// The same with the channels of another picture: 4 are RGBA, 3 RGB, 1 alpha. What has no alpha is opaque.
+    #[must_use]
+    pub fn with_channels(mut self, channels: usize) -> Self {
+        let area = self.window.area();
+        match (self.planes.len(), channels) {
+            (4, 3) => self.planes.truncate(3),
+            (4, 1) => self.planes = self.planes.split_off(3),
+            (3, 4) => self.planes.push(vec![1.0; area]),
+            (3, 1) => self.planes = vec![vec![1.0; area]],
+            (1, 3) => self.planes = vec![self.planes.swap_remove(0); 3],
+            (1, 4) => self.planes = [vec![vec![0.0; area]; 3], self.planes].concat(),
+            _ => return self,
+        }
+        self.alpha = if channels == 3 { Alpha::Opaque } else { Alpha::Premultiplied };
+        self
+    }
+
+    /// The picture, to be drawn.
+    #[must_use]
+    pub fn picture(&self) -> Picture<'_> {
+        Picture { window: self.window, planes: self.planes.iter().map(Vec::as_slice).collect(), alpha: self.alpha }
+    }
+
+    /// Its alpha; `None`: it has none.
+    #[must_use]
+    pub fn coverage(&self) -> Option<Coverage<'_>> {
+        let alpha = self.planes.last().filter(|_| self.alpha != Alpha::Opaque)?;
+        Some(Coverage { window: self.window, alpha })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_that_a_picture_lacks_are_opaque_or_black() {
+        let window = PixelRect { x: 0, y: 0, width: 1, height: 1 };
+        let of = |values: &[f32], alpha| OwnedPicture {
+            window,
+            planes: values.iter().map(|value| vec![*value]).collect(),
+            alpha,
+        };
+        let rgb = of(&[0.1, 0.2, 0.3], Alpha::Opaque);
+        assert_eq!(rgb.coverage(), None);
+        assert_eq!(rgb.clone().with_channels(4), of(&[0.1, 0.2, 0.3, 1.0], Alpha::Premultiplied));
+        assert_eq!(rgb.clone().with_channels(1), of(&[1.0], Alpha::Premultiplied));
+        assert_eq!(rgb.clone().with_channels(3), rgb);
+        let straight = of(&[0.1, 0.2, 0.3, 0.5], Alpha::Straight);
+        assert_eq!(straight.clone().with_channels(4), straight);
+        assert_eq!(straight.clone().with_channels(3), rgb);
+        assert_eq!(straight.with_channels(1), of(&[0.5], Alpha::Premultiplied));
+        let alpha = of(&[0.5], Alpha::Premultiplied);
+        assert_eq!(alpha.clone().with_channels(4), of(&[0.0, 0.0, 0.0, 0.5], Alpha::Premultiplied));
+        assert_eq!(alpha.with_channels(3), of(&[0.5; 3], Alpha::Opaque));
+    }
+}

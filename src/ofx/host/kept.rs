@@ -1,0 +1,70 @@
+//! What is kept for handles of the host: a host that forgets to end what it began cannot make it grow.
+//!
+//! In: handles as numbers. Out: values; of too many the oldest goes.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Values kept at most.
+const MOST: usize = 1024;
+
+/// Values by handle, oldest first.
+pub(in crate::ofx) struct Kept<T>(Mutex<VecDeque<(usize, T)>>);
+
+impl<T> Kept<T> {
+    /// Nothing yet.
+    pub(in crate::ofx) const fn new() -> Self {
+        Self(Mutex::new(VecDeque::new()))
+    }
+
+    fn locked(&self) -> MutexGuard<'_, VecDeque<(usize, T)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps a value; what was kept before.
+    pub(in crate::ofx) fn insert(&self, handle: usize, value: T) -> Option<T> {
+        let before = self.remove(handle);
+        let mut values = self.locked();
+        values.push_back((handle, value));
+        if values.len() > MOST {
+            values.pop_front();
+        }
+        before
+    }
+
+    /// Lets go of a value.
+    pub(in crate::ofx) fn remove(&self, handle: usize) -> Option<T> {
+        let mut values = self.locked();
+        let place = values.iter().position(|(other, _)| *other == handle)?;
+        values.remove(place).map(|(_, value)| value)
+    }
+
+    /// A copy of a value.
+    pub(in crate::ofx) fn get(&self, handle: usize) -> Option<T>
+    where
+        T: Clone,
+    {
+        self.locked().iter().find(|(other, _)| *other == handle).map(|(_, value)| value.clone())
+    }
+
+    /// Lets go of all values but those that are wanted.
+    pub(in crate::ofx) fn retain(&self, is_wanted: impl Fn(&T) -> bool) {
+        self.locked().retain(|(_, value)| is_wanted(value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_goes_where_a_host_never_ends_anything() {
+        let kept = Kept::new();
+        (0..2 * MOST).for_each(|handle| assert_eq!(kept.insert(handle, handle), None));
+        assert_eq!(kept.locked().len(), MOST);
+        assert_eq!([kept.get(MOST - 1), kept.get(MOST)], [None, Some(MOST)]);
+        assert_eq!([kept.insert(MOST, 7), kept.remove(MOST), kept.remove(MOST)], [Some(MOST), Some(7), None]);
+        kept.retain(|value| value % 2 == 0);
+        assert_eq!([kept.get(MOST + 1), kept.get(MOST + 2)], [None, Some(MOST + 2)]);
+    }
+}

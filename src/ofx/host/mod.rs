@@ -1,0 +1,26 @@
+//! The host, safely: suites, properties, effects with their clips and parameters, images, overlays.
+//!
+//! In: handles and tables of C functions. Out: values of Rust; what a host leaves out is `None`, or is not done. Nothing here
+//! knows what the plugin does.
+
+mod effect;
+mod error;
+mod guard;
+mod images;
+mod interact;
+mod kept;
+mod paint;
+mod param_set;
+mod props;
+mod suites;
+
+pub(super) use effect::{Clip, Effect};
+pub(super) use error::HostError;
+pub(super) use guard::{action_name, caught, guarded};
+pub(super) use images::{Depth, Image, Rows};
+pub(super) use interact::Interact;
+pub(super) use kept::Kept;
+pub(super) use paint::{Colour, Painter};
+pub(super) use param_set::{Params, When};
+pub(super) use props::Props;
+pub(super) use suites::{Suites, load, meet, suites};
