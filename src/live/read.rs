@@ -23,6 +23,23 @@ pub struct ShotFile {
     pub warnings: Vec<String>,
 }
 
+impl ShotFile {
+    /// What was read and what was not, in words, for a host with `most` pins.
+    #[must_use]
+    pub fn told(&self, most: usize) -> String {
+        let count = self.tracks.len();
+        let mut told = vec![format!("read {} pins of layer {}", count.min(most), self.layer)];
+        if count > most {
+            told.push(format!("{} more are left out: there is room for {most}", count - most));
+        }
+        if self.tracks.iter().any(|track| track.keys.len() > 1) {
+            told.push("between keys the host's own curves hold".to_owned());
+        }
+        told.extend(self.warnings.iter().cloned());
+        told.join("; ")
+    }
+}
+
 /// A pin over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PinTrack {

@@ -1,11 +1,13 @@
 //! A warp as an STMap.
 //!
-//! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`.
+//! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`, or a file.
 
 use super::Warp;
 use super::pages::{Page, common, place};
+use crate::image::{Compression, FrameMetadata, ImageError, write_exr};
 use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
+use std::path::Path;
 
 /// Where the pixels of a window come from, as shares of the frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +30,23 @@ pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
     let mut next = || planes.next().unwrap_or_default();
     let (u, v, _, coverage) = (next(), next(), next(), next());
     StMap { window, u, v, coverage }
+}
+
+/// Writes the STMap of a whole frame as a 32-bit EXR; beside the path the number of the frame.
+///
+/// # Errors
+/// [`ImageError`] where the file cannot be written.
+pub fn save_stmap(warp: &Warp, size: FrameSize, (path, frame): (&Path, i32)) -> Result<(), ImageError> {
+    let map = WarpMap::backward(&warp.field, size, size.window());
+    let metadata = FrameMetadata {
+        frame,
+        frames_per_second: 24.0,
+        shot_hash: String::new(),
+        device: "CPU".into(),
+        camera: None,
+        mattes: Default::default(),
+    };
+    write_exr(path, &stmap_of(&map), &metadata, Compression::Zip)
 }
 
 /// Where the pixels of a window come from.

@@ -10,9 +10,8 @@ use super::host::{Clip, When};
 use super::params::{PINS, pin_id};
 use super::render::fetched;
 use super::settings::{BASES, Moment, ShapeChoice, settings_of};
-use crate::image::{Compression, FrameMetadata, SequencePath, write_exr};
+use crate::image::SequencePath;
 use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, Subject, WriteShot};
-use crate::plate::{WarpMap, stmap_of};
 use std::path::{Path, PathBuf};
 
 /// Frames over which keys and maps are written at most: a host's "for ever" ends there.
@@ -31,7 +30,6 @@ pub(super) fn press(call: Call, id: &str, moment: Moment) -> Option<Result<Strin
 
 fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     let params = moment.params;
-    let mut told = vec![];
     let file = live::read_shot(&moment.shot()?, canvas.frame)?;
     params.begin_edit(c"Read a shot");
     let basis = BASES.iter().position(|basis| *basis == file.controls.basis).unwrap_or(0);
@@ -51,15 +49,7 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         set_track(moment, canvas, pin, track);
     }
     params.end_edit();
-    told.push(format!("read {} pins of layer {}", file.tracks.len().min(PINS), file.layer));
-    if file.tracks.len() > PINS {
-        told.push(format!("{} more are left out: an instance has {PINS}", file.tracks.len() - PINS));
-    }
-    if file.tracks.iter().any(|track| track.keys.len() > 1) {
-        told.push("between keys the host's own curves hold".to_owned());
-    }
-    told.extend(file.warnings);
-    Ok(told.join("; "))
+    Ok(file.told(PINS))
 }
 
 /// A pin and its keys as parameters.
@@ -142,16 +132,7 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
         let is_of_alpha = settings.shape == ShapeChoice::Alpha;
         let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, canvas)? } else { None };
         let warp = settings.warp(canvas, source.as_ref().and_then(OwnedPicture::coverage))?;
-        let map = WarpMap::backward(&warp.field, canvas.frame, canvas.frame.window());
-        let metadata = FrameMetadata {
-            frame,
-            frames_per_second: 24.0,
-            shot_hash: String::new(),
-            device: "CPU".into(),
-            camera: None,
-            mattes: Default::default(),
-        };
-        write_exr(&pattern.path_of(frame), &stmap_of(&map), &metadata, Compression::Zip)?;
+        live::save_stmap(&warp, canvas.frame, (&pattern.path_of(frame), frame))?;
     }
     Ok(format!("wrote {} STMaps", last - first + 1))
 }
