@@ -62,8 +62,8 @@ fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
     let fault = |what: String, hint: String| LiveError::Layer { path: shape.path.clone(), what, hint };
     let Some(name) = &shape.layer else {
         let hint = "add a [[layer]] whose lattice lies on the screen".to_owned();
-        let first = shot.layers.iter().position(is_of_screen);
-        return first.ok_or_else(|| fault("no layer lies on the screen".into(), hint));
+        let first = shot.layers.iter().position(|layer| is_of_screen(layer) && layer.transfer.is_none());
+        return first.ok_or_else(|| fault("no layer of the screen takes pins".into(), hint));
     };
     let Some(index) = shot.layers.iter().position(|layer| layer.name == *name) else {
         let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();

@@ -9,6 +9,9 @@ use crate::space::ScreenPoint;
 /// Greatest stiffness, and one over the least.
 const MOST_STIFF: f64 = 10.0;
 
+/// Handles an axis at most.
+const MOST_HANDLES: usize = 64;
+
 /// Frame heights beyond which a number was surely meant as pixels.
 const FURTHEST: f64 = 1000.0;
 
@@ -111,6 +114,11 @@ impl Controls {
         let fault = |what: String, hint: &str| Err(LiveError::Controls { what, hint: hint.to_owned() });
         if !(1.0 / MOST_STIFF..=MOST_STIFF).contains(&self.stiffness) {
             return fault(format!("a stiffness of {} is out of range", self.stiffness), "keep it within 0.1 to 10");
+        }
+        let least = if self.basis == Basis::Bspline { 4 } else { 2 };
+        if self.dims.iter().any(|count| !(least..=MOST_HANDLES).contains(count)) {
+            let what = format!("a lattice of {} x {} handles is out of range", self.dims[0], self.dims[1]);
+            return fault(what, "give 2 to 64 an axis, with B-splines 4 to 64");
         }
         if !self.strength.is_finite() {
             return fault(format!("a strength of {} is no number", self.strength), "give 1, or 0 for no warp");

@@ -5,7 +5,7 @@
 use super::read::{PinTrack, TrackKey};
 use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, solve};
 use crate::image::replace_text;
-use crate::shot::edit::{KeyedPin, LayerEdit, put_layer};
+use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_layer};
 use crate::shot::{Anchor, Goal, PinKey, Rotation, Shot};
 use crate::space::{FrameSize, ScreenPoint};
 use std::path::Path;
@@ -18,6 +18,8 @@ const SAME: f64 = 1e-9;
 pub struct WriteShot<'a> {
     /// The file; its folder is where relative paths start.
     pub path: &'a Path,
+    /// The shot that it goes on from, in the same folder; `None`: what is in the file, or nothing.
+    pub base: Option<&'a Path>,
     /// Lattice, strength, stiffness; the pins come from the tracks.
     pub controls: &'a Controls,
     /// The pins, with all their keys.
@@ -52,31 +54,57 @@ pub enum Subject<'a> {
     Picture(&'a Path),
 }
 
-/// Writes pins and lattice so that `pinwarp warp` (pictures: `pinwarp render`) solves the same lattices. Strength and stiffness are
-/// multiplied into the file: a host that goes on over that file sets its own to 1.
+/// Writes pins and lattice so that `pinwarp warp` (pictures: `pinwarp render`) solves the same lattices. Writing again gives the same
+/// file. Strength and stiffness are multiplied into those of the base: a host that goes on over that file sets its own to 1.
 ///
 /// # Errors
-/// [`LiveError`] where the file is no shot, cannot be written, or has pins of its own that would act beside these.
+/// [`LiveError`] where base or file are no shots, the file is the base, cannot be written, or there are pins that would act
+/// beside these.
 pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
-    let is_there = job.path.exists();
-    let text =
-        if is_there { std::fs::read_to_string(job.path).map_err(|source| io(job, source))? } else { job.blank() };
-    let rests = if is_there { job.own_pins()? } else { Vec::new() };
+    job.check_base()?;
+    let origin = job.origin();
+    let text = match origin {
+        Some(path) => std::fs::read_to_string(path).map_err(|source| io(path, source))?,
+        None => job.blank(),
+    };
+    let rests = origin.map(|path| job.own_pins(path)).transpose()?.unwrap_or_default();
     let pins: Vec<KeyedPin> =
-        job.tracks.iter().map(|track| job.keyed(track, is_there, &rests)).collect::<Result<_, _>>()?;
+        job.tracks.iter().map(|track| job.keyed(track, origin, &rests)).collect::<Result<_, _>>()?;
     let Controls { dims, basis, strength, stiffness, .. } = *job.controls;
-    let edit = LayerEdit { dims, basis, strength, stiffness, pins: &pins };
+    let factor = if job.base.is_some() { Factor::Times } else { Factor::Exactly };
+    let edit = LayerEdit { dims, basis, strength: factor(strength), stiffness: factor(stiffness), pins: &pins };
     let text = put_layer(&text, job.layer, &edit)?;
     // Nothing is written that would not be read.
     Shot::parse(&text, job.path)?;
     Ok(replace_text(job.path, &text)?)
 }
 
-fn io(job: &WriteShot, source: std::io::Error) -> LiveError {
-    crate::shot::ShotError::Io { path: job.path.to_owned(), source }.into()
+fn io(path: &Path, source: std::io::Error) -> LiveError {
+    crate::shot::ShotError::Io { path: path.to_owned(), source }.into()
 }
 
 impl WriteShot<'_> {
+    /// The file whose text goes on; `None`: a new one begins.
+    fn origin(&self) -> Option<&Path> {
+        self.base.or_else(|| Some(self.path).filter(|path| path.exists()))
+    }
+
+    /// What is read is never written, and relative paths have to mean the same.
+    fn check_base(&self) -> Result<(), LiveError> {
+        let Some(base) = self.base else { return Ok(()) };
+        let place = |path: &Path| std::fs::canonicalize(path).ok();
+        let folder =
+            |path: &Path| place(path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new(".")));
+        let what = if place(base).is_some() && place(base) == place(self.path) {
+            "it is the shot that is read"
+        } else if folder(base) != folder(self.path) {
+            "relative paths of the shot that is read would not be found from this folder"
+        } else {
+            return Ok(());
+        };
+        let hint = format!("write another file beside {}", base.display());
+        Err(LiveError::Layer { path: self.path.to_owned(), what: what.into(), hint })
+    }
     /// A shot without pins.
     fn blank(&self) -> String {
         let NewShot { subject, frames: [first, last], rate, size } = self.new;
@@ -100,9 +128,9 @@ impl WriteShot<'_> {
         )
     }
 
-    fn shape(&self) -> ShotShape {
+    fn shape(&self, path: &Path) -> ShotShape {
         ShotShape {
-            path: self.path.to_owned(),
+            path: path.to_owned(),
             camera: None,
             layer: self.layer.map(str::to_owned),
             frame: f64::from(self.pin_frame),
@@ -112,8 +140,8 @@ impl WriteShot<'_> {
     }
 
     /// Names of the layer's pins and where they rest; refuses those that would act beside the tracks.
-    fn own_pins(&self) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
-        let base = solve::base(&Shape::Shot(self.shape()), self.new.size)?;
+    fn own_pins(&self, path: &Path) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
+        let base = solve::base(&Shape::Shot(self.shape(path)), self.new.size)?;
         let setup = base.setup.as_ref().expect("shots have a scene");
         let rests = setup.rests_of(base.layer, f64::from(self.pin_frame));
         let names = setup.shot.layers[base.layer].pins.iter().map(|pin| pin.name.clone());
@@ -122,7 +150,7 @@ impl WriteShot<'_> {
         match own.iter().find(|(name, _)| !is_known(name)) {
             None => Ok(own),
             Some((name, _)) => Err(LiveError::Layer {
-                path: self.path.to_owned(),
+                path: path.to_owned(),
                 what: format!("it has a pin '{name}' that would act beside the new ones"),
                 hint: "read the shot first, remove the pin, or write another file".into(),
             }),
@@ -132,14 +160,14 @@ impl WriteShot<'_> {
     fn keyed<'t>(
         &self,
         track: &'t PinTrack,
-        is_there: bool,
+        origin: Option<&Path>,
         own: &[(String, ScreenPoint)],
     ) -> Result<KeyedPin<'t>, LiveError> {
         let is_same =
             |(name, rest): &&(String, ScreenPoint)| *name == track.name && (*rest - track.rest).0.length() < SAME;
         let anchor = match own.iter().find(is_same) {
             Some(_) => None,
-            None => Some(Anchor::Screen { at: track.rest, frame: self.cast_frame(track.rest, is_there)? }),
+            None => Some(Anchor::Screen { at: track.rest, frame: self.cast_frame(track.rest, origin)? }),
         };
         Ok(KeyedPin {
             name: &track.name,
@@ -149,11 +177,9 @@ impl WriteShot<'_> {
     }
 
     /// The frame in which a new pin is cast; `None`: it hits nothing, or there is nothing to hit.
-    fn cast_frame(&self, rest: ScreenPoint, is_there: bool) -> Result<Option<i32>, LiveError> {
-        if !is_there {
-            return Ok(None);
-        }
-        let base = solve::base(&Shape::Shot(self.shape()), self.new.size)?;
+    fn cast_frame(&self, rest: ScreenPoint, origin: Option<&Path>) -> Result<Option<i32>, LiveError> {
+        let Some(path) = origin else { return Ok(None) };
+        let base = solve::base(&Shape::Shot(self.shape(path)), self.new.size)?;
         let setup = base.setup.as_ref().filter(|setup| setup.shot.scene().is_some());
         let hit = setup.and_then(|setup| setup.cast(self.pin_frame, &[rest]).pop().flatten());
         Ok(hit.map(|_| self.pin_frame))

@@ -71,13 +71,6 @@ fn set_track(moment: Moment, canvas: &Canvas, pin: usize, track: &PinTrack) {
 fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     let path = moment.text("writePath").map(PathBuf::from).ok_or(Fault::NoPath("Write to"))?;
     let settings = settings_of(call, moment.time, canvas)?;
-    if let (ShapeChoice::Shot(shot), false) = (&settings.shape, path.exists()) {
-        // Paths in the file are relative to its folder.
-        if shot.path.parent() != path.parent() {
-            return Err(Fault::OtherFolder(shot.path.clone()));
-        }
-        std::fs::copy(&shot.path, &path).map_err(|source| Fault::Copy { path: path.clone(), source })?;
-    }
     let offset = moment.int("frameOffset");
     let tracks: Vec<PinTrack> = settings.pins.iter().map(|pin| track(moment, canvas, *pin)).collect();
     let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
@@ -88,6 +81,7 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         if settings.shape == ShapeChoice::Alpha { Subject::Picture(&picture) } else { Subject::Plate(&picture) };
     live::write_shot(&WriteShot {
         path: &path,
+        base: if let ShapeChoice::Shot(shot) = &settings.shape { Some(&shot.path) } else { None },
         controls: &settings.controls,
         tracks: &tracks,
         layer: layer.as_deref(),

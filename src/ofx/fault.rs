@@ -6,7 +6,6 @@ use super::api::Status;
 use super::host::HostError;
 use crate::image::ImageError;
 use crate::live::LiveError;
-use std::path::PathBuf;
 use thiserror::Error;
 
 /// A failed action.
@@ -21,17 +20,6 @@ pub(super) enum Fault {
     /// A button needs a path.
     #[error("{0} is empty; name a file to write")]
     NoPath(&'static str),
-    /// A shot that names its files relative to its own folder.
-    #[error("write the shot beside {0}: the files that it names are found from there")]
-    OtherFolder(PathBuf),
-    /// A shot file cannot be copied.
-    #[error("cannot write {path}: {source}")]
-    Copy {
-        /// The new file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
     /// A map cannot be written.
     #[error(transparent)]
     Write(#[from] ImageError),
@@ -60,8 +48,7 @@ impl Fault {
             Self::Host(HostError::Image { .. }) => Status::ERR_IMAGE_FORMAT,
             // Hosts that abort throw the frame away; an error would put a message on the screen.
             Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
-            Self::NoShotFile | Self::NoPath(_) | Self::OtherFolder(_) | Self::Copy { .. } => Status::FAILED,
-            Self::Write(_) | Self::Live(_) | Self::Panic(_) => Status::FAILED,
+            Self::NoShotFile | Self::NoPath(_) | Self::Write(_) | Self::Live(_) | Self::Panic(_) => Status::FAILED,
         }
     }
 }

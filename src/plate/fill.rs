@@ -14,6 +14,8 @@ use rayon::prelude::*;
 
 /// Up to here a float tells all whole numbers apart: 2^24.
 const MOST_EXACT: u32 = 1 << 24;
+/// The same of halves.
+const MOST_EXACT_HALF: u32 = 1 << 11;
 
 /// A plate that fills holes.
 pub(super) struct Filling<'a> {
@@ -106,6 +108,7 @@ impl<'a> Filling<'a> {
 fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
     match (from, to) {
         (Storage::Uint, Storage::Uint) => sample,
+        (Storage::Uint, Storage::Half) if sample.to_bits() > MOST_EXACT_HALF => 0.0,
         (Storage::Uint, _) if sample.to_bits() > MOST_EXACT => 0.0,
         (Storage::Uint, _) => sample.to_bits() as f32,
         (_, Storage::Uint) => f32::from_bits(sample.round() as u32),

@@ -96,6 +96,8 @@ impl Resampling<'_> {
                 }
             }
         }
+        // The kernels share out their work: nobody may wait for the lock meanwhile.
+        drop(device);
         resample_into(map, source, self.filter, &mut results);
         results
     }

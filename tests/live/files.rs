@@ -56,9 +56,19 @@ fn a_new_file_solves_to_the_same_lattice() {
     controls.pins[1].rotation = Some(-0.4);
     controls.pins[5].scale = Some(1.2);
     let tracks = tracks(&controls);
-    let job =
-        WriteShot { path: &path, controls: &controls, tracks: &tracks, layer: None, pin_frame: 1, new: new_shot(HD) };
+    let job = WriteShot {
+        path: &path,
+        base: None,
+        controls: &controls,
+        tracks: &tracks,
+        layer: None,
+        pin_frame: 1,
+        new: new_shot(HD),
+    };
     write_shot(&job).expect("written");
+    let text = std::fs::read_to_string(&path).expect("there");
+    write_shot(&job).expect("written again");
+    assert_eq!(text, std::fs::read_to_string(&path).expect("there"), "the same is written again");
     let live = warp(&controls, &Shape::Frame, HD).expect("solves");
     check_same(&solved(&path, 9), &live.lattice.as_ref().expect("a lattice").handles);
 
@@ -79,14 +89,15 @@ fn a_file_that_is_there_keeps_what_it_says() {
     let source = legs(7.0).path;
     let scene = source.with_file_name("walker.glb");
     std::fs::copy(&scene, folder.path().join("walker.glb")).expect("copied");
-    let path = folder.path().join("shot.toml");
-    std::fs::copy(&source, &path).expect("copied");
-    let before = solved(&path, 7);
+    let [base, path] = ["shot.toml", "bent.toml"].map(|name| folder.path().join(name));
+    std::fs::copy(&source, &base).expect("copied");
+    let before = solved(&base, 7);
 
-    let shape = ShotShape { path: path.clone(), ..legs(7.0) };
+    let shape = ShotShape { path: base.clone(), ..legs(7.0) };
     let read = read_shot(&shape, SIZE).expect("read");
     let mut job = WriteShot {
         path: &path,
+        base: Some(&base),
         controls: &read.controls,
         tracks: &read.tracks,
         layer: Some("legs"),
@@ -105,4 +116,11 @@ fn a_file_that_is_there_keeps_what_it_says() {
     let fault = write_shot(&job).expect_err("a pin would act beside the new ones");
     assert!(matches!(&fault, LiveError::Layer { what, .. } if what.contains("'near heel'")), "{fault}");
     assert_eq!(text, std::fs::read_to_string(&path).expect("there"), "nothing was written");
+
+    let original = std::fs::read_to_string(&base).expect("there");
+    for path in [base.clone(), source] {
+        let fault = write_shot(&WriteShot { path: &path, tracks: &read.tracks, ..job }).expect_err("the wrong place");
+        assert!(fault.to_string().contains("beside"), "{fault}");
+    }
+    assert_eq!(original, std::fs::read_to_string(&base).expect("there"), "what is read is never written");
 }

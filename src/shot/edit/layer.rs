@@ -16,12 +16,30 @@ pub struct LayerEdit<'a> {
     pub dims: [usize; 2],
     /// Basis of the lattice.
     pub basis: Basis,
-    /// What its strength is multiplied by.
-    pub strength: f64,
-    /// What its stiffness is multiplied by.
-    pub stiffness: f64,
+    /// Its strength.
+    pub strength: Factor,
+    /// Its stiffness.
+    pub stiffness: Factor,
     /// Its pins; others that it has stay.
     pub pins: &'a [KeyedPin<'a>],
+}
+
+/// A factor that a layer may have already.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factor {
+    /// This, whatever it was.
+    Exactly(f64),
+    /// So many times what it was.
+    Times(f64),
+}
+
+impl Factor {
+    fn of(self, old: f64) -> f64 {
+        match self {
+            Self::Exactly(factor) => factor,
+            Self::Times(by) => old * by,
+        }
+    }
 }
 
 /// A pin with its keys.
@@ -51,7 +69,8 @@ pub fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<St
     put_lattice(table, edit)
         .ok_or_else(|| fault(name, "`lattice` is no table", "write lattice = { dims = [10, 10] }"))?;
     scale(table, "strength", edit.strength);
-    if edit.stiffness != 1.0 {
+    let is_told = table.get("solve").is_some_and(|solve| solve.get("stiffness").is_some());
+    if is_told || edit.stiffness.of(1.0) != 1.0 {
         let solve = sub_table(table, "solve");
         let solve = solve.ok_or_else(|| fault(name, "`solve` is no table", "write solve = { stiffness = 1.0 }"))?;
         scale(solve, "stiffness", edit.stiffness);
@@ -98,14 +117,14 @@ fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// A factor, 1 where it is not there, times another.
-fn scale(table: &mut dyn TableLike, key: &str, by: f64) {
-    if by == 1.0 {
-        return;
-    }
+/// Sets a factor, which is 1 where it is not there; what is right already stays as it is written.
+fn scale(table: &mut dyn TableLike, key: &str, factor: Factor) {
     let number = |item: &Item| item.as_float().or_else(|| item.as_integer().map(|number| number as f64));
     let old = table.get(key).and_then(number).unwrap_or(1.0);
-    replace(table, key, (old * by).into());
+    let new = factor.of(old);
+    if new != old {
+        replace(table, key, new.into());
+    }
 }
 
 fn put_keyed(layer: &mut dyn TableLike, pin: &KeyedPin) -> Result<(), ShotError> {

@@ -7,7 +7,7 @@ mod layer;
 mod text;
 
 pub use block::pin_block;
-pub use layer::{KeyedPin, LayerEdit, put_layer};
+pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 
 use super::{Anchor, ShotError};
 use block::{Digits, NewPin, anchor_table, resting};
