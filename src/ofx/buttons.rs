@@ -49,7 +49,9 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         set_track(moment, canvas, pin, track);
     }
     params.end_edit();
-    Ok(file.told(PINS))
+    let has_scale = file.tracks.iter().flat_map(|track| &track.keys).any(|key| key.scale.is_some());
+    let scale = if has_scale { "; the scales that its pins hold are left out" } else { "" };
+    Ok(file.told(PINS) + scale)
 }
 
 /// A pin and its keys as parameters.
@@ -99,8 +101,9 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
 /// First and last frame of the source, or the frame that is shown.
 fn frames(call: Call, time: f64) -> [i32; 2] {
     let range = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.props().doubles(image::FRAME_RANGE));
-    let [first, last] = range.unwrap_or([time; 2]).map(|frame| frame.round() as i32);
-    [first, last.clamp(first, first.saturating_add(MOST_FRAMES))]
+    // A still lasts "for ever": then there is nothing but the frame that is shown.
+    let range = range.filter(|[first, last]| (0.0..=f64::from(MOST_FRAMES)).contains(&(last - first)));
+    range.unwrap_or([time; 2]).map(|frame| frame.round() as i32)
 }
 
 /// A pin with its keys.

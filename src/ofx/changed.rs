@@ -35,6 +35,8 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     let Some(id) = call.args.text(prop::NAME).filter(|_| by_user) else { return Ok(Status::REPLY_DEFAULT) };
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
     let moment = Moment::of(call.effect, time)?;
+    // What was wrong before the edit is told again, or is over.
+    call.effect.unsay();
     if let Some(done) = buttons::press(call, &id, moment) {
         call.effect.say_once(names::MESSAGE_MESSAGE, &done?);
         enable(moment);

@@ -46,7 +46,7 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
         (image::SINGLE_INSTANCE, 0),
         (image::HOST_FRAME_THREADING, 0),
         (image::SUPPORTS_MULTI_RESOLUTION, 1),
-        (image::SUPPORTS_TILES, i32::from(!call.effect.suites.host_is("Resolve"))),
+        (image::SUPPORTS_TILES, takes_tiles(call)),
         (image::TEMPORAL_CLIP_ACCESS, 0),
         (image::FIELD_RENDER_TWICE_ALWAYS, 0),
         (image::SUPPORTS_MULTIPLE_CLIP_DEPTHS, 0),
@@ -54,6 +54,7 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     ] {
         props.set_int(name, is_set);
     }
+    props.set_texts(image::CLIP_PREFERENCES_SLAVE_PARAM, &["shape"]);
     let overlay = overlay::entry as EntryPoint as *mut c_void;
     props.set_pointer(image::OVERLAY_INTERACT_V1, overlay);
     if call.effect.suites.draw.is_some() {
@@ -62,11 +63,16 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
+/// Resolve and Fusion ask for tiles and then take them for whole frames.
+fn takes_tiles(call: Call) -> i32 {
+    i32::from(!["Resolve", "Fusion"].iter().any(|host| call.effect.suites.host_is(host)))
+}
+
 /// Clips and parameters of a context.
 pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
     let context = call.args.text(image::CONTEXT).unwrap_or_default();
     let colour = [image::COMPONENT_RGBA, image::COMPONENT_RGB, image::COMPONENT_ALPHA];
-    let tiles = i32::from(!call.effect.suites.host_is("Resolve"));
+    let tiles = takes_tiles(call);
     let clip = |name, components: &[&CStr]| {
         let clip = call.effect.define_clip(name);
         clip.set_names(image::SUPPORTED_COMPONENTS, components);

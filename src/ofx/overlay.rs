@@ -166,11 +166,14 @@ impl Event<'_> {
         } else if name == interact::PEN_MOTION {
             view.picker.motion(at)
         } else if name == interact::PEN_UP {
-            view.picker.release(at, &self.points(&self.moment.settings(&self.canvas)?))
+            // A drag ends, and so does its step to undo, whatever became of the settings meanwhile.
+            let points = self.moment.settings(&self.canvas).map(|settings| self.points(&settings));
+            view.picker.release(at, &points.unwrap_or_default())
         } else if name == interact::KEY_DOWN && key == interact::KEY_ESCAPE
             || name == interact::LOSE_FOCUS
             || name == action::DESTROY_INSTANCE
         {
+            view.is_adding &= name == interact::KEY_DOWN;
             view.picker.cancel()
         } else {
             if is_shift && (name == interact::KEY_DOWN || name == interact::KEY_UP) {
@@ -186,7 +189,9 @@ impl Event<'_> {
         if was_dragging && !view.picker.is_dragging() {
             self.moment.params.end_edit();
         }
-        self.overlay.redraw();
+        if name != action::DESTROY_INSTANCE {
+            self.overlay.redraw();
+        }
         Ok(Status::OK)
     }
 
@@ -204,7 +209,11 @@ impl Event<'_> {
         let settings = self.moment.settings(&self.canvas)?;
         let choosing = if view.is_adding { Choosing::Adding } else { Choosing::Anew };
         let reach = self.pixel(own).map(|size| size * REACH_PX);
-        let pull = view.picker.press(at, &self.points(&settings), reach, choosing);
+        let points = self.points(&settings);
+        if points.is_empty() {
+            return Ok(Pull::Nothing);
+        }
+        let pull = view.picker.press(at, &points, reach, choosing);
         let chosen = settings.pins.iter().zip(&settings.controls.pins).filter(|(pin, _)| view.picker.is_chosen(**pin));
         let ends = chosen.map(|(pin, place)| (*pin, [place.rest, place.target].map(|at| self.canvas.canonical(at))));
         view.starts = ends.collect();

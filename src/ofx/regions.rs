@@ -9,7 +9,7 @@ use super::describe::{BACKGROUND_CLIP, MASK_CLIP};
 use super::entry::{Call, Kind};
 use super::fault::Fault;
 use super::host::Clip;
-use super::settings::{Settings, ShapeChoice, at_arguments};
+use super::settings::{Moment, Settings, ShapeChoice, at_arguments};
 use crate::live::Canvas;
 use crate::space::PixelRect;
 use std::ffi::{CStr, CString};
@@ -105,6 +105,9 @@ pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
 
 /// Premultiplication follows the source: an opaque one gets holes where it is pulled away.
 pub(super) fn clip_preferences(call: Call) -> Result<Status, Fault> {
+    // The model of a shot is animated, even where neither the source nor a parameter is.
+    let is_shot = Moment::of(call.effect, 0.0)?.int("shape") == 2;
+    call.out.set_int(image::FRAME_VARYING, i32::from(is_shot));
     if call.kind == Kind::StMap {
         let output = image::OUTPUT_CLIP;
         call.out.set_names(&of_clip(image::CLIP_DEPTH_PREFIX, output), &[image::DEPTH_FLOAT]);
@@ -114,8 +117,12 @@ pub(super) fn clip_preferences(call: Call) -> Result<Status, Fault> {
     }
     let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
     let told = source.and_then(|props| props.text(image::PREMULTIPLICATION)).unwrap_or_default();
-    let kinds = [image::UNPREMULTIPLIED, image::PREMULTIPLIED];
-    if let Some(kind) = kinds.into_iter().find(|kind| kind.to_bytes() == told.as_bytes()) {
+    let kinds = [
+        (image::UNPREMULTIPLIED, image::UNPREMULTIPLIED),
+        (image::PREMULTIPLIED, image::PREMULTIPLIED),
+        (image::OPAQUE, image::PREMULTIPLIED),
+    ];
+    if let Some((_, kind)) = kinds.into_iter().find(|(known, _)| known.to_bytes() == told.as_bytes()) {
         call.out.set_names(image::PREMULTIPLICATION, &[kind]);
     }
     Ok(Status::OK)

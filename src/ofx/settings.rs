@@ -141,8 +141,9 @@ impl<'a> Moment<'a> {
 impl Settings {
     /// Whether it is plain without solving that nothing moves.
     pub(super) fn is_at_rest(&self) -> bool {
-        let own_pins = matches!(&self.shape, ShapeChoice::Shot(shot) if shot.own_pins == OwnPins::Act);
-        self.controls.strength == 0.0 || !own_pins && self.controls.is_at_rest()
+        // A shot moves by pins and handles of its own, too.
+        let is_shot = matches!(self.shape, ShapeChoice::Shot(_));
+        self.controls.strength == 0.0 || !is_shot && self.controls.is_at_rest()
     }
 
     /// The warp; a shape from alpha that is not at hand is taken for the whole frame.

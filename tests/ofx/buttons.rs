@@ -42,10 +42,12 @@ fn a_shot_that_was_written_is_read_back() {
 fn buttons_without_a_path_say_what_is_missing() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
-    for button in ["readShot", "writeShot", "writeStmaps"] {
-        let before = host.said().len();
-        assert_ne!(host.press(node, button), Status::OK, "{button}");
-        assert!(host.said().len() > before, "{button} failed without a word");
+    for (button, missing) in [("readShot", "Shot file"), ("writeShot", "Write to"), ("writeStmaps", "STMaps to")] {
+        for _again in 0..2 {
+            assert_ne!(host.press(node, button), Status::OK, "{button}");
+            let said = host.said();
+            assert!(said.len() == 1 && said[0].text.contains(missing), "{button}: {said:?}");
+        }
     }
     host.set(node, "shotFile", "/nowhere/shot.toml");
     assert_ne!(host.press(node, "readShot"), Status::OK);

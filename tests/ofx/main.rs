@@ -19,6 +19,7 @@ mod pixels;
 mod regions;
 mod scales;
 mod traps;
+mod unplaced;
 
 use host::{Host, Node, Pixels};
 

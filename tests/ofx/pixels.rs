@@ -147,6 +147,10 @@ fn a_field_is_every_other_row() {
         let drawn = if y % 2 == 0 { &lower } else { &upper };
         assert_eq!(drawn.at(80, y, 0), whole.at(80, y, 0), "row {y}");
     }
+    let differs = |field: &Pixels, parity: u32| {
+        (0..SIZE[1]).any(|y| y as u32 % 2 == parity && (0..SIZE[0]).any(|x| field.at(x, y, 0) != whole.at(x, y, 0)))
+    };
+    assert!(differs(&lower, 1) && differs(&upper, 0), "rows of the other field are not drawn");
     host.finish();
 }
 

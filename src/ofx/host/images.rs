@@ -11,6 +11,7 @@ use crate::ofx::api::PropertySet;
 use crate::ofx::api::names::image;
 use half::f16;
 use rayon::prelude::*;
+use std::ffi::CStr;
 
 /// How a value is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,6 +111,7 @@ impl<'a> Image<'a> {
         let told = |name| props.text(name).or_else(|| clip.props().text(name)).unwrap_or_default();
         let depth = told(image::PIXEL_DEPTH);
         let components = told(image::COMPONENTS);
+        let fault = |what: String| Err(HostError::Image { clip: clip.name.to_string_lossy().into_owned(), what });
         let [x1, y1, x2, y2] = props.ints(image::BOUNDS).unwrap_or_default();
         let made = Self {
             suites: clip.suites,
@@ -134,7 +136,15 @@ impl<'a> Image<'a> {
             scale: props.doubles(image::RENDER_SCALE).filter(|scale: &[f64; 2]| scale.iter().all(|side| *side > 0.0)),
             is_straight: told(image::PREMULTIPLICATION).as_bytes() == image::UNPREMULTIPLIED.to_bytes(),
         };
-        let fault = |what: String| Err(HostError::Image { clip: clip.name.to_string_lossy().into_owned(), what });
+        let is_known = |told: &str, names: &[&CStr]| {
+            told.is_empty() || names.iter().any(|name| name.to_bytes() == told.as_bytes())
+        };
+        if !is_known(&depth, &[image::DEPTH_BYTE, image::DEPTH_SHORT, image::DEPTH_HALF, image::DEPTH_FLOAT]) {
+            return fault(format!("pixels of {depth}; pinwarp takes bytes, shorts, halves and floats"));
+        }
+        if !is_known(&components, &[image::COMPONENT_RGBA, image::COMPONENT_RGB, image::COMPONENT_ALPHA]) {
+            return fault(format!("channels of {components}; pinwarp takes RGBA, RGB and alpha"));
+        }
         let row = made.width() * made.pixel_bytes();
         if x1 >= x2 || y1 >= y2 || made.memory.data.is_null() {
             return fault(format!("an image without pixels ({x1}, {y1} to {x2}, {y2})"));

@@ -4,7 +4,7 @@
 
 use crate::ofx::api::names::draw;
 use crate::ofx::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{CStr, c_void};
 
 /// Red, green, blue, opacity.
 pub(in crate::ofx) type Colour = [f32; 4];
@@ -109,15 +109,16 @@ impl OpenGl {
 #[cfg(unix)]
 fn symbol(name: &CStr) -> Option<*mut c_void> {
     unsafe extern "C" {
-        fn dlsym(library: *mut c_void, name: *const c_char) -> *mut c_void;
+        fn dlsym(library: *mut c_void, name: *const std::ffi::c_char) -> *mut c_void;
     }
-    // SAFETY: null means "wherever in the process" on Linux; the name outlives the call.
-    let found = unsafe { dlsym(std::ptr::null_mut(), name.as_ptr()) };
+    // `RTLD_DEFAULT`, "wherever in the process".
+    const ANYWHERE: isize = if cfg!(target_vendor = "apple") { -2 } else { 0 };
+    // SAFETY: the library is a value that stands for all of them; the name outlives the call.
+    let found = unsafe { dlsym(std::ptr::without_provenance_mut(ANYWHERE as usize), name.as_ptr()) };
     (!found.is_null()).then_some(found)
 }
 
 #[cfg(not(unix))]
 fn symbol(_name: &CStr) -> Option<*mut c_void> {
-    let _unused: Option<c_char> = None;
     None
 }
