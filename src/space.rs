@@ -162,6 +162,21 @@ impl FrameSize {
         f64::from(self.width) * self.pixel_aspect / f64::from(self.height)
     }
 
+    /// Is this a picture of a shape `aspect` wide to 1 high, a scaled one perhaps? A side that was rounded to whole pixels
+    /// may be half a pixel off.
+    ///
+    /// ```
+    /// use pinwarp::space::FrameSize;
+    /// let shot = FrameSize::new(1920, 1081);
+    /// assert!(FrameSize::new(960, 540).is_as_wide_as(shot.aspect()));
+    /// assert!(!FrameSize::new(960, 544).is_as_wide_as(shot.aspect()));
+    /// ```
+    #[must_use]
+    pub fn is_as_wide_as(self, aspect: f64) -> bool {
+        let slack = 0.5 * (self.pixel_aspect + aspect) / f64::from(self.height);
+        (self.aspect() - aspect).abs() <= slack + 1e-6
+    }
+
     /// Where a screen point lies in the image. The one y-flip of the program.
     ///
     /// ```

@@ -3,8 +3,7 @@
 //! In: a [`Render`]'s pictures, the map of a page. Out: planes of a window of that page, alpha as the source has it. The
 //! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
 
-use super::pages::{common, place};
-use super::picture::{Alpha, Associated, cut, products};
+use super::picture::{Alpha, Associated, products};
 use super::{LiveError, Render, Warp};
 use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resampled};
 use crate::space::PixelRect;
@@ -59,7 +58,7 @@ impl<'a> Sheets<'a> {
         let share: Option<Cow<[f32]>> =
             match (job.mask.and_then(|mask| Some((mask, mask.planes.first()?))), job.background) {
                 (Some((mask, plane)), _) => {
-                    let mut share = cut(plane, mask.window, window);
+                    let mut share = mask.window.over(plane, window, 0.0);
                     share
                         .par_iter_mut()
                         .for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) });
@@ -90,7 +89,7 @@ impl<'a> Sheets<'a> {
         let part = part_of(map, window);
         let map = part.as_ref().unwrap_or(map);
         let seen = resampled(map, &planes, self.job.filter);
-        let mut seen: Vec<Vec<f32>> = seen.iter().map(|plane| cut(plane, map.window, window)).collect();
+        let mut seen: Vec<Vec<f32>> = seen.iter().map(|plane| map.window.over(plane, window, 0.0)).collect();
         let mut hidden = seen.split_off(self.job.source.planes.len() + usize::from(self.share.is_some()));
         if let Some(share) = &self.share {
             let landed = seen.pop().unwrap_or_default();
@@ -118,13 +117,13 @@ impl<'a> Sheets<'a> {
         let (below, holes): (Vec<f32>, Vec<f32>) = all.map(factor).unzip();
         for (index, plane) in seen.iter_mut().enumerate() {
             if self.job.mask.is_some() {
-                let rest = cut(&self.source.planes[index], self.source.window, window);
+                let rest = self.source.window.over(&self.source.planes[index], window, 0.0);
                 let rests = products(&rest, &filled);
                 let samples = plane.par_iter_mut().zip(rests).zip(&below).with_min_len(BATCH);
                 samples.for_each(|((sample, rest), below)| *sample = laid(*sample, rest, *below));
             }
             if let Some(background) = &self.background {
-                let behind = products(&cut(&background.planes[index], background.window, window), &holes);
+                let behind = products(&background.window.over(&background.planes[index], window, 0.0), &holes);
                 let samples = plane.par_iter_mut().zip(behind).with_min_len(BATCH);
                 samples.for_each(|(sample, behind)| *sample += behind);
             }
@@ -134,7 +133,7 @@ impl<'a> Sheets<'a> {
     /// Colours that alpha hides stay where nothing landed on them.
     fn keep_resting(&self, hidden: &mut [Vec<f32>], landed: &[f32], window: PixelRect) {
         for (hidden, own) in hidden.iter_mut().zip(&self.job.source.planes) {
-            let own = cut(own, self.source.window, window);
+            let own = self.source.window.over(own, window, 0.0);
             let samples = hidden.iter_mut().zip(own).zip(landed);
             samples.filter(|(_, landed)| **landed == 0.0).for_each(|((hidden, own), _)| *hidden = own);
         }
@@ -142,15 +141,15 @@ impl<'a> Sheets<'a> {
 
     /// How much of every pixel of a window stays where it is; nothing where the source has no samples.
     fn filled(&self, share: &[f32], window: PixelRect) -> Vec<f32> {
-        let left: Vec<f32> = share.iter().map(|share| 1.0 - share).collect();
-        cut(&left, self.source.window, window)
+        let mut left = self.source.window.over(share, window, 1.0);
+        left.iter_mut().for_each(|share| *share = 1.0 - *share);
+        left
     }
 
     /// Straight colour again. Samples that came out as they went in keep their bits.
     fn divide(&self, seen: &mut [Vec<f32>], hidden: &[Vec<f32>], window: PixelRect) {
         let Some((alpha, colors)) = seen.split_last_mut() else { return };
-        let whole = self.source.window;
-        let of = |plane: &[f32]| cut(plane, whole, window);
+        let of = |plane: &[f32]| self.source.window.over(plane, window, 0.0);
         let Some(source_alpha) = self.job.source.planes.last().map(|plane| of(plane)) else { return };
         for (index, color) in colors.iter_mut().enumerate() {
             let (multiplied, straight) = (of(&self.source.planes[index]), of(self.job.source.planes[index]));
@@ -172,15 +171,11 @@ impl<'a> Sheets<'a> {
 
 /// The map of a window and the pixels beside it; `None` where that is all there is.
 fn part_of(map: &WarpMap, window: PixelRect) -> Option<WarpMap> {
-    let PixelRect { x, y, width, height } = window;
-    let around = PixelRect { x: x - 1, y: y - 1, width: width + 2, height: height + 2 };
-    let around = common(around, map.window);
+    let around = window.grown(1).intersection(map.window);
     if around == map.window {
         return None;
     }
     let mut part = WarpMap::identity(map.frame, around);
-    for (row, y) in part.offsets.chunks_exact_mut(around.width as usize).zip(around.y..) {
-        row.copy_from_slice(&map.offsets[place(map.window, around.x, y)..][..around.width as usize]);
-    }
+    part.offsets = map.window.over(&map.offsets, around, [0.0; 2]);
     Some(part)
 }

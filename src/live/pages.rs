@@ -68,23 +68,6 @@ const fn step(axis: usize) -> u32 {
     MAP[axis] - 2 * RIM
 }
 
-/// The pixels of two windows.
-pub(super) fn common(a: PixelRect, b: PixelRect) -> PixelRect {
-    let axis = |a: (i32, u32), b: (i32, u32)| {
-        let end = |(start, length): (i32, u32)| i64::from(start) + i64::from(length);
-        let start = a.0.max(b.0);
-        (start, (end(a).min(end(b)) - i64::from(start)).max(0) as u32)
-    };
-    let (x, width) = axis((a.x, a.width), (b.x, b.width));
-    let (y, height) = axis((a.y, a.height), (b.y, b.height));
-    PixelRect { x, y, width, height }
-}
-
-/// Place of a pixel among the samples of a window that holds it.
-pub(super) fn place(window: PixelRect, x: i32, y: i32) -> usize {
-    (y - window.y) as usize * window.width as usize + (x - window.x) as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,7 +76,7 @@ mod tests {
     fn pages_tile_every_window() {
         let window = PixelRect { x: -700, y: -3, width: 2000, height: 400 };
         let pages = Page::all_of(window);
-        let covered: usize = pages.iter().map(|page| common(page.window(), window).area()).sum();
+        let covered: usize = pages.iter().map(|page| page.window().intersection(window).area()).sum();
         assert_eq!(covered, window.area());
         // Pages are 638 x 254: columns -2 to 2, rows -1 to 1.
         assert_eq!(pages.len(), 5 * 3);

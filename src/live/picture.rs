@@ -3,7 +3,6 @@
 //! In: a [`Picture`]. Out: [`Associated`] planes: colour multiplied with its coverage.
 
 use super::LiveError;
-use super::pages::place;
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -81,22 +80,4 @@ impl<'a> Picture<'a> {
 pub(super) fn products(samples: &[f32], shares: &[f32]) -> Vec<f32> {
     let product = |(&sample, &share): (&f32, &f32)| if share == 0.0 { 0.0 } else { sample * share };
     samples.par_iter().zip(shares).with_min_len(BATCH).map(product).collect()
-}
-
-/// Part of a window's row as a part of the samples of another; `None` where they do not meet.
-pub(super) fn row_of(samples: &[f32], window: PixelRect, (x, y, width): (i32, i32, u32)) -> Option<(usize, &[f32])> {
-    let (left, right) = (x.max(window.x), (x + width as i32).min(window.x + window.width as i32));
-    let is_within = (window.y..window.y + window.height as i32).contains(&y) && left < right;
-    is_within.then(|| ((left - x) as usize, &samples[place(window, left, y)..][..(right - left) as usize]))
-}
-
-/// The samples of a window out of another's; 0 where that has none.
-pub(super) fn cut(samples: &[f32], from: PixelRect, to: PixelRect) -> Vec<f32> {
-    let mut part = vec![0.0; to.area()];
-    for (row, line) in part.chunks_exact_mut(to.width.max(1) as usize).enumerate() {
-        if let Some((start, found)) = row_of(samples, from, (to.x, to.y + row as i32, to.width)) {
-            line[start..start + found.len()].copy_from_slice(found);
-        }
-    }
-    part
 }

@@ -4,7 +4,7 @@
 
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
-use super::pages::{Page, common, place};
+use super::pages::Page;
 use super::{Controls, LiveError, Warp};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 const KEPT: usize = 4096;
 
 /// Samples around a picture's edge that its filter may spread to, in pixels of the result.
-const SOFT_EDGE: i32 = 3;
+const SOFT_EDGE: u32 = 3;
 
 static REGIONS: LazyLock<Cache<PixelRect>> = LazyLock::new(|| Cache::new(KEPT, |_| 1));
 
@@ -30,7 +30,7 @@ impl Warp {
         let key = self.region_key((0, frame), window);
         let found = REGIONS.get(key, || {
             let seen = self.field.warped_window(frame, window);
-            Ok::<_, LiveError>(if seen.area() == 0 { seen } else { grown(seen, SOFT_EDGE) })
+            Ok::<_, LiveError>(if seen.area() == 0 { seen } else { seen.grown(SOFT_EDGE) })
         });
         found.map_or(window, |found| *found)
     }
@@ -45,7 +45,7 @@ impl Warp {
         let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
             let reaches = Page::all_of(window).into_iter().filter_map(|page| {
                 let map = page.map(self, frame);
-                reach(&map, common(page.window(), window), filter)
+                reach(&map, page.window().intersection(window), filter)
             });
             Ok::<_, LiveError>(reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect))
         });
@@ -63,7 +63,7 @@ impl Controls {
     /// Pixels that a picture's window may be carried to, as far as can be told without solving ([`Controls::reach`]).
     #[must_use]
     pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
-        grown(window, (self.reach() * f64::from(frame.height)).ceil().clamp(0.0, 1e5) as i32)
+        window.grown((self.reach() * f64::from(frame.height)).ceil().clamp(0.0, 1e5) as u32)
     }
 }
 
@@ -78,7 +78,7 @@ fn union(a: Reach, b: Reach) -> Reach {
 fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
     let rows = (window.y..window.y + window.height as i32).into_par_iter();
     let of_row = |y: i32| {
-        let first = place(map.window, window.x, y);
+        let first = map.window.place_of([window.x, y])?;
         let pixels = (0..window.width as usize).filter_map(|column| {
             let [dx, dy] = map.offsets[first + column];
             if !(dx + dy).is_finite() {
@@ -113,15 +113,4 @@ fn rect([left, top, right, bottom]: Reach) -> PixelRect {
     let (x, y) = (left.floor() as i32 - 1, top.floor() as i32 - 1);
     let size = |from: i32, to: f32| (to.ceil() as i32 + 2).saturating_sub(from).max(0) as u32;
     PixelRect { x, y, width: size(x, right), height: size(y, bottom) }
-}
-
-fn grown(window: PixelRect, by: i32) -> PixelRect {
-    let PixelRect { x, y, width, height } = window;
-    let more = 2 * by as u32;
-    PixelRect {
-        x: x.saturating_sub(by),
-        y: y.saturating_sub(by),
-        width: width.saturating_add(more),
-        height: height.saturating_add(more),
-    }
 }

@@ -3,8 +3,8 @@
 //! In: a [`Warp`] and a [`Render`]. Out: planes of the window, page by page or whole: the same pixels whatever the window.
 
 use super::composite::Sheets;
-use super::pages::{Page, common, place};
-use super::picture::{Picture, cut};
+use super::pages::Page;
+use super::picture::Picture;
 use super::{LiveError, Warp};
 use crate::plate::Filter;
 use crate::space::{FrameSize, PixelRect};
@@ -46,9 +46,8 @@ pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     let mut planes = vec![vec![0.0; job.window.area()]; job.source.planes.len()];
     render_pieces(warp, job, |piece| {
         for (plane, part) in planes.iter_mut().zip(&piece.planes) {
-            let rows = part.chunks_exact(piece.window.width as usize);
-            for (row, y) in rows.zip(piece.window.y..) {
-                plane[place(job.window, piece.window.x, y)..][..row.len()].copy_from_slice(row);
+            for [from, to] in piece.window.shared_rows(job.window) {
+                plane[to].copy_from_slice(&part[from]);
             }
         }
     })?;
@@ -66,10 +65,10 @@ pub fn render_pieces(warp: &Warp, job: &Render, mut finished: impl FnMut(Piece))
         if (job.abort)() {
             return Err(LiveError::Aborted);
         }
-        let window = common(page.window(), job.window);
+        let window = page.window().intersection(job.window);
         let planes = match &sheets {
             Some(sheets) => sheets.draw(&page.map(warp, job.frame), window),
-            None => job.source.planes.iter().map(|plane| cut(plane, job.source.window, window)).collect(),
+            None => job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0)).collect(),
         };
         finished(Piece { window, planes });
     }

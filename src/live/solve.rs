@@ -116,9 +116,7 @@ fn warp_key(solver: Key, controls: &Controls) -> Key {
 /// Proxies have the shot's shape; another shape is another shot.
 fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
     let wanted = shape::read(&shape.path)?.size.aspect();
-    // A side of a proxy may be half a pixel off.
-    let slack = 0.5 * (frame.pixel_aspect + wanted) / f64::from(frame.height);
-    if (frame.aspect() - wanted).abs() <= slack + 1e-6 {
+    if frame.is_as_wide_as(wanted) {
         return Ok(());
     }
     let hint = "correct `size` and `pixel_aspect` of the shot, or the format of the picture";

@@ -3,7 +3,7 @@
 //! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`, or a file.
 
 use super::Warp;
-use super::pages::{Page, common, place};
+use super::pages::Page;
 use crate::image::{Compression, FrameMetadata, ImageError, write_exr};
 use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
@@ -56,11 +56,10 @@ fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
         return whole;
     }
     for page in Page::all_of(window) {
-        let (map, part) = (page.map(warp, frame), common(page.window(), window));
-        for y in part.y..part.y + part.height as i32 {
-            let [from, to] = [map.window, window].map(|window| place(window, part.x, y));
-            let width = part.width as usize;
-            whole.offsets[to..to + width].copy_from_slice(&map.offsets[from..from + width]);
+        let map = page.map(warp, frame);
+        let part = page.window().intersection(window);
+        for ([from, _], [to, _]) in map.window.shared_rows(part).zip(window.shared_rows(part)) {
+            whole.offsets[to].copy_from_slice(&map.offsets[from]);
         }
     }
     whole

@@ -97,7 +97,8 @@ impl PixelRect {
     #[must_use]
     pub const fn grown(self, by: u32) -> Self {
         let Self { x, y, width, height } = self;
-        Self { x: x - by as i32, y: y - by as i32, width: width + 2 * by, height: height + 2 * by }
+        let (x, y) = (x.saturating_sub_unsigned(by), y.saturating_sub_unsigned(by));
+        Self { x, y, width: width.saturating_add(2 * by), height: height.saturating_add(2 * by) }
     }
 
     /// Cuts the window into tiles of `side` > 0 pixels at most, rows of tiles from above.
@@ -217,6 +218,7 @@ mod tests {
     fn windows_at_the_end_of_the_numbers_do_not_overflow() {
         let far = PixelRect { x: i32::MAX - 1, y: i32::MIN, width: 9, height: 9 };
         assert_eq!(far.intersection(PixelRect { x: i32::MAX, ..far }).width, 8);
+        assert_eq!(far.grown(9).y, i32::MIN);
         assert_eq!(far.union(PixelRect { x: i32::MIN, width: 1, ..far }).width, u32::MAX);
     }
 }

@@ -85,9 +85,7 @@ fn unequal(shot: &Shot, (first, of): (FrameSize, &Path), (size, path): (FrameSiz
 
 /// A frame of another size shows the pictures scaled; of another shape it cannot.
 fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), PipelineError> {
-    // A side of a scaled frame may be half a pixel off.
-    let slack = 0.5 * (shot.size.pixel_aspect + shot.size.aspect()) / f64::from(shot.size.height);
-    if (frame.aspect() - shot.size.aspect()).abs() <= slack + 1e-6 {
+    if shot.size.is_as_wide_as(frame.aspect()) {
         return Ok(());
     }
     let what =

@@ -78,9 +78,7 @@ pub(super) fn check_shape(warp: &PlateWarp, path: &Path, size: FrameSize) -> Res
         PlateWarp::Lattices { file, .. } => (file.frame_aspect, "the lattices are for"),
         PlateWarp::Maps(_) => return Ok(()),
     };
-    // A side of a proxy may be half a pixel off.
-    let slack = 0.5 * (size.pixel_aspect + wanted) / f64::from(size.height);
-    if (size.aspect() - wanted).abs() <= slack + 1e-6 {
+    if size.is_as_wide_as(wanted) {
         return Ok(());
     }
     let FrameSize { width, height, .. } = size;
