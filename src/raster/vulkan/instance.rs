@@ -11,7 +11,7 @@ use std::ffi::CStr;
 /// The layer that checks every call.
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// The least version of Vulkan: dynamic rendering and synchronization2 are in its core.
+/// The least version of Vulkan: dynamic rendering and `synchronization2` are in its core.
 pub(super) const API_VERSION: u32 = vk::API_VERSION_1_3;
 
 /// Owns the instance. Drop order: messenger, instance, messages, library.

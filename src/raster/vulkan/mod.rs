@@ -1,7 +1,7 @@
 //! The Vulkan raster: offscreen float targets through ash; the loader is opened at run time.
 //!
 //! In: a scene once, then geometry a pass. Out: the frames that the CPU twin draws too. Needs Vulkan 1.3 (dynamic
-//! rendering, synchronization2) and nothing else.
+//! rendering, `synchronization2`) and nothing else.
 
 #![expect(unsafe_code, reason = "Vulkan is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 
