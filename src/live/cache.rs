@@ -87,6 +87,11 @@ impl<V> Cache<V> {
         self.settle(key, weight);
     }
 
+    /// Lets go of all values. Those that are being computed are not kept.
+    pub(super) fn clear(&self) {
+        self.locked().slots.clear();
+    }
+
     /// The value of a key where it is kept and ready.
     pub(super) fn peek(&self, key: Key) -> Option<Arc<V>> {
         let place = self.locked().slots.get(&key).map(|slot| Arc::clone(&slot.value))?;
@@ -187,5 +192,8 @@ mod tests {
         assert_eq!((cache.peek(key(1)).as_deref(), cache.count()), (Some(&4), 1));
         [2, 3].into_iter().for_each(|word| cache.put(key(word), Arc::new(0)));
         assert_eq!(cache.peek(key(1)), None, "the oldest goes");
+        cache.clear();
+        assert_eq!((cache.peek(key(2)), cache.count()), (None, 0));
+        assert_eq!(cache.get(key(2), || Ok::<_, &str>(6)).map(|value| *value), Ok(6), "and is computed anew");
     }
 }

@@ -39,3 +39,12 @@ pub use solve::{last_of_alpha, warp};
 pub use stmap::{StMap, save_stmap, stmap};
 pub use warp::{GridLine, PinPlace, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
+
+/// Lets go of all that is kept and can be computed again, for hosts that are short of memory. What is
+/// asked for later has the same bits, and takes as long as the first time.
+pub fn purge() {
+    pages::purge();
+    regions::purge();
+    solve::purge();
+    shape::purge();
+}

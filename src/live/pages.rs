@@ -23,6 +23,11 @@ static MAPS: LazyLock<Cache<WarpMap>> = LazyLock::new(|| {
     Cache::new(KEPT_BYTES, |map: &WarpMap| std::mem::size_of_val(&map.offsets[..]) + 4 * map.folded_pixels.len())
 });
 
+/// Lets go of what was computed.
+pub(super) fn purge() {
+    MAPS.clear();
+}
+
 /// A part of the image plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Page([i32; 2]);

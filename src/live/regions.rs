@@ -19,6 +19,11 @@ const SOFT_EDGE: u32 = 3;
 
 static REGIONS: LazyLock<Cache<PixelRect>> = LazyLock::new(|| Cache::new(KEPT, |_| 1));
 
+/// Lets go of what was computed.
+pub(super) fn purge() {
+    REGIONS.clear();
+}
+
 impl Warp {
     /// Every pixel that can show something of a picture with that window: the region of definition. Cut to the frame and
     /// as much again on every side, unless the window itself reaches further.

@@ -91,9 +91,15 @@ impl Shape<'_> {
     }
 }
 
+static SHOTS: LazyLock<Cache<Shot>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+
+/// Lets go of what was read.
+pub(super) fn purge() {
+    SHOTS.clear();
+}
+
 /// A shot file, read once for as long as it stays the same.
 pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
-    static SHOTS: LazyLock<Cache<Shot>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
     let mut key = KeyWriter::new();
     write_file(&mut key, path);
     SHOTS.get(key.finish(), || Ok(Shot::read(path)?))

@@ -30,6 +30,15 @@ static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_
 static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
 static CASTS: LazyLock<Cache<Vec<Option<Pinned>>>> = LazyLock::new(|| Cache::new(KEPT_CASTS, |_| 1));
 
+/// Lets go of what was computed, but not of the few warps that handles are drawn with: without a render they cannot be
+/// computed again.
+pub(super) fn purge() {
+    BASES.clear();
+    SOLVERS.clear();
+    WARPS.clear();
+    CASTS.clear();
+}
+
 /// A solver, and what it told while it was made.
 #[derive(Debug)]
 struct Ready {

@@ -12,7 +12,7 @@ use super::host::When;
 use super::overlay;
 use super::params::{PINS, pin_id, table};
 use super::settings::Moment;
-use crate::live::Canvas;
+use crate::live::{self, Canvas};
 
 /// A new instance: what does not matter is greyed out. Its handle may be that of one which the host never ended.
 pub(super) fn created(call: Call) -> Result<Status, Fault> {
@@ -25,6 +25,12 @@ pub(super) fn created(call: Call) -> Result<Status, Fault> {
 pub(super) fn destroyed(call: Call) -> Result<Status, Fault> {
     call.effect.unsay();
     overlay::forget(call.effect);
+    Ok(Status::OK)
+}
+
+/// Memory is short: what was computed goes, for all instances.
+pub(super) fn purged(_: Call) -> Result<Status, Fault> {
+    live::purge();
     Ok(Status::OK)
 }
 

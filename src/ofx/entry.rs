@@ -44,6 +44,9 @@ const ACTS: &[(&CStr, Act)] = &[
     (action::IS_IDENTITY, regions::is_identity),
     (action::GET_CLIP_PREFERENCES, regions::clip_preferences),
     (action::RENDER, render::render),
+    (action::PURGE_CACHES, changed::purged),
+    // Parameters hold all there is to save.
+    (action::SYNC_PRIVATE_DATA, |_| Ok(Status::OK)),
     (action::BEGIN_SEQUENCE_RENDER, |_| Ok(Status::OK)),
     (action::END_SEQUENCE_RENDER, |_| Ok(Status::OK)),
 ];
