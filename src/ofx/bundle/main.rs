@@ -1,10 +1,8 @@
 //! Makes `PinWarp.ofx.bundle`, the folder that OpenFX hosts load, and checks what it puts there:
 //! `cargo run --release --example make_bundle -- -o FOLDER [--target TRIPLE[.GLIBC]]`
 //!
-//! In: this package's sources. Out: a bundle in FOLDER; other systems' libraries in it stay.
-//!
-//! A target with a version of glibc (`x86_64-unknown-linux-gnu.2.28`) is built by `cargo-zigbuild`, so that the plugin runs on
-//! older systems than this one (Rocky Linux 8 has 2.28).
+//! In: this package's sources. Out: a bundle in FOLDER; other systems' libraries in it stay. A target with a version of glibc
+//! (`x86_64-unknown-linux-gnu.2.28`, that of Rocky Linux 8) is built by `cargo-zigbuild`, to run on older systems.
 
 mod elf;
 
