@@ -4,6 +4,7 @@
 
 use super::api::names::image;
 use super::host::Effect;
+use super::regions::is_endless;
 use crate::live::Canvas;
 
 /// The picture of a host that tells nothing.
@@ -26,7 +27,11 @@ pub(super) fn canvas_at(effect: Effect, time: f64, scale: [f64; 2], drawn: Optio
     let aspect = aspect.unwrap_or(1.0);
     let region = match size.filter(|size: &[f64; 2]| size.iter().all(|side| *side >= 1.0)) {
         Some([width, height]) => [left, low, left + width, low + height],
-        None => without_project(source.and_then(|source| source.region(time)), drawn, aspect, scale),
+        None => {
+            let region = source.and_then(|source| source.region(time));
+            let region = region.filter(|sides| !sides.iter().any(|side| is_endless(*side)));
+            without_project(region, drawn, aspect, scale)
+        }
     };
     Canvas::new(region, aspect, scale)
 }

@@ -22,7 +22,7 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
     };
     let mut region = canvas.region(canvas.window_of(source));
     if call.kind == Kind::StMap {
-        region = joined(region, canvas.region(canvas.frame.window()));
+        region = joined(region, frame(&canvas));
     } else if !settings.is_at_rest() {
         region = canvas.region(warped(&settings, &canvas, source)?);
     }
@@ -33,8 +33,18 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
             region = shown.map_or(region, |shown| joined(region, shown));
         }
     }
-    call.out.set_doubles(image::REGION_OF_DEFINITION, &region);
+    call.out.set_doubles(image::REGION_OF_DEFINITION, &as_endless(region, source));
     Ok(Status::OK)
+}
+
+/// The same region, without end where the source is: hosts cut only what they know to have no end to a project's size.
+fn as_endless(region: [f64; 4], source: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|side| if is_endless(source[side]) { source[side] } else { region[side] })
+}
+
+/// Whether a side of a region says that there is no end to it.
+pub(super) fn is_endless(side: f64) -> bool {
+    side <= f64::from(i32::MIN) || side >= f64::from(i32::MAX)
 }
 
 /// What a region of the source becomes.
@@ -50,7 +60,11 @@ fn warped(settings: &Settings, canvas: &Canvas, source: [f64; 4]) -> Result<Pixe
 pub(super) fn interest(call: Call) -> Result<Status, Fault> {
     let (time, canvas, settings) = at_arguments(call)?;
     let Some(asked) = call.args.doubles(image::REGION_OF_INTEREST) else { return Ok(Status::REPLY_DEFAULT) };
-    let mut needed = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)).unwrap_or(asked);
+    let source = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time));
+    // Of a source without end the alpha within the picture gives the shape.
+    let source = source
+        .map(|source| if source.iter().any(|side| is_endless(*side)) { joined(asked, frame(&canvas)) } else { source });
+    let mut needed = source.unwrap_or(asked);
     if settings.shape != ShapeChoice::Alpha {
         let warp = settings.warp(&canvas, None)?;
         needed = canvas.region(warp.source_of(canvas.window_of(asked), canvas.frame, settings.filter));
@@ -81,6 +95,11 @@ pub(super) fn connected<'a>(call: Call<'a>, name: &'static CStr) -> Option<Clip<
     let is_there = call.kind == Kind::PinWarp;
     let clip = is_there.then(|| call.effect.clip(name)).flatten()?;
     (clip.props().int(image::CLIP_CONNECTED) == Some(1)).then_some(clip)
+}
+
+/// The project's picture.
+fn frame(canvas: &Canvas) -> [f64; 4] {
+    canvas.region(canvas.frame.window())
 }
 
 fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {

@@ -16,8 +16,10 @@ mod maps;
 mod overlay;
 mod picture;
 mod pixels;
+mod preferences;
 mod regions;
 mod scales;
+mod strangers;
 mod traps;
 mod unplaced;
 

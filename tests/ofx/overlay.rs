@@ -1,9 +1,10 @@
 //! The overlay: what is drawn, and what the pen does.
 
-use crate::host::profile::{BARE, BOOK, NATRON};
-use crate::host::{Host, Pixels, Which};
+use crate::host::profile::{BOOK, NATRON};
+use crate::host::{Host, Pixels, Profile, Value, Which};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::names::interact;
+use pinwarp::ofx::api::Status;
+use pinwarp::ofx::api::names::{interact, param};
 
 #[test]
 fn pins_and_lattice_are_drawn() {
@@ -48,7 +49,11 @@ fn a_pen_that_hits_nothing_is_left_to_the_host() {
     host.through(node, &Pixels::scenery(SIZE, 4));
     let overlay = host.overlay(node, 1.0).expect("there is one");
     overlay.draw();
-    overlay.drag([10.0, 10.0], [60.0, 60.0]);
+    for (name, short) in
+        [(interact::PEN_DOWN, "PenDown"), (interact::PEN_MOTION, "PenMotion"), (interact::PEN_UP, "PenUp")]
+    {
+        assert_eq!(overlay.pen(name, short, [10.0, 10.0]), Status::REPLY_DEFAULT, "{short}");
+    }
     assert!(host.undo().is_empty());
     overlay.close();
     host.finish();
@@ -86,10 +91,18 @@ fn an_overlay_that_closes_in_a_drag_ends_the_edit() {
 
 #[test]
 fn hosts_without_overlays_have_their_own_handles() {
-    use pinwarp::ofx::api::names::param;
-    let host = Host::start(&BARE, Which::PinWarp);
-    let points =
-        host.parameters().into_iter().filter(|(_, kind, _)| kind.as_bytes() == param::TYPE_DOUBLE_2D.to_bytes());
-    assert_eq!(points.count(), 64);
-    host.finish();
+    for (overlays, wants_handles) in [(0, 1), (1, 0)] {
+        let host = Host::start(&Profile { overlays, ..BOOK }, Which::PinWarp);
+        let is_point = |kind: &str| kind.as_bytes() == param::TYPE_DOUBLE_2D.to_bytes();
+        let points: Vec<_> = host.parameters().into_iter().filter(|(_, kind, _)| is_point(kind)).collect();
+        assert_eq!(points.len(), 64);
+        for (id, ..) in points {
+            let of = |name| host.described_of(&id, name);
+            assert_eq!(of(param::USE_HOST_OVERLAY_HANDLE), [Value::Int(wants_handles)], "{id}");
+            assert_eq!(of(param::DOUBLE_TYPE), [Value::Text(param::DOUBLE_XY_ABSOLUTE.into())], "{id}");
+            assert_eq!(of(param::DEFAULT_COORDINATES), [Value::Text(param::COORDINATES_CANONICAL.into())], "{id}");
+            assert_ne!(of(param::SECRET), [Value::Int(1)], "{id} can be seen");
+        }
+        host.finish();
+    }
 }

@@ -134,7 +134,8 @@ impl<'a> Image<'a> {
                 _ => 4,
             },
             scale: props.doubles(image::RENDER_SCALE).filter(|scale: &[f64; 2]| scale.iter().all(|side| *side > 0.0)),
-            is_straight: told(image::PREMULTIPLICATION).as_bytes() == image::UNPREMULTIPLIED.to_bytes(),
+            // pyofx calls it "OfxImageUnPreMultiplied".
+            is_straight: told(image::PREMULTIPLICATION).to_ascii_lowercase().ends_with("unpremultiplied"),
         };
         let is_known = |told: &str, names: &[&CStr]| {
             told.is_empty() || names.iter().any(|name| name.to_bytes() == told.as_bytes())

@@ -4,6 +4,7 @@
 
 use super::props::{Props, c_text, owned};
 use super::suites::Suites;
+use crate::ofx::api::names::param;
 use crate::ofx::api::{ParamHandle, ParamSetHandle, PropertySet};
 use std::ffi::{CStr, c_char, c_int};
 
@@ -74,10 +75,12 @@ impl<'a> Params<'a> {
 
     /// A point at a time, canonical.
     pub(in crate::ofx) fn point(self, id: &str, time: f64) -> Option<[f64; 2]> {
-        let (param, mut x, mut y) = (self.handle(id)?, 0.0_f64, 0.0_f64);
+        // The places lie side by side: pyofx writes both values through the first pointer.
+        let (param, mut at) = (self.handle(id)?, [0.0_f64; 2]);
+        let [x, y] = at.each_mut().map(std::ptr::from_mut);
         // SAFETY: the parameter holds two doubles, for which there are places.
-        let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, &raw mut x, &raw mut y) };
-        (status.is_ok() && x.is_finite() && y.is_finite()).then_some([x, y])
+        let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, x, y) };
+        (status.is_ok() && at.iter().all(|value| value.is_finite())).then_some(at)
     }
 
     /// A string at a time.
@@ -145,9 +148,13 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// Times of the keys.
+    /// Times of the keys. Where a parameter does not say that it is animated there are none: openfx-runner ends the
+    /// program when asked for them.
     pub(in crate::ofx) fn keys(self, id: &str) -> Vec<f64> {
         let suite = self.suites.parameter;
+        if self.props_of(id).int(param::IS_ANIMATING) != Some(1) {
+            return Vec::new();
+        }
         let (Some(param), Some(count), Some(get)) = (self.handle(id), suite.get_num_keys, suite.get_key_time) else {
             return Vec::new();
         };

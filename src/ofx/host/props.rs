@@ -11,6 +11,9 @@ type Get<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, *mu
 /// Sets one value of a property.
 type Set<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, T) -> Status>;
 
+/// No property that is asked for has this value: it stands where a host wrote none.
+const UNWRITTEN: i32 = i32::MIN;
+
 /// A set of properties.
 #[derive(Clone, Copy)]
 pub(in crate::ofx) struct Props<'a> {
@@ -32,6 +35,16 @@ impl<'a> Props<'a> {
         status.is_ok().then_some(value)
     }
 
+    /// Several values in one call, for hosts that answer OK to questions for one and leave it unwritten, as pyofx does for
+    /// windows.
+    fn get_all<T: Copy, const N: usize>(self, get: Get<T>, name: &CStr, mut values: [T; N]) -> Option<[T; N]> {
+        let get = get.filter(|_| !self.set.is_null())?;
+        let count = c_int::try_from(N).ok()?;
+        // SAFETY: the host's function with a handle of its own; name and place, for `count` values, outlive the call.
+        let status = unsafe { get(self.set, name.as_ptr(), count, values.as_mut_ptr()) };
+        status.is_ok().then_some(values)
+    }
+
     fn set<T>(self, set: Set<T>, name: &CStr, index: usize, value: T) {
         let (Some(set), Ok(index), false) = (set, c_int::try_from(index), self.set.is_null()) else { return };
         // SAFETY: the host's function with a handle of its own; it copies what `value` may point to.
@@ -40,9 +53,13 @@ impl<'a> Props<'a> {
 
     /// The first `N` ints of a property; `None` where one is missing.
     pub(in crate::ofx) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
-        let mut values = [0; N];
+        let mut values = [UNWRITTEN; N];
         for (index, value) in values.iter_mut().enumerate() {
-            *value = self.get(self.suites.property.get_int, name, index, 0)?;
+            *value = self.get(self.suites.property.get_int, name, index, UNWRITTEN)?;
+        }
+        if values.contains(&UNWRITTEN) {
+            let written = self.get_all(self.suites.property.get_int_n, name, values)?;
+            return Some(written).filter(|values| !values.contains(&UNWRITTEN));
         }
         Some(values)
     }
@@ -56,7 +73,8 @@ impl<'a> Props<'a> {
     pub(in crate::ofx) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
         let mut values = [0.0; N];
         for (index, value) in values.iter_mut().enumerate() {
-            *value = self.get(self.suites.property.get_double, name, index, 0.0).filter(|value| value.is_finite())?;
+            *value =
+                self.get(self.suites.property.get_double, name, index, f64::NAN).filter(|value| value.is_finite())?;
         }
         Some(values)
     }

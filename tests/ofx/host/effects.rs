@@ -212,7 +212,7 @@ unsafe extern "C" fn clip_release_image(set: PropertySet) -> Status {
     })
 }
 
-unsafe extern "C" fn clip_get_region_of_definition(clip: ClipHandle, _: f64, to: *mut RectD) -> Status {
+unsafe extern "C" fn clip_get_region_of_definition(clip: ClipHandle, _: f64, place: *mut RectD) -> Status {
     with(|world| {
         let Some(clip) = world.clips.get(&(clip.0 as usize)) else {
             return world.bad_handle(clip.0 as usize, "a clip");
@@ -221,11 +221,17 @@ unsafe extern "C" fn clip_get_region_of_definition(clip: ClipHandle, _: f64, to:
         let RectI { x1, y1, x2, y2 } = feed.bounds;
         let [x, y] = match world.profile.regions {
             Regions::Unwritten => return Status::OK,
+            Regions::Refused => return Status::FAILED,
+            Regions::Endless => {
+                let [from, to] = [i32::MIN, i32::MAX].map(f64::from);
+                give(place, RectD { x1: from, y1: from, x2: to, y2: to });
+                return Status::OK;
+            }
             Regions::Pixels => [feed.aspect, 1.0],
             Regions::Canonical => [feed.aspect / feed.scale[0], 1.0 / feed.scale[1]],
         };
         let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(f64::from);
-        give(to, RectD { x1: x1 * x, y1: y1 * y, x2: x2 * x, y2: y2 * y });
+        give(place, RectD { x1: x1 * x, y1: y1 * y, x2: x2 * x, y2: y2 * y });
         Status::OK
     })
 }

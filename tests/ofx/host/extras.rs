@@ -47,16 +47,17 @@ fn variadic(message: Message) -> VariadicMessage {
 pub(crate) unsafe extern "C" fn fetch_suite(host: PropertySet, name: *const c_char, version: c_int) -> *const c_void {
     let name = name_of(name);
     let asked = (name.as_c_str(), version);
-    let offered = with(|world| {
+    let (offered, tells_many) = with(|world| {
         if host.0 as usize != world.host_set {
             world.bad_handle(host.0 as usize, "the host");
         }
         if world.profile.fatal.contains(&asked) {
             world.fault(format!("{name:?} {version} was asked for: this host ends the program then"));
         }
-        world.profile.suites.contains(&asked)
+        (world.profile.suites.contains(&asked), !world.profile.untold_alone.is_empty())
     });
     match asked {
+        (suite, 1) if suite == names::PROPERTY_SUITE && tells_many => (&raw const props::SUITE_OF_MANY).cast(),
         (suite, 1) if suite == names::PROPERTY_SUITE => (&raw const props::SUITE).cast(),
         (suite, 1) if suite == names::IMAGE_EFFECT_SUITE => (&raw const effects::SUITE).cast(),
         (suite, 1) if suite == names::PARAMETER_SUITE => (&raw const *PARAMS).cast(),

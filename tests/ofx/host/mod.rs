@@ -18,4 +18,4 @@ pub(crate) use making::feed;
 pub(crate) use pixels::{Depth, Pixels, Rows};
 pub(crate) use profile::Profile;
 pub(crate) use session::{Frame, Host, Node, Which};
-pub(crate) use world::Drawn;
+pub(crate) use world::{Drawn, Value};

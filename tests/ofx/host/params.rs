@@ -1,6 +1,7 @@
 //! The parameter suite: values, keys, undo. Its variadic functions are plain ones here, see [`variadic`].
 
 use super::effects::{give, seen};
+use super::profile::{Keys, Points};
 use super::props::name_of;
 use super::session::tell_changes;
 use super::spec::Owner;
@@ -170,6 +171,11 @@ fn read(param: ParamHandle, time: f64, [first, second]: [*mut c_void; 2]) -> Sta
             Held::Int(value) => give(first.cast::<c_int>(), value),
             Held::Double(value) => give(first.cast::<f64>(), value),
             Held::Point([x, y]) => {
+                let behind = first.cast::<f64>().wrapping_add(1);
+                if world.profile.points == Points::InARow && second.cast() != behind {
+                    return world
+                        .fault("the places for a point's numbers do not lie in a row: this host writes beside them");
+                }
                 give(first.cast::<f64>(), x);
                 give(second.cast::<f64>(), y);
             }
@@ -270,6 +276,9 @@ unsafe extern "C" fn set_value_at_time(param: ParamHandle, time: f64, whole: usi
 fn keys<R>(param: ParamHandle, work: impl FnOnce(&mut World, usize) -> (R, Status), none: R) -> (R, Status) {
     with(|world| {
         let handle = param.0 as usize;
+        if world.profile.keys == Keys::Fatal {
+            return (none, world.fault("keys were asked for: this host ends the program then"));
+        }
         if world.params.contains_key(&handle) {
             work(world, handle)
         } else {

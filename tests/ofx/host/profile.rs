@@ -15,6 +15,28 @@ pub(crate) enum Regions {
     Pixels,
     /// It answers OK and writes nothing.
     Unwritten,
+    /// It does not say.
+    Refused,
+    /// Everywhere: Natron's generators, and whatever follows them.
+    Endless,
+}
+
+/// What a host knows of keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keys {
+    /// All there is to know.
+    Known,
+    /// It ends the program when asked.
+    Fatal,
+}
+
+/// Where a host writes the two numbers of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Points {
+    /// Each at its place.
+    Apart,
+    /// The second one behind the first, whatever place was given for it.
+    InARow,
 }
 
 /// What a host answers when asked for a clip that is not there.
@@ -46,6 +68,10 @@ pub(crate) struct Profile {
     pub(crate) rows: Rows,
     pub(crate) regions: Regions,
     pub(crate) no_clip: NoClip,
+    pub(crate) keys: Keys,
+    pub(crate) points: Points,
+    /// Ints that it tells all at once only; one alone is answered with OK, and not written.
+    pub(crate) untold_alone: &'static [&'static CStr],
     /// It tells the plugin at once of what the plugin itself changes.
     pub(crate) echoes: bool,
     pub(crate) overlays: i32,
@@ -64,6 +90,9 @@ pub(crate) const BOOK: Profile = Profile {
     rows: Rows::Padded,
     regions: Regions::Canonical,
     no_clip: NoClip::Refused,
+    keys: Keys::Known,
+    points: Points::Apart,
+    untold_alone: &[],
     echoes: true,
     overlays: 1,
 };
@@ -128,7 +157,8 @@ pub(crate) const MLT: Profile = Profile {
 /// MLT before 7.40, which left regions unwritten.
 pub(crate) const OLD_MLT: Profile = Profile { regions: Regions::Unwritten, ..MLT };
 
-/// Natron: everything, and its own 1.4.
+/// Natron, on the HostSupport library of the OpenFX project: everything of 1.4; overlays by OpenGL. Its sources may be
+/// endless, and a region that is large and has an end is taken at its word.
 pub(crate) const NATRON: Profile = Profile {
     name: "fr.inria.Natron",
     api: Some([1, 4]),
@@ -160,20 +190,39 @@ pub(crate) const NUKE: Profile = Profile {
     ..BOOK
 };
 
-/// openfx-runner, a scripted host: it ends the program when asked for version 2 of the message suite.
+/// openfx-runner, a scripted host, `src/main.rs` and `src/suite_impls.rs`: it speaks 1.4 and ends the program when asked for
+/// version 2 of a suite, or for keys; parameters say nothing of whether they are animated.
 pub(crate) const RUNNER: Profile = Profile {
     name: "openfx-driver",
-    api: None,
+    api: Some([1, 4]),
     sets_host: false,
     suites: &[(names::MESSAGE_SUITE, 1), (names::MEMORY_SUITE, 1)],
-    fatal: &[(names::MESSAGE_SUITE, 2)],
-    refuses: &[prop::API_VERSION],
+    fatal: &[(names::MESSAGE_SUITE, 2), (names::PROPERTY_SUITE, 2), (names::PARAMETER_SUITE, 2)],
+    refuses: &[param::IS_ANIMATING, image::PROJECT_PIXEL_ASPECT],
     context: image::CONTEXT_FILTER,
     rows: Rows::Up,
+    keys: Keys::Fatal,
+    echoes: false,
+    overlays: 0,
+    ..BOOK
+};
+
+/// pyofx, a host in Python: its functions take a fixed number of arguments, so a point's numbers go where the first belongs;
+/// windows are kept as doubles, which a question for one int leaves unwritten; it knows no regions, and no clip is null.
+pub(crate) const PYOFX: Profile = Profile {
+    name: "pyOfx",
+    api: Some([1, 4]),
+    sets_host: false,
+    suites: &[(names::MESSAGE_SUITE, 1), (names::MESSAGE_SUITE, 2), (names::MEMORY_SUITE, 1)],
+    rows: Rows::Up,
+    regions: Regions::Refused,
+    no_clip: NoClip::Null,
+    points: Points::InARow,
+    untold_alone: &[image::RENDER_WINDOW],
     echoes: false,
     overlays: 0,
     ..BOOK
 };
 
 /// All of them.
-pub(crate) const ALL: &[&Profile] = &[&BOOK, &BARE, &MLT, &OLD_MLT, &NATRON, &RESOLVE, &NUKE, &RUNNER];
+pub(crate) const ALL: &[&Profile] = &[&BOOK, &BARE, &MLT, &OLD_MLT, &NATRON, &RESOLVE, &NUKE, &RUNNER, &PYOFX];

@@ -2,11 +2,17 @@
 
 use super::spec::{Owner, Type, of_param, spec};
 use super::world::{Value, World, with};
+use pinwarp::ofx::api::names::param;
 use pinwarp::ofx::api::{PropertySet, PropertySuiteV1, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 /// The table of functions. What fetches or sets several values at once is left out, as it may be.
-pub(crate) static SUITE: PropertySuiteV1 = PropertySuiteV1 {
+pub(crate) static SUITE: PropertySuiteV1 = ONE_BY_ONE;
+
+/// The same for hosts that tell some values all at once only.
+pub(crate) static SUITE_OF_MANY: PropertySuiteV1 = PropertySuiteV1 { get_int_n: Some(get_int_n), ..ONE_BY_ONE };
+
+const ONE_BY_ONE: PropertySuiteV1 = PropertySuiteV1 {
     set_pointer: Some(set_pointer),
     set_string: Some(set_string),
     set_double: Some(set_double),
@@ -88,6 +94,10 @@ fn get(set: PropertySet, name: *const c_char, index: c_int, wanted: Type) -> Res
     with(|world| {
         let set = set.0 as usize;
         let index = checked(world, set, &name, index, wanted)?;
+        if name.as_c_str() == param::IS_ANIMATING {
+            let has_keys = world.params.values().any(|param| param.set == set && !param.keys.is_empty());
+            return Ok(Value::Int(has_keys.into()));
+        }
         let Some(values) = world.sets[&set].values.get(&name) else { return Err(Status::ERR_UNKNOWN) };
         values.get(index).cloned().ok_or(Status::ERR_BAD_INDEX)
     })
@@ -148,11 +158,25 @@ unsafe extern "C" fn get_double(from: PropertySet, name: *const c_char, index: c
 }
 
 unsafe extern "C" fn get_int(from: PropertySet, name: *const c_char, index: c_int, to: *mut c_int) -> Status {
+    if with(|world| world.profile.untold_alone.contains(&name_of(name).as_c_str())) {
+        return Status::OK;
+    }
     match get(from, name, index, Type::Int) {
         Ok(Value::Int(value)) => answer(to, value),
         Ok(_) => Status::ERR_VALUE,
         Err(status) => status,
     }
+}
+
+unsafe extern "C" fn get_int_n(from: PropertySet, name: *const c_char, count: c_int, to: *mut c_int) -> Status {
+    for index in 0..count {
+        match get(from, name, index, Type::Int) {
+            Ok(Value::Int(value)) => answer(to.wrapping_add(index as usize), value),
+            Ok(_) => return Status::ERR_VALUE,
+            Err(status) => return status,
+        };
+    }
+    Status::OK
 }
 
 unsafe extern "C" fn get_dimension(from: PropertySet, name: *const c_char, to: *mut c_int) -> Status {

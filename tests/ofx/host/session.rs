@@ -368,7 +368,15 @@ impl Host {
         })
     }
 
-    /// Texts of a property of the descriptor, or of a parameter or clip of it.
+    /// A property of a parameter of the descriptor.
+    pub(crate) fn described_of(&self, id: &str, name: &CStr) -> Vec<Value> {
+        with(|world| {
+            let set = world.params[&param_of(world, Node(self.descriptor), id)].set;
+            world.sets[&set].values.get(name).cloned().unwrap_or_default()
+        })
+    }
+
+    /// Texts of a property of the descriptor.
     pub(crate) fn described(&self, name: &CStr) -> Vec<String> {
         with(|world| world.texts(world.effects[&self.descriptor].set, name))
     }
