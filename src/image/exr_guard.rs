@@ -26,13 +26,45 @@ pub(super) fn read_head(path: &Path) -> Result<MetaData, ImageError> {
     MetaData::read_from_file(path, false).map_err(|failed| read_error(path, failed))
 }
 
-/// One wrong byte in the head may promise a picture of petabytes: asks for the memory before the reader takes it.
+/// One wrong byte in the head may promise a picture of petabytes: nothing is believed that such a file cannot hold, and the
+/// memory is asked for before the reader takes it.
 fn check_size(path: &Path, head: &MetaData) -> Result<(), ImageError> {
-    let part_bytes = head.headers.iter().map(|header| {
+    let parts = head.headers.iter().map(|header| {
         let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
-        pixels * header.channels.bytes_per_pixel as u128
+        (pixels * header.channels.bytes_per_pixel as u128, best_ratio(header.compression))
     });
-    check_memory(path, part_bytes.sum())
+    let (bytes, ratio) = parts.fold((0, 1), |(sum, best), (bytes, ratio)| (sum + bytes, ratio.max(best)));
+    check_promise(path, bytes, ratio)?;
+    check_memory(path, bytes)
+}
+
+/// Bytes of pixels that a byte of a chunk becomes at the very best.
+fn best_ratio(compression: Compression) -> u128 {
+    match compression {
+        // Subsampled channels, refused later, are counted four times.
+        Compression::Uncompressed => 4,
+        // 128 equal bytes in two.
+        Compression::RLE => 64,
+        // 4 x 4 equal halves in three bytes.
+        Compression::B44 | Compression::B44A => 11,
+        // Deflate: 1032, as M. Adler, "zlib technical details", says. PIZ: 255 equal halves in ten bits.
+        Compression::ZIP1 | Compression::ZIP16 | Compression::PXR24 | Compression::PIZ => 1100,
+        // Runs of 64 zeros in two bytes, and those deflated.
+        _ => 70_000,
+    }
+}
+
+/// What files may promise whatever their length: heads count too.
+const SMALL: u128 = 1 << 24;
+
+/// Whether a file of that length can hold so many bytes of pixels, where a byte becomes `ratio` at the very best.
+pub(super) fn check_promise(path: &Path, bytes: u128, ratio: u128) -> Result<(), ImageError> {
+    let length = std::fs::metadata(path).map_err(|source| ImageError::reading(path, source))?.len();
+    if bytes <= SMALL + ratio * u128::from(length) {
+        return Ok(());
+    }
+    let what = format!("its head promises {} MB of pixels, more than {length} bytes can hold", bytes / 1_000_000);
+    Err(ImageError::damaged(path, what))
 }
 
 /// Whether there is room for so many bytes of pixels.
@@ -41,7 +73,7 @@ pub(super) fn check_memory(path: &Path, bytes: u128) -> Result<(), ImageError> {
     if is_there_memory {
         return Ok(());
     }
-    let what = format!("its head promises {} GB of pixels, more than this machine can hold", bytes / 1_000_000_000);
+    let what = format!("its head promises {} MB of pixels, more than this machine can hold", bytes / 1_000_000);
     Err(ImageError::damaged(path, what))
 }
 

@@ -4,6 +4,9 @@
 
 use super::{HandlePin, PointPin, Problem, Region, Shape, SolveError};
 
+/// Largest coordinate: products of four stay numbers.
+const FURTHEST: f64 = 1e50;
+
 /// Checks grid, shape, pins and handles.
 pub(crate) fn problem<const D: usize>(problem: &Problem<D>) -> Result<(), SolveError> {
     problem.grid.check()?;
@@ -34,10 +37,10 @@ pub(crate) fn problem<const D: usize>(problem: &Problem<D>) -> Result<(), SolveE
 }
 
 fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
-    if let Some(bad) = shape.points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+    if let Some(bad) = shape.points.iter().position(|point| !are_places(point)) {
         return Err(invalid(
             format!("vertex {bad} of the shape is {:?}", shape.points[bad]),
-            "remove vertices that are not numbers".into(),
+            "remove vertices that are no numbers, or far out of reach".into(),
         ));
     }
     let count = shape.points.len();
@@ -130,10 +133,14 @@ fn same_count(known: usize, given: usize, what: &str) -> Result<(), SolveError> 
 }
 
 fn finite<const D: usize>(values: &[f64; D], what: impl Fn() -> String) -> Result<(), SolveError> {
-    if values.iter().all(|x| x.is_finite()) {
+    if are_places(values) {
         return Ok(());
     }
-    Err(invalid(format!("{} is {values:?}", what()), "use finite numbers".into()))
+    Err(invalid(format!("{} is {values:?}", what()), "use finite numbers up to 1e50".into()))
+}
+
+fn are_places<const D: usize>(values: &[f64; D]) -> bool {
+    values.iter().all(|x| x.abs() <= FURTHEST)
 }
 
 fn invalid(what: String, hint: String) -> SolveError {

@@ -34,6 +34,9 @@ const KEYS: [&str; 18] = [
     "iterations",
 ];
 
+/// More iterations than anybody waits for.
+const MOST_ITERATIONS: usize = 100_000;
+
 /// A problem file.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct ProblemFile {
@@ -216,6 +219,10 @@ impl ProblemFile {
             };
         }
         if let Some(iterations) = self.iterations {
+            if iterations > MOST_ITERATIONS {
+                let hint = format!("give at most {MOST_ITERATIONS}");
+                return Err(ProblemError::key("iterations", format!("is {iterations}"), hint));
+            }
             settings.iteration_limit = iterations;
             settings.acceleration = 0;
             settings.tolerance = -1.0;
