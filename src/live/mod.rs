@@ -36,7 +36,7 @@ pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
 pub use render::{Piece, Render, render, render_pieces};
 pub use shape::{Coverage, OwnPins, Shape, ShotShape};
 pub use solve::{last_of_alpha, warp};
-pub use stmap::{StMap, save_stmap, stmap};
+pub use stmap::{StMap, StMapFile, check_stmap_path, save_stmap, stmap};
 pub use warp::{GridLine, PinPlace, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
 

@@ -17,6 +17,14 @@ const KEPT: usize = 4096;
 /// Samples around a picture's edge that its filter may spread to, in pixels of the result.
 const SOFT_EDGE: u32 = 3;
 
+/// Samples on each side that a filter reads where little is squeezed.
+const WIDEST: u32 = 8;
+
+/// Where pixels are looked at one by one: the frame and as much again on every side. Hosts ask for "everywhere", too.
+fn around(frame: FrameSize) -> PixelRect {
+    frame.window().grown(frame.width.max(frame.height))
+}
+
 static REGIONS: LazyLock<Cache<PixelRect>> = LazyLock::new(|| Cache::new(KEPT, |_| 1));
 
 /// Lets go of what was computed.
@@ -34,8 +42,10 @@ impl Warp {
         }
         let key = self.region_key((0, frame), window);
         let found = REGIONS.get(key, || {
-            let seen = self.field.warped_window(frame, window);
-            Ok::<_, LiveError>(if seen.area() == 0 { seen } else { seen.grown(SOFT_EDGE) })
+            let near = window.intersection(around(frame));
+            let seen = if near.area() == 0 { near } else { self.field.warped_window(frame, near) };
+            let seen = if seen.area() == 0 { seen } else { seen.grown(SOFT_EDGE) };
+            Ok::<_, LiveError>(if near == window { seen } else { seen.union(self.carried(frame, window)) })
         });
         found.map_or(window, |found| *found)
     }
@@ -48,13 +58,21 @@ impl Warp {
             return window;
         }
         let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
-            let reaches = Page::all_of(window).into_iter().filter_map(|page| {
+            let near = window.intersection(around(frame));
+            let reaches = Page::all_of(near).into_iter().filter_map(|page| {
                 let map = page.map(self, frame);
-                reach(&map, page.window().intersection(window), filter)
+                reach(&map, page.window().intersection(near), filter)
             });
-            Ok::<_, LiveError>(reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect))
+            let read = reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect);
+            Ok::<_, LiveError>(if near == window { read } else { read.union(self.carried(frame, window)) })
         });
         found.map_or(window, |found| *found)
+    }
+
+    /// A window and all around it that a pixel can go: far from the frame nobody looks closer.
+    fn carried(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
+        let most = self.field.reach() * f64::from(frame.height) / frame.pixel_aspect.min(1.0);
+        window.grown((most.ceil().clamp(0.0, 1e5) as u32).saturating_add(WIDEST))
     }
 
     fn region_key(&self, (question, frame): (u64, FrameSize), window: PixelRect) -> Key {

@@ -5,6 +5,7 @@
 use super::LiveError;
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
+use crate::scene::files_beside;
 use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
 use std::path::{Path, PathBuf};
@@ -79,8 +80,10 @@ impl Shape<'_> {
             Self::Shot(shot) => {
                 key.word(2);
                 write_file(&mut key, &shot.path);
-                if let Some(scene) = read(&shot.path)?.scene() {
-                    write_file(&mut key, scene);
+                let read = read(&shot.path)?;
+                read.files().for_each(|path| write_file(&mut key, path));
+                if let Some(scene) = read.scene() {
+                    beside(scene)?.iter().for_each(|path| write_file(&mut key, path));
                 }
                 for name in [&shot.camera, &shot.layer] {
                     key.word(name.is_some().into()).text(name.as_deref().unwrap_or_default());
@@ -103,6 +106,14 @@ pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
     let mut key = KeyWriter::new();
     write_file(&mut key, path);
     SHOTS.get(key.finish(), || Ok(Shot::read(path)?))
+}
+
+/// The buffers and images of a scene, looked up once for as long as its file stays the same.
+fn beside(scene: &Path) -> Result<Arc<Vec<PathBuf>>, LiveError> {
+    static BESIDE: LazyLock<Cache<Vec<PathBuf>>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+    let mut key = KeyWriter::new();
+    write_file(&mut key, scene);
+    BESIDE.get(key.finish(), || Ok(files_beside(scene)?))
 }
 
 /// A file by its path, time and length: one that was saved again is another one, a missing one has neither.

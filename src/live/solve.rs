@@ -7,7 +7,7 @@ use super::base::{Base, Goals, driven_layer};
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
 use super::warp::PinPlace;
-use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, Warp, shape};
+use super::{Basis, Controls, LiveError, Moved, OwnPins, Shape, ShotShape, Warp, shape};
 use crate::pipeline::{LayerTask, Pinned, Prepared, Setup};
 use crate::plate::Field;
 use crate::shot::{FrameRange, Layer};
@@ -16,18 +16,23 @@ use std::sync::{Arc, LazyLock};
 
 /// Scenes kept; those of shots may be large.
 const KEPT_BASES: usize = 8;
-/// Prefactored solvers kept: about 2 MB each at 10 x 10 handles.
-const KEPT_SOLVERS: usize = 64;
+/// Bytes of prefactored solvers that are kept: about 64 of 10 x 10 handles.
+const KEPT_BYTES: usize = 1 << 27;
+/// What a solver holds for a handle and each of those that it shares a sample with: 2 MB at 10 x 10 handles of B-splines,
+/// measured.
+const PAIR_BYTES: usize = 1250;
+/// Last warps over alphas that are kept.
+const KEPT_SHOWN: usize = 64;
 /// Solved warps kept: a few KB each.
 const KEPT_WARPS: usize = 4096;
 /// Sets of pins kept that were cast onto a surface.
 const KEPT_CASTS: usize = 256;
 
 static BASES: LazyLock<Cache<Base>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
-static SOLVERS: LazyLock<Cache<Ready>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
+static SOLVERS: LazyLock<Cache<Ready>> = LazyLock::new(|| Cache::new(KEPT_BYTES, Ready::bytes));
 static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_| 1));
 /// The last warp over a picture's alpha, by the controls alone.
-static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SOLVERS, |_| 1));
+static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SHOWN, |_| 1));
 static CASTS: LazyLock<Cache<Vec<Option<Pinned>>>> = LazyLock::new(|| Cache::new(KEPT_CASTS, |_| 1));
 
 /// Lets go of what was computed, but not of the few warps that handles are drawn with: without a render they cannot be
@@ -45,6 +50,23 @@ struct Ready {
     /// `None`: nothing of the layer is in reach.
     prepared: Option<Prepared>,
     warnings: Vec<String>,
+}
+
+impl Ready {
+    /// What it weighs, about.
+    fn bytes(&self) -> usize {
+        let Some(prepared) = &self.prepared else { return 1 };
+        let grid = prepared.grid();
+        let handles = grid.handle_count();
+        // Handles that a sample hangs on.
+        let shared = match grid.basis {
+            Basis::Bspline => 16,
+            Basis::Bilinear => 4,
+            Basis::Barytri => 3,
+            Basis::Bernstein => handles,
+        };
+        handles * shared * PAIR_BYTES
+    }
 }
 
 /// The warp of a picture that is `frame` in size: what was solved for the same content is not solved again.
@@ -238,5 +260,28 @@ impl Task<'_> {
             _ => Field::of_layer(lattice.clone()),
         };
         Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, key })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::live::Pin;
+
+    #[test]
+    fn large_solvers_weigh_more_and_few_of_them_are_kept() {
+        let frame = FrameSize::new(160, 90);
+        let pin = Pin::new(ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.6, 0.5));
+        let weight = |dims, basis| {
+            let controls = Controls { dims, basis, pins: vec![pin], ..Controls::default() };
+            let base = Base::of(&Shape::Frame, frame).expect("a card");
+            let setup = base.setup.as_ref().expect("a card");
+            let task = Task { setup, index: 0, controls: &controls, shape: &Shape::Frame };
+            task.prepare(KeyWriter::new().finish()).expect("fits").bytes()
+        };
+        let small = weight([10, 10], Basis::Bspline);
+        assert_eq!((small, KEPT_BYTES / small), (2_000_000, 67));
+        assert_eq!(weight([20, 30], Basis::Bspline), 6 * small);
+        assert!(weight([10, 10], Basis::Bernstein) > 6 * small);
     }
 }

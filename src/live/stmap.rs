@@ -4,7 +4,7 @@
 
 use super::Warp;
 use super::pages::Page;
-use crate::image::{Compression, FrameMetadata, ImageError, write_exr};
+use crate::image::{Compression, FrameMetadata, ImageError, Plate, Storage, read_any_head, write_exr};
 use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
 use std::path::Path;
@@ -32,21 +32,53 @@ pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
     StMap { window, u, v, coverage }
 }
 
-/// Writes the STMap of a whole frame as a 32-bit EXR; beside the path the number of the frame.
+/// Where an STMap goes, and what its file says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct StMapFile<'a> {
+    /// The file, an EXR.
+    pub path: &'a Path,
+    /// Number of the frame.
+    pub frame: i32,
+    /// Frames a second.
+    pub rate: f64,
+}
+
+/// Whether an STMap may be written there: where nothing is, or a map that this program has written.
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be written.
-pub fn save_stmap(warp: &Warp, size: FrameSize, (path, frame): (&Path, i32)) -> Result<(), ImageError> {
+/// [`ImageError::Frame`] where another file lies there.
+pub fn check_stmap_path(path: &Path) -> Result<(), ImageError> {
+    if !path.exists() || read_any_head(path).is_ok_and(|head| is_own_stmap(&head)) {
+        return Ok(());
+    }
+    let what = "it is there already and no STMap of this program; move it, or write elsewhere".to_owned();
+    Err(ImageError::Frame { path: path.to_owned(), what })
+}
+
+/// Renders of ours have colour in halves.
+fn is_own_stmap(head: &Plate) -> bool {
+    let [part] = &head.parts[..] else { return false };
+    let is_map =
+        ["R", "G", "B", "A"].iter().all(|name| part.channel(name).is_some_and(|one| one.storage == Storage::Float));
+    head.is_own_render() && part.channels.len() == 4 && is_map
+}
+
+/// Writes the STMap of a whole frame as a 32-bit EXR, over nothing but another such map.
+///
+/// # Errors
+/// [`ImageError`] as [`check_stmap_path`] gives, and where the file cannot be written.
+pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile) -> Result<(), ImageError> {
+    check_stmap_path(file.path)?;
     let map = WarpMap::backward(&warp.field, size, size.window());
     let metadata = FrameMetadata {
-        frame,
-        frames_per_second: 24.0,
+        frame: file.frame,
+        frames_per_second: file.rate,
         shot_hash: String::new(),
         device: "CPU".into(),
         camera: None,
         mattes: Default::default(),
     };
-    write_exr(path, &stmap_of(&map), &metadata, Compression::Zip)
+    write_exr(file.path, &stmap_of(&map), &metadata, Compression::Zip)
 }
 
 /// Where the pixels of a window come from.

@@ -11,7 +11,7 @@ use super::params::{PINS, pin_id};
 use super::render::fetched;
 use super::settings::{BASES, Moment, ShapeChoice, settings_of};
 use crate::image::SequencePath;
-use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, Subject, WriteShot};
+use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, StMapFile, Subject, WriteShot};
 use std::path::{Path, PathBuf};
 
 /// Frames over which keys and maps are written at most: a host's "for ever" ends there.
@@ -75,7 +75,6 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     let settings = settings_of(call, moment.time, canvas)?;
     let offset = moment.int("frameOffset");
     let tracks: Vec<PinTrack> = settings.pins.iter().map(|pin| track(moment, canvas, *pin)).collect();
-    let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
     let layer = moment.text("layer");
     let file = if settings.shape == ShapeChoice::Alpha { "picture.exr" } else { "plate.####.exr" };
     let picture = path.with_file_name(file);
@@ -91,11 +90,17 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         new: NewShot {
             subject,
             frames: frames(call, moment.time).map(|frame| frame.saturating_add(offset)),
-            rate: source.and_then(|props| props.double(image::FRAME_RATE)).filter(|rate| *rate > 0.0).unwrap_or(24.0),
+            rate: rate(call),
             size: canvas.frame,
         },
     })?;
     Ok(format!("wrote {} pins to {}", tracks.len(), path.display()))
+}
+
+/// Frames a second of the source.
+fn rate(call: Call) -> f64 {
+    let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
+    source.and_then(|props| props.double(image::FRAME_RATE)).filter(|rate| *rate > 0.0).unwrap_or(24.0)
 }
 
 /// First and last frame of the source, or the frame that is shown.
@@ -120,6 +125,7 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
     let pattern = SequencePath::parse(Path::new(&pattern))?;
     let [first, last] = frames(call, moment.time);
     pattern.check_frame_count((last - first + 1) as usize)?;
+    (first..=last).try_for_each(|frame| live::check_stmap_path(&pattern.path_of(frame)))?;
     for frame in first..=last {
         if call.effect.is_aborted() {
             return Err(Fault::Aborted);
@@ -129,7 +135,8 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
         let is_of_alpha = settings.shape == ShapeChoice::Alpha;
         let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, canvas)? } else { None };
         let warp = settings.warp(canvas, source.as_ref().and_then(OwnedPicture::coverage))?;
-        live::save_stmap(&warp, canvas.frame, (&pattern.path_of(frame), frame))?;
+        let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
+        live::save_stmap(&warp, canvas.frame, file)?;
     }
     Ok(format!("wrote {} STMaps", last - first + 1))
 }

@@ -5,7 +5,6 @@
 use super::{Existing, PipelineError, Setup};
 use crate::image::{SequencePath, read_metadata};
 use crate::plate::Holes;
-use crate::shot::Source;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -95,14 +94,7 @@ impl Setup {
     /// All files that the shot reads: scene and what lies beside it, pictures, plates, clean plates, lattices.
     pub(crate) fn inputs(&self) -> Result<Inputs, PipelineError> {
         let mut inputs = Inputs::default();
-        let drawn = match &self.shot.source {
-            Source::Scene(scene) => std::slice::from_ref(scene),
-            Source::Images(images) => images,
-            Source::Frame => &[],
-        };
-        let lattices =
-            self.shot.layers.iter().filter_map(|layer| layer.transfer.as_ref()).map(|transfer| &transfer.file);
-        let files = drawn.iter().chain(lattices).chain(&self.scene.files_beside).chain([&self.shot.path]);
+        let files = self.shot.files().chain(&self.scene.files_beside).chain([&self.shot.path]);
         files.for_each(|path| inputs.add(path));
         let clean = if let Holes::Plate(clean) = &self.shot.warp.holes { Some(clean) } else { None };
         for pattern in self.shot.plate.iter().chain(clean) {

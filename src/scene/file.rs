@@ -40,12 +40,17 @@ impl File {
             bytes.truncate(range.end);
             bytes.split_off(range.start)
         });
-        let mut file = Self { path: path.to_owned(), root, buffers: Vec::new() };
+        let mut file = Self::unresolved(path, root);
         for index in 0..file.root.buffers.len() {
             let resolved = file.resolve_buffer(index, &mut chunk)?;
             file.buffers.push(resolved);
         }
         Ok(file)
+    }
+
+    /// The JSON alone.
+    pub(super) fn unresolved(path: &Path, root: Root) -> Self {
+        Self { path: path.to_owned(), root, buffers: Vec::new() }
     }
 
     /// The buffers of the JSON, in its order.

@@ -6,7 +6,7 @@
 use super::file::File;
 use super::nodes::References;
 use super::{Mesh, Primitive, Scene, SceneError, animation, json, material, mesh, nodes, skin};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Loads a glTF 2.0 file with all buffers and images it refers to.
 ///
@@ -32,6 +32,16 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     }
     scene.warnings = warnings;
     Ok(scene)
+}
+
+/// The files that buffers and images of a glTF file lead to, which [`load`] reads, too.
+///
+/// # Errors
+/// [`SceneError`] where the file itself cannot be read.
+pub fn files_beside(path: &Path) -> Result<Vec<PathBuf>, SceneError> {
+    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    let parsed = json::parse(path, &bytes, &mut Vec::new())?;
+    Ok(File::unresolved(path, parsed.root).beside())
 }
 
 fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {

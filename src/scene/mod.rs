@@ -27,7 +27,7 @@ mod texture;
 pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;
-pub use load::load;
+pub use load::{files_beside, load};
 pub use look::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
 pub use pack::{Packed, pack};
 pub use pictures::{Picture, picture_cards};

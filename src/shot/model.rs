@@ -59,6 +59,16 @@ impl Shot {
             Source::Images(_) | Source::Frame => None,
         }
     }
+
+    /// The files that it names, but for sequences: scene or pictures, and lattices from elsewhere.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        let drawn = match &self.source {
+            Source::Scene(scene) => std::slice::from_ref(scene),
+            Source::Images(images) => images,
+            Source::Frame => &[],
+        };
+        drawn.iter().chain(self.layers.iter().filter_map(|layer| Some(&layer.transfer.as_ref()?.file)))
+    }
 }
 
 /// What the lattices of a shot are laid over.

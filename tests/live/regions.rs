@@ -1,7 +1,8 @@
 //! Regions hold what is drawn and what is read; STMaps are those of the engine.
 
 use crate::support::{WIDE, bent, job, noise, picture};
-use pinwarp::live::{Alpha, Render, render, stmap};
+use pinwarp::image::{Compression, Frame, Storage};
+use pinwarp::live::{Alpha, Render, StMapFile, render, save_stmap, stmap};
 use pinwarp::plate::{Filter, WarpMap, stmap_of};
 use pinwarp::space::PixelRect;
 
@@ -24,6 +25,41 @@ fn everything_drawn_lies_in_the_destination() {
             }
         }
     }
+}
+
+#[test]
+fn endless_regions_are_answered_at_once() {
+    let warp = bent();
+    let begun = std::time::Instant::now();
+    for (k, side) in [1_000_000_u32, 2_000_000].into_iter().enumerate() {
+        let half = side as i32 / 2;
+        let endless = PixelRect { x: -half, y: -half, width: side, height: side };
+        let holds = |region: PixelRect| region.intersection(endless) == endless;
+        assert!(holds(warp.destination_of(endless, WIDE)) && holds(warp.source_of(endless, WIDE, FILTERS[k])));
+        // Far away nothing moves further than anywhere.
+        let far = PixelRect { x: half / 2, y: 0, ..endless };
+        let read = warp.source_of(far, WIDE, Filter::Ewa);
+        assert!(read.intersection(far) == far && read.x > far.x - 1000, "{read:?}");
+    }
+    assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
+}
+
+#[test]
+fn stmaps_are_written_over_stmaps_alone() {
+    let (warp, folder) = (bent(), tempfile::tempdir().expect("a folder"));
+    let path = folder.path().join("map.exr");
+    let file = StMapFile { path: &path, frame: 7, rate: 25.0 };
+    save_stmap(&warp, WIDE, file).expect("written");
+    save_stmap(&warp, WIDE, file).expect("written again");
+    let told = pinwarp::image::read_metadata(&path).expect("readable").expect("ours");
+    assert_eq!((told.frame, told.frames_per_second), (7, 25.0));
+    let render = Frame::blank(WIDE.window(), WIDE.window(), &["R", "G", "B", "A"].map(|name| (name, Storage::Half)));
+    pinwarp::image::write_exr(&path, &render, &told, Compression::Zip).expect("written");
+    let refused = save_stmap(&warp, WIDE, file).expect_err("a render");
+    assert!(refused.to_string().contains("no STMap of this program"), "{refused}");
+    std::fs::write(&path, b"my notes").expect("written");
+    save_stmap(&warp, WIDE, file).expect_err("notes");
+    assert_eq!(std::fs::read(&path).expect("there"), b"my notes");
 }
 
 #[test]

@@ -70,6 +70,33 @@ fn pins_beside_the_model_stay_on_the_screen() {
     assert!(warp.warnings.iter().any(|warning| warning.contains("pin 1: there is no surface")), "{:?}", warp.warnings);
 }
 
+/// A triangle whose points lie in a file beside the scene.
+const BESIDE: &str = r#"{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+  "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }], "buffers": [{ "byteLength": 36, "uri": "points.bin" }],
+  "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+  "accessors": [{ "bufferView": 0, "type": "VEC3", "componentType": 5126, "count": 3 }] }"#;
+
+#[test]
+fn a_buffer_that_is_saved_again_is_read_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let save = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("written");
+    let points = |width: f32| [0.0, 0.0, 0.0, width, 0.0, 0.0, 0.0, 1.0, 0.0_f32].map(f32::to_le_bytes).concat();
+    save("scene.gltf", BESIDE.as_bytes());
+    save("shot.toml", b"version = 1\nscene = \"scene.gltf\"\nframes = { first = 1, last = 1 }\nsize = [1280, 720]\n");
+    let shape = ShotShape { path: folder.path().join("shot.toml"), layer: None, ..legs(1.0) };
+    let width = || {
+        let live = warp(&Controls::default(), &Shape::Shot(shape.clone()), SIZE).expect("solves");
+        let grid = &live.lattice.as_ref().expect("a lattice").grid;
+        grid.size(0) / grid.size(1)
+    };
+    save("points.bin", &points(1.0));
+    let before = width();
+    assert_eq!(before, width());
+    // Longer than what is read: its length tells where its time does not.
+    save("points.bin", &[points(0.25), vec![0; 4]].concat());
+    assert!(width() < 0.6 * before, "{} of {before}", width());
+}
+
 #[test]
 fn shots_that_do_not_fit_are_refused() {
     let of = |shape: ShotShape, size| warp(&Controls::default(), &Shape::Shot(shape), size).expect_err("a fault");
