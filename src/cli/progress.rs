@@ -1,6 +1,7 @@
 //! Tells a render's events: a progress bar on a terminal, plain lines elsewhere, JSON lines on request.
 
 use crate::pipeline::{Event, Summary, WarpEvent, WarpSummary};
+use crate::plate::Holes;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -17,6 +18,8 @@ pub(super) struct Teller {
     is_json: bool,
     bar: ProgressBar,
     begun: Instant,
+    /// Of a warp: what fills holes.
+    holes: Holes,
     told: Mutex<BTreeMap<String, usize>>,
 }
 
@@ -27,7 +30,12 @@ impl Teller {
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self { is_json, bar, begun: Instant::now(), told: Mutex::default() }
+        Self { is_json, bar, begun: Instant::now(), holes: Holes::Leave, told: Mutex::default() }
+    }
+
+    /// The same for a warp whose holes something fills.
+    pub(super) fn of_holes(self, holes: &Holes) -> Self {
+        Self { holes: holes.clone(), ..self }
     }
 
     /// Tells one event of a render.
@@ -53,7 +61,7 @@ impl Teller {
             WarpEvent::Note { text } => self.line(&format!("note: {text}")),
             WarpEvent::Started { frames, kept } => self.started(*frames, "", *kept),
             WarpEvent::FrameDone(report) => {
-                let found = findings(report.hole_pixels, report.contained_samples);
+                let found = findings(&self.holes, report.hole_pixels, report.contained_samples);
                 let warnings: Vec<String> = report.warnings.iter().cloned().chain(found).collect();
                 self.frame_done(report.frame, &report.path, &warnings);
                 for channel in &report.channels {
@@ -157,7 +165,8 @@ impl Totals {
 }
 
 /// Counts of a warped frame that are worth a word.
-fn findings(hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
+fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
+    let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
     let holes = format!("{hole_pixels} pixels that a layer uncovered are empty; fill them by --clean or `holes`");
     let contained = format!("{contained_samples} samples are no finite numbers; they were contained");
     [(hole_pixels, holes), (contained_samples, contained)]
@@ -182,6 +191,13 @@ fn kind_of(warning: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn holes_that_are_filled_are_not_told() {
+        let told = |fill: &Holes| findings(fill, 7, 0).collect::<Vec<_>>();
+        assert!(told(&Holes::Leave)[0].starts_with("7 pixels"), "{:?}", told(&Holes::Leave));
+        assert_eq!((told(&Holes::Geometry), findings(&Holes::Geometry, 7, 2).count()), (Vec::new(), 1));
+    }
 
     #[test]
     fn warnings_that_differ_in_numbers_are_of_one_kind() {

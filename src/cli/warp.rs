@@ -31,7 +31,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         device: args.device.clone(),
     };
     let cancel = cancel_on_interrupt()?;
-    let teller = Teller::new(args.json);
+    let teller = Teller::new(args.json).of_holes(&job.rules.holes);
     let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })

@@ -337,7 +337,9 @@ fn a_matted_thing_moves_before_the_rest() {
     assert!(moved.first().is_some_and(|&first| first > 30), "{moved:?}");
     assert_eq!(columns(&path, "A", |alpha| alpha == 0.0).len(), 4, "what it leaves is empty");
     let filled = "warp --shot shot.toml --frames 2 --clean in/b.0001.exr -o out/f.####.exr";
-    bench.run(filled).says(0, &[]);
+    let ended = bench.run(filled).says(0, &[]);
+    assert!(!ended.stderr.contains("fill them"), "{}", ended.stderr);
+    bench.run("warp --shot shot.toml --frames 2 -o out/e.####.exr").says(0, &["are empty; fill them"]);
     assert_eq!(columns(&bench.path("out/f.0002.exr"), "A", |alpha| alpha < 0.999), Vec::<i32>::new());
 }
 

@@ -1,14 +1,14 @@
 //! `pinwarp export --to after-effects`: for each layer its element, unwarped on nothing, the displacement maps that warp
 //! it, and the settings of the effect that applies them.
 
-use super::maps::{Maps, write_frames};
+use super::maps::{Maps, check_frames, write_frames};
 use super::stmap::told;
 use super::{Source, check_text, frames, is_on_screen, moved_layers};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
-use crate::image::{SequencePath, replace_text, write_codes};
+use crate::image::{replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
 use anyhow::{Context, bail};
@@ -21,16 +21,19 @@ const MOST_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
-    for (name, maps) in Maps::open(args)?.by_layer() {
-        displace(args, &named(&stem, &name), &maps)?;
-    }
-    let Source::Shot(setup) = Source::open(args)? else { return Ok(Outcome::Complete) };
+    let source = Source::open(args)?;
+    let maps = Maps::of(&source, args)?.by_layer();
+    // Everything is looked at before anything is written.
+    let warps = maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), maps));
+    let warps = warps.collect::<anyhow::Result<Vec<_>>>()?;
+    let elements = match &source {
+        Source::Shot(setup) => Element::all_of(args, setup, &stem)?,
+        Source::Lattices(_) => Vec::new(),
+    };
+    warps.iter().try_for_each(|warp| warp.write(args))?;
     let mut outcome = Outcome::Complete;
-    for layer in moved_layers(&setup).into_iter().filter(|&layer| is_on_screen(&setup, layer)) {
-        let name = &setup.shot.layers[layer].name;
-        if args.layer.as_ref().is_none_or(|wanted| wanted == name)
-            && !element(args, &setup, (layer, &named(&stem, name)))?
-        {
+    for element in elements {
+        if !element.write(args)? {
             outcome = Outcome::Partial;
         }
     }
@@ -52,59 +55,100 @@ fn with_ending(stem: &Path, ending: &str) -> PathBuf {
 }
 
 /// The maps of a layer and the note beside them.
-fn displace(args: &ExportArgs, stem: &Path, maps: &Maps) -> anyhow::Result<()> {
-    let frames = maps.frames();
-    // All frames share one scale, so the farthest way of all has to be known first.
-    let farthest = frames.iter().map(|&frame| greatest_offset(&maps.map(frame))).fold(0.0, f64::max);
-    let reach_px = farthest.ceil().max(1.0) as u32;
-    if reach_px > MOST_PX {
-        bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
-    }
-    let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
-    let note = DisplacementNote {
-        maps: pattern.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        reach_px,
-        size: maps.pixels(),
-        frames: [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default()),
-        rate: maps.lattices.rate,
-        state: digest(&frames.iter().map(|&frame| maps.digest(frame)).collect::<String>()),
-    };
-    let note_path = with_ending(stem, ".after-effects.txt");
-    maps.inputs.refuse(&note_path)?;
-    check_text(args, &note_path, &note.text())?;
-    let written = write_frames(args, (&pattern, &maps.inputs), &frames, |frame, path| {
-        Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), f64::from(reach_px)))?)
-    })?;
-    replace_text(&note_path, &note.text())?;
-    told(&pattern, &written)?;
-    let step = f64::from(reach_px) / 32767.0;
-    writeln!(io::stdout(), "wrote {}: max displacement {reach_px} px, steps of {step:.5} px", note_path.display())?;
-    Ok(())
+struct Displacement<'a> {
+    maps: &'a Maps,
+    pattern: PathBuf,
+    note: DisplacementNote,
+    note_path: PathBuf,
 }
 
-/// Renders a layer alone, unwarped, on nothing; tells whether all frames came out.
-fn element(args: &ExportArgs, setup: &Setup, (layer, stem): (usize, &Path)) -> anyhow::Result<bool> {
-    let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
-    let pattern = with_ending(stem, ".element.####.exr");
-    let frames = frames(args, setup);
-    let (inputs, sequence) = (setup.inputs()?, SequencePath::parse(&pattern)?);
-    frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
-    let alone = match setup.pictures_of(layer, pattern.clone())? {
-        Some(alone) => alone,
-        None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,
-    };
-    let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
-    let tell = |event: Event| match event {
-        Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
-        // What the shot itself has to say was said when it was read.
-        Event::Note { text } if !setup.notes.contains(&text) => {
-            tracing::warn!("layer '{}': {text}", setup.shot.layers[layer].name);
+impl<'a> Displacement<'a> {
+    /// What will be written; refused where something is in the way.
+    fn of(args: &ExportArgs, stem: &Path, maps: &'a Maps) -> anyhow::Result<Self> {
+        let frames = maps.frames();
+        // All frames share one scale, so the farthest way of all has to be known first.
+        let farthest = frames.iter().map(|&frame| greatest_offset(&maps.map(frame))).fold(0.0, f64::max);
+        let reach_px = farthest.ceil().max(1.0) as u32;
+        if reach_px > MOST_PX {
+            bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
         }
-        _ => {}
-    };
-    let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
-    writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;
-    Ok(summary.failed == 0)
+        let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
+        let note = DisplacementNote {
+            maps: pattern.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            reach_px,
+            size: maps.pixels(),
+            frames: [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default()),
+            rate: maps.lattices.rate,
+            state: digest(&frames.iter().map(|&frame| maps.digest(frame)).collect::<String>()),
+        };
+        let note_path = with_ending(stem, ".after-effects.txt");
+        maps.inputs.refuse(&note_path)?;
+        check_text(args, &note_path, &note.text())?;
+        check_frames(args, (&pattern, &maps.inputs), &frames)?;
+        Ok(Self { maps, pattern, note, note_path })
+    }
+
+    fn write(&self, args: &ExportArgs) -> anyhow::Result<()> {
+        let Self { maps, pattern, note, note_path } = self;
+        let reach = f64::from(note.reach_px);
+        let written = write_frames(args, (pattern, &maps.inputs), &maps.frames(), |frame, path| {
+            Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), reach))?)
+        })?;
+        replace_text(note_path, &note.text())?;
+        told(pattern, &written)?;
+        let step = reach / 32767.0;
+        writeln!(io::stdout(), "wrote {}: max displacement {reach} px, steps of {step:.5} px", note_path.display())?;
+        Ok(())
+    }
+}
+
+/// A layer alone, unwarped, on nothing.
+struct Element<'a> {
+    setup: &'a Setup,
+    layer: usize,
+    pattern: PathBuf,
+    frames: Vec<i32>,
+}
+
+impl<'a> Element<'a> {
+    /// Those of the layers that are asked for; refused where something is in the way.
+    fn all_of(args: &ExportArgs, setup: &'a Setup, stem: &Path) -> anyhow::Result<Vec<Self>> {
+        let frames = frames(args, setup);
+        let inputs = setup.inputs()?;
+        let mut elements = Vec::new();
+        for layer in moved_layers(setup).into_iter().filter(|&layer| is_on_screen(setup, layer)) {
+            let name = &setup.shot.layers[layer].name;
+            if args.layer.as_ref().is_some_and(|wanted| wanted != name) {
+                continue;
+            }
+            let pattern = with_ending(&named(stem, name), ".element.####.exr");
+            check_frames(args, (&pattern, &inputs), &frames)?;
+            elements.push(Self { setup, layer, pattern, frames: frames.clone() });
+        }
+        Ok(elements)
+    }
+
+    /// Renders it; tells whether all frames came out.
+    fn write(self, args: &ExportArgs) -> anyhow::Result<bool> {
+        let Self { setup, layer, pattern, frames } = self;
+        let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
+        let alone = match setup.pictures_of(layer, pattern.clone())? {
+            Some(alone) => alone,
+            None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,
+        };
+        let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
+        let tell = |event: Event| match event {
+            Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
+            // What the shot itself has to say was said when it was read.
+            Event::Note { text } if !setup.notes.contains(&text) => {
+                tracing::warn!("layer '{}': {text}", setup.shot.layers[layer].name);
+            }
+            _ => {}
+        };
+        let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
+        writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;
+        Ok(summary.failed == 0)
+    }
 }
 
 /// A shot of the scene with the meshes of a layer alone, its file in `folder`.

@@ -54,17 +54,17 @@ enum Reach {
 impl Maps {
     /// Solves or reads the lattices.
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
-        Self::of(Source::open(args)?, args)
+        Self::of(&Source::open(args)?, args)
     }
 
     /// The maps of what is exported.
-    pub(super) fn of(source: Source, args: &ExportArgs) -> anyhow::Result<Self> {
-        let shot_size = match &source {
+    pub(super) fn of(source: &Source, args: &ExportArgs) -> anyhow::Result<Self> {
+        let shot_size = match source {
             Source::Shot(setup) => Some(setup.shot.size),
             Source::Lattices(_) => None,
         };
         let inputs = source.inputs(args)?;
-        let mut lattices = source.into_lattices(args)?;
+        let mut lattices = source.lattices(args)?;
         keep_screen_layers(&mut lattices, args)?;
         let size = match (args.size, shot_size) {
             (Some([width, height]), _) => {
@@ -168,26 +168,35 @@ pub(super) struct Written {
     pub(super) kept: Vec<(i32, PathBuf)>,
 }
 
-/// Writes the frames of a sequence, over nothing that they are made of; with `--resume` complete ones stay.
+/// Refuses frames that would be written over what they are made of, or over what is there and may not be replaced.
+pub(super) fn check_frames(
+    args: &ExportArgs,
+    (pattern, inputs): (&Path, &Inputs),
+    frames: &[i32],
+) -> anyhow::Result<SequencePath> {
+    let sequence = SequencePath::parse(pattern)?;
+    sequence.check_frame_count(frames.len())?;
+    frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
+    if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
+        && Existing::from(args.existing) == Existing::Refuse
+    {
+        bail!("{} exists already; use --resume to keep or --overwrite to replace what is there", there.display());
+    }
+    Ok(sequence)
+}
+
+/// Writes the frames of a sequence that [`check_frames`] lets pass; with `--resume` complete ones stay.
 pub(super) fn write_frames(
     args: &ExportArgs,
     (pattern, inputs): (&Path, &Inputs),
     frames: &[i32],
     mut write: impl FnMut(i32, &Path) -> anyhow::Result<()>,
 ) -> anyhow::Result<Written> {
-    let sequence = SequencePath::parse(pattern)?;
-    sequence.check_frame_count(frames.len())?;
-    frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
-    let existing = Existing::from(args.existing);
-    if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
-        && existing == Existing::Refuse
-    {
-        bail!("{} exists already; use --resume to keep or --overwrite to replace what is there", there.display());
-    }
+    let sequence = check_frames(args, (pattern, inputs), frames)?;
     let mut written = Written::default();
     for &frame in frames {
         let path = sequence.path_of(frame);
-        if existing == Existing::Resume && is_whole(&path) {
+        if Existing::from(args.existing) == Existing::Resume && is_whole(&path) {
             written.kept.push((frame, path));
             continue;
         }

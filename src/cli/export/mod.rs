@@ -89,17 +89,17 @@ impl Source {
     }
 
     /// The lattices of the frames asked for.
-    fn into_lattices(self, args: &ExportArgs) -> anyhow::Result<LatticeFile> {
+    fn lattices(&self, args: &ExportArgs) -> anyhow::Result<LatticeFile> {
         match self {
             Self::Shot(setup) => {
-                let file = lattices(&setup, &frames(args, &setup), |frame| tracing::info!("frame {frame} solved"))?;
+                let file = lattices(setup, &frames(args, setup), |frame| tracing::info!("frame {frame} solved"))?;
                 Ok(file)
             }
             Self::Lattices(file) => match &args.frames {
-                Some(list) => file.of_frames(&list.0).ok_or_else(|| {
+                Some(list) => file.clone().of_frames(&list.0).ok_or_else(|| {
                     anyhow::anyhow!("{} has no lattice in the frames asked for (--frames)", args.shot.display())
                 }),
-                None => Ok(file),
+                None => Ok(file.clone()),
             },
         }
     }
