@@ -143,12 +143,6 @@ impl PlatePart {
         Self { name: None, view: None, data_window, channels, attributes, encoding, linear }
     }
 
-    /// The same part with that name.
-    #[must_use]
-    pub fn named(self, name: &str) -> Self {
-        Self { name: Some(name.to_owned()), ..self }
-    }
-
     /// A part that says the same about itself and holds other pixels.
     #[must_use]
     pub fn with_channels(&self, data_window: PixelRect, channels: Vec<Channel>) -> Self {

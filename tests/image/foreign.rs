@@ -113,12 +113,13 @@ fn others_find_all_of_a_plate() {
     let mut plate = Plate::from_frame(sample_frame());
     let window = plate.parts[0].data_window;
     let more = plate.parts[0].channels.clone();
-    let mut left = plate.parts[0].with_channels(window, more).named("links.größer");
+    let mut left = plate.parts[0].with_channels(window, more);
+    left.name = Some("links.größer".into());
     left.view = Some("left".into());
     left.channels[0].name = "a name of more than thirty-one bytes.R".replace(' ', "_");
     left.set_text("cryptomatte/f834d0a/manifest", "{\"Bälle\":\"0a0b0c0d\"}");
     left.set_text("cryptomatte/f834d0a/name", "CryptoObject");
-    plate.parts[0] = plate.parts[0].clone().named("rgba");
+    plate.parts[0].name = Some("rgba".into());
     plate.parts.push(left);
     write_plate(&path, &plate).expect("written");
     if check(&path, &plate).is_none() {

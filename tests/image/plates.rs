@@ -57,9 +57,10 @@ fn the_beach_ball_has_its_views_and_windows() {
 fn rich() -> Plate {
     let mut plate = Plate::from_frame(sample_frame());
     let more: Vec<_> = plate.parts[0].channels.iter().rev().cloned().collect();
-    let mut other = plate.parts[0].with_channels(plate.parts[0].data_window, more).named("links");
+    let mut other = plate.parts[0].with_channels(plate.parts[0].data_window, more);
+    other.name = Some("links".into());
     other.view = Some("left".into());
-    plate.parts[0] = plate.parts[0].clone().named("Farbe.größer");
+    plate.parts[0].name = Some("Farbe.größer".into());
     plate.parts.push(other);
     for part in &mut plate.parts {
         for number in 0..8 {

@@ -71,7 +71,9 @@ fn the_shot_has_the_last_word() {
 fn parts_name_what_their_channels_do_not() {
     let part = |name: &str, channels: &[&str]| {
         let channels = channels.iter().map(|name| channel(name, Storage::Float, PIXEL, |_, _| 0.0)).collect();
-        PlatePart::new(PIXEL, channels).named(name)
+        let mut part = PlatePart::new(PIXEL, channels);
+        part.name = Some(name.to_owned());
+        part
     };
     let parts = vec![
         part("rgba_left", &["A", "B", "G", "R"]),
