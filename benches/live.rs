@@ -29,8 +29,10 @@ fn solves(criterion: &mut Criterion) {
 
 fn frames(criterion: &mut Criterion) {
     let window = FRAME.window();
-    let plane: Vec<f32> = (0..window.area()).map(|k| (k % 1023) as f32 / 1023.0).collect();
-    let source = Picture { window, planes: vec![&plane; 4], alpha: Alpha::Premultiplied };
+    let plane = |channel: usize| (0..window.area()).map(|k| ((k + 99 * channel) % 1023) as f32 / 1023.0).collect();
+    let planes: Vec<Vec<f32>> = (0..4).map(plane).collect();
+    let planes = planes.iter().map(Vec::as_slice).collect();
+    let source = Picture { window, planes, alpha: Alpha::Premultiplied };
     let draw = |nudge: f64, filter: Filter| {
         let warp = warp(&controls(nudge), &Shape::Frame, FRAME).expect("solves");
         let job =

@@ -77,6 +77,14 @@ impl Canvas {
         }
     }
 
+    /// A window of image space as the host's pixels: the way back of [`Self::window`].
+    #[must_use]
+    pub const fn pixels(&self, window: PixelRect) -> [i32; 4] {
+        let left = window.x + self.origin[0];
+        let upper = self.frame.height as i32 - window.y + self.origin[1];
+        [left, upper - window.height as i32, left + window.width as i32, upper]
+    }
+
     /// Pixels of image space that hold a canonical region.
     #[must_use]
     pub fn window_of(&self, region: [f64; 4]) -> PixelRect {
@@ -130,6 +138,7 @@ mod tests {
         let window = PixelRect { x: -3, y: 7, width: 40, height: 25 };
         let [x1, y1, x2, y2] = canvas.region(window);
         let slack = 1e-9;
+        assert_eq!(canvas.window(canvas.pixels(window)), window);
         let inner = [x1 + slack, y1 + slack, x2 - slack, y2 - slack];
         assert_eq!(canvas.window_of(inner), window);
         let everywhere = [f64::from(i32::MIN), f64::from(i32::MIN), 2e9, 2e9];

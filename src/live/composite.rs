@@ -5,7 +5,7 @@
 
 use super::picture::{Alpha, Associated, products};
 use super::{LiveError, Render, Warp};
-use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resampled};
+use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resample_part};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -82,22 +82,25 @@ impl<'a> Sheets<'a> {
         Some(Self { job, source, moved, share, background, is_straight })
     }
 
-    /// The pixels of a window within a page, whose map is given.
-    pub(super) fn draw(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
-        let planes = self.moved.iter().map(|plane| &plane[..]).collect();
-        let planes = Planes { window: self.source.window, planes };
-        let part = part_of(map, window);
-        let map = part.as_ref().unwrap_or(map);
-        let seen = resampled(map, &planes, self.job.filter);
-        let mut seen: Vec<Vec<f32>> = seen.iter().map(|plane| map.window.over(plane, window, 0.0)).collect();
-        let mut hidden = seen.split_off(self.job.source.planes.len() + usize::from(self.share.is_some()));
-        if let Some(share) = &self.share {
-            let landed = seen.pop().unwrap_or_default();
-            self.lay(&mut seen, (share, &landed), window);
-            self.keep_resting(&mut hidden, &landed, window);
-        }
+    /// Draws the pixels of a window within a page, whose map is given, into memory that was used before or not: as many
+    /// planes as the source has, each `window.area()` samples.
+    pub(super) fn draw<'m>(&self, map: &WarpMap, window: PixelRect, memory: &'m mut Vec<Vec<f32>>) -> &'m [Vec<f32>] {
+        let planes: Vec<&[f32]> = self.moved.iter().map(|plane| &plane[..]).collect();
+        memory.resize(planes.len(), Vec::new());
+        memory.iter_mut().for_each(|plane| plane.resize(window.area(), 0.0));
+        resample_part(map, window, &Planes { window: self.source.window, planes }, self.job.filter, memory);
+        let (seen, others) = memory.split_at_mut(self.job.source.planes.len());
+        let hidden = match &self.share {
+            Some(share) => {
+                let (landed, hidden) = others.split_first_mut().expect("the share is resampled after the planes");
+                self.lay(seen, (share, landed), window);
+                self.keep_resting(hidden, landed, window);
+                hidden
+            }
+            None => others,
+        };
         if self.is_straight {
-            self.divide(&mut seen, &hidden, window);
+            self.divide(seen, hidden, window);
         }
         seen
     }
@@ -167,15 +170,4 @@ impl<'a> Sheets<'a> {
             });
         }
     }
-}
-
-/// The map of a window and the pixels beside it; `None` where that is all there is.
-fn part_of(map: &WarpMap, window: PixelRect) -> Option<WarpMap> {
-    let around = window.grown(1).intersection(map.window);
-    if around == map.window {
-        return None;
-    }
-    let mut part = WarpMap::identity(map.frame, around);
-    part.offsets = map.window.over(&map.offsets, around, [0.0; 2]);
-    Some(part)
 }

@@ -10,8 +10,8 @@ use crate::plate::WarpMap;
 use crate::space::{FrameSize, PixelRect};
 use std::sync::{Arc, LazyLock};
 
-/// Pixels across and down of a page's map: whole blocks of the map's own making.
-const MAP: [u32; 2] = [640, 256];
+/// Most pixels across and down of a page, its rim left out.
+const MOST: [u32; 2] = [4096, 126];
 
 /// Pixels around what a page shows: footprints look at neighbours.
 const RIM: u32 = 1;
@@ -28,36 +28,41 @@ pub(super) fn purge() {
     MAPS.clear();
 }
 
-/// A part of the image plane.
+/// A part of the image plane. The frame is cut into equal ones, and as many lie around it as are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Page([i32; 2]);
+pub(super) struct Page {
+    /// Column and row among the pages; (0, 0) is at the upper left corner of the frame.
+    place: [i32; 2],
+    /// Pixels across and down.
+    size: [u32; 2],
+}
 
 impl Page {
     /// The pages that a window touches, row by row.
-    pub(super) fn all_of(window: PixelRect) -> Vec<Self> {
+    pub(super) fn all_of(frame: FrameSize, window: PixelRect) -> Vec<Self> {
         if window.area() == 0 {
             return Vec::new();
         }
+        let side = |length: u32, most: u32| length.div_ceil(length.div_ceil(most));
+        let size = [side(frame.width, MOST[0]), side(frame.height, MOST[1])];
         let [columns, rows] =
-            [(window.x, window.width, 0), (window.y, window.height, 1)].map(|(start, length, axis)| {
+            [(window.x, window.width, size[0]), (window.y, window.height, size[1])].map(|(start, length, size)| {
                 let last = i64::from(start) + i64::from(length) - 1;
-                let of = |place: i64| place.div_euclid(i64::from(step(axis))) as i32;
+                let of = |place: i64| place.div_euclid(i64::from(size)) as i32;
                 of(start.into())..=of(last)
             });
-        rows.flat_map(|row| columns.clone().map(move |column| Self([column, row]))).collect()
+        rows.flat_map(|row| columns.clone().map(move |column| Self { place: [column, row], size })).collect()
     }
 
     /// What it shows.
-    pub(super) fn window(self) -> PixelRect {
-        let Self([column, row]) = self;
-        let [width, height] = [0, 1].map(step);
+    pub(super) const fn window(self) -> PixelRect {
+        let Self { place: [column, row], size: [width, height] } = self;
         PixelRect { x: column * width as i32, y: row * height as i32, width, height }
     }
 
     /// Where its pixels come from, and those of a rim around it.
     pub(super) fn map(self, warp: &Warp, frame: FrameSize) -> Arc<WarpMap> {
-        let PixelRect { x, y, .. } = self.window();
-        let window = PixelRect { x: x - RIM as i32, y: y - RIM as i32, width: MAP[0], height: MAP[1] };
+        let window = self.window().grown(RIM);
         let compute = || Ok::<_, LiveError>(WarpMap::backward(&warp.field, frame, window));
         MAPS.get(self.key(warp.key, frame), compute).unwrap_or_else(|_| Arc::new(WarpMap::identity(frame, window)))
     }
@@ -65,12 +70,8 @@ impl Page {
     fn key(self, warp: Key, frame: FrameSize) -> Key {
         let mut key = KeyWriter::after(warp);
         key.words(&[frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()]);
-        key.words(&self.0.map(|place| place as u64)).finish()
+        key.words(&self.place.map(|place| place as u64)).finish()
     }
-}
-
-const fn step(axis: usize) -> u32 {
-    MAP[axis] - 2 * RIM
 }
 
 #[cfg(test)]
@@ -80,11 +81,12 @@ mod tests {
     #[test]
     fn pages_tile_every_window() {
         let window = PixelRect { x: -700, y: -3, width: 2000, height: 400 };
-        let pages = Page::all_of(window);
+        let frame = FrameSize::new(999, 199);
+        let pages = Page::all_of(frame, window);
         let covered: usize = pages.iter().map(|page| page.window().intersection(window).area()).sum();
         assert_eq!(covered, window.area());
-        // Pages are 638 x 254: columns -2 to 2, rows -1 to 1.
-        assert_eq!(pages.len(), 5 * 3);
-        assert_eq!(Page::all_of(PixelRect::default()), []);
+        // Pages are 999 x 100: columns -1 to 1, rows -1 to 3.
+        assert_eq!(pages.len(), 3 * 5);
+        assert_eq!(Page::all_of(frame, PixelRect::default()), []);
     }
 }

@@ -59,7 +59,7 @@ impl Warp {
         }
         let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
             let near = window.intersection(around(frame));
-            let reaches = Page::all_of(near).into_iter().filter_map(|page| {
+            let reaches = Page::all_of(frame, near).into_iter().filter_map(|page| {
                 let map = page.map(self, frame);
                 reach(&map, page.window().intersection(near), filter)
             });

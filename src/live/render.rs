@@ -8,6 +8,11 @@ use super::picture::Picture;
 use super::{LiveError, Warp};
 use crate::plate::Filter;
 use crate::space::{FrameSize, PixelRect};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Pages that are drawn at a time, a thread: some are done sooner than others.
+const SIDE_BY_SIDE: usize = 2;
 
 /// What is rendered.
 #[derive(Clone, Copy)]
@@ -24,17 +29,17 @@ pub struct Render<'a> {
     pub background: Option<&'a Picture<'a>>,
     /// How it is resampled.
     pub filter: Filter,
-    /// Asked before every page; true: the picture is not wanted any more.
+    /// Asked now and then, by the thread that renders; true: the picture is not wanted any more.
     pub abort: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// A finished part of the window.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece<'a> {
     /// Its pixels, within the window.
     pub window: PixelRect,
     /// As many as the source has, each `window.area()` samples, rows from the top.
-    pub planes: Vec<Vec<f32>>,
+    pub planes: &'a [Vec<f32>],
 }
 
 /// Renders a window: as many planes as the source has, each `window.area()` samples, alpha as the source has it.
@@ -43,34 +48,47 @@ pub struct Piece {
 /// [`LiveError::Aborted`]; [`LiveError::Planes`] where planes do not fit their windows, or the background's are not as
 /// many as the source's.
 pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
-    let mut planes = vec![vec![0.0; job.window.area()]; job.source.planes.len()];
+    let planes = Mutex::new(vec![vec![0.0; job.window.area()]; job.source.planes.len()]);
     render_pieces(warp, job, |piece| {
-        for (plane, part) in planes.iter_mut().zip(&piece.planes) {
+        let mut planes = planes.lock().unwrap_or_else(PoisonError::into_inner);
+        for (plane, part) in planes.iter_mut().zip(piece.planes) {
             for [from, to] in piece.window.shared_rows(job.window) {
                 plane[to].copy_from_slice(&part[from]);
             }
         }
     })?;
-    Ok(planes)
+    Ok(planes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// As [`render`], but hands over every part as soon as it is finished, so that nothing is copied twice.
+/// As [`render`], but hands over every part as soon as it is finished, so that nothing is copied twice. Parts do not
+/// overlap and come in any order, from several threads at a time.
 ///
 /// # Errors
 /// As [`render`].
-pub fn render_pieces(warp: &Warp, job: &Render, mut finished: impl FnMut(Piece)) -> Result<(), LiveError> {
+pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync) -> Result<(), LiveError> {
     job.check()?;
     let sheets = Sheets::of(warp, job);
-    for page in Page::all_of(job.window) {
+    let side_by_side = SIDE_BY_SIDE * rayon::current_num_threads();
+    let mut memory = vec![Vec::new(); side_by_side];
+    for pages in Page::all_of(job.frame, job.window).chunks(side_by_side) {
+        // Hosts want to be asked by the thread that they called.
         if (job.abort)() {
             return Err(LiveError::Aborted);
         }
-        let window = page.window().intersection(job.window);
-        let planes = match &sheets {
-            Some(sheets) => sheets.draw(&page.map(warp, job.frame), window),
-            None => job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0)).collect(),
-        };
-        finished(Piece { window, planes });
+        // Threads that draw tiles of the same pages wait here for each other's maps.
+        let maps: Vec<_> = pages.iter().map(|page| sheets.is_some().then(|| page.map(warp, job.frame))).collect();
+        pages.par_iter().zip(maps).zip(&mut memory).for_each(|((page, map), memory)| {
+            let window = page.window().intersection(job.window);
+            let planes = match (&sheets, map) {
+                (Some(sheets), Some(map)) => sheets.draw(&map, window, memory),
+                _ => {
+                    let rest = job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0));
+                    *memory = rest.collect();
+                    memory
+                }
+            };
+            finished(Piece { window, planes });
+        });
     }
     Ok(())
 }

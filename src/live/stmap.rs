@@ -87,7 +87,7 @@ fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
     if warp.is_identity() {
         return whole;
     }
-    for page in Page::all_of(window) {
+    for page in Page::all_of(frame, window) {
         let map = page.map(warp, frame);
         let part = page.window().intersection(window);
         for ([from, _], [to, _]) in map.window.shared_rows(part).zip(window.shared_rows(part)) {

@@ -8,7 +8,7 @@ use super::canvas::canvas_at;
 use super::describe::{BACKGROUND_CLIP, MASK_CLIP};
 use super::entry::{Call, Kind};
 use super::fault::Fault;
-use super::host::{Depth, HostError, Image, Rows};
+use super::host::{Depth, HostError, Image, Props, Rows, Target};
 use super::regions::connected;
 use super::settings::{Settings, ShapeChoice, settings_of};
 use crate::live::{self, Alpha, Canvas, OwnedPicture, Render, Warp};
@@ -23,6 +23,8 @@ struct Task<'a> {
     output: Image<'a>,
     /// Pixels to draw, within the output.
     pixels: [i32; 4],
+    /// Those of them to draw.
+    rows: Rows,
     canvas: Canvas,
     settings: Settings,
 }
@@ -49,21 +51,23 @@ pub(super) fn fetched(
 /// Draws a window of the output.
 pub(super) fn render(call: Call) -> Result<Status, Fault> {
     let Some(task) = Task::of(call)? else { return Ok(Status::OK) };
-    let planes = match call.kind {
-        Kind::PinWarp => task.picture()?,
-        Kind::StMap => task.map()?,
-    };
+    match call.kind {
+        Kind::PinWarp => task.draw_picture()?,
+        Kind::StMap => task.target().write(task.pixels, &task.map()?),
+    }
     if call.effect.is_aborted() {
         return Err(Fault::Aborted);
     }
-    let rows = match call.args.text(image::FIELD_TO_RENDER).unwrap_or_default().as_bytes() {
+    call.effect.unsay();
+    Ok(Status::OK)
+}
+
+fn rows_asked(args: Props) -> Rows {
+    match args.text(image::FIELD_TO_RENDER).unwrap_or_default().as_bytes() {
         field if field == image::FIELD_LOWER.to_bytes() => Rows::Even,
         field if field == image::FIELD_UPPER.to_bytes() => Rows::Odd,
         _ => Rows::All,
-    };
-    task.output.write(task.pixels, rows, &planes);
-    call.effect.unsay();
-    Ok(Status::OK)
+    }
 }
 
 impl<'a> Task<'a> {
@@ -83,11 +87,16 @@ impl<'a> Task<'a> {
         let scale = scale.map(|side| if side > 0.0 { side } else { 1.0 });
         let canvas = canvas_at(call.effect, time, scale, Some(output.bounds));
         let settings = settings_of(call, time, &canvas)?;
-        Ok(Some(Self { call, time, output, pixels, canvas, settings }))
+        let rows = rows_asked(call.args);
+        Ok(Some(Self { call, time, output, pixels, rows, canvas, settings }))
     }
 
     fn window(&self) -> PixelRect {
         self.canvas.window(self.pixels)
+    }
+
+    const fn target(&self) -> Target<'_> {
+        self.output.target(self.rows)
     }
 
     fn fetch(&self, name: &'static CStr) -> Result<Option<OwnedPicture>, Fault> {
@@ -99,10 +108,11 @@ impl<'a> Task<'a> {
         if self.call.effect.is_aborted() { Err(Fault::Aborted) } else { Ok(warp) }
     }
 
-    fn picture(&self) -> Result<Vec<Vec<f32>>, Fault> {
+    fn draw_picture(&self) -> Result<(), Fault> {
         let (window, channels) = (self.window(), self.output.channels);
         let Some(source) = self.fetch(image::SOURCE_CLIP)? else {
-            return Ok(vec![vec![0.0; window.area()]; channels]);
+            self.target().write(self.pixels, &vec![vec![0.0; window.area()]; channels]);
+            return Ok(());
         };
         let warp = self.warp(Some(&source))?;
         let source = source.with_channels(channels);
@@ -127,7 +137,8 @@ impl<'a> Task<'a> {
             filter: self.settings.filter,
             abort: &|| effect.is_aborted(),
         };
-        Ok(live::render(&warp, &job)?)
+        let (target, canvas) = (self.target(), &self.canvas);
+        Ok(live::render_pieces(&warp, &job, |piece| target.write(canvas.pixels(piece.window), piece.planes))?)
     }
 
     fn map(&self) -> Result<Vec<Vec<f32>>, Fault> {

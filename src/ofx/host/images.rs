@@ -67,6 +67,16 @@ struct Memory {
     rows: [i32; 2],
 }
 
+/// Where pixels of an image go. Threads may write windows that do not overlap at the same time.
+#[derive(Clone, Copy)]
+pub(in crate::ofx) struct Target<'a> {
+    memory: &'a Memory,
+    bounds: [i32; 4],
+    depth: Depth,
+    channels: usize,
+    rows: Rows,
+}
+
 // SAFETY: the host leaves the image's memory to this render until the image is given back.
 unsafe impl Send for Memory {}
 // SAFETY: as above; rows are written by one thread each.
@@ -169,7 +179,7 @@ impl<'a> Image<'a> {
     pub(in crate::ofx) fn planes(&self) -> Vec<Vec<f32>> {
         let (width, length) = (self.width(), self.width() * self.pixel_bytes());
         let height = (self.bounds[3] - self.bounds[1]) as usize;
-        let mut planes = vec![vec![0.0_f32; width * height]; self.channels];
+        let mut planes: Vec<Vec<f32>> = (0..self.channels).map(|_| vec![0.0; width * height]).collect();
         let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
         for plane in &mut planes {
             rows.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
@@ -183,25 +193,31 @@ impl<'a> Image<'a> {
         planes
     }
 
+    /// Where its pixels go: those of some rows.
+    pub(in crate::ofx) const fn target(&self, rows: Rows) -> Target<'_> {
+        Target { memory: &self.memory, bounds: self.bounds, depth: self.depth, channels: self.channels, rows }
+    }
+}
+
+impl Target<'_> {
     /// Writes planes of a window within the bounds: as many as there are channels, rows from the top.
-    pub(in crate::ofx) fn write(&self, window: [i32; 4], rows: Rows, planes: &[Vec<f32>]) {
-        let [x1, y1, x2, y2] = window;
+    pub(in crate::ofx) fn write(&self, window: [i32; 4], planes: &[Vec<f32>]) {
+        let ([x1, y1, x2, y2], pixel_bytes) = (window, self.channels * self.depth.bytes());
         let width = (x2 - x1) as usize;
-        let left = (x1 - self.bounds[0]) as usize * self.pixel_bytes();
+        let left = (x1 - self.bounds[0]) as usize * pixel_bytes;
         assert!(x1 >= self.bounds[0] && x2 <= self.bounds[2], "columns are within the image");
         let height = (y2 - y1) as usize;
         assert!(planes.len() == self.channels && planes.iter().all(|plane| plane.len() == width * height));
-        let (memory, depth) = (&self.memory, self.depth);
-        let length = width * self.pixel_bytes();
         (0..height).into_par_iter().for_each(|index| {
             let row: Vec<&[f32]> = planes.iter().map(|plane| &plane[index * width..][..width]).collect();
             let y = y2 - 1 - index as i32;
-            if rows == Rows::Even && y.rem_euclid(2) == 1 || rows == Rows::Odd && y.rem_euclid(2) == 0 {
+            if self.rows == Rows::Even && y.rem_euclid(2) == 1 || self.rows == Rows::Odd && y.rem_euclid(2) == 0 {
                 return;
             }
-            let start = memory.start(y).wrapping_add(left);
-            // SAFETY: part of a row of the host's output; each row is written by one task.
-            gather(&row, depth, unsafe { std::slice::from_raw_parts_mut(start, length) });
+            let start = self.memory.start(y).wrapping_add(left);
+            // SAFETY: part of a row of the host's output; windows that are written do not overlap, and each row of one is
+            // written by one task.
+            gather(&row, self.depth, unsafe { std::slice::from_raw_parts_mut(start, width * pixel_bytes) });
         });
     }
 }
@@ -217,11 +233,19 @@ fn spread(row: &[u8], depth: Depth, planes: &mut [&mut [f32]]) {
 }
 
 fn spread_as<const N: usize>(row: &[u8], planes: &mut [&mut [f32]], value: impl Fn([u8; N]) -> f32) {
-    let channels = planes.len();
-    let samples = row.as_chunks::<N>().0;
-    for (channel, plane) in planes.iter_mut().enumerate() {
-        let of_channel = samples.iter().skip(channel).step_by(channels);
-        plane.iter_mut().zip(of_channel).for_each(|(out, sample)| *out = value(*sample));
+    match planes {
+        [r, g, b, a] => unwoven([r, g, b, a], row, value),
+        [r, g, b] => unwoven([r, g, b], row, value),
+        planes => planes.iter_mut().for_each(|plane| unwoven([plane], row, &value)),
+    }
+}
+
+/// With the number of planes known, the compiler shuffles whole registers.
+fn unwoven<const N: usize, const C: usize>(planes: [&mut [f32]; C], row: &[u8], value: impl Fn([u8; N]) -> f32) {
+    let pixels = row.as_chunks::<N>().0.as_chunks::<C>().0;
+    let planes = planes.map(|plane| &mut plane[..pixels.len()]);
+    for (place, pixel) in pixels.iter().enumerate() {
+        (0..C).for_each(|channel| planes[channel][place] = value(pixel[channel]));
     }
 }
 
@@ -237,9 +261,17 @@ fn gather(planes: &[&[f32]], depth: Depth, row: &mut [u8]) {
 }
 
 fn gather_as<const N: usize>(planes: &[&[f32]], row: &mut [u8], bytes: impl Fn(f32) -> [u8; N]) {
-    let samples = row.as_chunks_mut::<N>().0;
-    for (channel, plane) in planes.iter().enumerate() {
-        let of_channel = samples.iter_mut().skip(channel).step_by(planes.len());
-        of_channel.zip(plane.iter()).for_each(|(out, value)| *out = bytes(*value));
+    match planes {
+        [r, g, b, a] => woven([r, g, b, a], row, bytes),
+        [r, g, b] => woven([r, g, b], row, bytes),
+        planes => planes.iter().for_each(|plane| woven([plane], row, &bytes)),
+    }
+}
+
+fn woven<const N: usize, const C: usize>(planes: [&[f32]; C], row: &mut [u8], bytes: impl Fn(f32) -> [u8; N]) {
+    let pixels = row.as_chunks_mut::<N>().0.as_chunks_mut::<C>().0;
+    let planes = planes.map(|plane| &plane[..pixels.len()]);
+    for (place, pixel) in pixels.iter_mut().enumerate() {
+        (0..C).for_each(|channel| pixel[channel] = bytes(planes[channel][place]));
     }
 }

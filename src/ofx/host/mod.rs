@@ -17,7 +17,7 @@ mod suites;
 pub(super) use effect::{Clip, Effect};
 pub(super) use error::HostError;
 pub(super) use guard::{action_name, caught, guarded};
-pub(super) use images::{Depth, Image, Rows};
+pub(super) use images::{Depth, Image, Rows, Target};
 pub(super) use interact::Interact;
 pub(super) use kept::Kept;
 pub(super) use paint::{Colour, Painter};

@@ -112,20 +112,30 @@ pub fn resampled(map: &WarpMap, source: &Planes, filter: Filter) -> Vec<Vec<f32>
 /// # Panics
 /// As [`resampled`], and where the planes are not as many or as large as the result.
 pub fn resample_into(map: &WarpMap, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
+    resample_part(map, map.window, source, filter, planes);
+}
+
+/// As [`resample_into`], but only a window within the map's: the same pixels, as footprints look at the map around it.
+///
+/// # Panics
+/// As [`resample_into`], and where the part is not within the map.
+pub fn resample_part(map: &WarpMap, part: PixelRect, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
     assert_eq!(map.offsets.len(), map.window.area(), "an offset a pixel");
+    assert_eq!(map.window.intersection(part), part, "a part of the map");
     assert_eq!(planes.len(), source.planes.len(), "a result a plane");
     assert!(source.planes.iter().all(|plane| plane.len() == source.window.area()), "a sample a pixel");
-    assert!(planes.iter().all(|plane| plane.len() == map.window.area()), "a sample a pixel of the map");
-    if map.window.area() == 0 || source.window.area() == 0 {
+    assert!(planes.iter().all(|plane| plane.len() == part.area()), "a sample a pixel of the result");
+    if part.area() == 0 || source.window.area() == 0 {
         return planes.iter_mut().for_each(|plane| plane.fill(0.0));
     }
     if planes.is_empty() {
         return;
     }
     let tiles = Tiles::new(map, source, filter);
-    let mut bands = bands(planes, BAND * map.window.width as usize);
+    let mut bands = bands(planes, BAND * part.width as usize);
     let work = |scratch: &mut Scratch, (index, band): (usize, &mut Vec<&mut [f32]>)| {
-        tiles.write_band(index * BAND, band, scratch);
+        let (above, height) = (index * BAND, band[0].len() / part.width as usize);
+        tiles.write_band(PixelRect { y: part.y + above as i32, height: height as u32, ..part }, band, scratch);
     };
     bands.par_iter_mut().enumerate().for_each_init(Scratch::default, work);
 }

@@ -14,6 +14,7 @@ use super::profile::{Weights, lanczos_table};
 use super::shape::Shape;
 use super::simd::dispatch;
 use crate::plate::{Filter, WarpMap};
+use crate::space::PixelRect;
 use pulp::{Simd, WithSimd};
 
 /// Columns of a tile.
@@ -58,10 +59,20 @@ pub(super) struct Area {
     pub(super) height: usize,
 }
 
-/// Rows of the planes that a band writes, and the first one's row in the map.
+/// Rows of the planes that a band writes, and the place of their first pixel in the map.
 struct Band<'a, 'b> {
     planes: &'a mut [&'b mut [f32]],
+    column: usize,
     row: usize,
+    width: usize,
+}
+
+impl Band<'_, '_> {
+    /// Place of a pixel of the map in the planes.
+    #[inline(always)]
+    const fn place(&self, column: usize, row: usize) -> usize {
+        (row - self.row) * self.width + column - self.column
+    }
 }
 
 impl Area {
@@ -88,13 +99,13 @@ impl<'a> Tiles<'a> {
         Self { map, source, filter, extents, table: lanczos_table() }
     }
 
-    /// Writes the rows from `row` on.
-    pub(super) fn write_band(&self, row: usize, planes: &mut [&mut [f32]], scratch: &mut Scratch) {
-        let width = self.map.window.width as usize;
-        let height = planes[0].len() / width;
-        let mut band = Band { planes, row };
+    /// Writes the rows of `part`, a window within the map's.
+    pub(super) fn write_band(&self, part: PixelRect, planes: &mut [&mut [f32]], scratch: &mut Scratch) {
+        let [left, row] = [part.x.abs_diff(self.map.window.x), part.y.abs_diff(self.map.window.y)].map(|k| k as usize);
+        let [width, height] = [part.width, part.height].map(|side| side as usize);
+        let mut band = Band { planes, column: left, row, width };
         for column in (0..width).step_by(TILE) {
-            let area = Area { column, row, width: TILE.min(width - column), height };
+            let area = Area { column: left + column, row, width: TILE.min(width - column), height };
             match self.filter {
                 Filter::Nearest => self.copy_nearest(area, &mut band, &mut scratch.samples),
                 _ => self.write_area(area, &mut band, scratch),
@@ -151,8 +162,9 @@ impl<'a> Tiles<'a> {
             self.cover(places, sums);
         }
         let last = self.source.planes.len().min(first + N * GROUP);
+        let (begin, width) = (band.place(area.column, area.row), band.width);
         let planes = &mut band.planes[first..last];
-        dispatch(Scatter { area, sums, planes, row: band.row, width: self.map.window.width as usize });
+        dispatch(Scatter { area, sums, planes, begin, width });
     }
 
     /// A pixel's own place in samples of the source.
@@ -214,7 +226,7 @@ impl<'a> Tiles<'a> {
     /// Copies a sample of all planes to a pixel; nothing is 0.
     #[inline(always)]
     fn copy_sample(&self, sample: u32, [column, row]: [usize; 2], band: &mut Band) {
-        let index = (row - band.row) * self.map.window.width as usize + column;
+        let index = band.place(column, row);
         for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
             to[index] = from.get(sample as usize).copied().unwrap_or(0.0);
         }
@@ -230,10 +242,11 @@ impl<'a> Tiles<'a> {
             let start = self.start(area.column, row);
             dispatch(FindNearest { offsets, start, extents: &self.extents, samples });
         }
+        let begin = band.place(area.column, area.row);
         for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
-            let rows = to[(area.row - band.row) * width..].chunks_mut(width);
+            let rows = to[begin..].chunks_mut(band.width);
             for (to, samples) in rows.zip(samples.chunks_exact(area.width)) {
-                copy_samples(from, samples, 0.0, &mut to[area.column..area.column + area.width]);
+                copy_samples(from, samples, 0.0, &mut to[..area.width]);
             }
         }
     }
@@ -241,7 +254,7 @@ impl<'a> Tiles<'a> {
     /// Fills an area with nothing.
     fn clear(&self, area: Area, band: &mut Band) {
         for row in area.rows() {
-            let begin = (row - band.row) * self.map.window.width as usize + area.column;
+            let begin = band.place(area.column, row);
             band.planes.iter_mut().for_each(|plane| plane[begin..begin + area.width].fill(0.0));
         }
     }
@@ -264,8 +277,8 @@ struct Scatter<'a, 'b, const N: usize> {
     area: Area,
     sums: &'a [[Texel; N]],
     planes: &'a mut [&'b mut [f32]],
-    /// Row of the map that the planes begin with.
-    row: usize,
+    /// Place of the area's first pixel in the planes.
+    begin: usize,
     /// Pixels of a row of the planes.
     width: usize,
 }
@@ -276,8 +289,8 @@ impl<const N: usize> WithSimd for Scatter<'_, '_, N> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let area = self.area;
-        for (row, sums) in area.rows().zip(self.sums.chunks_exact(area.width)) {
-            let begin = (row - self.row) * self.width + area.column;
+        for (row, sums) in self.sums.chunks_exact(area.width).enumerate() {
+            let begin = self.begin + row * self.width;
             for (k, plane) in self.planes.iter_mut().enumerate() {
                 let to = plane[begin..begin + area.width].iter_mut();
                 to.zip(sums).for_each(|(to, sum)| *to = sum[k / GROUP][k % GROUP]);

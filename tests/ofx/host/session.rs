@@ -17,6 +17,7 @@ use pinwarp::ofx::{plugin, set_host};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Tests take turns: a plugin knows one host.
 static TURN: Mutex<()> = Mutex::new(());
@@ -470,6 +471,16 @@ fn replace_is_some() -> bool {
 pub(crate) struct Renderer(EntryPoint);
 
 impl Renderer {
+    /// Renders; the time that the plugin itself took.
+    #[allow(dead_code, reason = "benches use it")]
+    pub(crate) fn timed(self, node: Node, frame: Frame) -> Duration {
+        let before = with(|world| world.spent);
+        let begun = Instant::now();
+        self.render(node, frame).expect("it renders");
+        let all = begun.elapsed();
+        all.saturating_sub(with(|world| world.spent) - before)
+    }
+
     /// Renders; the output, or the status where it is not OK.
     pub(crate) fn render(self, node: Node, frame: Frame) -> Result<Pixels, Status> {
         let clip = with(|world| world.effects[&node.0].clips[image::OUTPUT_CLIP]);

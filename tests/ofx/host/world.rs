@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ffi::{CStr, CString, c_char};
 use std::sync::{Mutex, PoisonError};
 use std::thread::ThreadId;
+use std::time::{Duration, Instant};
 
 /// The one host of the process: the plugin knows one host, too.
 static WORLD: Mutex<Option<World>> = Mutex::new(None);
@@ -169,6 +170,8 @@ pub(crate) struct World {
     /// Parameters the plugin changed, of which it has to be told.
     pub(crate) changed: Vec<(usize, CString)>,
     pub(crate) images_given: usize,
+    /// Time in the host's own functions.
+    pub(crate) spent: Duration,
     lent: HashMap<ThreadId, Vec<u8>>,
 }
 
@@ -200,6 +203,7 @@ impl World {
             abort_at: None,
             changed: Vec::new(),
             images_given: 0,
+            spent: Duration::ZERO,
             lent: HashMap::new(),
         }
     }
@@ -298,10 +302,13 @@ impl World {
 
 /// Answers a call of a suite.
 pub(crate) fn with<R>(work: impl FnOnce(&mut World) -> R) -> R {
+    let begun = Instant::now();
     let mut world = WORLD.lock().unwrap_or_else(PoisonError::into_inner);
     let world = world.as_mut().expect("a host is there while its plugin is loaded");
     world.take_back_what_was_lent();
-    work(world)
+    let result = work(world);
+    world.spent += begun.elapsed();
+    result
 }
 
 /// Begins (or, with `None`, ends) a host.
