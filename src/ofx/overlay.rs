@@ -6,43 +6,27 @@ use super::api::names::{action, interact, prop};
 use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
 use super::canvas::canvas_of;
 use super::fault::Fault;
-use super::host::{
-    self, Colour, Effect, HostError, Interact, Kept, Painter, Props, Suites, When, action_name, guarded,
-};
+use super::host::{self, Effect, HostError, Interact, Kept, Painter, Props, Suites, When, action_name, guarded};
 use super::params::{PINS, pin_id};
 use super::settings::{Moment, Settings};
-use crate::live::{Canvas, Choosing, Picker, Pull, Warp};
+use crate::live::{Canvas, Choosing, Picker, Pull, View};
 use std::ffi::{CStr, c_char, c_void};
 
-/// Pixels of the screen from a handle within which the pen hits it, and half the size of a handle.
+/// Pixels of the screen from a handle within which the pen hits it.
 const REACH_PX: f64 = 9.0;
-const HALF_PX: f64 = 4.0;
-/// Pieces in which a cell's side is drawn.
-const PIECES: usize = 6;
-const GRID: Colour = [0.55, 0.75, 1.0, 0.45];
-const REST: Colour = [0.95, 0.95, 0.95, 0.9];
-const TARGET: Colour = [1.0, 0.6, 0.1, 1.0];
-const CHOSEN: Colour = [0.3, 1.0, 0.4, 1.0];
 
 /// What is kept for each overlay, by its handle.
-static VIEWS: Kept<View> = Kept::new();
+static PENS: Kept<Pen> = Kept::new();
 
-/// One overlay.
+/// The pen over one overlay, and what it chose.
 #[derive(Clone, Default)]
-struct View {
+struct Pen {
     /// The effect it belongs to, by its handle.
     effect: usize,
     picker: Picker,
     is_adding: bool,
     /// Pins that are dragged: index, place of pin and target when the pen went down, canonical.
     starts: Vec<(usize, [[f64; 2]; 2])>,
-}
-
-/// A pin as it is drawn, canonical.
-struct Dot {
-    pin: usize,
-    rest: [f64; 2],
-    target: [f64; 2],
 }
 
 /// An action on an overlay.
@@ -72,7 +56,7 @@ pub(super) unsafe extern "C" fn entry(
 
 /// Lets go of the overlays of an effect that ends.
 pub(super) fn forget(effect: Effect) {
-    VIEWS.retain(|view| view.effect != effect.key());
+    PENS.retain(|pen| pen.effect != effect.key());
 }
 
 fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) -> Result<Status, Fault> {
@@ -87,42 +71,29 @@ fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) 
         return Ok(Status::OK);
     }
     // The effect may be gone before its overlay: what is kept must go all the same.
-    let view = if name == interact::DRAW { VIEWS.get(overlay.key()) } else { VIEWS.remove(overlay.key()) };
-    let mut view = view.unwrap_or_default();
+    let pen = if name == interact::DRAW { PENS.get(overlay.key()) } else { PENS.remove(overlay.key()) };
+    let mut pen = pen.unwrap_or_default();
     let effect = args.pointer(prop::EFFECT_INSTANCE).or_else(|| own.pointer(prop::EFFECT_INSTANCE));
     let effect = effect.ok_or(HostError::Missing("effect of the overlay"))?;
     let effect = Effect { suites, handle: EffectHandle(effect) };
     let time = args.double(prop::TIME).unwrap_or(0.0);
     let event = Event { effect, args, overlay, moment: Moment::of(effect, time)?, canvas: canvas_of(effect, time) };
     if name == interact::DRAW {
-        return event.draw(&view.picker, own);
+        return event.draw(&pen.picker, own);
     }
-    view.effect = effect.key();
-    let status = event.pen_or_key(&mut view, name, own);
+    pen.effect = effect.key();
+    let status = event.pen_or_key(&mut pen, name, own);
     if name != action::DESTROY_INSTANCE {
-        VIEWS.insert(overlay.key(), view);
+        PENS.insert(overlay.key(), pen);
     }
     status
 }
 
 impl Event<'_> {
-    /// Pins that act, where they are shown: over a shot they are where the model takes them.
-    fn dots(&self, settings: &Settings, warp: Option<&Warp>) -> Vec<Dot> {
-        let place = |index: usize| match warp.and_then(|warp| warp.pins.get(index)) {
-            Some(place) => [place.rest, place.target],
-            None => [settings.controls.pins[index].rest, settings.controls.pins[index].target],
-        };
-        let dot = |(index, pin): (usize, &usize)| {
-            let [rest, target] = place(index).map(|point| self.canvas.canonical(point));
-            Dot { pin: *pin, rest, target }
-        };
-        settings.pins.iter().enumerate().map(dot).collect()
-    }
-
-    /// Canonical size of a pixel of the screen.
-    fn pixel(&self, own: Props) -> [f64; 2] {
+    fn view(&self, own: Props) -> View {
         let told = |props: Props| props.doubles(interact::PIXEL_SCALE).filter(|scale: &[f64; 2]| scale[0] > 0.0);
-        told(self.args).or_else(|| told(own)).unwrap_or([1.0, 1.0]).map(f64::abs)
+        let pixel = told(self.args).or_else(|| told(own)).unwrap_or([1.0, 1.0]).map(f64::abs);
+        View { canvas: self.canvas, pixel }
     }
 
     fn draw(&self, picker: &Picker, own: Props) -> Result<Status, Fault> {
@@ -130,63 +101,46 @@ impl Event<'_> {
         let Some(painter) = Painter::new(self.effect.suites.draw, context) else { return Ok(Status::REPLY_DEFAULT) };
         let settings = self.moment.settings(&self.canvas)?;
         let warp = settings.shown(&self.canvas);
-        if let Some(warp) = &warp {
-            self.draw_lattice(&painter, warp);
-        }
-        let half = self.pixel(own).map(|size| size * HALF_PX);
-        let square = |[x, y]: [f64; 2]| [[x - half[0], y - half[1]], [x + half[0], y + half[1]]];
-        for dot in self.dots(&settings, warp.as_deref()) {
-            let colour = if picker.is_chosen(dot.pin) { CHOSEN } else { TARGET };
-            painter.line(&[dot.rest, dot.target], colour, 1.0);
-            let [[x1, y1], [x2, y2]] = square(dot.rest);
-            painter.line(&[[x1, y1], [x2, y2]], REST, 1.5);
-            painter.line(&[[x1, y2], [x2, y1]], REST, 1.5);
-            painter.outline(square(dot.target), colour, 2.0);
-        }
-        if let Some(corners) = picker.corners() {
-            painter.outline(corners, CHOSEN, 1.0);
+        let view = self.view(own);
+        let dots = view.dots(&settings.controls, &settings.pins, warp.as_deref());
+        for stroke in view.sketch(warp.as_deref(), &dots, picker) {
+            painter.line(&stroke.points, stroke.colour, stroke.width);
         }
         Ok(Status::OK)
     }
 
-    fn draw_lattice(&self, painter: &Painter, warp: &Warp) {
-        for line in warp.grid_lines(PIECES) {
-            let points: Vec<[f64; 2]> = line.moved.iter().map(|at| self.canvas.canonical(*at)).collect();
-            painter.line(&points, GRID, 1.0);
-        }
-    }
-
-    fn pen_or_key(&self, view: &mut View, name: &CStr, own: Props) -> Result<Status, Fault> {
-        let was_dragging = view.picker.is_dragging();
+    fn pen_or_key(&self, pen: &mut Pen, name: &CStr, own: Props) -> Result<Status, Fault> {
+        let was_dragging = pen.picker.is_dragging();
         let at = self.args.doubles(interact::PEN_POSITION).unwrap_or_default();
         let key = self.args.int(interact::KEY_SYM).unwrap_or(0);
         let is_shift = [interact::KEY_SHIFT_LEFT, interact::KEY_SHIFT_RIGHT].contains(&key);
         let pull = if name == interact::PEN_DOWN {
-            self.press(view, at, own)?
+            self.press(pen, at, own)?
         } else if name == interact::PEN_MOTION {
-            view.picker.motion(at)
+            pen.picker.motion(at)
         } else if name == interact::PEN_UP {
             // A drag ends, and so does its step to undo, whatever became of the settings meanwhile.
-            let points = self.moment.settings(&self.canvas).map(|settings| self.points(&settings));
-            view.picker.release(at, &points.unwrap_or_default())
+            let settings = self.moment.settings(&self.canvas);
+            let points = settings.map(|settings| self.points(&settings, self.view(own)));
+            pen.picker.release(at, &points.unwrap_or_default())
         } else if name == interact::KEY_DOWN && key == interact::KEY_ESCAPE
             || name == interact::LOSE_FOCUS
             || name == action::DESTROY_INSTANCE
         {
-            view.is_adding &= name == interact::KEY_DOWN;
-            view.picker.cancel()
+            pen.is_adding &= name == interact::KEY_DOWN;
+            pen.picker.cancel()
         } else {
             if is_shift && (name == interact::KEY_DOWN || name == interact::KEY_UP) {
-                view.is_adding = name == interact::KEY_DOWN;
+                pen.is_adding = name == interact::KEY_DOWN;
             }
             Pull::Nothing
         };
         match pull {
             Pull::Nothing => return Ok(Status::REPLY_DEFAULT),
             Pull::Chosen => {}
-            Pull::Dragged(by) => self.drag(view, by),
+            Pull::Dragged(by) => self.drag(pen, by),
         }
-        if was_dragging && !view.picker.is_dragging() {
+        if was_dragging && !pen.picker.is_dragging() {
             self.moment.params.end_edit();
         }
         if name != action::DESTROY_INSTANCE {
@@ -196,36 +150,34 @@ impl Event<'_> {
     }
 
     /// What the pen can hit: targets, with their pins' numbers.
-    fn points(&self, settings: &Settings) -> Vec<(usize, [f64; 2])> {
+    fn points(&self, settings: &Settings, view: View) -> Vec<(usize, [f64; 2])> {
         let by_pin = self.moment.int("handles") == 1;
         let warp = settings.shown(&self.canvas);
-        self.dots(settings, warp.as_deref())
-            .iter()
-            .map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target }))
-            .collect()
+        let dots = view.dots(&settings.controls, &settings.pins, warp.as_deref());
+        dots.iter().map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target })).collect()
     }
 
-    fn press(&self, view: &mut View, at: [f64; 2], own: Props) -> Result<Pull, Fault> {
+    fn press(&self, pen: &mut Pen, at: [f64; 2], own: Props) -> Result<Pull, Fault> {
         let settings = self.moment.settings(&self.canvas)?;
-        let choosing = if view.is_adding { Choosing::Adding } else { Choosing::Anew };
-        let reach = self.pixel(own).map(|size| size * REACH_PX);
-        let points = self.points(&settings);
+        let choosing = if pen.is_adding { Choosing::Adding } else { Choosing::Anew };
+        let view = self.view(own);
+        let (points, reach) = (self.points(&settings, view), view.pixel.map(|size| size * REACH_PX));
         if points.is_empty() {
             return Ok(Pull::Nothing);
         }
-        let pull = view.picker.press(at, &points, reach, choosing);
-        let chosen = settings.pins.iter().zip(&settings.controls.pins).filter(|(pin, _)| view.picker.is_chosen(**pin));
+        let pull = pen.picker.press(at, &points, reach, choosing);
+        let chosen = settings.pins.iter().zip(&settings.controls.pins).filter(|(pin, _)| pen.picker.is_chosen(**pin));
         let ends = chosen.map(|(pin, place)| (*pin, [place.rest, place.target].map(|at| self.canvas.canonical(at))));
-        view.starts = ends.collect();
-        if view.picker.is_dragging() {
+        pen.starts = ends.collect();
+        if pen.picker.is_dragging() {
             self.moment.params.begin_edit(c"Move pins");
         }
         Ok(pull)
     }
 
-    fn drag(&self, view: &View, by: [f64; 2]) {
+    fn drag(&self, pen: &Pen, by: [f64; 2]) {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
-        for (pin, [rest, target]) in &view.starts {
+        for (pin, [rest, target]) in &pen.starts {
             self.moment.params.set_point(&pin_id(*pin, "Target"), moved(*target), When::Now);
             if self.moment.int("handles") == 1 {
                 self.moment.params.set_point(&pin_id(*pin, "Rest"), moved(*rest), When::Now);

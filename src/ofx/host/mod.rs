@@ -20,7 +20,7 @@ pub(super) use guard::{action_name, caught, guarded};
 pub(super) use images::{Depth, Image, Rows, Target};
 pub(super) use interact::Interact;
 pub(super) use kept::Kept;
-pub(super) use paint::{Colour, Painter};
+pub(super) use paint::Painter;
 pub(super) use param_set::{Params, When};
 pub(super) use props::Props;
 pub(super) use suites::{Suites, load, meet, suites};

@@ -7,7 +7,7 @@ use crate::ofx::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
 use std::ffi::{CStr, c_void};
 
 /// Red, green, blue, opacity.
-pub(in crate::ofx) type Colour = [f32; 4];
+type Colour = [f32; 4];
 
 /// What draws.
 pub(in crate::ofx) enum Painter {
@@ -30,11 +30,6 @@ impl Painter {
             Self::Suite(suite, context) => suite_line(suite, *context, points, (colour, width)),
             Self::OpenGl(gl) => gl.line(points, colour, width),
         }
-    }
-
-    /// The outline of a box.
-    pub(in crate::ofx) fn outline(&self, [[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: Colour, width: f32) {
-        self.line(&[[x1, y1], [x2, y1], [x2, y2], [x1, y2], [x1, y1]], colour, width);
     }
 }
 
