@@ -1,9 +1,10 @@
 //! Buttons: shots are written and read, maps are written; `pinwarp` itself takes them.
 
 use crate::host::profile::BOOK;
-use crate::host::{Frame, Host, Pixels, Which};
+use crate::host::{Frame, Host, Pixels, Profile, Which};
 use crate::{SIZE, pulled};
 use pinwarp::ofx::api::Status;
+use pinwarp::ofx::api::names::param;
 use std::process::Command;
 
 /// A folder of its own for a test.
@@ -13,9 +14,16 @@ fn folder() -> tempfile::TempDir {
 
 #[test]
 fn a_shot_that_was_written_is_read_back() {
+    // Some hosts keep keys and do not say of a parameter that it has some.
+    for profile in [BOOK, Profile { refuses: &[param::IS_ANIMATING], ..BOOK }] {
+        write_and_read_back(&profile);
+    }
+}
+
+fn write_and_read_back(profile: &Profile) {
     let folder = folder();
     let path = folder.path().join("pins.toml");
-    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let mut host = Host::start(profile, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
     host.key(node, "pin1Target", 0.0, [96.0, 54.0]);
     host.key(node, "pin1Target", 8.0, [60.0, 30.0]);

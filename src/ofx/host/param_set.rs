@@ -148,11 +148,11 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// Times of the keys. Where a parameter does not say that it is animated there are none: openfx-runner ends the
-    /// program when asked for them.
+    /// Times of the keys; none where a parameter says that it is not animated, or where it is not safe to ask.
     pub(in crate::ofx) fn keys(self, id: &str) -> Vec<f64> {
         let suite = self.suites.parameter;
-        if self.props_of(id).int(param::IS_ANIMATING) != Some(1) {
+        let told = self.props_of(id).int(param::IS_ANIMATING);
+        if told == Some(0) || told.is_none() && self.suites.are_fragile() {
             return Vec::new();
         }
         let (Some(param), Some(count), Some(get)) = (self.handle(id), suite.get_num_keys, suite.get_key_time) else {

@@ -14,8 +14,8 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 /// The host as `setHost` left it; suites may be fetched from the first action on, not before.
 static HOST: AtomicPtr<Host> = AtomicPtr::new(std::ptr::null_mut());
-/// Hosts that end the program when asked for lasting messages, though they tell a version of the API that has them.
-const ENDED_BY_LASTING_MESSAGES: [&str; 1] = ["openfx-driver"];
+/// Hosts that end the program when asked for what they do not have: openfx-runner, by the name it gives itself.
+const FRAGILE: [&str; 1] = ["openfx-driver"];
 /// The suites of that host.
 static SUITES: RwLock<Option<Arc<Suites>>> = RwLock::new(None);
 
@@ -103,7 +103,7 @@ pub(in crate::ofx) fn load() -> Result<Arc<Suites>, HostError> {
     };
     // Version 2 came with API 1.2; an older host may end the program when asked for what it does not know.
     let knows_them = suites.host().ints(names::prop::API_VERSION).is_some_and(|version: [i32; 2]| version >= [1, 2]);
-    if knows_them && !ENDED_BY_LASTING_MESSAGES.iter().any(|name| suites.host_is(name)) {
+    if knows_them && !suites.are_fragile() {
         suites.lasting_message = fetch(host);
     }
     let suites = Arc::new(suites);
@@ -121,6 +121,11 @@ impl Suites {
     /// Properties of the host.
     pub(in crate::ofx) fn host(&self) -> Props<'_> {
         Props::new(self, self.properties)
+    }
+
+    /// Whether the host ends the program when asked for what it does not have.
+    pub(in crate::ofx) fn are_fragile(&self) -> bool {
+        FRAGILE.iter().any(|name| self.host_is(name))
     }
 
     /// Whether the host calls itself by a name that contains `part`.

@@ -164,6 +164,7 @@ pub(crate) const NATRON: Profile = Profile {
     api: Some([1, 4]),
     sets_host: false,
     suites: &[(names::MESSAGE_SUITE, 1), (names::MESSAGE_SUITE, 2), (names::INTERACT_SUITE, 1)],
+    refuses: &[param::USE_HOST_OVERLAY_HANDLE, param::PAGE_ORDER],
     rows: Rows::Up,
     ..BOOK
 };
