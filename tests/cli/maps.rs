@@ -177,7 +177,7 @@ fn after_effects_gets_elements_maps_and_their_settings() {
     assert!(pixels().all(|pixel| (at(&element, "A", pixel) - at(&still, "A", pixel)).abs() < 1e-3));
     bench.run("export shot.toml --to after-effects -o ae/shot").says(2, &["exists already"]);
     // What is in the way of the last file keeps the first from being written.
-    bench.write("ae/late.all.element.0002.exr", b"mine");
+    bench.write("ae/late.all.element.0002.exr", &bench.read("out/s.0002.exr"));
     bench.run("export shot.toml --to after-effects -o ae/late").says(2, &["element.0002.exr exists already"]);
     let written = names_in(&bench.path("ae")).into_iter().filter(|name| name.starts_with("late")).count();
     assert_eq!(written, 1, "nothing but what was there");
