@@ -139,13 +139,17 @@ fn update_pair<S: Simd>(simd: S, panel: &[f64], [ahead, reach]: [usize; 2], targ
     let sources: [&[S::f64s]; PANEL] = std::array::from_fn(|k| registers::<S>(&column(k)[1..=length]));
     let one = S::as_mut_simd_f64s(&mut one[1..=length]).0;
     let two = S::as_mut_simd_f64s(&mut two[..length]).0;
-    let factors = factors.map(|pair| pair.map(|factor| simd.splat_f64s(factor)));
+    // Closures of `map` would be calls of their own here, without registers.
+    let mut splats = [[simd.splat_f64s(0.0); 2]; PANEL];
+    for k in 0..PANEL {
+        splats[k] = [simd.splat_f64s(factors[k][0]), simd.splat_f64s(factors[k][1])];
+    }
     for i in 0..length / LANES {
         let (mut first, mut second) = (one[i], two[i]);
         for k in 0..PANEL {
             let source = sources[k][i];
-            first = simd.mul_add_f64s(factors[k][0], source, first);
-            second = simd.mul_add_f64s(factors[k][1], source, second);
+            first = simd.mul_add_f64s(splats[k][0], source, first);
+            second = simd.mul_add_f64s(splats[k][1], source, second);
         }
         (one[i], two[i]) = (first, second);
     }

@@ -4,10 +4,12 @@
 
 use super::cholesky::{Cholesky, padded_length, stride};
 use super::gram::Gram;
+use super::packs::{LANES, dispatch, multiply_add, store};
 use super::small::{Square, identity, symmetric_eigen};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
+use pulp::{Simd, WithSimd};
 
 /// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band, then zeros.
 #[derive(Clone, Debug)]
@@ -124,16 +126,7 @@ impl Normal {
 
     /// Takes the product with `x` off `y`.
     pub(crate) fn subtract_product<const D: usize>(&self, x: &[[f64; D]], y: &mut [[f64; D]]) {
-        for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
-            let mut sum = x[j].map(|x| column[0] * x);
-            let reach = self.band.min(self.size - 1 - j);
-            let (values, targets) = (&x[j + 1..][..reach], &mut y[j + 1..][..reach]);
-            for ((entry, value), target) in column[1..].iter().zip(values).zip(targets) {
-                (0..D).for_each(|d| sum[d] += entry * value[d]);
-                (0..D).for_each(|d| target[d] -= entry * x[j][d]);
-            }
-            (0..D).for_each(|d| y[j][d] -= sum[d]);
-        }
+        dispatch(SubtractProduct { normal: self, x, y });
         for (weight, square) in &self.squares {
             let mut share = [0.0; D];
             square.iter().zip(x).for_each(|(c, x)| (0..D).for_each(|d| share[d] += weight * c * x[d]));
@@ -170,6 +163,42 @@ impl Normal {
             }
         }
         full
+    }
+}
+
+/// Takes the product of the columns with `x` off `y`.
+struct SubtractProduct<'a, const D: usize> {
+    normal: &'a Normal,
+    x: &'a [[f64; D]],
+    y: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for SubtractProduct<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { normal: Normal { size, band, columns, .. }, x, y } = self;
+        let (stride, reach) = (stride(*band), band.next_multiple_of(LANES));
+        // What lies beyond the band or the last row is zero.
+        let (mut from, mut to) = (vec![0.0; size + reach], vec![0.0; size + reach]);
+        for d in 0..D {
+            from.iter_mut().zip(x).for_each(|(slot, x)| *slot = x[d]);
+            to.iter_mut().zip(y.iter()).for_each(|(slot, y)| *slot = y[d]);
+            for (j, column) in columns.chunks_exact(stride).take(*size).enumerate() {
+                let factor = simd.splat_f64s(-from[j]);
+                let mut sum = simd.splat_f64s(0.0);
+                let entries = S::as_simd_f64s(&column[1..=reach]).0;
+                let values = S::as_simd_f64s(&from[j + 1..][..reach]).0;
+                let targets = S::as_mut_simd_f64s(&mut to[j + 1..][..reach]).0;
+                for ((&entry, &value), target) in entries.iter().zip(values).zip(targets) {
+                    sum = multiply_add(simd, entry, value, sum);
+                    *target = multiply_add(simd, entry, factor, *target);
+                }
+                to[j] -= column[0] * from[j] + store::<S>(sum).iter().sum::<f64>();
+            }
+            y.iter_mut().zip(&to).for_each(|(y, x)| y[d] = *x);
+        }
     }
 }
 

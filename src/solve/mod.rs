@@ -7,6 +7,7 @@ mod bend;
 mod check;
 mod cholesky;
 mod constraints;
+mod drag;
 mod energy;
 mod error;
 mod gram;
@@ -31,6 +32,7 @@ mod waypoint;
 mod weld;
 
 pub use constraints::Holder;
+pub use drag::Drag;
 pub use error::SolveError;
 pub use iterate::Energies;
 pub use misses::{MissReason, PinMiss};

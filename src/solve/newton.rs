@@ -27,6 +27,9 @@ const NEW_STEPS: f64 = 2.0;
 /// A step below the tolerance is the last where the next one would be below this part of it.
 const CERTAIN: f64 = 0.1;
 
+/// A factor that leaves a last step above this many tolerances does not serve for another drag.
+const FAR: f64 = 3.0;
+
 /// A step this small (in box diagonals) is rounding: the state rests, however flat the energy is there. The first step
 /// from the rigid fit may be as large as the tolerance: where all pins move as one, so do the parts that nearly nothing holds.
 const AT_REST: f64 = 1e-10;
@@ -46,6 +49,26 @@ pub(crate) enum Finish {
     Newton,
     /// By local-global steps alone.
     LocalGlobal,
+}
+
+/// A factor of a second derivative that may serve again, and the memory of the last one that no longer does.
+#[derive(Debug, Default)]
+pub(crate) struct Kept {
+    factor: Option<Factor>,
+    spare: Vec<f64>,
+}
+
+impl Kept {
+    /// There is a factor.
+    pub(crate) fn is_some(&self) -> bool {
+        self.factor.is_some()
+    }
+
+    fn drop_factor(&mut self) {
+        if let Some(factor) = self.factor.take() {
+            self.spare = factor.into_memory();
+        }
+    }
 }
 
 /// How fast local-global steps shrink, and what Newton's cost by comparison.
@@ -109,7 +132,7 @@ impl<const D: usize> Iteration<'_, D> {
         mut iterations: usize,
         tell: &mut dyn FnMut(&[[f64; D]]),
     ) -> Run<D> {
-        let mut descent = Descent::new(self, handles);
+        let mut descent = Descent::new(self, handles.to_vec(), Kept::default());
         let mut is_converged = false;
         while !is_converged && iterations < self.settings.iteration_limit {
             iterations += 1;
@@ -123,6 +146,32 @@ impl<const D: usize> Iteration<'_, D> {
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         tell(&handles);
         Run { handles, iterations, is_converged }
+    }
+
+    /// Newton's method is at hand, and cheap.
+    pub(crate) fn knows_newton(&self) -> bool {
+        self.settings.acceleration > 0 && self.distortion.work().is_some() && self.normal.is_banded_enough()
+    }
+
+    /// Goes on from handles that were at rest for targets near by, with the factor that served there; at most `factors`
+    /// new ones. A factor that leaves too much at the end is not kept.
+    pub(crate) fn descend(&self, mut handles: Vec<[f64; D]>, kept: &mut Kept, factors: usize) -> Run<D> {
+        let mut misses = Vec::new();
+        self.constraints.enforce(self.terms, &mut misses, &mut handles);
+        let mut descent = Descent::new(self, handles, std::mem::take(kept));
+        descent.factors_left = factors;
+        let mut run = Run { handles: Vec::new(), iterations: 0, is_converged: false };
+        while !run.is_converged && run.iterations < self.settings.iteration_limit {
+            run.iterations += 1;
+            run.is_converged = descent.step() == Step::Last;
+        }
+        if !run.is_converged && descent.is_far() {
+            descent.drop_factor();
+        }
+        *kept = descent.kept;
+        run.handles = descent.place.handles;
+        self.constraints.enforce(self.terms, &mut misses, &mut run.handles);
+        run
     }
 
     fn place(&self, handles: Vec<[f64; D]>, constant: &[[f64; D]]) -> Place<D> {
@@ -162,28 +211,31 @@ struct Descent<'a, const D: usize> {
     problem: &'a Iteration<'a, D>,
     constant: Vec<[f64; D]>,
     place: Place<D>,
-    factor: Option<Factor>,
-    /// Memory of the last factor.
-    spare: Vec<f64>,
+    kept: Kept,
+    /// The factor belongs to the place of the first of `steps`.
+    is_fresh: bool,
+    /// New factors that may be made.
+    factors_left: usize,
     /// What a new factor costs, in steps with an old one.
     cost_of_factor: f64,
     anderson: Anderson,
-    /// Steps with this factor, the first one at the place it belongs to.
+    /// Steps with this factor.
     steps: Vec<f64>,
     /// Which of [`LIMITS`] is in use.
     level: usize,
 }
 
 impl<'a, const D: usize> Descent<'a, D> {
-    fn new(problem: &'a Iteration<'a, D>, handles: &[[f64; D]]) -> Self {
+    fn new(problem: &'a Iteration<'a, D>, handles: Vec<[f64; D]>, kept: Kept) -> Self {
         let constant = problem.constant_right_side();
-        let place = problem.place(handles.to_vec(), &constant);
+        let place = problem.place(handles, &constant);
         Self {
             problem,
             constant,
             place,
-            factor: None,
-            spare: Vec::new(),
+            kept,
+            is_fresh: false,
+            factors_left: usize::MAX,
             cost_of_factor: problem.cost_of_factor(),
             anderson: Anderson::new(WINDOW),
             steps: Vec::new(),
@@ -192,13 +244,13 @@ impl<'a, const D: usize> Descent<'a, D> {
     }
 
     fn step(&mut self) -> Step {
-        if self.factor.is_none() {
+        if !self.kept.is_some() {
             self.refactor();
         }
         let problem = self.problem;
         let mut by = self.place.right_side.clone();
         problem.normal.subtract_product(&self.place.handles, &mut by);
-        match &self.factor {
+        match &self.kept.factor {
             Some(factor) => factor.solve(by.as_flattened_mut().as_chunks_mut::<1>().0),
             None => problem.factor.solve(&mut by),
         }
@@ -216,7 +268,7 @@ impl<'a, const D: usize> Descent<'a, D> {
     fn is_last(&self) -> bool {
         let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
         let step = self.steps[self.steps.len() - 1];
-        step <= tolerance && (self.steps.len() == 1 || step * self.rate() <= CERTAIN * tolerance)
+        step <= tolerance && (self.is_fresh && self.steps.len() == 1 || step * self.rate() <= CERTAIN * tolerance)
     }
 
     /// How steps shrink with this factor.
@@ -230,7 +282,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let problem = self.problem;
         let knows_steps = self.anderson.knows_steps();
         let mut next = plain.clone();
-        if self.factor.is_some() {
+        if self.kept.is_some() {
             self.anderson.step(&self.place.handles, &mut next);
         }
         let mut next = problem.place(next, &self.constant);
@@ -240,7 +292,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         }
         // The matrix is positive definite: a short enough step along `by` lowers the energy.
         for share in SHORTER {
-            if self.is_lower(&next) || self.factor.is_none() {
+            if self.is_lower(&next) || !self.kept.is_some() {
                 break;
             }
             self.anderson.reset();
@@ -261,13 +313,13 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// Takes a step that does not raise the energy; else another factor is next.
     fn judge(&mut self, next: Place<D>) -> Step {
-        if !self.is_lower(&next) && self.factor.is_some() {
+        if !self.is_lower(&next) && self.kept.is_some() {
             self.level += usize::from(self.steps.len() == 1);
             self.drop_factor();
             return Step::Refused;
         }
         self.place = next;
-        if self.factor.is_none() || self.is_stale() {
+        if !self.kept.is_some() || self.factors_left > 0 && self.is_stale() {
             self.drop_factor();
             self.level = 0;
         }
@@ -281,20 +333,29 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.steps.len() > 1 && steps_left(step / tolerance, self.rate()) > self.cost_of_factor + NEW_STEPS
     }
 
+    /// The last step was well above the tolerance.
+    fn is_far(&self) -> bool {
+        let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
+        self.steps.last().is_none_or(|&step| step > FAR * tolerance)
+    }
+
     fn drop_factor(&mut self) {
-        self.spare = self.factor.take().map_or_else(Vec::new, Factor::into_memory);
+        self.kept.drop_factor();
         self.anderson.reset();
         self.steps.clear();
     }
 
-    /// Factors the second derivative at this place, limited until it is positive definite; no factor past the last limit.
+    /// Factors the second derivative at this place, limited until it is positive definite; no factor past the last limit,
+    /// nor past the last that may be made.
     fn refactor(&mut self) {
-        while let (None, Some(&limit)) = (&self.factor, LIMITS.get(self.level)) {
-            let mut second = self.problem.normal.repeated::<D>(std::mem::take(&mut self.spare));
+        while let (false, 1.., Some(&limit)) = (self.kept.is_some(), self.factors_left, LIMITS.get(self.level)) {
+            let mut second = self.problem.normal.repeated::<D>(std::mem::take(&mut self.kept.spare));
             let turns = Turns { scale: self.problem.scales.shape, limit };
             self.problem.distortion.subtract_turns(&self.place.handles, turns, &mut second);
-            self.factor = Factor::of_positive(second);
-            self.level += usize::from(self.factor.is_none());
+            self.kept.factor = Factor::of_positive(second);
+            self.is_fresh = true;
+            self.factors_left -= 1;
+            self.level += usize::from(!self.kept.is_some());
         }
     }
 }

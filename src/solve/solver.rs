@@ -73,10 +73,10 @@ pub(crate) struct Terms<const D: usize> {
 }
 
 /// Where everything has to go.
-struct Targets<'a, const D: usize> {
-    pins: &'a [PointPin<D>],
-    handles: &'a [HandlePin<D>],
-    terms: &'a Terms<D>,
+pub(crate) struct Targets<'a, const D: usize> {
+    pub(crate) pins: &'a [PointPin<D>],
+    pub(crate) handles: &'a [HandlePin<D>],
+    pub(crate) terms: &'a Terms<D>,
 }
 
 /// What a solver is assembled from.
@@ -89,12 +89,6 @@ pub(crate) struct Parts<const D: usize> {
 /// Part of the mean diagonal of shape and regulariser with which handles hold on to the rigid fit: it decides what nothing else decides, and
 /// moves what something else decides by less than the tolerance.
 const HOLD: f64 = 1e-9;
-
-/// Most local-global steps of a drag, so that it keeps pace with the hand: a quarter of a millisecond at 15 x 15.
-const DRAG_STEPS: usize = 14;
-
-/// A drag also ends when no handle moves farther than this part of the box diagonal: a fiftieth of a pixel at 1080 lines.
-const DRAG_TOLERANCE: f64 = 1e-5;
 
 impl<const D: usize> Solver<D> {
     /// Samples the shape and factors the matrix.
@@ -180,36 +174,6 @@ impl<const D: usize> Solver<D> {
         Ok(self.run(&Targets { pins, handles, terms: &terms }, None))
     }
 
-    /// Follows a dragged pin: a few steps from where the last drag left the lattice, without a report. The pins arrive
-    /// at once, the shape follows within a few drags; parts that nearly nothing holds lag, so end a drag with
-    /// [`Self::update`]. `from` is the last drag's result, first the solution.
-    ///
-    /// # Errors
-    /// As [`Self::update`]; also where `from` has another number of handles.
-    pub fn drag(
-        &self,
-        pins: &[PointPin<D>],
-        handles: &[HandlePin<D>],
-        from: &Lattice<D>,
-    ) -> Result<Lattice<D>, SolveError> {
-        if from.handles.len() != self.grid.handle_count() {
-            return Err(SolveError::Invalid {
-                what: format!(
-                    "the drag starts from {} handles, the grid has {}",
-                    from.handles.len(),
-                    self.grid.handle_count()
-                ),
-                hint: "start from a solution of the same solver".into(),
-            });
-        }
-        let terms = self.retargeted(pins, handles)?;
-        let settings = Settings { iteration_limit: DRAG_STEPS, tolerance: DRAG_TOLERANCE, ..self.settings.clone() };
-        let iteration = self.iteration(&Targets { pins, handles, terms: &terms });
-        let finish = Finish::LocalGlobal;
-        let run = Iteration { first: Some(&from.handles), settings: &settings, finish, ..iteration }.run(None);
-        Ok(Lattice { grid: self.grid.clone(), handles: run.handles })
-    }
-
     /// Which cells of a lattice over the same grid turn over, and whether the shape lies in them.
     #[must_use]
     pub fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
@@ -217,7 +181,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The terms with other targets for the same pins and handles.
-    fn retargeted(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Terms<D>, SolveError> {
+    pub(crate) fn retargeted(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Terms<D>, SolveError> {
         super::check::same_pins(&self.pins, pins)?;
         super::check::same_handles(&self.handles, handles)?;
         let mut terms = self.terms.clone();
@@ -286,7 +250,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The iteration for given targets.
-    fn iteration<'a>(&'a self, targets: &Targets<'a, D>) -> Iteration<'a, D> {
+    pub(crate) fn iteration<'a>(&'a self, targets: &Targets<'a, D>) -> Iteration<'a, D> {
         let rest = self.grid.rest_handles();
         let start = match self.settings.start {
             super::Start::Rest => rest,

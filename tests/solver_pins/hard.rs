@@ -75,7 +75,8 @@ proptest! {
         let solver = Solver::new(&problem).expect("a valid problem");
         let mut dragged = pins.clone();
         dragged[0].target = [dragged[0].target[0] + by[0], dragged[0].target[1] + by[1]];
-        let lattice: Lattice<2> = solver.drag(&dragged, &[], &solver.solve().lattice).expect("the same pins");
+        let mut drag = solver.drag(&solver.solve().lattice).expect("a lattice of the solver");
+        let lattice: Lattice<2> = drag.follow(&dragged, &[]).expect("the same pins");
         for pin in &dragged {
             prop_assert!(distance(lattice.carry(pin.at), pin.target) < EXACT);
         }
