@@ -84,7 +84,8 @@ impl<const N: usize> AxisTerms<N> {
 /// Cell of a piecewise basis: its number and the place within it (0..=1 inside the box).
 pub(super) fn cell(spans: usize, t: f64) -> (usize, f64) {
     let x = t * spans as f64;
-    let cell = (x.floor().max(0.0) as usize).min(spans - 1);
+    // What lies below the box is 0 as an integer.
+    let cell = (x as usize).min(spans - 1);
     (cell, x - cell as f64)
 }
 

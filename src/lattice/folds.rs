@@ -208,11 +208,11 @@ impl<const D: usize> Lattice<D> {
 fn blend<const D: usize>(handles: &[[f64; D]], step: usize, rows: &[&[f64]]) -> Vec<[f64; D]> {
     let count = rows.first().map_or(1, |row| row.len());
     let mut blended = vec![[0.0; D]; handles.len() / count * rows.len()];
-    for (index, slot) in blended.iter_mut().enumerate() {
-        let (within, row, beyond) = (index % step, index / step % rows.len(), index / step / rows.len());
+    for (number, slots) in blended.chunks_exact_mut(step).enumerate() {
+        let (row, beyond) = (number % rows.len(), number / rows.len());
         for (k, factor) in rows[row].iter().enumerate() {
-            let handle = handles[within + (beyond * count + k) * step];
-            (0..D).for_each(|d| slot[d] += factor * handle[d]);
+            let line = &handles[(beyond * count + k) * step..][..step];
+            slots.iter_mut().zip(line).for_each(|(slot, handle)| (0..D).for_each(|d| slot[d] += factor * handle[d]));
         }
     }
     blended

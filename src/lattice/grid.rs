@@ -5,6 +5,9 @@
 use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MOST_LOCAL};
 use super::{Basis, Grid, Lattice, LatticeError};
 
+/// Handles that most axes have at most: less room is to be cleared for their functions than for [`MAX_HANDLES`].
+const USUAL: usize = 16;
+
 /// What one handle contributes at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term<const D: usize> {
@@ -157,6 +160,9 @@ impl<const D: usize> Grid<D> {
         match self.basis {
             Basis::Barytri => self.visit_simplex(point, visit),
             Basis::Bspline | Basis::Bilinear => self.visit_tensor::<MOST_LOCAL>(point, visit),
+            Basis::Bernstein if self.dims.iter().all(|&count| count <= USUAL) => {
+                self.visit_tensor::<USUAL>(point, visit);
+            }
             Basis::Bernstein => self.visit_tensor::<MAX_HANDLES>(point, visit),
         }
     }

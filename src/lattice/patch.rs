@@ -26,6 +26,22 @@ impl<const D: usize> Patch<D> {
         index / self.stride(axis) % (self.degrees[axis] + 1)
     }
 
+    /// The places of all coefficients, in order.
+    fn places(&self) -> impl Iterator<Item = [usize; D]> + use<D> {
+        let (degrees, mut next) = (self.degrees, [0; D]);
+        (0..self.coefficients.len()).map(move |_| {
+            let place = next;
+            for axis in 0..D {
+                next[axis] += 1;
+                if next[axis] <= degrees[axis] {
+                    break;
+                }
+                next[axis] = 0;
+            }
+            place
+        })
+    }
+
     /// All values times a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.coefficients.iter_mut().for_each(|c| *c *= factor);
@@ -35,9 +51,10 @@ impl<const D: usize> Patch<D> {
     /// The slope along an axis, per cell; one degree less there.
     pub(super) fn slope(&self, axis: usize) -> Self {
         let (degree, step) = (self.degrees[axis], self.stride(axis));
-        let has_next = |index: &usize| self.place(*index, axis) < degree;
         let rise = |index: usize| degree as f64 * (self.coefficients[index + step] - self.coefficients[index]);
-        let coefficients = (0..self.coefficients.len()).filter(has_next).map(rise).collect();
+        let mut coefficients = Vec::with_capacity(self.coefficients.len());
+        let has_next = self.places().map(|place| place[axis] < degree);
+        coefficients.extend(has_next.enumerate().filter(|entry| entry.1).map(|(index, _)| rise(index)));
         let mut degrees = self.degrees;
         degrees[axis] -= 1;
         Self { degrees, coefficients }
@@ -45,8 +62,8 @@ impl<const D: usize> Patch<D> {
 
     /// Coefficients times (or divided by) their binomials: in this form a product is a convolution.
     fn weighed(&self, weigh: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        let factor = |index| (0..D).map(|axis| binomial(self.degrees[axis], self.place(index, axis))).product();
-        self.coefficients.iter().enumerate().map(|(index, &c)| weigh(c, factor(index))).collect()
+        let factor = |place: [usize; D]| (0..D).map(|axis| binomial(self.degrees[axis], place[axis])).product();
+        self.coefficients.iter().zip(self.places()).map(|(&c, place)| weigh(c, factor(place))).collect()
     }
 
     /// Σ sign·a·b over pairs whose products have equal degrees.
@@ -56,8 +73,8 @@ impl<const D: usize> Patch<D> {
         let mut sum = Self::new(degrees, vec![0.0; degrees.iter().map(|degree| degree + 1).product()]);
         for (sign, a, b) in pairs {
             let places = |patch: &Self| -> Vec<usize> {
-                let place = |index| (0..D).map(|axis| patch.place(index, axis) * sum.stride(axis)).sum();
-                (0..patch.coefficients.len()).map(place).collect()
+                let strides: [usize; D] = std::array::from_fn(|axis| sum.stride(axis));
+                patch.places().map(|place| (0..D).map(|axis| place[axis] * strides[axis]).sum()).collect()
             };
             let (at_a, at_b) = (places(a), places(b));
             let (values_a, values_b) = (a.weighed(|c, w| sign * c * w), b.weighed(|c, w| c * w));

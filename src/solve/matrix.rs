@@ -43,12 +43,22 @@ impl Normal {
     }
 
     /// Adds weight · row rowᵀ.
-    pub(crate) fn add_row(&mut self, weight: f64, row: impl Iterator<Item = (usize, f64)> + Clone) {
-        let mut rest = row;
-        while let Some((handle, coefficient)) = rest.next() {
-            self.add(handle, handle, weight * coefficient * coefficient);
-            for (other, factor) in rest.clone() {
-                self.add(handle, other, weight * coefficient * factor);
+    pub(crate) fn add_row(&mut self, weight: f64, row: &[(usize, f64)]) {
+        let stride = stride(self.band);
+        let is_sorted = row.is_sorted_by(|a, b| a.0 < b.0);
+        // Rows on all handles: loops run over whole registers.
+        let is_full = is_sorted && row.len() == self.size;
+        let coefficients: Vec<f64> = if is_full { row.iter().map(|entry| entry.1).collect() } else { Vec::new() };
+        for (k, &(column, coefficient)) in row.iter().enumerate() {
+            let factor = weight * coefficient;
+            if is_full {
+                let slots = self.columns[column * stride..].iter_mut();
+                slots.zip(&coefficients[k..]).for_each(|(slot, other)| *slot += factor * other);
+            } else if is_sorted {
+                let slots = &mut self.columns[column * stride..][..stride];
+                row[k..].iter().for_each(|&(handle, other)| slots[handle - column] += factor * other);
+            } else {
+                row[k..].iter().for_each(|&(handle, other)| self.add(handle, column, factor * other));
             }
         }
     }

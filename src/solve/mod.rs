@@ -4,6 +4,7 @@
 
 mod anderson;
 mod bend;
+mod buckets;
 mod check;
 mod cholesky;
 mod constraints;

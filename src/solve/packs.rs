@@ -10,6 +10,9 @@ use pulp::{Simd, WithSimd};
 /// Rows that are computed together.
 pub(crate) const LANES: usize = 4;
 
+/// Blocks on more handles than this make most of their matrix: room for it is taken at once.
+const FEW: usize = 64;
+
 /// One number for each of four rows.
 pub(crate) type Lanes = [f64; LANES];
 
@@ -60,6 +63,9 @@ impl<const C: usize> Packs<C> {
         let mut handles = Vec::new();
         grid.visit(points[rows[0].1], |term| handles.push(term.handle));
         let (first, start) = (self.order.len(), self.coefficients.len());
+        if handles.len() > FEW {
+            self.coefficients.reserve_exact(rows.len().div_ceil(LANES) * handles.len());
+        }
         for chunk in rows.chunks(LANES) {
             let base = self.coefficients.len();
             self.coefficients.resize(base + handles.len(), [[0.0; LANES]; C]);
@@ -183,40 +189,45 @@ pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(
     sums
 }
 
-/// [`gather`] for two packs: twice as many sums hide the time that each addition takes.
+/// [`gather`] for several packs: as many times the sums hide the time that each addition takes.
 #[inline(always)]
-pub(crate) fn gather_pair<S: Simd, const C: usize, const D: usize>(
+pub(crate) fn gather_group<S: Simd, const C: usize, const D: usize, const N: usize>(
     simd: S,
-    packs: [&[[Lanes; C]]; 2],
+    packs: [&[[Lanes; C]]; N],
     local: &[[f64; D]],
-) -> [[[S::f64s; C]; D]; 2] {
-    let mut sums = [[[simd.splat_f64s(0.0); C]; D]; 2];
-    for (handle, (first, second)) in local.iter().zip(packs[0].iter().zip(packs[1])) {
+) -> [[[S::f64s; C]; D]; N] {
+    let mut sums = [[[simd.splat_f64s(0.0); C]; D]; N];
+    let count = packs.iter().fold(local.len(), |count, pack| count.min(pack.len()));
+    for k in 0..count {
         for d in 0..D {
-            let coordinate = simd.splat_f64s(handle[d]);
-            for c in 0..C {
-                sums[0][d][c] = multiply_add(simd, load::<S>(&first[c]), coordinate, sums[0][d][c]);
-                sums[1][d][c] = multiply_add(simd, load::<S>(&second[c]), coordinate, sums[1][d][c]);
+            let coordinate = simd.splat_f64s(local[k][d]);
+            for n in 0..N {
+                for c in 0..C {
+                    sums[n][d][c] = multiply_add(simd, load::<S>(&packs[n][k][c]), coordinate, sums[n][d][c]);
+                }
             }
         }
     }
     sums
 }
 
-/// Adds coefficient_k · values to every handle's sum, lane by lane.
+/// Adds coefficient_k · values of several packs to every handle's sum, lane by lane, one pack after the other.
 #[inline(always)]
-pub(crate) fn scatter<S: Simd, const C: usize, const D: usize>(
+pub(crate) fn scatter_group<S: Simd, const C: usize, const D: usize, const N: usize>(
     simd: S,
-    pack: &[[Lanes; C]],
-    values: &[[S::f64s; C]; D],
+    packs: [&[[Lanes; C]]; N],
+    values: &[[[S::f64s; C]; D]; N],
     sums: &mut [[Lanes; D]],
 ) {
-    for (coefficients, sum) in pack.iter().zip(sums) {
+    let count = packs.iter().fold(sums.len(), |count, pack| count.min(pack.len()));
+    for (k, sum) in sums[..count].iter_mut().enumerate() {
         for d in 0..D {
             let slot = &mut S::as_mut_simd_f64s(&mut sum[d]).0[0];
             let mut total = *slot;
-            for c in 0..C {
-                total = multiply_add(simd, load::<S>(&coefficients[c]), values[d][c], total);
+            for n in 0..N {
+                for c in 0..C {
+                    total = multiply_add(simd, load::<S>(&packs[n][k][c]), values[n][d][c], total);
+                }
             }
             *slot = total;
         }

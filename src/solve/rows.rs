@@ -52,7 +52,7 @@ impl<const D: usize> RowSet<D> {
     /// Adds Σ w rowᵀ row.
     pub(crate) fn add_normal(&self, scale: f64, normal: &mut Normal) {
         for index in 0..self.len() {
-            normal.add_row(scale * self.weights[index], self.row(index).iter().copied());
+            normal.add_row(scale * self.weights[index], self.row(index));
         }
     }
 

@@ -8,7 +8,7 @@ use crate::lattice::Grid;
 use crate::solve::gram::{Gram, Sum};
 use crate::solve::matrix::Normal;
 use crate::solve::packs::{
-    LANES, Lanes, Packs, dispatch, gather, gather_pair, load, local_handles, multiply_add, store,
+    LANES, Lanes, Packs, dispatch, gather, gather_group, load, local_handles, multiply_add, store,
 };
 use crate::solve::samples::Sample;
 use crate::solve::small::{Square, nearest_rotation, squared_distance};
@@ -192,7 +192,7 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
             for pair in areas[block.packs.clone()].chunks(2).zip(block.packs.clone().step_by(2)) {
                 let (areas, first) = pair;
                 let packs = [first, first + areas.len() - 1].map(|pack| gradients.pack(block, pack));
-                for (areas, mut values) in areas.iter().zip(gather_pair(simd, packs, &local)) {
+                for (areas, mut values) in areas.iter().zip(gather_group(simd, packs, &local)) {
                     let part = if D == 2 {
                         fit_plane(simd, &mut values, load::<S>(areas))
                     } else {

@@ -6,6 +6,7 @@
 use super::area::Area;
 use super::vertices::Vertices;
 use super::{Distortion, Quality};
+use crate::solve::buckets::sort_in_buckets;
 use crate::solve::matrix::Normal;
 use crate::solve::small::{Square, apply, best_rotation, dot, minus};
 
@@ -58,8 +59,9 @@ impl<const D: usize> EdgeSets<D> {
         let set_count = edges.iter().map(|edge| edge.set + 1).max().unwrap_or(0);
         edges.retain(|edge| edge.weight != 0.0 && edge.ends[0] != edge.ends[1]);
         edges.iter_mut().for_each(|edge| edge.ends.sort_unstable());
-        let key = |edge: &SetEdge| (edge.ends, edge.set);
-        edges.sort_unstable_by(|a, b| key(a).cmp(&key(b)).then(a.weight.total_cmp(&b.weight)));
+        let key = |edge: &SetEdge| (edge.ends[1], edge.set);
+        let order = |a: &SetEdge, b: &SetEdge| key(a).cmp(&key(b)).then(a.weight.total_cmp(&b.weight));
+        sort_in_buckets(&mut edges, vertices.rest.len(), |edge| edge.ends[0], order);
         let (mut links, mut members): (Vec<Link<D>>, Vec<(usize, f64)>) = (Vec::new(), Vec::new());
         for same in edges.chunk_by(|a, b| a.ends == b.ends) {
             let first = members.len();
@@ -125,11 +127,14 @@ impl<const D: usize> EdgeSets<D> {
         let dense = self.vertices.dense(size);
         let mut laplacian = vec![0.0; dense.len()];
         for link in &self.links {
-            let [i, j] = link.ends;
-            for k in 0..size {
-                let difference = link.weight * (dense[i * size + k] - dense[j * size + k]);
-                laplacian[i * size + k] += difference;
-                laplacian[j * size + k] -= difference;
+            let [i, j] = link.ends.map(|end| &dense[end * size..][..size]);
+            // The first end is the lesser one.
+            let (rows, later) = laplacian.split_at_mut(link.ends[1] * size);
+            let slots = rows[link.ends[0] * size..][..size].iter_mut().zip(&mut later[..size]);
+            for ((slot, other), (a, b)) in slots.zip(i.iter().zip(j)) {
+                let difference = link.weight * (a - b);
+                *slot += difference;
+                *other -= difference;
             }
         }
         normal.add_product(scale, &dense, &laplacian);
@@ -144,7 +149,7 @@ impl<const D: usize> EdgeSets<D> {
             difference.clear();
             difference.extend(&rows[i]);
             add_to_row(&mut difference, &rows[j], -1.0);
-            normal.add_row(scale * link.weight, difference.iter().copied());
+            normal.add_row(scale * link.weight, &difference);
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: points, triangles. Out: for every vertex its neighbours and w_ij; each undirected edge appears twice.
 
+use crate::solve::buckets::sort_in_buckets;
 use crate::solve::small::{area_of, dot, minus};
 use crate::solve::{EdgeWeights, Shape};
 
@@ -43,17 +44,18 @@ impl HalfEdges {
 pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> HalfEdges {
     let mut found: Vec<([usize; 2], f64)> = Vec::with_capacity(shape.triangles.len() * 6);
     for triangle in 0..shape.triangles.len() {
-        for ([i, j], cotangent) in triangle_edges(shape, triangle) {
-            let weight = match weights {
-                EdgeWeights::Uniform => shape.stiffness_of(triangle),
-                EdgeWeights::Cot => 0.5 * cotangent,
-            };
+        let edges = match weights {
+            EdgeWeights::Uniform => sides(shape, triangle).map(|[_, i, j]| ([i, j], shape.stiffness_of(triangle))),
+            EdgeWeights::Cot => triangle_edges(shape, triangle).map(|(ends, cotangent)| (ends, 0.5 * cotangent)),
+        };
+        for ([i, j], weight) in edges {
             if i != j {
                 found.extend([([i, j], weight), ([j, i], weight)]);
             }
         }
     }
-    found.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let order = |a: &([usize; 2], f64), b: &([usize; 2], f64)| a.0[1].cmp(&b.0[1]).then(a.1.total_cmp(&b.1));
+    sort_in_buckets(&mut found, shape.points.len(), |half| half.0[0], order);
     let mut edges = HalfEdges { starts: vec![0; shape.points.len() + 1], entries: Vec::with_capacity(found.len()) };
     for same in found.chunk_by(|a, b| a.0 == b.0) {
         let [i, j] = same[0].0;
@@ -74,12 +76,15 @@ pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights)
 /// The edges of a triangle, each with the cotangent of the angle it faces, times its stiffness: 0 where the triangle has no area but the
 /// rounding of its sides.
 pub(crate) fn triangle_edges<const D: usize>(shape: &Shape<D>, triangle: usize) -> [([usize; 2], f64); 3] {
-    let corners = shape.triangles[triangle].map(|corner| corner as usize);
     let stiffness = shape.stiffness_of(triangle);
-    std::array::from_fn(|k| {
-        let [apex, i, j] = std::array::from_fn(|step| corners[(k + step) % 3]);
-        ([i, j], stiffness * cotangent(&shape.points[apex], &shape.points[i], &shape.points[j]))
-    })
+    sides(shape, triangle)
+        .map(|[apex, i, j]| ([i, j], stiffness * cotangent(&shape.points[apex], &shape.points[i], &shape.points[j])))
+}
+
+/// The sides of a triangle, each after the corner that it faces.
+fn sides<const D: usize>(shape: &Shape<D>, triangle: usize) -> [[usize; 3]; 3] {
+    let corners = shape.triangles[triangle].map(|corner| corner as usize);
+    std::array::from_fn(|k| std::array::from_fn(|step| corners[(k + step) % 3]))
 }
 
 /// Cotangent of the angle at `apex`, over the unsigned area.

@@ -150,7 +150,8 @@ impl<const D: usize> Distortion<D> for Patched<D> {
         self.discs.iter().for_each(|(weight, rows)| rows.add_normal(scale * weight, normal));
         for piece in &self.pieces {
             for axis in 0..D {
-                normal.add_row(scale * piece.weight, piece.mean.iter().map(|(handle, mean)| (*handle, mean[axis])));
+                let row: Vec<_> = piece.mean.iter().map(|(handle, mean)| (*handle, mean[axis])).collect();
+                normal.add_row(scale * piece.weight, &row);
             }
         }
     }
@@ -182,7 +183,7 @@ impl<const D: usize> Distortion<D> for Patched<D> {
                 let [x, y] = turned_row(turn, [mean[0], mean[1]]);
                 [(2 * handle, x), (2 * handle + 1, y)]
             });
-            normal.add_row(-turns.scale * piece.weight, row);
+            normal.add_row(-turns.scale * piece.weight, &row.collect::<Vec<_>>());
         }
     }
 

@@ -91,7 +91,7 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
                 let rows = self.dense_rows(size);
                 normal.add_product(scale, &rows, &rows);
             }
-            None => self.rows().for_each(|row| normal.add_row(scale, row.into_iter())),
+            None => self.rows().for_each(|row| normal.add_row(scale, &row)),
         }
     }
 

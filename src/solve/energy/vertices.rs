@@ -3,8 +3,11 @@
 //! In: rest points and a grid. Out: moved points, sparse or dense rows of W.
 
 use crate::lattice::Grid;
-use crate::solve::packs::{LANES, Packs, add_sums, dispatch, gather, load, local_handles, scatter, store};
+use crate::solve::packs::{LANES, Packs, add_sums, dispatch, gather_group, load, local_handles, scatter_group, store};
 use pulp::{Simd, WithSimd};
+
+/// Packs that are worked on together.
+const GROUP: usize = 4;
 
 /// Rest points with their rows of W.
 #[derive(Debug)]
@@ -94,16 +97,27 @@ impl<const D: usize> WithSimd for Moved<'_, D> {
         let mut local = Vec::new();
         for block in &weights.blocks {
             local_handles(block, self.handles, &mut local);
-            for pack in block.packs.clone() {
-                let values = gather(simd, weights.pack(block, pack), &local).map(|[x]| store::<S>(x));
-                for (lane, &vertex) in weights.order[pack].iter().enumerate() {
-                    if let Some(slot) = moved.get_mut(vertex) {
-                        *slot = std::array::from_fn(|d| values[d][lane]);
-                    }
+            for first in block.packs.clone().step_by(GROUP) {
+                let group: [usize; GROUP] = std::array::from_fn(|n| (first + n).min(block.packs.end - 1));
+                let sums = gather_group(simd, group.map(|pack| weights.pack(block, pack)), &local);
+                for (&pack, sums) in group.iter().zip(&sums) {
+                    let mut values = [[0.0; LANES]; D];
+                    values.iter_mut().zip(sums).for_each(|(value, [sum])| *value = store::<S>(*sum));
+                    put(weights.order[pack], &values, &mut moved);
                 }
             }
         }
         moved
+    }
+}
+
+/// Puts the coordinates of four rows where they belong.
+#[inline(always)]
+fn put<const D: usize>(rows: [usize; LANES], values: &[[f64; LANES]; D], moved: &mut [[f64; D]]) {
+    for (lane, &row) in rows.iter().enumerate() {
+        if let Some(slot) = moved.get_mut(row) {
+            *slot = std::array::from_fn(|d| values[d][lane]);
+        }
     }
 }
 
@@ -125,10 +139,15 @@ impl<const D: usize> WithSimd for Transposed<'_, D> {
         for block in &weights.blocks {
             sums.clear();
             sums.resize(block.handles.len(), [[0.0; LANES]; D]);
-            for pack in block.packs.clone() {
-                let rows = weights.order[pack].map(|row| self.values.get(row).copied().unwrap_or([0.0; D]));
-                let lanes = std::array::from_fn(|d| [load::<S>(&rows.map(|row| row[d]))]);
-                scatter(simd, weights.pack(block, pack), &lanes, &mut sums);
+            for first in block.packs.clone().step_by(GROUP) {
+                let mut values = [[[simd.splat_f64s(0.0)]; D]; GROUP];
+                let mut packs = [weights.pack(block, first); GROUP];
+                for n in 0..GROUP.min(block.packs.end - first) {
+                    let rows = weights.order[first + n].map(|row| self.values.get(row).copied().unwrap_or([0.0; D]));
+                    (0..D).for_each(|d| values[n][d] = [load::<S>(&rows.map(|row| row[d]))]);
+                    packs[n] = weights.pack(block, first + n);
+                }
+                scatter_group(simd, packs, &values, &mut sums);
             }
             add_sums(block, &sums, self.scale, self.right_side);
         }

@@ -89,7 +89,10 @@ impl<const D: usize> Layout<D> {
 
     /// Cell coordinate of a place; below 0 or from `dims` on it lies outside.
     fn cell(&self, axis: usize, x: f64) -> f64 {
-        ((x - self.lo[axis]) / self.side[axis]).floor()
+        let place = (x - self.lo[axis]) / self.side[axis];
+        // Without SSE 4.1 `floor` is a call; beyond what an integer holds any cell outside will do.
+        let whole = place as i64 as f64;
+        if whole > place { whole - 1.0 } else { whole }
     }
 
     fn border(&self, axis: usize, cell: usize) -> f64 {

@@ -1,0 +1,66 @@
+//! Sorting by a number that few items share, as edges by their first vertex: count, place, sort what is left.
+//!
+//! In: items and their buckets. Out: the items in order; several times as fast as one sort of them all.
+
+use std::cmp::Ordering;
+
+/// Sorts by bucket (below `count`), then by `order`.
+pub(crate) fn sort_in_buckets<T: Copy>(
+    items: &mut Vec<T>,
+    count: usize,
+    bucket: impl Fn(&T) -> usize,
+    order: impl Fn(&T, &T) -> Ordering,
+) {
+    let mut ends = vec![0; count + 1];
+    items.iter().for_each(|item| ends[bucket(item) + 1] += 1);
+    for number in 0..count {
+        ends[number + 1] += ends[number];
+    }
+    // Each start moves to its bucket's end.
+    let mut placed = items.clone();
+    for item in items.iter() {
+        let slot = &mut ends[bucket(item)];
+        placed[*slot] = *item;
+        *slot += 1;
+    }
+    let mut first = 0;
+    for &end in &ends[..count] {
+        insert_sorted(&mut placed[first..end], &order);
+        first = end;
+    }
+    *items = placed;
+}
+
+/// Slices up to here are sorted by insertion.
+const FEW: usize = 24;
+
+fn insert_sorted<T: Copy>(items: &mut [T], order: &impl Fn(&T, &T) -> Ordering) {
+    if items.len() > FEW {
+        return items.sort_by(order);
+    }
+    for next in 1..items.len() {
+        let item = items[next];
+        let mut at = next;
+        while at > 0 && order(&item, &items[at - 1]) == Ordering::Less {
+            items[at] = items[at - 1];
+            at -= 1;
+        }
+        items[at] = item;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buckets_give_the_order_of_a_sort() {
+        for size in [0, 1, 7, 60, 400] {
+            let mut items: Vec<[usize; 2]> = (0..size).map(|k| [k * 7919 % 5, k * 104_729 % 31]).collect();
+            let mut wanted = items.clone();
+            wanted.sort_unstable();
+            sort_in_buckets(&mut items, 5, |item| item[0], |a, b| a[1].cmp(&b[1]));
+            assert_eq!(items, wanted);
+        }
+    }
+}
