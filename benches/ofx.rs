@@ -24,6 +24,11 @@ fn renders(criterion: &mut Criterion) {
     let mut host = Host::start(&NATRON, Which::PinWarp);
     let node = host.node();
     let pixels = Pixels::scenery([1920, 1080], 4);
+    let choose = |filter: &str| {
+        let place = ["Cubic", "EWA"].iter().position(|name| *name == filter).expect("a filter of the plugin");
+        host.set(node, "filter", place as i32);
+    };
+    choose("Cubic");
     for depth in [Depth::Float, Depth::Half, Depth::Byte] {
         for (clip, shown) in [(image::SOURCE_CLIP, Some(pixels.clone())), (image::OUTPUT_CLIP, None)] {
             host.feed_as(node, clip, feed(shown, pixels.bounds, 4).with_depth(depth));
@@ -35,6 +40,11 @@ fn renders(criterion: &mut Criterion) {
         });
     }
     host.through(node, &pixels);
+    choose("EWA");
+    criterion.bench_function("ofx/still/ewa/Float", |bench| {
+        bench.iter_custom(|count| (0..count).map(|_| host.renderer().timed(node, Frame::default())).sum());
+    });
+    choose("Cubic");
     let mut nudge = 0.0;
     criterion.bench_function("ofx/dragged/cubic/Float", |bench| {
         bench.iter_custom(|count| {

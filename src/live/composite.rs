@@ -4,7 +4,7 @@
 //! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
-use super::{LiveError, Render, Warp};
+use super::{LiveError, Render, Warp, spare_planes};
 use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resample_part};
 use crate::space::PixelRect;
 use rayon::prelude::*;
@@ -82,14 +82,13 @@ impl<'a> Sheets<'a> {
         Some(Self { job, source, moved, share, background, is_straight })
     }
 
-    /// Draws the pixels of a window within a page, whose map is given, into memory that was used before or not: as many
-    /// planes as the source has, each `window.area()` samples.
-    pub(super) fn draw<'m>(&self, map: &WarpMap, window: PixelRect, memory: &'m mut Vec<Vec<f32>>) -> &'m [Vec<f32>] {
+    /// The pixels of a window within a page, whose map is given: first as many planes as the source has, each
+    /// `window.area()` samples, then some that helped to make them.
+    pub(super) fn draw(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
         let planes: Vec<&[f32]> = self.moved.iter().map(|plane| &plane[..]).collect();
-        memory.resize(planes.len(), Vec::new());
-        memory.iter_mut().for_each(|plane| plane.resize(window.area(), 0.0));
-        resample_part(map, window, &Planes { window: self.source.window, planes }, self.job.filter, memory);
-        let (seen, others) = memory.split_at_mut(self.job.source.planes.len());
+        let mut drawn = spare_planes(planes.len(), window.area());
+        resample_part(map, window, &Planes { window: self.source.window, planes }, self.job.filter, &mut drawn);
+        let (seen, others) = drawn.split_at_mut(self.job.source.planes.len());
         let hidden = match &self.share {
             Some(share) => {
                 let (landed, hidden) = others.split_first_mut().expect("the share is resampled after the planes");
@@ -102,7 +101,7 @@ impl<'a> Sheets<'a> {
         if self.is_straight {
             self.divide(seen, hidden, window);
         }
-        seen
+        drawn
     }
 
     /// Lays what moved over what rests, and puts the background behind.

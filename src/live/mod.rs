@@ -22,6 +22,7 @@ mod render;
 mod shape;
 mod sketch;
 mod solve;
+mod spare;
 mod stmap;
 mod warp;
 mod write;
@@ -38,6 +39,7 @@ pub use render::{Piece, Render, render, render_pieces};
 pub use shape::{Coverage, OwnPins, Shape, ShotShape};
 pub use sketch::{Dot, Stroke, View};
 pub use solve::{last_of_alpha, warp};
+pub use spare::{keep_planes, spare_planes};
 pub use stmap::{StMap, StMapFile, check_stmap_path, save_stmap, stmap};
 pub use warp::{GridLine, PinPlace, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
@@ -49,4 +51,5 @@ pub fn purge() {
     regions::purge();
     solve::purge();
     shape::purge();
+    spare::purge();
 }

@@ -5,7 +5,7 @@
 use super::composite::Sheets;
 use super::pages::Page;
 use super::picture::Picture;
-use super::{LiveError, Warp};
+use super::{LiveError, Warp, keep_planes};
 use crate::plate::Filter;
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
@@ -69,7 +69,6 @@ pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync)
     job.check()?;
     let sheets = Sheets::of(warp, job);
     let side_by_side = SIDE_BY_SIDE * rayon::current_num_threads();
-    let mut memory = vec![Vec::new(); side_by_side];
     for pages in Page::all_of(job.frame, job.window).chunks(side_by_side) {
         // Hosts want to be asked by the thread that they called.
         if (job.abort)() {
@@ -77,17 +76,14 @@ pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync)
         }
         // Threads that draw tiles of the same pages wait here for each other's maps.
         let maps: Vec<_> = pages.iter().map(|page| sheets.is_some().then(|| page.map(warp, job.frame))).collect();
-        pages.par_iter().zip(maps).zip(&mut memory).for_each(|((page, map), memory)| {
+        pages.par_iter().zip(maps).for_each(|(page, map)| {
             let window = page.window().intersection(job.window);
             let planes = match (&sheets, map) {
-                (Some(sheets), Some(map)) => sheets.draw(&map, window, memory),
-                _ => {
-                    let rest = job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0));
-                    *memory = rest.collect();
-                    memory
-                }
+                (Some(sheets), Some(map)) => sheets.draw(&map, window),
+                _ => job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0)).collect(),
             };
-            finished(Piece { window, planes });
+            finished(Piece { window, planes: &planes[..job.source.planes.len()] });
+            keep_planes(planes);
         });
     }
     Ok(())

@@ -37,14 +37,15 @@ pub(super) fn fetched(
     canvas: &Canvas,
 ) -> Result<Option<OwnedPicture>, Fault> {
     let image = call.effect.clip(name).map(|clip| clip.image(time)).transpose()?.flatten();
-    Ok(image.map(|image| OwnedPicture {
-        window: canvas.window(image.bounds),
-        planes: image.planes(),
-        alpha: match (image.channels, image.is_straight) {
+    Ok(image.map(|image| {
+        let mut planes = live::spare_planes(image.channels, image.area());
+        image.read(&mut planes);
+        let alpha = match (image.channels, image.is_straight) {
             (3, _) => Alpha::Opaque,
             (_, true) => Alpha::Straight,
             (_, false) => Alpha::Premultiplied,
-        },
+        };
+        OwnedPicture { window: canvas.window(image.bounds), planes, alpha }
     }))
 }
 
@@ -125,20 +126,22 @@ impl<'a> Task<'a> {
             Some(_) => self.fetch(BACKGROUND_CLIP)?.map(|picture| picture.with_channels(channels)),
             None => None,
         };
-        let (mask, background) =
-            (mask.as_ref().map(OwnedPicture::picture), background.as_ref().map(OwnedPicture::picture));
+        let [mask_shown, background_shown] = [&mask, &background].map(|one| one.as_ref().map(OwnedPicture::picture));
         let effect = self.call.effect;
         let job = Render {
             frame: self.canvas.frame,
             window,
             source: &source.picture(),
-            mask: mask.as_ref(),
-            background: background.as_ref(),
+            mask: mask_shown.as_ref(),
+            background: background_shown.as_ref(),
             filter: self.settings.filter,
             abort: &|| effect.is_aborted(),
         };
         let (target, canvas) = (self.target(), &self.canvas);
-        Ok(live::render_pieces(&warp, &job, |piece| target.write(canvas.pixels(piece.window), piece.planes))?)
+        live::render_pieces(&warp, &job, |piece| target.write(canvas.pixels(piece.window), piece.planes))?;
+        let done = [Some(source), mask, background].into_iter().flatten();
+        done.for_each(|picture| live::keep_planes(picture.planes));
+        Ok(())
     }
 
     fn map(&self) -> Result<Vec<Vec<f32>>, Fault> {

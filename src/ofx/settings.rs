@@ -132,7 +132,7 @@ impl<'a> Moment<'a> {
                 pins: placed,
             },
             shape,
-            filter: [Filter::Ewa, Filter::Cubic, Filter::Lanczos, Filter::Nearest][self.int("filter") as usize],
+            filter: [Filter::Cubic, Filter::Ewa, Filter::Lanczos, Filter::Nearest][self.int("filter") as usize],
             pins,
         })
     }

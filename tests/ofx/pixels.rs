@@ -40,6 +40,11 @@ fn every_depth_gives_the_same_picture_within_its_steps() {
             }
             pull(&host, node);
             let found = host.render(node, Frame::default()).expect("it renders");
+            let mut expected = expected.clone();
+            if matches!(depth, Depth::Byte | Depth::Short) {
+                // Integers end where the filter rings beyond white and black.
+                expected.samples.iter_mut().for_each(|sample| *sample = sample.clamp(0.0, 1.0));
+            }
             let distance = found.distance(&expected);
             assert!(distance <= 2.0 * depth.step(), "{channels} channels, {depth:?}: {distance} off");
             host.finish();

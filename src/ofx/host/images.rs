@@ -175,13 +175,18 @@ impl<'a> Image<'a> {
         self.channels * self.depth.bytes()
     }
 
-    /// All pixels of the bounds as planes, rows from the top, alpha last.
-    pub(in crate::ofx) fn planes(&self) -> Vec<Vec<f32>> {
+    /// Number of pixels within the bounds.
+    pub(in crate::ofx) fn area(&self) -> usize {
+        self.width() * (self.bounds[3] - self.bounds[1]) as usize
+    }
+
+    /// Reads all pixels of the bounds into planes of that many samples, one a channel: rows from the top, alpha last.
+    pub(in crate::ofx) fn read(&self, planes: &mut [Vec<f32>]) {
+        assert!(planes.len() == self.channels && planes.iter().all(|plane| plane.len() == self.area()));
         let (width, length) = (self.width(), self.width() * self.pixel_bytes());
         let height = (self.bounds[3] - self.bounds[1]) as usize;
-        let mut planes: Vec<Vec<f32>> = (0..self.channels).map(|_| vec![0.0; width * height]).collect();
         let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(self.channels)).collect();
-        for plane in &mut planes {
+        for plane in planes {
             rows.iter_mut().zip(plane.chunks_mut(width)).for_each(|(row, part)| row.push(part));
         }
         let (memory, depth) = (&self.memory, self.depth);
@@ -190,7 +195,6 @@ impl<'a> Image<'a> {
             // SAFETY: a row of the host's image; nobody writes to it while the image is held.
             spread(unsafe { std::slice::from_raw_parts(start, length) }, depth, row);
         });
-        planes
     }
 
     /// Where its pixels go: those of some rows.
