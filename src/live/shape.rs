@@ -96,24 +96,29 @@ impl Shape<'_> {
 
 static SHOTS: LazyLock<Cache<Shot>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
 
+/// Buffers and images of scenes.
+static BESIDE: LazyLock<Cache<Vec<PathBuf>>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+
 /// Lets go of what was read.
 pub(super) fn purge() {
     SHOTS.clear();
+    BESIDE.clear();
 }
 
 /// A shot file, read once for as long as it stays the same.
 pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
-    let mut key = KeyWriter::new();
-    write_file(&mut key, path);
-    SHOTS.get(key.finish(), || Ok(Shot::read(path)?))
+    SHOTS.get(file_key(path), || Ok(Shot::read(path)?))
 }
 
 /// The buffers and images of a scene, looked up once for as long as its file stays the same.
 fn beside(scene: &Path) -> Result<Arc<Vec<PathBuf>>, LiveError> {
-    static BESIDE: LazyLock<Cache<Vec<PathBuf>>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+    BESIDE.get(file_key(scene), || Ok(files_beside(scene)?))
+}
+
+fn file_key(path: &Path) -> Key {
     let mut key = KeyWriter::new();
-    write_file(&mut key, scene);
-    BESIDE.get(key.finish(), || Ok(files_beside(scene)?))
+    write_file(&mut key, path);
+    key.finish()
 }
 
 /// A file by its path, time and length: one that was saved again is another one, a missing one has neither.
@@ -123,4 +128,25 @@ fn write_file(key: &mut KeyWriter, path: &Path) {
     let since = changed.and_then(|changed| changed.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
     key.text(&path.to_string_lossy()).word(since.as_secs()).word(since.subsec_nanos().into());
     key.word(state.map_or(u64::MAX, |state| state.len()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_purge_lets_go_of_shots_and_of_what_lies_beside_scenes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [scene, shot] = ["scene.gltf", "shot.toml"].map(|name| folder.path().join(name));
+        let text = r#"{ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 36, "uri": "points.bin" }] }"#;
+        std::fs::write(&scene, text).expect("written");
+        let text = "version = 1\nscene = \"scene.gltf\"\nframes = { first = 1, last = 1 }\nsize = [16, 9]\n";
+        std::fs::write(&shot, text).expect("written");
+        assert_eq!(*beside(&scene).expect("a scene"), [folder.path().join("points.bin")]);
+        read(&shot).expect("a shot");
+        let kept = || (BESIDE.peek(file_key(&scene)).is_some(), SHOTS.peek(file_key(&shot)).is_some());
+        assert_eq!(kept(), (true, true));
+        purge();
+        assert_eq!(kept(), (false, false));
+    }
 }
