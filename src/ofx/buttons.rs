@@ -7,9 +7,9 @@ use super::canvas::canvas_of;
 use super::entry::Call;
 use super::fault::Fault;
 use super::host::{Clip, When};
-use super::params::{PINS, pin_id};
+use super::params::{BASES, PINS, SHAPES, ShapeFrom, number_of, pin_id};
 use super::render::fetched;
-use super::settings::{BASES, Moment, ShapeChoice, settings_of};
+use super::settings::{Moment, ShapeChoice, settings_of};
 use crate::image::SequencePath;
 use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, StMapFile, Subject, WriteShot};
 use std::path::{Path, PathBuf};
@@ -32,9 +32,9 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     let params = moment.params;
     let file = live::read_shot(&moment.shot()?, canvas.frame)?;
     params.begin_edit(c"Read a shot");
-    let basis = BASES.iter().position(|basis| *basis == file.controls.basis).unwrap_or(0);
+    let [shape, basis] = [number_of(&SHAPES, ShapeFrom::Shot), number_of(&BASES, file.controls.basis)];
     let [columns, rows] = file.controls.dims.map(|count| count as i32);
-    for (id, value) in [("shape", 2), ("shotPins", 0), ("columns", columns), ("rows", rows), ("basis", basis as i32)] {
+    for (id, value) in [("shape", shape), ("shotPins", 0), ("columns", columns), ("rows", rows), ("basis", basis)] {
         params.set_int(id, value);
     }
     for id in ["strength", "stiffness"] {

@@ -10,7 +10,7 @@ use super::entry::Call;
 use super::fault::Fault;
 use super::host::When;
 use super::overlay;
-use super::params::{PINS, pin_id, table};
+use super::params::{PINS, SHAPES, ShapeFrom, pin_id, table};
 use super::settings::Moment;
 use crate::live::{self, Canvas};
 
@@ -60,12 +60,12 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
 
 /// Greys out what the choice of shape leaves without effect.
 fn enable(moment: Moment) {
-    let shape = moment.int("shape");
+    let shape = moment.choice("shape", &SHAPES);
     let of_shot = ["camera", "layer", "frameOffset", "pinFrame", "shotPins"];
     for param in table().iter().filter(|param| of_shot.contains(&param.id.as_str())) {
-        moment.params.props_of(&param.id).set_int(param::ENABLED, i32::from(shape == 2));
+        moment.params.props_of(&param.id).set_int(param::ENABLED, i32::from(shape == ShapeFrom::Shot));
     }
-    moment.params.props_of("holdBorder").set_int(param::ENABLED, i32::from(shape != 1));
+    moment.params.props_of("holdBorder").set_int(param::ENABLED, i32::from(shape != ShapeFrom::Alpha));
 }
 
 /// A pin that was never placed starts in the middle of the frame, where it can be seen: hosts differ in what they make

@@ -7,7 +7,7 @@ use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
 use super::canvas::canvas_of;
 use super::fault::Fault;
 use super::host::{self, Effect, HostError, Interact, Kept, Painter, Props, Suites, When, action_name, guarded};
-use super::params::{PINS, pin_id};
+use super::params::{HANDLES, Handles, PINS, pin_id};
 use super::settings::{Moment, Settings};
 use crate::live::{Canvas, Choosing, Picker, Pull, View};
 use std::ffi::{CStr, c_char, c_void};
@@ -151,7 +151,7 @@ impl Event<'_> {
 
     /// What the pen can hit: targets, with their pins' numbers.
     fn points(&self, settings: &Settings, view: View) -> Vec<(usize, [f64; 2])> {
-        let by_pin = self.moment.int("handles") == 1;
+        let by_pin = self.moment.choice("handles", &HANDLES) == Handles::Pins;
         let warp = settings.shown(&self.canvas);
         let dots = view.dots(&settings.controls, &settings.pins, warp.as_deref());
         dots.iter().map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target })).collect()
@@ -179,7 +179,7 @@ impl Event<'_> {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         for (pin, [rest, target]) in &pen.starts {
             self.moment.params.set_point(&pin_id(*pin, "Target"), moved(*target), When::Now);
-            if self.moment.int("handles") == 1 {
+            if self.moment.choice("handles", &HANDLES) == Handles::Pins {
                 self.moment.params.set_point(&pin_id(*pin, "Rest"), moved(*rest), When::Now);
             }
         }

@@ -3,6 +3,8 @@
 //! In: nothing. Out: [`table`], in the order in which users see it. Ids are in projects for good: never rename one.
 
 use super::api::names::param;
+use crate::live::Basis;
+use crate::plate::Filter;
 use std::ffi::CStr;
 use std::sync::LazyLock;
 
@@ -43,14 +45,56 @@ pub(super) struct Param {
     pub(super) animates: bool,
 }
 
-/// Choices of `shape`, in order.
-pub(super) const SHAPES: &[&str] = &["Whole frame", "Source alpha", "Shot file"];
-/// Choices of `basis`, in order.
-pub(super) const BASES: &[&str] = &["B-spline", "Bernstein", "Bilinear", "Triangles"];
-/// Choices of `filter`, in order.
-pub(super) const FILTERS: &[&str] = &["Cubic", "EWA", "Lanczos", "Nearest"];
-/// Choices of `handles`, in order.
-pub(super) const HANDLES: &[&str] = &["Targets", "Pins with their targets"];
+/// Where the shape comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ShapeFrom {
+    Frame,
+    Alpha,
+    Shot,
+}
+
+/// What a drag in the viewer moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Handles {
+    Targets,
+    Pins,
+}
+
+/// Options of a choice, in the order of the numbers that hosts keep: what users read, and what it means.
+pub(super) type Options<T, const N: usize> = [(&'static str, T); N];
+
+/// Of `shape`.
+pub(super) const SHAPES: Options<ShapeFrom, 3> =
+    [("Whole frame", ShapeFrom::Frame), ("Source alpha", ShapeFrom::Alpha), ("Shot file", ShapeFrom::Shot)];
+/// Of `basis`.
+pub(super) const BASES: Options<Basis, 4> = [
+    ("B-spline", Basis::Bspline),
+    ("Bernstein", Basis::Bernstein),
+    ("Bilinear", Basis::Bilinear),
+    ("Triangles", Basis::Barytri),
+];
+/// Of `filter`.
+pub(super) const FILTERS: Options<Filter, 4> =
+    [("Cubic", Filter::Cubic), ("EWA", Filter::Ewa), ("Lanczos", Filter::Lanczos), ("Nearest", Filter::Nearest)];
+/// Of `handles`.
+pub(super) const HANDLES: Options<Handles, 2> =
+    [("Targets", Handles::Targets), ("Pins with their targets", Handles::Pins)];
+
+/// What users read.
+const fn words<T, const N: usize>(options: &Options<T, N>) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut number = 0;
+    while number < N {
+        words[number] = options[number].0;
+        number += 1;
+    }
+    words
+}
+
+/// The number that hosts keep for a meaning.
+pub(super) fn number_of<T: PartialEq, const N: usize>(options: &Options<T, N>, meaning: T) -> i32 {
+    options.iter().position(|(_, option)| *option == meaning).unwrap_or(0) as i32
+}
 
 /// Group, id, label, kind, hint.
 type Row = (&'static str, &'static str, &'static str, Kind, &'static str);
@@ -59,13 +103,13 @@ type Row = (&'static str, &'static str, &'static str, Kind, &'static str);
 #[rustfmt::skip]
 const ROWS: &[Row] = &[
     ("", "lattice", "Lattice", Kind::Group(1), "What bends, and how stiffly."),
-    ("lattice", "shape", "Shape from", Kind::Choice(SHAPES),
+    ("lattice", "shape", "Shape from", Kind::Choice(&words(&SHAPES)),
      "What keeps its shape. Whole frame: everything. Source alpha: what the picture's alpha shows. Shot file: the animated model of a shot; lattice and pins follow it."),
     ("lattice", "columns", "Columns", Kind::Integer(10, [2, 64], [4, 24]),
      "Handles of the lattice from left to right; B-splines need 4."),
     ("lattice", "rows", "Rows", Kind::Integer(10, [2, 64], [4, 24]),
      "Handles of the lattice from bottom to top; B-splines need 4."),
-    ("lattice", "basis", "Basis", Kind::Choice(BASES),
+    ("lattice", "basis", "Basis", Kind::Choice(&words(&BASES)),
      "How handles are blended: softly and locally, softly over all, or in flat cells."),
     ("lattice", "stiffness", "Stiffness", Kind::Double(1.0, [0.1, 10.0], [0.1, 10.0], param::DOUBLE_SCALE),
      "More: a pin takes more of the picture along. Less: its pull stays near it."),
@@ -73,7 +117,7 @@ const ROWS: &[Row] = &[
      "Scales all offsets and rotations; 0 is no warp."),
     ("lattice", "holdBorder", "Hold the border", Kind::Toggle(1),
      "The border of the frame stays where it is, so that a background neither slides nor tears. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held."),
-    ("lattice", "filter", "Filter", Kind::Choice(FILTERS),
+    ("lattice", "filter", "Filter", Kind::Choice(&words(&FILTERS)),
      "How colour is sampled. Cubic is sharp and quick. EWA neither rings nor flickers where the warp shrinks, and takes three times as long. Nearest keeps exact values."),
     ("", "shot", "Shot file", Kind::Group(0), "A pinwarp shot whose model the lattice follows."),
     ("shot", "shotFile", "Shot file", Kind::Text(param::STRING_FILE_PATH), "The .toml file of the shot."),
@@ -97,7 +141,7 @@ const ROWS: &[Row] = &[
     ("shot", "writeStmaps", "Write STMaps", Kind::Button,
      "Writes the map of every frame of the source as a 32-bit EXR."),
     ("", "pins", "Pins", Kind::Group(1), "Points of the picture and where they go."),
-    ("pins", "handles", "Handles move", Kind::Choice(HANDLES),
+    ("pins", "handles", "Handles move", Kind::Choice(&words(&HANDLES)),
      "What dragging in the viewer does: it moves targets, or puts pins elsewhere with their targets."),
 ];
 

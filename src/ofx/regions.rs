@@ -9,6 +9,7 @@ use super::describe::{BACKGROUND_CLIP, MASK_CLIP};
 use super::entry::{Call, Kind};
 use super::fault::Fault;
 use super::host::Clip;
+use super::params::{SHAPES, ShapeFrom};
 use super::settings::{Moment, Settings, ShapeChoice, at_arguments};
 use crate::live::Canvas;
 use crate::space::PixelRect;
@@ -125,7 +126,7 @@ pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
 /// Premultiplication follows the source: an opaque one gets holes where it is pulled away.
 pub(super) fn clip_preferences(call: Call) -> Result<Status, Fault> {
     // The model of a shot is animated, even where neither the source nor a parameter is.
-    let is_shot = Moment::of(call.effect, 0.0)?.int("shape") == 2;
+    let is_shot = Moment::of(call.effect, 0.0)?.choice("shape", &SHAPES) == ShapeFrom::Shot;
     call.out.set_int(image::FRAME_VARYING, i32::from(is_shot));
     if call.kind == Kind::StMap {
         let output = image::OUTPUT_CLIP;

@@ -8,15 +8,12 @@ use super::describe::MASK_CLIP;
 use super::entry::Call;
 use super::fault::Fault;
 use super::host::{Effect, Params};
-use super::params::{self, Kind, PINS, pin_id};
+use super::params::{self, BASES, FILTERS, Kind, Options, PINS, SHAPES, ShapeFrom, pin_id};
 use super::regions::connected;
 use crate::live::{self, Basis, Canvas, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
 use crate::plate::Filter;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Bases, in the order of `params::BASES`.
-pub(super) const BASES: [Basis; 4] = [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri];
 
 /// All that a moment of an instance is set to.
 pub(super) struct Settings {
@@ -61,6 +58,11 @@ impl<'a> Moment<'a> {
         self.params.int(id, self.time).unwrap_or(default).clamp(least, most)
     }
 
+    /// What a choice is set to.
+    pub(super) fn choice<T: Copy, const N: usize>(self, id: &str, options: &Options<T, N>) -> T {
+        options[self.int(id) as usize].1
+    }
+
     fn double(self, id: &str) -> f64 {
         let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
         let Some(Kind::Double(default, [least, most], ..)) = kind else { return 0.0 };
@@ -95,10 +97,10 @@ impl<'a> Moment<'a> {
     }
 
     fn shape(self) -> Result<ShapeChoice, Fault> {
-        Ok(match self.int("shape") {
-            0 => ShapeChoice::Frame,
-            1 => ShapeChoice::Alpha,
-            _ => ShapeChoice::Shot(self.shot()?),
+        Ok(match self.choice("shape", &SHAPES) {
+            ShapeFrom::Frame => ShapeChoice::Frame,
+            ShapeFrom::Alpha => ShapeChoice::Alpha,
+            ShapeFrom::Shot => ShapeChoice::Shot(self.shot()?),
         })
     }
 
@@ -116,7 +118,7 @@ impl<'a> Moment<'a> {
 
     /// Everything, in the engine's words.
     pub(super) fn settings(self, canvas: &Canvas) -> Result<Settings, Fault> {
-        let basis = BASES[self.int("basis") as usize];
+        let basis = self.choice("basis", &BASES);
         let least = if basis == Basis::Bspline { 4 } else { 2 };
         let shape = self.shape()?;
         let is_held = self.is_on("holdBorder") && shape != ShapeChoice::Alpha;
@@ -132,7 +134,7 @@ impl<'a> Moment<'a> {
                 pins: placed,
             },
             shape,
-            filter: [Filter::Cubic, Filter::Ewa, Filter::Lanczos, Filter::Nearest][self.int("filter") as usize],
+            filter: self.choice("filter", &FILTERS),
             pins,
         })
     }
