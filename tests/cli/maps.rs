@@ -161,9 +161,10 @@ fn nuke_gets_a_script_beside_its_maps() {
 #[test]
 fn after_effects_gets_elements_maps_and_their_settings() {
     let bench = Bench::new();
-    let told = bench.run("export shot.toml --to after-effects -o ae/shot").says(0, &[]).stdout;
+    let told = bench.run("export shot.toml --to after-effects -o ae/shot").says(0, &[]);
     // The pin moves by (.1, .05) of 36 lines.
-    assert!(told.contains("max displacement 4 px, steps of 0.00012 px"), "{told}");
+    assert!(told.stdout.contains("max displacement 4 px, steps of 0.00012 px"), "{told:?}");
+    assert!(!told.stderr.contains("nothing is warped"), "an element is at rest on purpose: {told:?}");
     let wanted = ["after-effects.txt", "displacement_4px.0001.png", "displacement_4px.0002.png", "element.0001.exr"];
     let names = names_in(&bench.path("ae"));
     assert!(wanted.iter().all(|name| names.contains(&format!("shot.all.{name}"))), "{names:?}");
@@ -204,8 +205,9 @@ fn after_effects_gets_pictures_of_a_layer_alone() {
     let layer = format!("[[layer]]\nname = \"all\"\nnodes = [\"front\"]\n{pin}");
     let head = "image = [\"back.png\", \"front.png\"]\nframes = { first = 1, last = 2 }\n";
     bench.write("drawn.toml", format!("{head}{layer}").as_bytes());
-    let told = bench.run("export drawn.toml --to after-effects -o ae").says(0, &[]).stdout;
-    assert!(told.contains("max displacement 4 px"), "{told}");
+    let told = bench.run("export drawn.toml --to after-effects -o ae").says(0, &[]);
+    assert!(told.stdout.contains("max displacement 4 px"), "{told:?}");
+    assert!(!told.stderr.contains("nothing is warped"), "an element is at rest on purpose: {told:?}");
     let element = read(&bench, "ae.all.element.0002.exr");
     for pixel in pixels() {
         assert_eq!(at(&element, "A", pixel), f32::from(u8::from((20..50).contains(&pixel[0]))), "{pixel:?}");

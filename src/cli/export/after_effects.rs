@@ -3,12 +3,12 @@
 
 use super::maps::{Maps, check_frames, write_frames};
 use super::stmap::told;
-use super::{Source, check_text, frames, is_on_screen, moved_layers};
+use super::{check_text, frames, is_on_screen, moved_layers};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
-use crate::image::{replace_text, write_codes};
+use crate::image::{SequencePath, replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
 use anyhow::{Context, bail};
@@ -21,18 +21,16 @@ const MOST_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
-    let source = Source::open(args)?;
-    let maps = Maps::of(&source, args)?.by_layer();
+    let (maps, setup) = Maps::open(args)?;
+    let maps = maps.by_layer();
     // Everything is looked at before anything is written.
     let warps = maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), maps));
     let warps = warps.collect::<anyhow::Result<Vec<_>>>()?;
-    let elements = match &source {
-        Source::Shot(setup) => Element::all_of(args, setup, &stem)?,
-        Source::Lattices(_) => Vec::new(),
-    };
+    // A lattice file has no pictures.
+    let elements = setup.as_deref().map(|setup| Element::all_of(args, setup, &stem)).transpose()?;
     warps.iter().try_for_each(|warp| warp.write(args))?;
     let mut outcome = Outcome::Complete;
-    for element in elements {
+    for element in elements.into_iter().flatten() {
         if !element.write(args)? {
             outcome = Outcome::Partial;
         }
@@ -58,6 +56,8 @@ fn with_ending(stem: &Path, ending: &str) -> PathBuf {
 struct Displacement<'a> {
     maps: &'a Maps,
     pattern: PathBuf,
+    /// The files of the pattern, which may be written.
+    sequence: SequencePath,
     note: DisplacementNote,
     note_path: PathBuf,
 }
@@ -84,14 +84,14 @@ impl<'a> Displacement<'a> {
         let note_path = with_ending(stem, ".after-effects.txt");
         maps.inputs.refuse(&note_path)?;
         check_text(args, &note_path, &note.text())?;
-        check_frames(args, (&pattern, &maps.inputs), &frames)?;
-        Ok(Self { maps, pattern, note, note_path })
+        let sequence = check_frames(args, (&pattern, &maps.inputs), &frames)?;
+        Ok(Self { maps, pattern, sequence, note, note_path })
     }
 
     fn write(&self, args: &ExportArgs) -> anyhow::Result<()> {
-        let Self { maps, pattern, note, note_path } = self;
+        let Self { maps, pattern, sequence, note, note_path } = self;
         let reach = f64::from(note.reach_px);
-        let written = write_frames(args, (pattern, &maps.inputs), &maps.frames(), |frame, path| {
+        let written = write_frames(args, sequence, &maps.frames(), |frame, path| {
             Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), reach))?)
         })?;
         replace_text(note_path, &note.text())?;
@@ -139,8 +139,8 @@ impl<'a> Element<'a> {
         let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
         let tell = |event: Event| match event {
             Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
-            // What the shot itself has to say was said when it was read.
-            Event::Note { text } if !setup.notes.contains(&text) => {
+            // What the scene has to say was said when the shot was read, and that nothing is warped is the point here.
+            Event::Note { text } if !alone.notes.contains(&text) => {
                 tracing::warn!("layer '{}': {text}", setup.shot.layers[layer].name);
             }
             _ => {}

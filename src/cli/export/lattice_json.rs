@@ -10,7 +10,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "lattice.json")?;
     let source = Source::open(args)?;
     source.inputs(args)?.refuse(&output)?;
-    let file = source.lattices(args)?;
+    let (file, _) = source.lattices(args)?;
     file.write(&output)?;
     let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
     let count = file.layers.iter().map(frame_count).max().unwrap_or(0);

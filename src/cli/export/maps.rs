@@ -7,7 +7,7 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{SequencePath, is_whole};
 use crate::lattice::Lattice;
-use crate::pipeline::{Existing, Inputs};
+use crate::pipeline::{Existing, Inputs, Setup};
 use crate::plate::{Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
@@ -52,21 +52,13 @@ enum Reach {
 }
 
 impl Maps {
-    /// Solves or reads the lattices.
-    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
-        Self::of(&Source::open(args)?, args)
-    }
-
-    /// The maps of what is exported.
-    pub(super) fn of(source: &Source, args: &ExportArgs) -> anyhow::Result<Self> {
-        let shot_size = match source {
-            Source::Shot(setup) => Some(setup.shot.size),
-            Source::Lattices(_) => None,
-        };
+    /// Solves or reads the lattices; the shot that they are of comes with them.
+    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, Option<Box<Setup>>)> {
+        let source = Source::open(args)?;
         let inputs = source.inputs(args)?;
-        let mut lattices = source.lattices(args)?;
+        let (mut lattices, setup) = source.lattices(args)?;
         keep_screen_layers(&mut lattices, args)?;
-        let size = match (args.size, shot_size) {
+        let size = match (args.size, setup.as_ref().map(|setup| setup.shot.size)) {
             (Some([width, height]), _) => {
                 FrameSize { width, height, pixel_aspect: lattices.frame_aspect * f64::from(height) / f64::from(width) }
             }
@@ -79,16 +71,18 @@ impl Maps {
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
-        Ok(Self { lattices, size, window, direction, reach, inputs })
+        Ok((Self { lattices, size, window, direction, reach, inputs }, setup))
     }
 
     /// Maps of each layer alone, for elements that are matted.
-    pub(super) fn by_layer(&self) -> Vec<(String, Self)> {
-        let alone = |layer: &LatticeTrack| {
-            let lattices = LatticeFile { layers: vec![layer.clone()], ..self.lattices.clone() };
-            (layer.name.clone(), Self { lattices, reach: Reach::Layer, inputs: self.inputs.clone(), ..*self })
+    pub(super) fn by_layer(self) -> Vec<(String, Self)> {
+        let Self { lattices: LatticeFile { frame_aspect, rate, layers }, size, window, direction, inputs, .. } = self;
+        let alone = |layer: LatticeTrack| {
+            let (name, inputs) = (layer.name.clone(), inputs.clone());
+            let lattices = LatticeFile { frame_aspect, rate, layers: vec![layer] };
+            (name, Self { lattices, size, window, direction, reach: Reach::Layer, inputs })
         };
-        self.lattices.layers.iter().map(alone).collect()
+        layers.into_iter().map(alone).collect()
     }
 
     /// Width and height of a map.
@@ -168,7 +162,8 @@ pub(super) struct Written {
     pub(super) kept: Vec<(i32, PathBuf)>,
 }
 
-/// Refuses frames that would be written over what they are made of, or over what is there and may not be replaced.
+/// The files of a sequence; refuses frames that would be written over what they are made of, or over what is there and may
+/// not be replaced.
 pub(super) fn check_frames(
     args: &ExportArgs,
     (pattern, inputs): (&Path, &Inputs),
@@ -185,14 +180,13 @@ pub(super) fn check_frames(
     Ok(sequence)
 }
 
-/// Writes the frames of a sequence that [`check_frames`] lets pass; with `--resume` complete ones stay.
+/// Writes the frames of a sequence that [`check_frames`] gave; with `--resume` complete ones stay.
 pub(super) fn write_frames(
     args: &ExportArgs,
-    (pattern, inputs): (&Path, &Inputs),
+    sequence: &SequencePath,
     frames: &[i32],
     mut write: impl FnMut(i32, &Path) -> anyhow::Result<()>,
 ) -> anyhow::Result<Written> {
-    let sequence = check_frames(args, (pattern, inputs), frames)?;
     let mut written = Written::default();
     for &frame in frames {
         let path = sequence.path_of(frame);

@@ -14,7 +14,7 @@ use crate::export::LatticeFile;
 use crate::image::FileKind;
 use crate::pipeline::{Existing, Inputs, Setup, lattices};
 use crate::shot::{LayerSpace, Shot};
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -88,19 +88,21 @@ impl Source {
         Ok(inputs)
     }
 
-    /// The lattices of the frames asked for.
-    fn lattices(&self, args: &ExportArgs) -> anyhow::Result<LatticeFile> {
+    /// The lattices of the frames asked for, and the shot that they were solved for.
+    fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<Setup>>)> {
         match self {
             Self::Shot(setup) => {
-                let file = lattices(setup, &frames(args, setup), |frame| tracing::info!("frame {frame} solved"))?;
-                Ok(file)
+                let file = lattices(&setup, &frames(args, &setup), |frame| tracing::info!("frame {frame} solved"))?;
+                Ok((file, Some(setup)))
             }
-            Self::Lattices(file) => match &args.frames {
-                Some(list) => file.clone().of_frames(&list.0).ok_or_else(|| {
-                    anyhow::anyhow!("{} has no lattice in the frames asked for (--frames)", args.shot.display())
-                }),
-                None => Ok(file.clone()),
-            },
+            Self::Lattices(file) => {
+                let asked = match &args.frames {
+                    Some(list) => file.of_frames(&list.0),
+                    None => Some(file),
+                };
+                let none = || anyhow!("{} has no lattice in the frames asked for (--frames)", args.shot.display());
+                Ok((asked.ok_or_else(none)?, None))
+            }
         }
     }
 }

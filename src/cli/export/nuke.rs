@@ -10,7 +10,7 @@ use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
-    let maps = Maps::open(args)?;
+    let (maps, _) = Maps::open(args)?;
     maps.inputs.refuse(&output)?;
     let pattern = output.with_extension("stmap.####.exr");
     let frames = maps.frames();

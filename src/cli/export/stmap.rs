@@ -1,6 +1,6 @@
 //! `pinwarp export --to stmap`: a sequence of maps for any compositor.
 
-use super::maps::{Maps, Written, write_frames};
+use super::maps::{Maps, Written, check_frames, write_frames};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::image::{Compression, FrameMetadata, write_exr};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
-    let maps = Maps::open(args)?;
+    let (maps, _) = Maps::open(args)?;
     let written = write(args, &maps, &pattern)?;
     told(&pattern, &written)?;
     Ok(Outcome::Complete)
@@ -19,7 +19,9 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 
 /// Writes the maps of all frames.
 pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::Result<Written> {
-    let written = write_frames(args, (pattern, &maps.inputs), &maps.frames(), |frame, path| {
+    let frames = maps.frames();
+    let sequence = check_frames(args, (pattern, &maps.inputs), &frames)?;
+    let written = write_frames(args, &sequence, &frames, |frame, path| {
         let map = maps.map(frame);
         if !map.folded_pixels.is_empty() {
             let count = map.folded_pixels.len();
