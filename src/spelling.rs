@@ -1,6 +1,9 @@
-//! Names as people write them: patterns with `*` and `?`, and the right spelling that a wrong one comes nearest to.
+//! Names as people write them: patterns with `*` and `?`, and the right spelling that a wrong one comes nearest to; numbers
+//! of things.
 //!
-//! In: names. Out: whether they fit; hints for error messages.
+//! In: names, numbers. Out: whether they fit; words for messages.
+
+use std::fmt::Display;
 
 /// Names listed in a hint, at most.
 const LISTED: usize = 12;
@@ -29,6 +32,12 @@ pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
         (false, 0) => format!("there are: {}", shown.join(", ")),
         (false, more) => format!("there are: {} and {more} more", shown.join(", ")),
     }
+}
+
+/// So many of something: `1 frame`, `2 frames`. A verb may go with the words.
+pub(crate) fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+    let words = if count == N::from(1) { one } else { many };
+    format!("{count} {words}")
 }
 
 /// Whether a name fits a pattern: `*` stands for any characters, `?` for one.
@@ -62,6 +71,12 @@ pub(crate) fn fits(pattern: &str, name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_thing_is_not_told_as_many() {
+        let pins = |count: usize| counted(count, "pin is", "pins are");
+        assert_eq!([0, 1, 2, 11].map(pins), ["0 pins are", "1 pin is", "2 pins are", "11 pins are"]);
+    }
 
     #[test]
     fn patterns_fit_as_people_expect() {

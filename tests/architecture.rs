@@ -11,12 +11,12 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("scene", &["space", "spelling"]),
     ("pose", &["scene", "space"]),
     ("screen", &["pose", "scene", "space"]),
-    ("lattice", &["space"]),
+    ("lattice", &["space", "spelling"]),
     ("image", &["space", "spelling"]),
     ("solve", &["lattice", "space", "spelling"]),
     ("plate", &["image", "lattice", "space", "spelling"]),
-    ("export", &["image", "lattice", "plate", "scene", "space"]),
-    ("compare", &["image", "lattice", "solve", "space"]),
+    ("export", &["image", "lattice", "plate", "scene", "space", "spelling"]),
+    ("compare", &["image", "lattice", "solve", "space", "spelling"]),
     ("raster", &["image", "lattice", "plate", "pose", "scene", "screen", "space", "spelling"]),
     ("shot", &["image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
     (
@@ -26,8 +26,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "spelling",
         ],
     ),
-    ("live", &["image", "lattice", "pipeline", "plate", "scene", "shot", "solve", "space"]),
-    ("ofx", &["image", "live", "plate", "shot", "space"]),
+    ("live", &["image", "lattice", "pipeline", "plate", "scene", "shot", "solve", "space", "spelling"]),
+    ("ofx", &["image", "live", "plate", "shot", "space", "spelling"]),
     (
         "cli",
         &[

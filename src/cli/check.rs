@@ -5,6 +5,7 @@ use super::args::CheckArgs;
 use crate::image::SequencePath;
 use crate::pipeline::{Jerk, JerkMeter, LayerReport, Setup, report};
 use crate::shot::Shot;
+use crate::spelling::counted;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -29,7 +30,7 @@ impl Peaks {
             format!("; its warp jerks by at most {warp_px:.1} px, in frame {frame} (model and keys: {input_px:.1} px)")
         };
         let jerk = self.jerk.as_ref().map(jerk).unwrap_or_default();
-        format!("solved in at most {} iterations a frame{jerk}", self.iterations)
+        format!("solved in at most {} a frame{jerk}", counted(self.iterations, "iteration", "iterations"))
     }
 }
 
@@ -45,7 +46,8 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     }
     let there = frames.iter().filter(|&&frame| output.path_of(frame).exists()).count();
     if there > 0 {
-        writeln!(out, "note: {there} of the frames exist already; render with --resume or --overwrite")?;
+        let there = counted(there, "of the frames exists", "of the frames exist");
+        writeln!(out, "note: {there} already; render with --resume or --overwrite")?;
     }
     let mut is_solved = true;
     let mut peaks: BTreeMap<String, Peaks> = BTreeMap::new();
@@ -71,11 +73,12 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let triangles: usize = setup.scene.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len()).sum();
     writeln!(
         out,
-        "{}: {} frames, {} layers, {} nodes, {triangles} triangles",
+        "{}: {}, {}, {}, {}",
         args.shot.display(),
-        frames.len(),
-        shot.layers.len(),
-        setup.scene.nodes.len()
+        counted(frames.len(), "frame", "frames"),
+        counted(shot.layers.len(), "layer", "layers"),
+        counted(setup.scene.nodes.len(), "node", "nodes"),
+        counted(triangles, "triangle", "triangles")
     )?;
     for (layer, peaks) in peaks {
         writeln!(out, "layer '{layer}': {}", peaks.words())?;

@@ -9,7 +9,7 @@ use crate::pipeline::{Inputs, Registration, Setup, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
-use crate::spelling;
+use crate::spelling::{self, counted};
 use anyhow::{Context, bail};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -36,9 +36,10 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     [&args.a, &args.b, &args.pairs].into_iter().for_each(|input| inputs.add(input));
     inputs.refuse(&args.output)?;
     refuse_existing(&args.output, args.overwrite)?;
-    let dims = <[usize; 2]>::try_from(args.dims.as_slice())
-        .ok()
-        .with_context(|| format!("--dims has {} numbers, a lattice of the screen has 2 axes", args.dims.len()))?;
+    let dims = <[usize; 2]>::try_from(args.dims.as_slice()).ok().with_context(|| {
+        let given = counted(args.dims.len(), "number", "numbers");
+        format!("--dims has {given}, a lattice of the screen has 2 axes")
+    })?;
     let landmarks = Landmarks::read(&args.pairs)?;
     let subject = subject(args)?;
     let pairs = pairs(&landmarks, subject.size, size_of(&args.b)?);
@@ -49,7 +50,8 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     let file = LatticeFile { frame_aspect: subject.size.aspect(), rate: subject.rate, layers: vec![track] };
     file.write(&args.output)?;
     let output = args.output.display();
-    writeln!(io::stdout(), "wrote {output}: {} x {} handles, {} landmarks", dims[0], dims[1], pairs.len())?;
+    let landmarks = counted(pairs.len(), "landmark", "landmarks");
+    writeln!(io::stdout(), "wrote {output}: {} x {} handles, {landmarks}", dims[0], dims[1])?;
     writeln!(io::stdout(), "lay it over a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}")?;
     Ok(Outcome::Complete)
 }
@@ -136,7 +138,8 @@ fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow:
         0 => {}
         count => writeln!(
             out,
-            "warning: {count} cells fold over what is seen; look for landmarks that are swapped, or leave some out"
+            "warning: {} over what is seen; look for landmarks that are swapped, or leave some out",
+            counted(count, "cell folds", "cells fold")
         )?,
     }
     for warning in &found.report.warnings {

@@ -2,6 +2,7 @@
 
 use crate::pipeline::{Event, Summary, WarpEvent, WarpSummary};
 use crate::plate::Holes;
+use crate::spelling::counted;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -77,7 +78,7 @@ impl Teller {
         self.bar.set_length(frames as u64);
         self.bar.enable_steady_tick(Duration::from_millis(500));
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
-        self.line(&format!("{frames} frames{place}{kept}"));
+        self.line(&format!("{}{place}{kept}", counted(frames, "frame", "frames")));
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {
@@ -115,13 +116,14 @@ impl Teller {
         self.bar.finish_and_clear();
         let told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
-            self.line(&format!("warning: {} more times: {kind}", count - REPEATS_TOLD));
+            self.line(&format!("warning: {}: {kind}", counted(count - REPEATS_TOLD, "more time", "more times")));
         }
         let Totals { done, failed, is_cancelled, wall_secs, busy } = totals;
         let fps = *done as f64 / wall_secs;
         let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
         let stopped = if *is_cancelled { "; stopped: go on with --resume" } else { "" };
-        self.line(&format!("{done} frames in {wall_secs:.1} s ({fps:.2} fps){failed}{stopped}"));
+        let done = counted(*done, "frame", "frames");
+        self.line(&format!("{done} in {wall_secs:.1} s ({fps:.2} fps){failed}{stopped}"));
         let busy: Vec<String> = busy.iter().map(|(stage, ms)| format!("{stage} {ms:.0} ms")).collect();
         tracing::info!("busy: {}", busy.join(", "));
     }
@@ -167,8 +169,14 @@ impl Totals {
 /// Counts of a warped frame that are worth a word.
 fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
     let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
-    let holes = format!("{hole_pixels} pixels that a layer uncovered are empty; fill them by --clean or `holes`");
-    let contained = format!("{contained_samples} samples are no finite numbers; they were contained");
+    let empty =
+        counted(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
+    let holes = format!("{empty}; fill holes by --clean or `holes`");
+    let contained = counted(
+        contained_samples,
+        "sample is no finite number and was contained",
+        "samples are no finite numbers and were contained",
+    );
     [(hole_pixels, holes), (contained_samples, contained)]
         .into_iter()
         .filter(|(count, _)| *count > 0)

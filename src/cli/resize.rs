@@ -4,6 +4,7 @@ use super::args::ResizeArgs;
 use super::{Outcome, refuse_existing};
 use crate::export::{LatticeFile, Track};
 use crate::lattice::{Basis, Lattice};
+use crate::spelling::counted;
 use anyhow::{Context, anyhow};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -26,8 +27,9 @@ pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
 
 /// Resizes all frames; gives the greatest error.
 fn resize<const D: usize>(lattices: &mut BTreeMap<i32, Lattice<D>>, args: &ResizeArgs) -> anyhow::Result<f64> {
-    let dims = <[usize; D]>::try_from(args.dims.as_slice())
-        .map_err(|_| anyhow!("--dims has {} numbers, the lattice has {D} axes", args.dims.len()))?;
+    let dims = <[usize; D]>::try_from(args.dims.as_slice()).map_err(|_| {
+        anyhow!("--dims has {}, the lattice has {D} axes", counted(args.dims.len(), "number", "numbers"))
+    })?;
     let mut worst = 0.0_f64;
     for lattice in lattices.values_mut() {
         let basis: Basis = args.basis.unwrap_or(lattice.grid.basis);

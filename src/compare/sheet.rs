@@ -7,6 +7,7 @@ use crate::image::{Canvas, Preview, Rgba8};
 use crate::lattice::{Basis, Lattice};
 use crate::solve::Problem;
 use crate::space::ImagePoint;
+use crate::spelling::counted;
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -207,8 +208,9 @@ fn draw_pins(canvas: &mut Canvas, view: &View, figure: &Figure, shown: &Shown) {
 fn rest_words(canvas: &mut Canvas, at: DVec2, figure: &Figure) {
     let Problem { shape, grid, pins, .. } = figure.problem;
     canvas.text(ImagePoint(at), figure.title, 2, NAME);
-    let counts =
-        format!("{} vertices, {} x {} handles, {} pins", shape.points.len(), grid.dims[0], grid.dims[1], pins.len());
+    let vertices = counted(shape.points.len(), "vertex", "vertices");
+    let pins = counted(pins.len(), "pin", "pins");
+    let counts = format!("{vertices}, {} x {} handles, {pins}", grid.dims[0], grid.dims[1]);
     canvas.text(ImagePoint(at + DVec2::new(0.0, 30.0)), &counts, 2, TEXT);
     canvas.text(ImagePoint(at + DVec2::new(0.0, 56.0)), "at rest; rings: where the pins have to go", 2, TEXT);
 }
@@ -227,7 +229,8 @@ fn words(canvas: &mut Canvas, at: DVec2, entry: &Entry<2>, entries: &[Entry<2>])
     put(0.0, 30.0, &format!("angle {angle:.3}"), ink(angle, |figures| figures.angle));
     put(156.0, 30.0, &format!("area {area:.3}"), ink(area, |figures| figures.area));
     put(312.0, 30.0, &format!("pins off {:.2} %", 100.0 * pin_error), TEXT);
-    let turned = format!("{folded_cells} cells folded, {flips} flips, {iterations} it, {ms:.1} ms");
+    let (folded, flips) = (counted(folded_cells, "cell", "cells"), counted(flips, "flip", "flips"));
+    let turned = format!("{folded} folded, {flips}, {iterations} it, {ms:.1} ms");
     put(0.0, 56.0, &turned, TEXT);
 }
 

@@ -4,6 +4,7 @@
 //! that lies beside them. docs/AFTER_EFFECTS.md tells the whole way.
 
 use crate::plate::WarpMap;
+use crate::spelling::counted;
 
 /// The settings of a sequence of maps.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,13 +31,14 @@ impl DisplacementNote {
         let reach = f64::from(*reach_px);
         let of_file = reach / 32767.0;
         let of_program = reach / 16384.0;
+        let pace = counted(*rate, "frame", "frames");
         format!(
             "Displacement maps for After Effects, written by `pinwarp export --to after-effects`.\n\n\
              maps:      {maps}, frames {first} to {last}, {rate} a second, {width} x {height} pixels, 16 bits\n\
              element:   the unwarped picture or matted layer, of the same size\n\
              state:     {state}\n\n\
              1. Set the project to 16 bits per channel, no working colour space (or preserve the maps' RGB).\n\
-             2. Import element and maps as sequences at {rate} frames a second; put both into one composition, the maps\n   \
+             2. Import element and maps as sequences at {pace} a second; put both into one composition, the maps\n   \
              hidden.\n\
              3. On the element: Effect > Distort > Displacement Map.\n   \
              Displacement Map Layer: the maps.\n   \

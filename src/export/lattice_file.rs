@@ -6,6 +6,7 @@ use super::ExportError;
 use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
+use crate::spelling::counted;
 use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -147,7 +148,8 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
 
 fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, Lattice<D>>, Fault> {
     let dims = <[usize; D]>::try_from(raw.dims.as_slice()).map_err(|_| {
-        fault(format!("{key}.dims"), format!("has {} entries", raw.dims.len()), format!("this space has {D} axes"))
+        let given = counted(raw.dims.len(), "entry", "entries");
+        fault(format!("{key}.dims"), format!("has {given}"), format!("this space has {D} axes"))
     })?;
     if raw.frames.is_empty() {
         return Err(fault(format!("{key}.frames"), "is empty", "a track needs at least one frame"));
@@ -163,7 +165,8 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
         let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)? };
         grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
         if frame.handles.len() != grid.handle_count() {
-            let what = format!("{} handles, dims {dims:?} have {}", frame.handles.len(), grid.handle_count());
+            let given = counted(frame.handles.len(), "handle", "handles");
+            let what = format!("{given}, dims {dims:?} have {}", grid.handle_count());
             return Err(fault(format!("{key}.handles"), what, "list all, x fastest"));
         }
         let handles = frame.handles.iter().enumerate();

@@ -1,12 +1,15 @@
 //! What can be wrong with a grid.
 
+use crate::spelling::counted;
+
 /// A grid that cannot carry a lattice.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LatticeError {
     /// Too few or too many handles on an axis.
     #[error(
-        "the lattice has {found} handles on axis {axis}, but the {basis:?} basis needs {least} to {most}; change `dims`"
+        "the lattice has {} on axis {axis}, but the {basis:?} basis needs {least} to {most}; change `dims`",
+        counted(*found, "handle", "handles")
     )]
     Dims {
         /// Axis, 0 = x.

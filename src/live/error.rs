@@ -4,6 +4,7 @@ use crate::image::ImageError;
 use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
+use crate::spelling::counted;
 use std::path::PathBuf;
 
 /// A warp that cannot be computed, or a picture that was not finished.
@@ -53,7 +54,11 @@ pub enum LiveError {
         hint: String,
     },
     /// Planes that are not as large as their window.
-    #[error("a plane of {what} has {found} samples for {wanted} pixels; this is a fault of the host's adapter")]
+    #[error(
+        "a plane of {what} has {} for {}; this is a fault of the host's adapter",
+        counted(*found, "sample", "samples"),
+        counted(*wanted, "pixel", "pixels")
+    )]
     Planes {
         /// Which picture.
         what: &'static str,
@@ -63,7 +68,10 @@ pub enum LiveError {
         wanted: usize,
     },
     /// A background of other channels.
-    #[error("the background has {found} channels, the source {wanted}; give both the same")]
+    #[error(
+        "the background has {}, the source {wanted}; give both the same",
+        counted(*found, "channel", "channels")
+    )]
     PlaneCount {
         /// Those of the background.
         found: usize,

@@ -7,6 +7,7 @@ use super::{Controls, LiveError, Pin, Shape, ShotShape, solve};
 use crate::pipeline::{LayerTask, Pinned, Rest, Setup};
 use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
+use crate::spelling::counted;
 
 /// What a shot file says, as parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,9 +29,10 @@ impl ShotFile {
     #[must_use]
     pub fn told(&self, most: usize) -> String {
         let count = self.tracks.len();
-        let mut told = vec![format!("read {} pins of layer {}", count.min(most), self.layer)];
+        let mut told = vec![format!("read {} of layer {}", counted(count.min(most), "pin", "pins"), self.layer)];
         if count > most {
-            told.push(format!("{} more are left out: there is room for {most}", count - most));
+            let more = counted(count - most, "more is", "more are");
+            told.push(format!("{more} left out: there is room for {most}"));
         }
         if self.tracks.iter().any(|track| track.keys.len() > 1) {
             told.push("between keys the host's own curves hold".to_owned());

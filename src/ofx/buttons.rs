@@ -12,6 +12,7 @@ use super::render::fetched;
 use super::settings::{Moment, ShapeChoice, settings_of};
 use crate::image::SequencePath;
 use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, StMapFile, Subject, WriteShot};
+use crate::spelling::counted;
 use std::path::{Path, PathBuf};
 
 /// Frames over which keys and maps are written at most: a host's "for ever" ends there.
@@ -94,7 +95,7 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
             size: canvas.frame,
         },
     })?;
-    Ok(format!("wrote {} pins to {}", tracks.len(), path.display()))
+    Ok(format!("wrote {} to {}", counted(tracks.len(), "pin", "pins"), path.display()))
 }
 
 /// Frames a second of the source.
@@ -138,5 +139,5 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
         let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
         live::save_stmap(&warp, canvas.frame, file)?;
     }
-    Ok(format!("wrote {} STMaps", last - first + 1))
+    Ok(format!("wrote {}", counted(last - first + 1, "STMap", "STMaps")))
 }

@@ -7,6 +7,7 @@ use crate::raster::RasterError;
 use crate::scene::{FindError, SceneError};
 use crate::shot::{Shot, ShotError};
 use crate::solve::SolveError;
+use crate::spelling::counted;
 use std::path::PathBuf;
 
 /// A shot that cannot be rendered, or a frame of it.
@@ -85,7 +86,8 @@ pub enum PipelineError {
     },
     /// Frames are already there.
     #[error(
-        "{count} of the frames exist already, the first is {first}; use --resume to keep or --overwrite to replace them"
+        "{} already, the first is {first}; use --resume to keep or --overwrite to replace what is there",
+        counted(*count, "of the frames exists", "of the frames exist")
     )]
     Exists {
         /// How many.

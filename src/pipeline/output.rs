@@ -5,6 +5,7 @@
 use super::{Existing, PipelineError, Setup};
 use crate::image::{SequencePath, read_metadata};
 use crate::plate::Holes;
+use crate::spelling::counted;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,8 @@ pub(crate) fn is_stale(path: &Path, digest: &str) -> bool {
 /// Says how many kept frames are stale; `None`: none.
 pub(crate) fn stale_words(stale: usize) -> Option<String> {
     (stale > 0).then(|| {
-        format!("{stale} of the kept frames were rendered from another state of the shot; --overwrite replaces them")
+        let stale = counted(stale, "of the kept frames was", "of the kept frames were");
+        format!("{stale} rendered from another state of the shot; --overwrite renders anew")
     })
 }
 

@@ -5,6 +5,7 @@
 use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{MissReason, SolveReport};
+use crate::spelling::counted;
 
 /// A pin further than this from its target is told to the user, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
@@ -108,7 +109,8 @@ fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> St
     let why = if solve.folded_model_cells == 0 {
         "nothing folds".to_owned()
     } else {
-        format!("{} cells fold all the same, even where pins and handles only move rigidly", solve.folded_model_cells)
+        let folded = counted(solve.folded_model_cells, "cell folds", "cells fold");
+        format!("{folded} all the same, even where pins and handles only move rigidly")
     };
     format!("layer '{}': guard: {what} stops {distance} before its target, {why}", layer.name)
 }

@@ -9,6 +9,7 @@ use super::matte::{Ground, Share};
 use super::nearest::nearest_source;
 use super::{Field, Matte, PlateError, PlateJob, WarpMap};
 use crate::space::{FrameSize, PixelRect};
+use crate::spelling::counted;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -268,9 +269,9 @@ fn overlap(shares: &[Share], movers: &[Mover], window: PixelRect) -> Option<Stri
     let names: Vec<String> = layers.clone().filter(takes).map(|layer| format!("\"{}\"", movers[layer].name)).collect();
     (!pixels.is_empty()).then(|| {
         format!(
-            "the mattes of the layers {} overlap: {} pixels move more than once; let each pixel belong to one layer",
+            "the mattes of the layers {} overlap: {} more than once; let each pixel belong to one layer",
             names.join(" and "),
-            pixels.len()
+            counted(pixels.len(), "pixel moves", "pixels move")
         )
     })
 }

@@ -5,6 +5,7 @@
 
 use super::SceneError;
 use super::file::{File, View, slice};
+use crate::spelling::counted;
 use gltf::json::accessor::{ComponentType, Type, sparse};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
@@ -221,7 +222,8 @@ fn stored<'a>(view: &View<'a>, offset: u64, count: usize, size: usize) -> Result
         Some(gaps) => (gaps as u64).checked_mul(stride as u64).and_then(|bytes| bytes.checked_add(size as u64)),
     };
     let bytes = length.and_then(|length| slice(view.bytes, offset, length));
-    let bytes = bytes.ok_or_else(|| format!("reaches past the end of its buffer view ({count} elements)"))?;
+    let reach = || counted(count, "element", "elements");
+    let bytes = bytes.ok_or_else(|| format!("reaches past the end of its buffer view ({})", reach()))?;
     Ok(Elements::Stored { bytes, stride })
 }
 

@@ -5,6 +5,7 @@
 use super::accessor::{Floats, Integers};
 use super::file::File;
 use super::{Influence, MorphTarget, SceneError};
+use crate::spelling::counted;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::Semantic;
@@ -87,7 +88,9 @@ impl Attributes<'_> {
         }
         let orphans = influences.iter_mut().filter_map(normalize).count();
         if orphans > 0 {
-            warnings.push(format!("{}: {orphans} vertices without weights follow their first joint", self.label));
+            let orphans =
+                counted(orphans, "vertex without weights follows its", "vertices without weights follow their");
+            warnings.push(format!("{}: {orphans} first joint", self.label));
         }
         Ok(influences)
     }
@@ -165,7 +168,8 @@ impl Attributes<'_> {
         if count == self.count {
             return Ok(());
         }
-        Err(self.file.invalid(format!("{what} has {count} elements for {} vertices", self.count)))
+        let (found, wanted) = (counted(count, "element", "elements"), counted(self.count, "vertex", "vertices"));
+        Err(self.file.invalid(format!("{what} has {found} for {wanted}")))
     }
 }
 

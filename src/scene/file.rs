@@ -3,6 +3,7 @@
 //! In: what `json` parsed. Out: bytes of buffers, views and URIs; every index and range is checked on the way.
 
 use super::SceneError;
+use crate::spelling::counted;
 use base64::Engine as _;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
@@ -73,8 +74,8 @@ impl File {
         };
         if (bytes.len() as u64) < buffer.byte_length.0 {
             return Err(self.invalid(format!(
-                "buffers[{index}] must have {} bytes and has {}; copy or export it again",
-                buffer.byte_length.0,
+                "buffers[{index}] must have {} and has {}; copy or export it again",
+                counted(buffer.byte_length.0, "byte", "bytes"),
                 bytes.len()
             )));
         }

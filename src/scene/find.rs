@@ -3,7 +3,7 @@
 //! In: a scene and a name, number or pattern. Out: indices, or an error that offers the nearest right spelling.
 
 use super::Scene;
-use crate::spelling;
+use crate::spelling::{self, counted};
 
 /// Something a shot names that the scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum FindError {
         hint: String,
     },
     /// A clip number past the end.
-    #[error("the scene has {count} clips, there is no clip {index} (the first is 0)")]
+    #[error("the scene has {}, there is no clip {index} (the first is 0)", counted(*count, "clip", "clips"))]
     ClipOutOfRange {
         /// The number asked for.
         index: usize,

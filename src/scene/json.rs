@@ -4,6 +4,7 @@
 //! extensions are judged and what the typed reader would refuse, though it is harmless, is taken out with a warning.
 
 use super::SceneError;
+use crate::spelling::counted;
 use gltf::json::{self, Root};
 use serde_json::Value;
 use std::ops::Range;
@@ -95,7 +96,8 @@ fn chunks(bytes: &[u8]) -> Result<Vec<(u32, Range<usize>)>, String> {
         let start = at + 8;
         let end = start.saturating_add(length as usize);
         if end > bytes.len() {
-            return Err(format!("the chunk at byte {at} of the .glb has {length} bytes, more than the file"));
+            let length = counted(length, "byte", "bytes");
+            return Err(format!("the chunk at byte {at} of the .glb has {length}, more than the file"));
         }
         found.push((kind, start..end));
         // Chunks start at multiples of four; writers that forget the padding are forgiven at the end.
@@ -214,8 +216,9 @@ fn drop_foreign_channels(clip: usize, channels: &mut Vec<Value>, warnings: &mut 
     let dropped = before - channels.len();
     if dropped > 0 {
         warnings.push(format!(
-            "animations[{clip}]: {dropped} of {before} channels do not move a node's translation, rotation, scale or \
-             weights and are ignored"
+            "animations[{clip}]: {dropped} of {} ignored, since what moves has to be a node's translation, rotation, \
+             scale or weights",
+            counted(before, "channel", "channels")
         ));
     }
 }

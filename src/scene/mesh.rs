@@ -8,6 +8,7 @@ use super::attributes::{Attributes, Label};
 use super::file::File;
 use super::nodes::Used;
 use super::{Material, Mesh, MorphTarget, Primitive, SceneError, geometry, lines};
+use crate::spelling::counted;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Semantic};
@@ -95,8 +96,8 @@ impl Loader<'_> {
         let positions = positions(self.file, position, label)?;
         let corners = corners(self.file, json, positions.len(), label)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
-            self.warnings
-                .push(format!("{label}: {} corners are not whole triangles, the rest is left out", corners.len()));
+            let corners = counted(corners.len(), "corner is no whole triangle", "corners are not whole triangles");
+            self.warnings.push(format!("{label}: {corners}, the rest is left out"));
         }
         let attributes = Attributes { file: self.file, json, count: positions.len(), label };
         let mut primitive = Primitive {

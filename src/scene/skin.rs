@@ -6,6 +6,7 @@ use super::accessor::Integers;
 use super::file::File;
 use super::nodes::{self, Tree, Used};
 use super::{Node, Scene, SceneError, Skin};
+use crate::spelling::counted;
 use glam::Mat4;
 use gltf::json::accessor::Type;
 
@@ -36,8 +37,9 @@ fn load_skin(file: &File, tree: &Tree, index: usize) -> Result<Skin, SceneError>
         }
     };
     if joint_from_mesh.len() < joints.len() {
-        let (have, need) = (joint_from_mesh.len(), joints.len());
-        return Err(file.invalid(format!("skins[{index}] has {have} inverse bind matrices for {need} joints")));
+        let have = counted(joint_from_mesh.len(), "inverse bind matrix", "inverse bind matrices");
+        let need = counted(joints.len(), "joint", "joints");
+        return Err(file.invalid(format!("skins[{index}] has {have} for {need}")));
     }
     if let Some(joint) = joint_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
         return Err(file.invalid(format!("skins[{index}]: the inverse bind matrix of joint {joint} is not finite")));
@@ -58,9 +60,10 @@ fn check_node(file: &File, scene: &Scene, node: &Node) -> Result<(), SceneError>
         let is_outside = |vertex: &[super::Influence; 8]| vertex.iter().any(|one| usize::from(one.joint) >= joints);
         if let Some(vertex) = primitive.influences.iter().position(is_outside) {
             return Err(file.invalid(format!(
-                "mesh \"{}\", primitive {number}, vertex {vertex} follows a joint that the skin of node \"{}\" ({joints} \
-                 joints) lacks",
-                mesh.name, node.name
+                "mesh \"{}\", primitive {number}, vertex {vertex} follows a joint that the skin of node \"{}\" ({}) lacks",
+                mesh.name,
+                node.name,
+                counted(joints, "joint", "joints")
             )));
         }
     }

@@ -3,6 +3,7 @@
 //! In: a problem. Out: the first thing that is wrong with it, in words.
 
 use super::{HandlePin, PointPin, Problem, Region, Shape, SolveError};
+use crate::spelling::counted;
 
 /// Largest coordinate: products of four stay numbers.
 const FURTHEST: f64 = 1e50;
@@ -47,8 +48,9 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     stiffness(shape)?;
     let is_bad = |triangle: &[u32; 3]| triangle.iter().any(|&corner| corner as usize >= count);
     if let Some(bad) = shape.triangles.iter().position(is_bad) {
+        let vertices = counted(count, "vertex", "vertices");
         return Err(invalid(
-            format!("triangle {bad} has corners {:?}, the shape has {count} vertices", shape.triangles[bad]),
+            format!("triangle {bad} has corners {:?}, the shape has {vertices}", shape.triangles[bad]),
             "corners are vertex indices from 0".into(),
         ));
     }
@@ -65,7 +67,9 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
 fn stiffness<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     let (found, wanted) = (shape.stiffness.len(), shape.triangles.len());
     if found != 0 && found != wanted {
-        let what = format!("the shape has {wanted} triangles and {found} stiffnesses");
+        let (triangles, stiffnesses) =
+            (counted(wanted, "triangle", "triangles"), counted(found, "stiffness", "stiffnesses"));
+        let what = format!("the shape has {triangles} and {stiffnesses}");
         return Err(invalid(what, "give one a triangle, or none".into()));
     }
     match shape.stiffness.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
@@ -105,7 +109,7 @@ fn pin<const D: usize>(index: usize, pin: &PointPin<D>) -> Result<(), SolveError
 
 /// Pins of an update are those of the problem.
 pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin<D>]) -> Result<(), SolveError> {
-    same_count(known.len(), given.len(), "pins")?;
+    same_count(known.len(), given.len(), ["pin", "pins"])?;
     for (index, (a, b)) in known.iter().zip(given).enumerate() {
         pin(index, b)?;
         if a.at != b.at || a.weight != b.weight || a.region != b.region || a.gradient.is_some() != b.gradient.is_some()
@@ -118,7 +122,7 @@ pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin
 
 /// Handles of an update are those of the problem.
 pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[HandlePin<D>]) -> Result<(), SolveError> {
-    same_count(known.len(), given.len(), "moved handles")?;
+    same_count(known.len(), given.len(), ["moved handle", "moved handles"])?;
     for (entry, (a, b)) in known.iter().zip(given).enumerate() {
         finite(&b.target, || format!("the target of moved handle {entry}"))?;
         if a.index != b.index {
@@ -128,8 +132,8 @@ pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[Hand
     Ok(())
 }
 
-fn same_count(known: usize, given: usize, what: &str) -> Result<(), SolveError> {
-    if known == given { Ok(()) } else { Err(changed(format!("{given} {what} instead of {known}"))) }
+fn same_count(known: usize, given: usize, [one, many]: [&str; 2]) -> Result<(), SolveError> {
+    if known == given { Ok(()) } else { Err(changed(format!("{} instead of {known}", counted(given, one, many)))) }
 }
 
 fn finite<const D: usize>(values: &[f64; D], what: impl Fn() -> String) -> Result<(), SolveError> {

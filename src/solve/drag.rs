@@ -9,6 +9,7 @@ use super::solver::{Solver, Targets};
 use super::waypoint::Waypoint;
 use super::{Guard, HandlePin, PointPin, Settings, Solution, SolveError};
 use crate::lattice::Lattice;
+use crate::spelling::counted;
 
 /// Most steps of a move with a second derivative at hand.
 const STEPS: usize = 5;
@@ -56,7 +57,7 @@ impl<const D: usize> Solver<D> {
         let (found, wanted) = (from.handles.len(), self.grid().handle_count());
         if found != wanted {
             return Err(SolveError::Invalid {
-                what: format!("the drag starts from {found} handles, the grid has {wanted}"),
+                what: format!("the drag starts from {}, the grid has {wanted}", counted(found, "handle", "handles")),
                 hint: "start from a solution of the same solver".into(),
             });
         }

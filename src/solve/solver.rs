@@ -16,6 +16,7 @@ use super::small::distance;
 use super::waypoint::Waypoint;
 use super::{Guard, HandlePin, MissReason, PointPin, Problem, Scaling, Settings, Solution, SolveError, SolveReport};
 use crate::lattice::{Folds, Grid, Lattice};
+use crate::spelling::counted;
 use std::sync::Arc;
 
 /// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
@@ -239,7 +240,8 @@ impl<const D: usize> Solver<D> {
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
         if !run.is_converged && self.settings.tolerance > 0.0 {
-            warnings.push(format!("not converged after {} iterations; the result may still move", run.iterations));
+            let spent = counted(run.iterations, "iteration", "iterations");
+            warnings.push(format!("not converged after {spent}; the result may still move"));
         }
         let mut solution = self.report(goal, run, warnings);
         solution.report.stopped_at = stopped_at;

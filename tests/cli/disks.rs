@@ -67,7 +67,7 @@ fn a_file_where_a_folder_should_be() {
 fn a_folder_where_a_frame_should_be() {
     let bench = Bench::new();
     std::fs::create_dir_all(bench.path("out/f.0001.exr/inside")).expect("a folder");
-    bench.render("").says(2, &["exist already", "f.0001.exr", "--resume", "--overwrite"]);
+    bench.render("").says(2, &["1 of the frames exists already", "f.0001.exr", "--resume", "--overwrite"]);
     let ended = bench.render("--overwrite").says(1, &["error: frame 1", "f.0001.exr", "folder of that name"]);
     assert!(ended.stderr.contains("frame 2 ->"), "{}", ended.stderr);
     assert_eq!(bench.frames(), ["f.0001.exr", "f.0002.exr"]);

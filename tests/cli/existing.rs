@@ -36,7 +36,7 @@ fn resume_keeps_whole_frames_and_mends_cut_ones() {
         // A whole file of another frame stands for work that must not be done again.
         bench.write("out/f.0001.exr", &second);
         bench.write("out/f.0002.exr", &second[..length]);
-        let ended = bench.render("--resume").says(0, &["1 frames on CPU", "1 kept", "frame 2 ->"]);
+        let ended = bench.render("--resume").says(0, &["1 frame on CPU", "1 kept", "frame 2 ->"]);
         assert!(!ended.stderr.contains("frame 1 ->"), "{}", ended.stderr);
         assert_eq!(bench.read("out/f.0001.exr"), second, "kept as it is");
         assert_eq!(bench.read("out/f.0002.exr"), second, "rendered again from {length} bytes");
@@ -50,7 +50,7 @@ fn resume_renders_frames_whose_preview_is_missing() {
     let bench = Bench::new();
     bench.render("").says(0, &[]);
     bench.render("--frames 2 --preview --overwrite").says(0, &[]);
-    bench.render("--resume --preview").says(0, &["1 frames on CPU", "1 kept", "frame 1 ->"]);
+    bench.render("--resume --preview").says(0, &["1 frame on CPU", "1 kept", "frame 1 ->"]);
     assert_eq!(bench.frames(), ["f.0001.exr", "f.0001.png", "f.0002.exr", "f.0002.png"]);
 }
 

@@ -153,7 +153,7 @@ fn share_of_different_pixels(bench: &Bench, [a, b]: [&str; 2], limit: f32) -> f6
 fn the_exported_scene_renders_like_the_warped_one() {
     let bench = usual(&sheet());
     let told = bench.run("export shot.toml --to gltf").says(0, &[]).stdout;
-    assert!(told.contains("wrote shot.warped.glb: 2 frames, 1 deformed nodes"), "{told}");
+    assert!(told.contains("wrote shot.warped.glb: 2 frames, 1 deformed node"), "{told}");
     assert!(told.contains("its normals stay"), "{told}");
     bench.render("").says(0, &[]);
     let still = format!("{HEAD}{OUTPUT}").replace("tiny.gltf", "shot.warped.glb").replace("out/f", "out/g");

@@ -97,7 +97,7 @@ fn fits_that_cannot_be() {
         ("a.png b.png --pairs empty.json", &["empty.json", "pairs", "at least one"]),
         ("a.png b.png --pairs gone.json", &["cannot read", "gone.json"]),
         ("a.png b.png --pairs good.csv --dims 3,3", &["4 to 64"]),
-        ("a.png b.png --pairs good.csv --dims 8", &["1 numbers", "2 axes"]),
+        ("a.png b.png --pairs good.csv --dims 8", &["1 number,", "2 axes"]),
         ("gone.png b.png --pairs good.csv", &["gone.png"]),
         ("nothing.png b.png --pairs good.csv", &["nothing.png"]),
         ("shot.toml b.png --pairs good.csv --layer al", &["no layer 'al'", "did you mean"]),

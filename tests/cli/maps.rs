@@ -37,7 +37,7 @@ fn maps_are_written_kept_and_replaced_like_frames() {
     bench.run("export shot.toml --to stmap -o st/m.####.exr").says(2, &["m.0001.exr exists already", "--resume"]);
     std::fs::remove_file(bench.path("st/m.0002.exr")).expect("it is there");
     let told = bench.run("export shot.toml --to stmap -o st/m.####.exr --resume").says(0, &[]).stdout;
-    assert!(told.contains("1 frames, 1 kept"), "{told}");
+    assert!(told.contains("1 frame, 1 kept"), "{told}");
     // Frames that stay are of the same state: another selection of frames is none, another pin is.
     let resumed = |shot: &str| {
         let command = format!("export {shot} --to stmap -o st/m.####.exr --resume");
@@ -139,7 +139,7 @@ fn openimageio_warps_by_our_maps_as_we_do() {
 fn nuke_gets_a_script_beside_its_maps() {
     let bench = Bench::with_shot(&format!("{HEAD}{PIN}{OUTPUT}").replace("name = \"all\"", "name = \"left arm\""));
     let told = bench.run("export shot.toml --to nuke -o comp/arm.nk").says(0, &[]).stdout;
-    assert!(told.contains("wrote comp/arm.nk: an STMap and 1 grids (GridWarp3, not verified in Nuke)"), "{told}");
+    assert!(told.contains("wrote comp/arm.nk: an STMap and 1 grid (GridWarp3, not verified in Nuke)"), "{told}");
     assert_eq!(names_in(&bench.path("comp")), ["arm.nk", "arm.stmap.0001.exr", "arm.stmap.0002.exr"]);
     let text = String::from_utf8(bench.read("comp/arm.nk")).expect("text");
     for part in

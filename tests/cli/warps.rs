@@ -163,7 +163,7 @@ fn resume_keeps_what_is_whole() {
     bench.run("warp --shot shot.toml").says(2, &["2 of the frames exist already", "--resume"]);
     let [first, second] = ["out/w.0001.exr", "out/w.0002.exr"].map(|name| bench.read(name));
     bench.write("out/w.0002.exr", &second[..second.len() / 2]);
-    let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frames, 1 kept", "frame 2 ->"]);
+    let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frame, 1 kept", "frame 2 ->"]);
     assert!(!ended.stderr.contains("another state"), "{}", ended.stderr);
     assert_eq!([bench.read("out/w.0001.exr"), bench.read("out/w.0002.exr")], [first, second], "the same bytes");
     bench.run("warp --shot shot.toml --resume --filter nearest").says(0, &["2 of the kept frames", "another state"]);
@@ -338,8 +338,8 @@ fn a_matted_thing_moves_before_the_rest() {
     assert_eq!(columns(&path, "A", |alpha| alpha == 0.0).len(), 4, "what it leaves is empty");
     let filled = "warp --shot shot.toml --frames 2 --clean in/b.0001.exr -o out/f.####.exr";
     let ended = bench.run(filled).says(0, &[]);
-    assert!(!ended.stderr.contains("fill them"), "{}", ended.stderr);
-    bench.run("warp --shot shot.toml --frames 2 -o out/e.####.exr").says(0, &["are empty; fill them"]);
+    assert!(!ended.stderr.contains("fill holes"), "{}", ended.stderr);
+    bench.run("warp --shot shot.toml --frames 2 -o out/e.####.exr").says(0, &["are empty; fill holes"]);
     assert_eq!(columns(&bench.path("out/f.0002.exr"), "A", |alpha| alpha < 0.999), Vec::<i32>::new());
 }
 

@@ -112,7 +112,7 @@ fn malformed_frames_are_named() {
     for (part, frame) in [
         ("no channels", with_channels(Vec::new())),
         ("two channels are called 'R'", with_channels(vec![channel("R", 2257), channel("R", 2257)])),
-        ("1 samples for 2257 pixels", with_channels(vec![channel("S", 1)])),
+        ("1 sample for 2257 pixels", with_channels(vec![channel("S", 1)])),
         ("no channel name", with_channels(vec![channel("", 2257)])),
         ("no pixels", Frame { display: rect(0, 0, 0, 5), ..good.clone() }),
         ("pixel aspect", Frame { pixel_aspect: f64::NAN, ..good.clone() }),

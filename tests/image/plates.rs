@@ -166,10 +166,7 @@ fn malformed_plates_are_named() {
         ("no parts", with(&|plate| plate.parts.clear())),
         ("a part has no name", with(&|plate| plate.parts[1].name = None)),
         ("two parts are called 'links'", with(&|plate| plate.parts[0].name = Some("links".into()))),
-        (
-            "part 'links': channel 'S' has 1 samples for 2257",
-            with(&|plate| plate.parts[1].channels.push(stray.clone())),
-        ),
+        ("part 'links': channel 'S' has 1 sample for 2257", with(&|plate| plate.parts[1].channels.push(stray.clone()))),
         ("pixel aspect", with(&|plate| plate.pixel_aspect = 0.0)),
         ("too far out", with(&|plate| plate.display.x = i32::MAX)),
     ] {

@@ -151,7 +151,7 @@ fn damaged_tracks_are_errors_that_name_clip_and_node() {
     };
     let mut short = base();
     short.json["accessors"][2]["count"] = json!(1);
-    assert!(short.fault().contains("clip \"clip_0\", channel 0 (node \"Thing\") has 1 values where 2 belong"));
+    assert!(short.fault().contains("clip \"clip_0\", channel 0 (node \"Thing\") has 1 value instead of 2"));
     let mut sampler = base();
     sampler.json["animations"][0]["channels"][0]["sampler"] = json!(4);
     assert!(sampler.fault().contains("its sampler does not exist"));
@@ -205,7 +205,7 @@ fn skins_follow_their_joints_and_not_their_node() {
 fn skins_that_do_not_fit_are_refused() {
     let mut missing = skinned();
     missing.json["skins"][0]["joints"] = json!([1]);
-    assert!(missing.fault().contains("vertex 1 follows a joint that the skin of node \"Thing\" (1 joints) lacks"));
+    assert!(missing.fault().contains("vertex 1 follows a joint that the skin of node \"Thing\" (1 joint) lacks"));
     let mut few = skinned();
     few.json["skins"][0]["joints"] = json!([1, 2, 1]);
     assert!(few.fault().contains("2 inverse bind matrices for 3 joints"));

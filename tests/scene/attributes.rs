@@ -209,7 +209,7 @@ fn vertices_without_weights_follow_their_first_joint() {
     assert_eq!(found[0][0], Influence { joint: 0, weight: 1.0 });
     assert_eq!(found[1][0], Influence { joint: 1, weight: 1.0 });
     assert_eq!(found[2][2], Influence { joint: 1, weight: 1.0 });
-    assert!(scene.warnings.iter().any(|warning| warning.contains("1 vertices without weights")));
+    assert!(scene.warnings.iter().any(|warning| warning.contains("1 vertex without weights follows its first joint")));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{SequencePath, replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
+use crate::spelling::counted;
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -146,7 +147,8 @@ impl<'a> Element<'a> {
             _ => {}
         };
         let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
-        writeln!(io::stdout(), "wrote {}: {} frames", pattern.display(), summary.rendered)?;
+        let frames = counted(summary.rendered, "frame", "frames");
+        writeln!(io::stdout(), "wrote {}: {frames}", pattern.display())?;
         Ok(summary.failed == 0)
     }
 }

@@ -6,6 +6,7 @@ use crate::cli::args::ExportArgs;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
 use crate::pipeline::{BakeTimes, Setup};
+use crate::spelling::counted;
 use anyhow::bail;
 use std::io::{self, Write};
 
@@ -27,8 +28,9 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         },
     )?;
     replace_bytes(&output, &glb(setup.packed()?, &baked)?)?;
-    let nodes = baked.nodes.len();
-    writeln!(io::stdout(), "wrote {}: {} frames, {nodes} deformed nodes", output.display(), frames.len())?;
+    let frames = counted(frames.len(), "frame", "frames");
+    let nodes = counted(baked.nodes.len(), "deformed node", "deformed nodes");
+    writeln!(io::stdout(), "wrote {}: {frames}, {nodes}", output.display())?;
     match baked.motion {
         NodeMotion::Keys { shift_secs } if shift_secs > 0.0 => {
             writeln!(io::stdout(), "note: its clip starts {shift_secs:.3} s later than the scene's")?;

@@ -4,6 +4,7 @@ use super::{Source, output};
 use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::{LatticeTrack, Track};
+use crate::spelling::counted;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
@@ -14,7 +15,8 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     file.write(&output)?;
     let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
     let count = file.layers.iter().map(frame_count).max().unwrap_or(0);
-    writeln!(io::stdout(), "wrote {}: {count} frames of {}", output.display(), names.join(", "))?;
+    let frames = counted(count, "frame", "frames");
+    writeln!(io::stdout(), "wrote {}: {frames} of {}", output.display(), names.join(", "))?;
     Ok(Outcome::Complete)
 }
 

@@ -6,6 +6,7 @@ use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
 use crate::export::nuke::{NukeScene, script};
 use crate::image::replace_text;
+use crate::spelling::counted;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
@@ -21,7 +22,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let written = stmap::write(args, &maps, &pattern)?;
     replace_text(&output, &text)?;
     stmap::told(&pattern, &written)?;
-    let grids = maps.lattices.layers.len();
-    writeln!(io::stdout(), "wrote {}: an STMap and {grids} grids (GridWarp3, not verified in Nuke)", output.display())?;
+    let grids = counted(maps.lattices.layers.len(), "grid", "grids");
+    writeln!(io::stdout(), "wrote {}: an STMap and {grids} (GridWarp3, not verified in Nuke)", output.display())?;
     Ok(Outcome::Complete)
 }

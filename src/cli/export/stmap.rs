@@ -6,6 +6,7 @@ use crate::cli::args::ExportArgs;
 use crate::image::{Compression, FrameMetadata, write_exr};
 use crate::pipeline::{is_stale, stale_words};
 use crate::plate::stmap_of;
+use crate::spelling::counted;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -24,11 +25,8 @@ pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::R
     let written = write_frames(args, &sequence, &frames, |frame, path| {
         let map = maps.map(frame);
         if !map.folded_pixels.is_empty() {
-            let count = map.folded_pixels.len();
-            writeln!(
-                io::stderr(),
-                "note: frame {frame}: {count} pixels lie in folds, where a map shows one of the sheets"
-            )?;
+            let folded = counted(map.folded_pixels.len(), "pixel lies", "pixels lie");
+            writeln!(io::stderr(), "note: frame {frame}: {folded} in folds, where a map shows one of the sheets")?;
         }
         let metadata = FrameMetadata {
             frame,
@@ -49,5 +47,6 @@ pub(super) fn write(args: &ExportArgs, maps: &Maps, pattern: &Path) -> anyhow::R
 
 pub(super) fn told(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
     let kept = if kept.is_empty() { String::new() } else { format!(", {} kept", kept.len()) };
-    writeln!(io::stdout(), "wrote {}: {new} frames{kept}", pattern.display())
+    let new = counted(*new, "frame", "frames");
+    writeln!(io::stdout(), "wrote {}: {new}{kept}", pattern.display())
 }

@@ -19,6 +19,7 @@ mod triangle;
 use super::{Pass, Raster, RasterError, Target};
 use crate::image::{Channel, Frame};
 use crate::scene::Scene;
+use crate::spelling::counted;
 use bin::{Bins, TILE, Tiling, WindowFromScreen};
 use fragment::Shade;
 use glam::{IVec2, Vec2};
@@ -98,8 +99,7 @@ impl CpuRaster {
 
 impl Raster for CpuRaster {
     fn name(&self) -> String {
-        let threads = rayon::current_num_threads();
-        format!("CPU ({threads} thread{})", if threads == 1 { "" } else { "s" })
+        format!("CPU ({})", counted(rayon::current_num_threads(), "thread", "threads"))
     }
 
     fn max_side(&self) -> u32 {

@@ -6,6 +6,7 @@ use super::file::{ProblemFile, RawPart};
 use super::{ProblemError, job};
 use crate::lattice::Grid;
 use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
+use crate::spelling::counted;
 use std::path::Path;
 
 /// A figure in the plane or in space.
@@ -98,7 +99,8 @@ fn figure<const D: usize>(file: &ProblemFile) -> Result<Figure<D>, ProblemError>
     let parts = file.parts.iter().enumerate().map(|(k, raw)| part(k, raw)).collect::<Result<Vec<_>, _>>()?;
     let colored: usize = parts.iter().map(|part| part.triangles).sum();
     if !parts.is_empty() && colored != shape.triangles.len() {
-        let what = format!("count {colored} triangles, there are {}", shape.triangles.len());
+        let colored = counted(colored, "triangle", "triangles");
+        let what = format!("count {colored}, the shape has {}", shape.triangles.len());
         return Err(ProblemError::key("parts", what, "let their `triangles` add up to all"));
     }
     let (handles, settings) = (job::moved_handles(file)?, file.settings()?);
@@ -135,6 +137,6 @@ mod tests {
     fn parts_that_do_not_add_up_are_refused() {
         let text = format!("{{{}}}", SQUARE.replace("\"triangles\": 1", "\"triangles\": 7"));
         let error = parse(&text).map(|_| ()).expect_err("seven of one");
-        assert!(error.to_string().contains("count 7 triangles, there are 1"), "{error}");
+        assert!(error.to_string().contains("count 7 triangles, the shape has 1"), "{error}");
     }
 }

@@ -7,6 +7,7 @@ use crate::lattice::Basis;
 use crate::solve::{
     EdgeWeights, Energy, EqualVertices, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling, Settings, Start,
 };
+use crate::spelling::counted;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -142,7 +143,7 @@ impl ProblemFile {
         if axes == 2 || axes == 3 {
             return Ok(axes);
         }
-        Err(ProblemError::key("dims", format!("has {axes} entries"), "give two or three"))
+        Err(ProblemError::key("dims", format!("has {}", counted(axes, "entry", "entries")), "give two or three"))
     }
 
     /// Handles an axis; ten where nothing is said in the plane, five in space.
@@ -234,7 +235,8 @@ impl ProblemFile {
 /// A list as a point, or an error that names the key.
 pub(super) fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], ProblemError> {
     <[f64; D]>::try_from(values).map_err(|_| {
-        ProblemError::key(key(), format!("has {} coordinates", values.len()), format!("give {D}, as `dims` has"))
+        let given = counted(values.len(), "coordinate", "coordinates");
+        ProblemError::key(key(), format!("has {given}"), format!("give {D}, as `dims` has"))
     })
 }
 
