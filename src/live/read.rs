@@ -5,6 +5,7 @@
 use super::base::Base;
 use super::{Controls, LiveError, Pin, Shape, ShotShape, solve};
 use crate::pipeline::{LayerTask, Pinned, Rest, Setup};
+use crate::plate::Filter;
 use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use crate::spelling::counted;
@@ -18,6 +19,8 @@ pub struct ShotFile {
     pub tracks: Vec<PinTrack>,
     /// Name of the layer.
     pub layer: String,
+    /// How colour is resampled; `None`: the file does not say.
+    pub filter: Option<Filter>,
     /// First and last frame.
     pub frames: [i32; 2],
     /// What the parameters do not say, or not exactly.
@@ -145,7 +148,8 @@ impl Reader<'_> {
         }
         let controls = Controls { dims: [nx, ny], basis: self.layer.basis, pins, ..Controls::default() };
         let frames = [self.setup.shot.frames.first, self.setup.shot.frames.last];
-        Ok(ShotFile { controls, tracks, layer: self.layer.name.clone(), frames, warnings })
+        let filter = self.setup.shot.lines.has("warp.filter").then_some(self.setup.shot.warp.filter);
+        Ok(ShotFile { controls, tracks, layer: self.layer.name.clone(), filter, frames, warnings })
     }
 
     /// What the pins' keys say in the shape's frame, without strength.

@@ -5,7 +5,8 @@
 use super::read::{PinTrack, TrackKey};
 use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, solve};
 use crate::image::replace_text;
-use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_layer};
+use crate::plate::Filter;
+use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_filter, put_layer};
 use crate::shot::{Anchor, Goal, PinKey, Rotation, Shot};
 use crate::space::{FrameSize, ScreenPoint};
 use std::path::Path;
@@ -26,6 +27,8 @@ pub struct WriteShot<'a> {
     pub tracks: &'a [PinTrack],
     /// The layer that gets them; `None`: the first.
     pub layer: Option<&'a str>,
+    /// How colour is resampled; `None`: as the file says.
+    pub filter: Option<Filter>,
     /// The frame in which pins are placed, where the shot has a scene.
     pub pin_frame: i32,
     /// What a new file is about.
@@ -73,7 +76,10 @@ pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     let Controls { dims, basis, strength, stiffness, .. } = *job.controls;
     let factor = if job.base.is_some() { Factor::Times } else { Factor::Exactly };
     let edit = LayerEdit { dims, basis, strength: factor(strength), stiffness: factor(stiffness), pins: &pins };
-    let text = put_layer(&text, job.layer, &edit)?;
+    let mut text = put_layer(&text, job.layer, &edit)?;
+    if let Some(filter) = job.filter {
+        text = put_filter(&text, filter)?;
+    }
     // Nothing is written that would not be read.
     Shot::parse(&text, job.path)?;
     Ok(replace_text(job.path, &text)?)

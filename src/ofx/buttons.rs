@@ -7,7 +7,7 @@ use super::canvas::canvas_of;
 use super::entry::Call;
 use super::fault::Fault;
 use super::host::{Clip, When};
-use super::params::{BASES, PINS, SHAPES, ShapeFrom, number_of, pin_id};
+use super::params::{BASES, FILTERS, PINS, SHAPES, ShapeFrom, number_of, pin_id};
 use super::render::fetched;
 use super::settings::{Moment, ShapeChoice, settings_of};
 use crate::image::SequencePath;
@@ -37,6 +37,9 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     let [columns, rows] = file.controls.dims.map(|count| count as i32);
     for (id, value) in [("shape", shape), ("shotPins", 0), ("columns", columns), ("rows", rows), ("basis", basis)] {
         params.set_int(id, value);
+    }
+    if let Some(filter) = file.filter {
+        params.set_int("filter", number_of(&FILTERS, filter));
     }
     for id in ["strength", "stiffness"] {
         params.delete_keys(id);
@@ -87,6 +90,7 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         controls: &settings.controls,
         tracks: &tracks,
         layer: layer.as_deref(),
+        filter: Some(settings.filter),
         pin_frame: moment.int("pinFrame"),
         new: NewShot {
             subject,

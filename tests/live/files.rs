@@ -62,6 +62,7 @@ fn a_new_file_solves_to_the_same_lattice() {
         controls: &controls,
         tracks: &tracks,
         layer: None,
+        filter: None,
         pin_frame: 1,
         new: new_shot(HD),
     };
@@ -101,6 +102,7 @@ fn a_file_that_is_there_keeps_what_it_says() {
         controls: &read.controls,
         tracks: &read.tracks,
         layer: Some("legs"),
+        filter: None,
         pin_frame: 1,
         new: new_shot(SIZE),
     };

@@ -7,6 +7,9 @@ use pinwarp::ofx::api::Status;
 use pinwarp::ofx::api::names::param;
 use std::process::Command;
 
+/// The number of that filter.
+const LANCZOS: i32 = 2;
+
 /// A folder of its own for a test.
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder for files")
@@ -27,6 +30,7 @@ fn write_and_read_back(profile: &Profile) {
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
     host.key(node, "pin1Target", 0.0, [96.0, 54.0]);
     host.key(node, "pin1Target", 8.0, [60.0, 30.0]);
+    host.set(node, "filter", LANCZOS);
     host.set(node, "writePath", path.to_str().expect("plain letters"));
     assert_eq!(host.press(node, "writeShot"), Status::OK, "{:?}", host.said());
     assert!(path.exists());
@@ -41,8 +45,30 @@ fn write_and_read_back(profile: &Profile) {
             assert!(distance < 1e-6, "{id} at {time}: {found:?}, not {expected:?}");
         }
     }
-    assert_eq!(host.int(other, "pin1On"), 1);
+    assert_eq!([host.int(other, "pin1On"), host.int(other, "filter")], [1, LANCZOS]);
     assert_eq!(host.undo().last().map(|undo| undo.label.is_empty()), Some(false), "one step to undo");
+    host.finish();
+}
+
+#[test]
+fn a_filter_is_taken_from_files_that_name_one_and_written_into_them() {
+    let folder = folder();
+    let [bare, bent] = ["bare.toml", "bent.toml"].map(|name| folder.path().join(name));
+    let head = "version = 1\nplate = \"plate.####.exr\"\nframes = { first = 0, last = 9 }\nsize = [160, 90]\n";
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    host.set(node, "filter", LANCZOS);
+    host.set(node, "shotFile", bare.to_str().expect("plain letters"));
+    for (named, expected) in [("", LANCZOS), ("warp = { filter = \"nearest\" } # ids\n", 3)] {
+        std::fs::write(&bare, format!("{head}{named}[[layer]]\nname = \"all\"\n")).expect("written");
+        assert_eq!(host.press(node, "readShot"), Status::OK, "{:?}", host.said());
+        assert_eq!(host.int(node, "filter"), expected, "{named:?}");
+    }
+    host.set(node, "filter", LANCZOS);
+    host.set(node, "writePath", bent.to_str().expect("plain letters"));
+    assert_eq!(host.press(node, "writeShot"), Status::OK, "{:?}", host.said());
+    let text = std::fs::read_to_string(&bent).expect("written");
+    assert!(text.contains("warp = { filter = \"lanczos\" } # ids\n"), "{text}");
     host.finish();
 }
 

@@ -99,7 +99,7 @@ fn put_lattice(layer: &mut dyn TableLike, edit: &LayerEdit) -> Option<()> {
 }
 
 /// The table of that name, made where there is none; `None` where something else has the name.
-fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<&'a mut dyn TableLike> {
+pub(super) fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<&'a mut dyn TableLike> {
     if !table.contains_key(name) {
         table.insert(name, Item::Value(Value::InlineTable(InlineTable::new())));
     }
@@ -107,7 +107,7 @@ fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<&'a mut dyn
 }
 
 /// A value in place of another; a comment behind it stays.
-fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
+pub(super) fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();
     }

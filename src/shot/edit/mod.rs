@@ -3,10 +3,12 @@
 //! In: text and an [`Anchor`]. Out: the new text. The text need not be a valid shot, only TOML.
 
 mod block;
+mod filter;
 mod layer;
 mod text;
 
 pub use block::pin_block;
+pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 
 use super::{Anchor, ShotError};

@@ -1,0 +1,35 @@
+//! How plates are resampled, put into the text of a shot.
+//!
+//! In: text, a filter. Out: the new text; everything else in it stays as it is, comments included.
+
+use super::fault;
+use super::layer::{replace, sub_table};
+use super::text::EditableText;
+use crate::plate::Filter;
+use crate::shot::ShotError;
+
+/// Writes `warp.filter`.
+///
+/// ```
+/// use pinwarp::plate::Filter;
+/// use pinwarp::shot::edit;
+/// let text = "plate = 'a.exr'\nwarp.filter = 'ewa' # soft\n";
+/// assert_eq!(edit::put_filter(text, Filter::Cubic)?, "plate = 'a.exr'\nwarp.filter = \"cubic\" # soft\n");
+/// # Ok::<(), pinwarp::shot::ShotError>(())
+/// ```
+///
+/// # Errors
+/// [`ShotError::Edit`] where the text is not TOML, or `warp` is no table.
+pub fn put_filter(text: &str, filter: Filter) -> Result<String, ShotError> {
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| fault("warp", &what, hint))?;
+    let name = match filter {
+        Filter::Ewa => "ewa",
+        Filter::Cubic => "cubic",
+        Filter::Lanczos => "lanczos",
+        Filter::Nearest => "nearest",
+    };
+    let warp = sub_table(text.document.as_table_mut(), "warp");
+    let warp = warp.ok_or_else(|| fault("warp", "`warp` is no table", "write warp = { filter = \"ewa\" }"))?;
+    replace(warp, "filter", name.into());
+    Ok(text.finish())
+}
