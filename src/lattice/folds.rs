@@ -174,48 +174,84 @@ impl<const D: usize> Lattice<D> {
         orders.iter().map(det).fold(f64::INFINITY, lower)
     }
 
-    /// Least determinant of every cell over its probes, blended axis by axis.
+    /// Least determinant of every cell over its probes, blended axis by axis; neighbours share those on their border.
     fn probe(&self) -> Vec<f64> {
-        let spans: [usize; D] = std::array::from_fn(|axis| self.grid.basis.spans(self.grid.dims[axis]));
+        let spans = self.grid.dims.map(|count| self.grid.basis.spans(count));
+        let counts = spans.map(|spans| spans * (PROBES - 1) + 1);
         let terms: [Vec<AxisTerms>; D] = std::array::from_fn(|axis| {
-            let unit = |probe: usize| (probe / PROBES) as f64 + (probe % PROBES) as f64 / (PROBES - 1) as f64;
-            let at = |probe| AxisTerms::at(self.grid.basis, self.grid.dims[axis], unit(probe) / spans[axis] as f64);
-            (0..spans[axis] * PROBES).map(at).collect()
+            let unit = |probe: usize| probe as f64 / (counts[axis] - 1) as f64;
+            (0..counts[axis]).map(|probe| AxisTerms::at(self.grid.basis, self.grid.dims[axis], unit(probe))).collect()
         });
-        let gradient: [Vec<[f64; D]>; D] = std::array::from_fn(|slope| {
-            (0..D).fold(self.handles.clone(), |handles, axis| {
-                let step = spans[..axis].iter().map(|spans| spans * PROBES).product();
-                let factors = |terms| if axis == slope { AxisTerms::slopes(terms) } else { AxisTerms::values(terms) };
-                blend(&handles, step, &terms[axis].iter().map(factors).collect::<Vec<_>>())
+        // Planes of one coordinate each: [slope][coordinate][probe].
+        let gradient: [[Vec<f64>; D]; D] = std::array::from_fn(|slope| {
+            std::array::from_fn(|d| {
+                let plane = self.handles.iter().map(|handle| handle[d]).collect();
+                (0..D).fold(plane, |plane: Vec<f64>, axis| {
+                    let factors =
+                        |terms| if axis == slope { AxisTerms::slopes(terms) } else { AxisTerms::values(terms) };
+                    let rows: Vec<&[f64]> = terms[axis].iter().map(factors).collect();
+                    blend(&plane, counts[..axis].iter().product(), &rows)
+                })
             })
         });
         let scale: f64 = (0..D).map(|axis| 1.0 / self.grid.size(axis)).product();
-        let mut least = vec![f64::INFINITY; self.grid.cell_count()];
-        for probe in 0..gradient[0].len() {
-            let (mut rest, mut cell, mut stride) = (probe, 0, 1);
-            for count in spans {
-                cell += rest % (count * PROBES) / PROBES * stride;
-                (rest, stride) = (rest / (count * PROBES), stride * count);
-            }
-            let columns: [[f64; D]; D] = gradient.each_ref().map(|slopes| slopes[probe]);
-            least[cell] = lower(least[cell], scale * determinant(&columns));
-        }
-        least
+        let determinant_at = |probe: usize| {
+            let columns = gradient.each_ref().map(|planes| planes.each_ref().map(|plane| plane[probe]));
+            scale * determinant(&columns)
+        };
+        let determinants: Vec<f64> = (0..counts.iter().product()).map(determinant_at).collect();
+        let of_cell = |cell: usize| {
+            let place = self.grid.cell_place(cell);
+            let probes = (0..PROBES.pow(D as u32)).map(|number| {
+                (0..D).rev().fold(0, |probe, axis| {
+                    let within = number / PROBES.pow(axis as u32) % PROBES;
+                    probe * counts[axis] + place[axis] * (PROBES - 1) + within
+                })
+            });
+            probes.fold(f64::INFINITY, |least, probe| lower(least, determinants[probe]))
+        };
+        (0..self.grid.cell_count()).map(of_cell).collect()
     }
 }
 
-/// Blends lines of handles, `step` apart, by as many rows of factors as wanted.
-fn blend<const D: usize>(handles: &[[f64; D]], step: usize, rows: &[&[f64]]) -> Vec<[f64; D]> {
+/// Blends lines of a plane, `step` apart, by as many rows of factors as wanted.
+fn blend(plane: &[f64], step: usize, rows: &[&[f64]]) -> Vec<f64> {
     let count = rows.first().map_or(1, |row| row.len());
-    let mut blended = vec![[0.0; D]; handles.len() / count * rows.len()];
-    for (number, slots) in blended.chunks_exact_mut(step).enumerate() {
-        let (row, beyond) = (number % rows.len(), number / rows.len());
-        for (k, factor) in rows[row].iter().enumerate() {
-            let line = &handles[(beyond * count + k) * step..][..step];
-            slots.iter_mut().zip(line).for_each(|(slot, handle)| (0..D).for_each(|d| slot[d] += factor * handle[d]));
+    let mut blended = vec![0.0; plane.len() / count * rows.len()];
+    if step == 1 {
+        // Neighbours are blended: the factors are what lies side by side.
+        let columns: Vec<f64> = (0..count).flat_map(|k| rows.iter().map(move |row| row[k])).collect();
+        for (numbers, slots) in plane.chunks_exact(count).zip(blended.chunks_exact_mut(rows.len())) {
+            sum_of_lines(numbers, &columns, slots);
+        }
+        return blended;
+    }
+    for (lines, slots) in plane.chunks_exact(count * step).zip(blended.chunks_exact_mut(rows.len() * step)) {
+        for (row, slots) in rows.iter().zip(slots.chunks_exact_mut(step)) {
+            sum_of_lines(row, lines, slots);
         }
     }
     blended
+}
+
+/// Numbers of a line that are summed up together.
+const TOGETHER: usize = 8;
+
+/// Puts Σ factor · line, over lines as long as `sum`, one after the other.
+fn sum_of_lines(factors: &[f64], lines: &[f64], sum: &mut [f64]) {
+    let length = sum.len();
+    for (number, slots) in sum.chunks_mut(TOGETHER).enumerate() {
+        let mut sums = [0.0; TOGETHER];
+        for (factor, line) in factors.iter().zip(lines.chunks_exact(length)) {
+            let line = &line[number * TOGETHER..];
+            if let Some(line) = line.first_chunk::<TOGETHER>() {
+                sums.iter_mut().zip(line).for_each(|(sum, x)| *sum += factor * x);
+            } else {
+                sums.iter_mut().zip(line).for_each(|(sum, x)| *sum += factor * x);
+            }
+        }
+        slots.copy_from_slice(&sums[..slots.len()]);
+    }
 }
 
 /// Four B-spline controls become those of the same cubic's Bézier curve.
