@@ -16,10 +16,11 @@ pub(crate) fn cells<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<boo
     if shape.triangles.is_empty() && shape.strokes.is_empty() {
         return vec![true; grid.cell_count()];
     }
+    let per_cell: [f64; D] = std::array::from_fn(|axis| 1.0 / grid.pitch(axis));
     let spread = |triangles: &[[u32; 3]]| {
         let mut is_occupied = vec![false; grid.cell_count()];
         for triangle in triangles {
-            mark(grid, triangle.map(|corner| shape.points[corner as usize]), &mut is_occupied);
+            mark((grid, per_cell), triangle.map(|corner| shape.points[corner as usize]), &mut is_occupied);
         }
         is_occupied
     };
@@ -29,18 +30,17 @@ pub(crate) fn cells<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<boo
     }
     for [a, b] in shape.strokes.iter().flat_map(|stroke| stroke.windows(2).map(|ends| [ends[0], ends[1]])) {
         let [a, b] = [a, b].map(|end| shape.points[end as usize]);
-        mark(grid, [a, b, b], &mut is_occupied);
+        mark((grid, per_cell), [a, b, b], &mut is_occupied);
     }
     is_occupied
 }
 
 /// Marks the cells that a triangle touches.
-fn mark<const D: usize>(grid: &Grid<D>, corners: [[f64; D]; 3], is_occupied: &mut [bool]) {
+fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; D]; 3], is_occupied: &mut [bool]) {
     // In units of cells, held inside the box.
     let spans = grid.dims.map(|count| grid.basis.spans(count));
     let corners = corners.map(|corner| -> [f64; D] {
-        let unit = grid.unit_from_point(corner);
-        std::array::from_fn(|axis| (unit[axis] * spans[axis] as f64).clamp(0.0, spans[axis] as f64))
+        std::array::from_fn(|axis| ((corner[axis] - grid.lo[axis]) * per_cell[axis]).max(0.0).min(spans[axis] as f64))
     });
     let cell_of = |x: f64, axis: usize| (x as usize).min(spans[axis] - 1);
     let low: [usize; D] =

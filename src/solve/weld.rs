@@ -3,11 +3,13 @@
 //! In: a shape. Out: the same shape over its distinct points, in order of first appearance.
 
 use super::Shape;
+use foldhash::fast::FixedState;
 use std::collections::HashMap;
 
 /// Welds vertices whose coordinates are equal to the last bit (0 and −0 are equal).
 pub(crate) fn weld<const D: usize>(shape: &Shape<D>) -> Shape<D> {
-    let mut first: HashMap<[u64; D], u32> = HashMap::with_capacity(shape.points.len());
+    let mut first: HashMap<[u64; D], u32, FixedState> =
+        HashMap::with_capacity_and_hasher(shape.points.len(), FixedState::default());
     let mut points = Vec::new();
     let index: Vec<u32> = shape
         .points
