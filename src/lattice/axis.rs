@@ -112,6 +112,26 @@ fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     terms
 }
 
+/// Bernstein polynomials at several coordinates, a lane each: the values of [`AxisTerms::at`], as many as `values` has room for.
+#[inline(always)]
+pub(crate) fn bernstein_values<const N: usize>(units: &[f64; N], values: &mut [[f64; N]]) {
+    let binomials = &BINOMIALS[values.len() - 1];
+    let mut power = [1.0; N];
+    for (value, binomial) in values.iter_mut().zip(binomials) {
+        for lane in 0..N {
+            value[lane] = binomial * power[lane];
+            power[lane] *= units[lane];
+        }
+    }
+    let mut power = [1.0; N];
+    for value in values.iter_mut().rev() {
+        for lane in 0..N {
+            value[lane] *= power[lane];
+            power[lane] *= 1.0 - units[lane];
+        }
+    }
+}
+
 /// Uniform cubic B-spline with count − 3 spans.
 fn bspline<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     let spans = count - 3;

@@ -13,6 +13,7 @@ mod patch;
 mod placed;
 mod transfer;
 
+pub(crate) use axis::bernstein_values;
 pub use axis::{AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL};
 pub use display::DisplayWarp;
 pub use error::LatticeError;

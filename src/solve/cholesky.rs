@@ -3,6 +3,7 @@
 //! In: the lower half of a matrix by columns. Out: L in the same layout, and solutions for several right sides.
 
 use super::packs::{LANES, dispatch, store};
+use super::product::Panels;
 use pulp::{Simd, WithSimd};
 
 /// Columns that are worked on together: a panel.
@@ -70,15 +71,25 @@ impl Cholesky {
 
 /// How far panels reach: columns fill to where any column before them ends.
 fn reaches(columns: &[f64], stride: usize) -> Vec<usize> {
-    let ends = columns.chunks_exact(stride).enumerate().scan(0, |last, (j, column)| {
-        let end = j + column.iter().rposition(|&x| x != 0.0).unwrap_or(0);
-        *last = end.max(*last);
-        Some(*last)
-    });
-    let own = (0..).skip(PANEL - 1).step_by(PANEL);
-    let ends = ends.skip(PANEL - 1).step_by(PANEL);
-    ends.zip(own).map(|(end, own): (usize, usize)| (end - own).next_multiple_of(LANES)).collect()
+    let count = columns.len() / stride;
+    let mut last = 0;
+    let mut reaches = Vec::with_capacity(count / PANEL);
+    for (j, column) in columns.chunks_exact(stride).enumerate() {
+        // Beyond the matrix there is nothing to look for.
+        let column = &column[..stride.min(count - j)];
+        last = last.max(j + column.iter().rposition(|&x| x != 0.0).unwrap_or(0));
+        if j % PANEL == PANEL - 1 {
+            reaches.push((last - j).next_multiple_of(LANES));
+        }
+    }
+    reaches
 }
+
+/// Columns whose part is taken off the rest of a wide band at once, in tiles that stay in registers.
+const BLOCK: usize = 48;
+
+/// Narrower bands stay in the first-level cache: there each panel is taken off at once.
+const NARROW: usize = 64;
 
 /// Right-looking factorisation.
 struct Factorisation<'a>(&'a mut Cholesky);
@@ -90,20 +101,50 @@ impl WithSimd for Factorisation<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Cholesky { band, columns, reaches } = self.0;
         let stride = stride(*band);
-        let mut rest = columns.as_mut_slice();
-        for &reach in reaches.iter() {
-            let (panel, below) = rest.split_at_mut(PANEL * stride);
-            if !factor_panel(panel, stride) {
-                return false;
+        let count = columns.len() / stride;
+        let block = if *band < NARROW { count } else { BLOCK };
+        let mut panels = None;
+        for first in (0..count).step_by(block) {
+            let next = (first + block).min(count);
+            let mut end = next;
+            for start in (first..next).step_by(PANEL) {
+                let reach = reaches[start / PANEL];
+                end = end.max((start + PANEL + reach).min(count));
+                let (panel, below) = columns[start * stride..next * stride].split_at_mut(PANEL * stride);
+                if !factor_panel(panel, stride) {
+                    return false;
+                }
+                let touched = (reach * stride).min(below.len());
+                for (pair, targets) in below[..touched].chunks_exact_mut(2 * stride).enumerate() {
+                    update_pair(simd, panel, [PANEL + 2 * pair, reach], targets);
+                }
             }
-            let touched = (reach * stride).min(below.len());
-            for (pair, targets) in below[..touched].chunks_exact_mut(2 * stride).enumerate() {
-                update_pair(simd, panel, [PANEL + 2 * pair, reach], targets);
+            if end > next {
+                let panels = panels.get_or_insert_with(|| Panels::new(block, *band + block));
+                subtract_block(simd, panels, [first, next, end], columns, stride);
             }
-            rest = below;
         }
         true
     }
+}
+
+/// Takes the part of the columns first..next off the columns next..end.
+#[inline(always)]
+fn subtract_block<S: Simd>(
+    simd: S,
+    panels: &mut Panels,
+    [first, next, end]: [usize; 3],
+    columns: &mut [f64],
+    stride: usize,
+) {
+    let (block, rest) = columns.split_at_mut(next * stride);
+    panels.resize([next - first, end - next]);
+    for (k, column) in block[first * stride..].chunks_exact(stride).enumerate() {
+        let below = &column[next - first - k..];
+        let below = &below[..below.len().min(end - next)];
+        panels.put(k, [below, below]);
+    }
+    panels.add_product(simd, -1.0, rest, stride);
 }
 
 /// Factors four columns among themselves.

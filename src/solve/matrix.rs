@@ -6,17 +6,16 @@ use super::cholesky::{Cholesky, padded_length, stride};
 use super::gram::Gram;
 use super::packs::{LANES, dispatch, multiply_add, store};
 use super::small::{Square, identity, symmetric_eigen};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Mat, Side};
 use pulp::{Simd, WithSimd};
 
 /// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band, then zeros.
 #[derive(Clone, Debug)]
 pub(crate) struct Normal {
-    size: usize,
-    band: usize,
-    columns: Vec<f64>,
+    pub(super) size: usize,
+    pub(super) band: usize,
+    pub(super) columns: Vec<f64>,
     /// What is taken off: Σ weight · column columnᵀ, dense but of low rank.
     squares: Vec<(f64, Vec<f64>)>,
 }
@@ -46,15 +45,9 @@ impl Normal {
     pub(crate) fn add_row(&mut self, weight: f64, row: &[(usize, f64)]) {
         let stride = stride(self.band);
         let is_sorted = row.is_sorted_by(|a, b| a.0 < b.0);
-        // Rows on all handles: loops run over whole registers.
-        let is_full = is_sorted && row.len() == self.size;
-        let coefficients: Vec<f64> = if is_full { row.iter().map(|entry| entry.1).collect() } else { Vec::new() };
         for (k, &(column, coefficient)) in row.iter().enumerate() {
             let factor = weight * coefficient;
-            if is_full {
-                let slots = self.columns[column * stride..].iter_mut();
-                slots.zip(&coefficients[k..]).for_each(|(slot, other)| *slot += factor * other);
-            } else if is_sorted {
+            if is_sorted {
                 let slots = &mut self.columns[column * stride..][..stride];
                 row[k..].iter().for_each(|&(handle, other)| slots[handle - column] += factor * other);
             } else {
@@ -90,28 +83,6 @@ impl Normal {
         self.squares.extend(columns.iter().map(|column| (weight, column.clone())));
     }
 
-    /// Adds scale · aᵀb, known to be symmetric; a and b are #rows × #handles, row by row. Dense matrices only.
-    pub(crate) fn add_product(&mut self, scale: f64, a: &[f64], b: &[f64]) {
-        let rows = a.len() / self.size;
-        let [a, b] = [a, b].map(|rows_of| MatRef::from_column_major_slice(rows_of, self.size, rows));
-        let mut product = Mat::<f64>::zeros(self.size, self.size);
-        matmul(
-            &mut product,
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            a,
-            BlockStructure::Rectangular,
-            b.transpose(),
-            BlockStructure::Rectangular,
-            scale,
-            Par::Seq,
-        );
-        for (j, column) in self.columns.chunks_exact_mut(stride(self.band)).enumerate() {
-            let below = &product.col_as_slice(j)[j..];
-            column.iter_mut().zip(below).for_each(|(slot, x)| *slot += x);
-        }
-    }
-
     /// The matrix that does the same to every one of D coordinates; rows are D·handle + coordinate. `memory` is used
     /// again: fresh pages cost as much as the factorisation.
     pub(crate) fn repeated<const D: usize>(&self, mut memory: Vec<f64>) -> Self {
@@ -132,6 +103,13 @@ impl Normal {
             }));
         }
         repeated
+    }
+
+    /// A copy with room for the last panel of its factor.
+    fn with_room(&self) -> Self {
+        let mut columns = Vec::with_capacity(padded_length(self.size, self.band));
+        columns.extend_from_slice(&self.columns);
+        Self { size: self.size, band: self.band, columns, squares: self.squares.clone() }
     }
 
     /// Takes the product with `x` off `y`.
@@ -224,6 +202,9 @@ fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
 /// Up to here banded loops beat dense kernels whatever the band.
 const SMALL: usize = 48;
 
+/// Up to here they do where dense kernels first have to copy the matrix: it stays in the second-level cache.
+const CACHED: usize = 512;
+
 /// The pseudo-inverse of a small symmetric positive semidefinite matrix (size x size, any order), and the projector onto
 /// the directions it leaves out: those whose eigenvalue is below `cutoff` times the largest.
 pub(crate) fn pseudo_inverse(entries: &[f64], size: usize, cutoff: f64) -> (Vec<f64>, Vec<f64>) {
@@ -256,7 +237,7 @@ pub(crate) enum Factor {
 impl Factor {
     /// Factors a matrix; `None` where it is singular or holds a NaN.
     pub(crate) fn new(normal: &Normal) -> Option<Self> {
-        if let Some(factor) = Self::of_positive(normal.clone()) {
+        if let Some(factor) = Self::of_positive(normal.with_room()) {
             return Some(factor);
         }
         let mut full = normal.full();
@@ -274,7 +255,7 @@ impl Factor {
         if let Some(corrected) = Corrected::new(&normal) {
             return Some(Self::Corrected(corrected));
         }
-        if normal.is_banded_enough() && normal.squares.is_empty() {
+        if (normal.is_banded_enough() || normal.size <= CACHED) && normal.squares.is_empty() {
             return Cholesky::new(normal.band, normal.columns).map(Self::Cholesky);
         }
         let columns = dense_cholesky(&normal.full())?;

@@ -170,6 +170,19 @@ pub(crate) fn multiply_add<S: Simd>(simd: S, a: S::f64s, b: S::f64s, c: S::f64s)
     simd.mul_add_f64s(a, b, c)
 }
 
+/// Adds value · factor to every sum.
+#[inline(always)]
+pub(crate) fn add_multiple<S: Simd, const D: usize>(
+    simd: S,
+    value: S::f64s,
+    factors: &[S::f64s; D],
+    sums: &mut [S::f64s; D],
+) {
+    for (sum, factor) in sums.iter_mut().zip(factors) {
+        *sum = multiply_add(simd, value, *factor, *sum);
+    }
+}
+
 /// Σ_k coefficient_k P_k for four rows: `[coordinate][coefficient]`.
 #[inline(always)]
 pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(

@@ -4,6 +4,8 @@
 
 use super::matrix::Normal;
 use super::packs::span;
+use super::product::RowPairs;
+use pulp::Simd;
 
 /// Rows of one term, sparse, one after the other.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +53,10 @@ impl<const D: usize> RowSet<D> {
 
     /// Adds Σ w rowᵀ row.
     pub(crate) fn add_normal(&self, scale: f64, normal: &mut Normal) {
+        let is_full = |row: &[(usize, f64)]| row.len() == normal.size && row.is_sorted_by(|a, b| a.0 < b.0);
+        if (0..self.len()).all(|index| is_full(self.row(index))) {
+            return normal.add_product(scale, &mut FullRows(self));
+        }
         for index in 0..self.len() {
             normal.add_row(scale * self.weights[index], self.row(index));
         }
@@ -83,5 +89,22 @@ impl<const D: usize> RowSet<D> {
                 self.weights[index] * miss.iter().map(|x| x * x).sum::<f64>()
             })
             .sum()
+    }
+}
+
+/// Rows on all handles, in their order.
+struct FullRows<'a, const D: usize>(&'a RowSet<D>);
+
+impl<const D: usize> RowPairs for FullRows<'_, D> {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    #[inline(always)]
+    fn write<S: Simd>(&mut self, _: S, row: usize, [a, b]: [&mut [f64]; 2]) {
+        let (weight, entries) = (self.0.weights[row], self.0.row(row));
+        for ((a, b), &(_, coefficient)) in a.iter_mut().zip(b).zip(entries) {
+            (*a, *b) = (weight * coefficient, coefficient);
+        }
     }
 }

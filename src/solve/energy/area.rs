@@ -8,8 +8,9 @@ use crate::lattice::Grid;
 use crate::solve::gram::{Gram, Sum};
 use crate::solve::matrix::Normal;
 use crate::solve::packs::{
-    LANES, Lanes, Packs, dispatch, gather, gather_group, load, local_handles, multiply_add, store,
+    Block, LANES, Lanes, Packs, dispatch, gather, gather_group, load, local_handles, multiply_add, store,
 };
+use crate::solve::product::RowPairs;
 use crate::solve::samples::Sample;
 use crate::solve::small::{Square, nearest_rotation, squared_distance};
 use pulp::{Simd, WithSimd};
@@ -62,24 +63,26 @@ impl<const D: usize> Area<D> {
             normal.add_gram(scale, &block.handles, &gram);
         }
     }
+}
 
-    /// One large product; for bases in which all handles meet.
-    fn add_dense_normal(&self, scale: f64, normal: &mut Normal) {
-        for block in &self.gradients.blocks {
-            let count = block.handles.len();
-            let mut rows = vec![0.0; block.packs.len() * LANES * D * count];
-            for (number, pack) in block.packs.clone().enumerate() {
-                let roots = self.areas[pack].map(f64::sqrt);
-                let slots = &mut rows[number * LANES * D * count..][..LANES * D * count];
-                for (k, coefficients) in self.gradients.pack(block, pack).iter().enumerate() {
-                    for (axis, lanes) in coefficients.iter().enumerate() {
-                        (0..LANES)
-                            .for_each(|lane| slots[(axis * LANES + lane) * count + k] = lanes[lane] * roots[lane]);
-                    }
-                }
-            }
-            normal.add_product(scale, &rows, &rows);
-        }
+/// Rows of √a ∇W of a block, twice; for bases in which all handles meet.
+struct GradientSquares<'a, const D: usize> {
+    energy: &'a Area<D>,
+    block: &'a Block,
+}
+
+impl<const D: usize> RowPairs for GradientSquares<'_, D> {
+    fn count(&self) -> usize {
+        self.block.packs.len() * LANES * D
+    }
+
+    #[inline(always)]
+    fn write<S: Simd>(&mut self, _: S, row: usize, [a, b]: [&mut [f64]; 2]) {
+        let (pack, lane, axis) = (self.block.packs.start + row / (LANES * D), row % LANES, row / LANES % D);
+        let root = self.energy.areas[pack][lane].sqrt();
+        let coefficients = self.energy.gradients.pack(self.block, pack);
+        a.iter_mut().zip(coefficients).for_each(|(slot, lanes)| *slot = root * lanes[axis][lane]);
+        b.copy_from_slice(a);
     }
 }
 
@@ -96,7 +99,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
         if let [block] = &self.gradients.blocks[..]
             && normal.is_full(block.handles.len())
         {
-            self.add_dense_normal(2.0 * scale, normal);
+            normal.add_product(2.0 * scale, &mut GradientSquares { energy: self, block });
         } else {
             self.add_sparse_normal(2.0 * scale, normal);
         }

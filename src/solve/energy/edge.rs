@@ -4,12 +4,13 @@
 //! b_i = Σ_j w_ij ½(R_i + R_j)(v_i − v_j), for each edge is in the sets of both its ends.
 
 use super::edge_sets::SetEdge;
-use super::neighbours::HalfEdges;
+use super::neighbours::Edge;
 
-/// The half-edges of every vertex as its set.
-pub(super) fn edge_sets(half_edges: &HalfEdges) -> Vec<SetEdge> {
-    let vertices = 0..half_edges.vertex_count();
-    let edges = vertices
-        .flat_map(|i| half_edges.of(i).iter().map(move |&(j, weight)| SetEdge { set: i, ends: [i, j], weight }));
-    edges.collect()
+/// Every edge in the sets of its ends, sorted as `edges` are; those without weight are left out.
+pub(super) fn edge_sets(edges: &[Edge]) -> Vec<SetEdge> {
+    let mut members = Vec::with_capacity(2 * edges.len());
+    for &Edge { ends, weight } in edges.iter().filter(|edge| edge.weight != 0.0) {
+        members.extend(ends.map(|set| SetEdge { set, ends, weight }));
+    }
+    members
 }

@@ -4,7 +4,7 @@
 //! In: a mesh. Out: one edge set a triangle: 2 A ‖M‖² = Σ_k cot_k ‖M e_k‖² for any linear map M of its plane, e_k the
 //! edge opposite corner k.
 
-use super::edge_sets::SetEdge;
+use super::edge_sets::{SetEdge, sorted};
 use super::neighbours::triangle_edges;
 use crate::solve::Shape;
 
@@ -12,6 +12,6 @@ use crate::solve::Shape;
 pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let triangles = 0..shape.triangles.len();
     let edges = triangles
-        .flat_map(|set| triangle_edges(shape, set).map(|(ends, cotangent)| SetEdge { set, ends, weight: cotangent }));
-    edges.collect()
+        .flat_map(|set| triangle_edges(shape, set).map(|(ends, cotangent)| SetEdge::new(set, ends, cotangent)));
+    sorted(edges.collect(), shape.points.len())
 }

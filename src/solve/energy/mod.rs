@@ -4,6 +4,7 @@
 
 mod area;
 mod edge;
+mod edge_packs;
 mod edge_sets;
 mod element;
 mod neighbours;
@@ -15,7 +16,7 @@ mod vertex;
 mod vertices;
 
 pub(crate) use area::Area;
-pub(crate) use neighbours::{HalfEdges, half_edges};
+pub(crate) use neighbours::{HalfEdges, edges};
 pub(crate) use patches::Patched;
 
 use super::matrix::Normal;
@@ -174,7 +175,7 @@ fn build_of_mesh<const D: usize>(
 ) -> Box<dyn Distortion<D>> {
     let sets_of = |shape: Shape<D>, edges: Vec<SetEdge>| {
         let mean_stiffness = shape.mean_stiffness();
-        let sets = EdgeSets::new(Vertices::new(grid, shape.points), edges, Seen::Triangles(shape.triangles));
+        let sets = EdgeSets::new(Vertices::new(grid, shape.points), &edges, Seen::Triangles(shape.triangles));
         sets.of_mean_stiffness(mean_stiffness)
     };
     match energy {
@@ -187,9 +188,9 @@ fn build_of_mesh<const D: usize>(
             Box::new(sets_of(shape, edges))
         }
         _ => {
-            let half_edges = neighbours::half_edges(&shape, settings.weights);
-            let sets = sets_of(shape, edge::edge_sets(&half_edges));
-            if energy == Energy::Vertex { Box::new(Vertex::new(sets, half_edges)) } else { Box::new(sets) }
+            let edges = neighbours::edges(&shape, settings.weights);
+            let sets = sets_of(shape, edge::edge_sets(&edges));
+            if energy == Energy::Vertex { Box::new(Vertex::new(sets, &edges)) } else { Box::new(sets) }
         }
     }
 }

@@ -1,10 +1,19 @@
-//! Edges of a mesh with their weights: grouped by vertex (uniform or cotangent), or by triangle (cotangents).
+//! Edges of a mesh with their weights: uniform or cotangent for a whole mesh, or the cotangents of one triangle.
 //!
-//! In: points, triangles. Out: for every vertex its neighbours and w_ij; each undirected edge appears twice.
+//! In: points, triangles. Out: every edge once with w_ij, or for every vertex its neighbours.
 
 use crate::solve::buckets::sort_in_buckets;
 use crate::solve::small::{area_of, dot, minus};
 use crate::solve::{EdgeWeights, Shape};
+
+/// An undirected edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edge {
+    /// Vertices, the lesser one first.
+    pub(crate) ends: [u32; 2],
+    /// w_ij.
+    pub(crate) weight: f64,
+}
 
 /// Neighbours of all vertices, one vertex after the other.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +25,25 @@ pub(crate) struct HalfEdges {
 }
 
 impl HalfEdges {
+    /// Both directions of edges that are sorted by their ends.
+    pub(crate) fn new(vertex_count: usize, edges: &[Edge]) -> Self {
+        let mut starts = vec![0; vertex_count + 1];
+        edges.iter().flat_map(|edge| edge.ends).for_each(|end| starts[end as usize + 1] += 1);
+        for vertex in 0..vertex_count {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut entries = vec![(0, 0.0); 2 * edges.len()];
+        let mut next = starts.clone();
+        for edge in edges {
+            let [i, j] = edge.ends.map(|end| end as usize);
+            for (from, to) in [(i, j), (j, i)] {
+                entries[next[from]] = (to, edge.weight);
+                next[from] += 1;
+            }
+        }
+        Self { starts, entries }
+    }
+
     /// Number of vertices, isolated ones included.
     pub(crate) fn vertex_count(&self) -> usize {
         self.starts.len().saturating_sub(1)
@@ -33,44 +61,52 @@ impl HalfEdges {
         (0..self.vertex_count()).map(sum_at).collect()
     }
 
+    /// Puts a row of L, vertices with their coefficients, where another may have been.
+    pub(crate) fn laplacian_row(&self, vertex: usize, row: &mut Vec<(usize, f64)>) {
+        let neighbours = self.of(vertex);
+        row.clear();
+        row.push((vertex, neighbours.iter().map(|entry| entry.1).sum()));
+        row.extend(neighbours.iter().map(|&(j, weight)| (j, -weight)));
+    }
+
     /// Neighbours of a vertex with their weights.
     pub(crate) fn of(&self, vertex: usize) -> &[(usize, f64)] {
         &self.entries[self.starts[vertex]..self.starts[vertex + 1]]
     }
 }
 
-/// Finds the half-edges. Cotangents: w_ij = ½(cot α + cot β), unclamped, over unsigned areas; triangles without area
-/// give no weight but keep their edges.
-pub(crate) fn half_edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> HalfEdges {
-    let mut found: Vec<([usize; 2], f64)> = Vec::with_capacity(shape.triangles.len() * 6);
+/// Finds the edges, sorted by their ends. Cotangents: w_ij = ½(cot α + cot β), unclamped, over unsigned areas; triangles
+/// without area give no weight but keep their edges.
+pub(crate) fn edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> Vec<Edge> {
+    let mut found = Vec::with_capacity(shape.triangles.len() * 3);
     for triangle in 0..shape.triangles.len() {
-        let edges = match weights {
+        let sides = match weights {
             EdgeWeights::Uniform => sides(shape, triangle).map(|[_, i, j]| ([i, j], shape.stiffness_of(triangle))),
             EdgeWeights::Cot => triangle_edges(shape, triangle).map(|(ends, cotangent)| (ends, 0.5 * cotangent)),
         };
-        for ([i, j], weight) in edges {
+        for ([i, j], weight) in sides {
             if i != j {
-                found.extend([([i, j], weight), ([j, i], weight)]);
+                found.push(Edge { ends: [i.min(j) as u32, i.max(j) as u32], weight });
             }
         }
     }
-    let order = |a: &([usize; 2], f64), b: &([usize; 2], f64)| a.0[1].cmp(&b.0[1]).then(a.1.total_cmp(&b.1));
-    sort_in_buckets(&mut found, shape.points.len(), |half| half.0[0], order);
-    let mut edges = HalfEdges { starts: vec![0; shape.points.len() + 1], entries: Vec::with_capacity(found.len()) };
-    for same in found.chunk_by(|a, b| a.0 == b.0) {
-        let [i, j] = same[0].0;
-        let weight = match weights {
-            // The mean stiffness of its triangles: 1 an edge where nothing is painted.
-            EdgeWeights::Uniform => same.iter().map(|(_, stiffness)| stiffness).sum::<f64>() / same.len() as f64,
-            EdgeWeights::Cot => same.iter().map(|(_, weight)| weight).sum(),
-        };
-        edges.entries.push((j, weight));
-        edges.starts[i + 1] += 1;
+    let order = |a: &Edge, b: &Edge| a.ends[1].cmp(&b.ends[1]).then_with(|| a.weight.total_cmp(&b.weight));
+    sort_in_buckets(&mut found, shape.points.len(), |edge| edge.ends[0] as usize, order);
+    // One for all triangles at it.
+    let mut count = 0;
+    let mut first = 0;
+    while first < found.len() {
+        let ends = found[first].ends;
+        let next = first + found[first..].iter().take_while(|edge| edge.ends == ends).count();
+        let same = &found[first..next];
+        let sum: f64 = same.iter().map(|edge| edge.weight).sum();
+        // Uniform: the mean stiffness of its triangles, 1 where nothing is painted.
+        let weight = if weights == EdgeWeights::Uniform { sum / same.len() as f64 } else { sum };
+        found[count] = Edge { ends, weight };
+        (count, first) = (count + 1, next);
     }
-    for vertex in 0..shape.points.len() {
-        edges.starts[vertex + 1] += edges.starts[vertex];
-    }
-    edges
+    found.truncate(count);
+    found
 }
 
 /// The edges of a triangle, each with the cotangent of the angle it faces, times its stiffness: 0 where the triangle has no area but the
@@ -97,6 +133,10 @@ fn cotangent<const D: usize>(apex: &[f64; D], i: &[f64; D], j: &[f64; D]) -> f64
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn half_edges(shape: &Shape<2>, weights: EdgeWeights) -> HalfEdges {
+        HalfEdges::new(shape.points.len(), &edges(shape, weights))
+    }
 
     fn triangle_pair() -> Shape<2> {
         Shape::of_triangles(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], vec![[0, 1, 2], [2, 1, 3]])

@@ -3,7 +3,7 @@
 //!
 //! In: a mesh. Out: one edge set a vertex, as in `element` with a third of each cotangent.
 
-use super::edge_sets::SetEdge;
+use super::edge_sets::{SetEdge, sorted};
 use super::neighbours::triangle_edges;
 use crate::solve::Shape;
 
@@ -12,9 +12,8 @@ pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let mut edges = Vec::with_capacity(shape.triangles.len() * 9);
     for (number, corners) in shape.triangles.iter().enumerate() {
         for (ends, cotangent) in triangle_edges(shape, number) {
-            let sets = corners.iter().map(|&set| set as usize);
-            edges.extend(sets.map(|set| SetEdge { set, ends, weight: cotangent / 3.0 }));
+            edges.extend(corners.iter().map(|&set| SetEdge::new(set as usize, ends, cotangent / 3.0)));
         }
     }
-    edges
+    sorted(edges, shape.points.len())
 }

@@ -5,7 +5,7 @@
 //! In: lines, a grid. Out: points along them and one edge set a point; the second ring makes straight lines resist bending.
 
 use super::area::Area;
-use super::edge_sets::{EdgeSets, Seen, SetEdge};
+use super::edge_sets::{EdgeSets, Seen, SetEdge, sorted};
 use super::vertices::Vertices;
 use crate::lattice::Grid;
 use crate::solve::samples::{Sample, subcell_dims};
@@ -43,14 +43,15 @@ pub(super) fn build<const D: usize>(
     }
     let (mut plain, mut starched) = (0.0, 0.0);
     for SetEdge { ends, weight, .. } in &mut edges {
-        let [a, b] = ends.map(|end| &points[end]);
+        let [a, b] = ends.map(|end| &points[end as usize]);
         let (edge, starch) = (minus(a, b), starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d]))));
         plain += *weight * dot(&edge, &edge);
         *weight *= starch;
         starched += *weight * dot(&edge, &edge);
     }
     let mean_stiffness = if plain > 0.0 && starched > 0.0 { starched / plain } else { 1.0 };
-    let sets = EdgeSets::new(Vertices::new(grid, points), edges, Seen::Samples(Area::new(grid, &samples)));
+    let edges = sorted(edges, points.len());
+    let sets = EdgeSets::new(Vertices::new(grid, points), &edges, Seen::Samples(Area::new(grid, &samples)));
     sets.of_mean_stiffness(mean_stiffness)
 }
 
@@ -121,7 +122,7 @@ impl<const D: usize> Line<D> {
                 let between = if end < start { between + total } else { between };
                 if between > 0.0 {
                     let ends = [first + start, first + end];
-                    edges.extend(ends.map(|set| SetEdge { set, ends, weight: 1.0 / between }));
+                    edges.extend(ends.map(|set| SetEdge::new(set, ends, 1.0 / between)));
                 }
             }
         }

@@ -4,11 +4,14 @@
 //! cotangent meshes, nothing is rigid.
 
 use super::edge_sets::{EdgeSets, add_to_row};
-use super::neighbours::HalfEdges;
+use super::neighbours::{Edge, HalfEdges};
 use super::{Distortion, Quality};
 use crate::solve::matrix::Normal;
 use crate::solve::packs::span;
+use crate::solve::point_weights::PointWeights;
+use crate::solve::product::RowPairs;
 use crate::solve::small::{Square, apply, dot, minus};
+use pulp::Simd;
 
 /// The energy of a mesh.
 #[derive(Debug)]
@@ -21,8 +24,9 @@ pub(crate) struct Vertex<const D: usize> {
 }
 
 impl<const D: usize> Vertex<D> {
-    /// `sets` are those of `edge` over the same half-edges.
-    pub(super) fn new(sets: EdgeSets<D>, half_edges: HalfEdges) -> Self {
+    /// `sets` are those of `edge` over the same edges.
+    pub(super) fn new(sets: EdgeSets<D>, edges: &[Edge]) -> Self {
+        let half_edges = HalfEdges::new(sets.vertices.rest.len(), edges);
         let rest = half_edges.laplacian(&sets.vertices.rest);
         Self { sets, half_edges, rest }
     }
@@ -41,15 +45,6 @@ impl<const D: usize> Vertex<D> {
             self.half_edges.of(i).iter().for_each(|&(j, weight)| add_to_row(&mut sum, &rows[j], -weight));
             sum
         })
-    }
-
-    /// Rows of LW, #vertices × #handles.
-    fn dense_rows(&self, size: usize) -> Vec<f64> {
-        let mut dense = vec![0.0; self.half_edges.vertex_count() * size];
-        for (row, out) in self.rows().zip(dense.chunks_exact_mut(size)) {
-            row.into_iter().for_each(|(handle, w)| out[handle] = w);
-        }
-        dense
     }
 
     /// Σ ‖(L V')_i − turned_i‖².
@@ -79,17 +74,20 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
     }
 
     fn reach(&self) -> usize {
-        if self.sets.vertices.shared_handles().is_some() {
+        if self.sets.vertices.products().is_some() {
             return self.sets.vertices.reach();
         }
         self.rows().filter_map(|row| span(row.iter().map(|entry| entry.0))).max().unwrap_or(0)
     }
 
     fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        match self.sets.vertices.shared_handles().filter(|&shared| normal.is_full(shared)) {
-            Some(size) => {
-                let rows = self.dense_rows(size);
-                normal.add_product(scale, &rows, &rows);
+        match self.sets.vertices.products() {
+            Some(products) => {
+                let weights = products.by_point();
+                normal.add_product(
+                    scale,
+                    &mut LaplacianSquares { weights, half_edges: &self.half_edges, row: Vec::new() },
+                );
             }
             None => self.rows().for_each(|row| normal.add_row(scale, &row)),
         }
@@ -109,5 +107,25 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {
         self.sets.quality(handles)
+    }
+}
+
+/// Rows of LW, twice; for bases in which all handles meet.
+struct LaplacianSquares<'a> {
+    weights: PointWeights,
+    half_edges: &'a HalfEdges,
+    row: Vec<(usize, f64)>,
+}
+
+impl RowPairs for LaplacianSquares<'_> {
+    fn count(&self) -> usize {
+        self.half_edges.vertex_count()
+    }
+
+    #[inline(always)]
+    fn write<S: Simd>(&mut self, simd: S, vertex: usize, [a, b]: [&mut [f64]; 2]) {
+        self.half_edges.laplacian_row(vertex, &mut self.row);
+        self.weights.write(simd, &self.row, a);
+        b.copy_from_slice(a);
     }
 }

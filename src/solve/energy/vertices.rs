@@ -1,9 +1,10 @@
 //! Points that follow the lattice: V' = W P' (paper, equation 4), and products with Wᵀ.
 //!
-//! In: rest points and a grid. Out: moved points, sparse or dense rows of W.
+//! In: rest points and a grid. Out: moved points, rows of W.
 
 use crate::lattice::Grid;
 use crate::solve::packs::{LANES, Packs, add_sums, dispatch, gather_group, load, local_handles, scatter_group, store};
+use crate::solve::products::Products;
 use pulp::{Simd, WithSimd};
 
 /// Packs that are worked on together.
@@ -14,50 +15,67 @@ const GROUP: usize = 4;
 pub(crate) struct Vertices<const D: usize> {
     /// Where they rest, #vertices.
     pub(crate) rest: Vec<[f64; D]>,
-    weights: Packs<1>,
+    weights: Weights,
+}
+
+/// W.
+#[derive(Debug)]
+enum Weights {
+    /// Of a local basis.
+    Local(Packs<1>),
+    /// Of a basis in which all handles meet.
+    Everywhere(Products),
 }
 
 impl<const D: usize> Vertices<D> {
     pub(crate) fn new(grid: &Grid<D>, rest: Vec<[f64; D]>) -> Self {
-        let weights = Packs::new(grid, &rest, |weight, _| [weight]);
+        let weights = match Products::new(grid, &rest) {
+            Some(products) => Weights::Everywhere(products),
+            None => Weights::Local(Packs::new(grid, &rest, |weight, _| [weight])),
+        };
         Self { rest, weights }
     }
 
     /// V' = W P', #vertices.
     pub(crate) fn moved(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
-        dispatch(Moved { vertices: self, handles })
+        match &self.weights {
+            Weights::Local(weights) => dispatch(Moved { weights, count: self.rest.len(), handles }),
+            Weights::Everywhere(products) => products.moved(handles),
+        }
     }
 
     /// Adds scale · Wᵀ values; values are #vertices.
     pub(crate) fn add_transposed(&self, values: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) {
-        dispatch(Transposed { vertices: self, values, scale, right_side });
+        match &self.weights {
+            Weights::Local(weights) => dispatch(Transposed { weights, values, scale, right_side }),
+            Weights::Everywhere(products) => products.add_transposed(values, scale, right_side),
+        }
     }
 
-    /// Handles that act on every vertex, where they are the same ones for all.
-    pub(crate) fn shared_handles(&self) -> Option<usize> {
-        (self.weights.blocks.len() == 1).then(|| self.weights.blocks[0].handles.len())
+    /// W of a basis in which all handles meet.
+    pub(crate) fn products(&self) -> Option<&Products> {
+        match &self.weights {
+            Weights::Local(_) => None,
+            Weights::Everywhere(products) => Some(products),
+        }
     }
 
     /// How far apart handles of one row are, by index.
     pub(crate) fn reach(&self) -> usize {
-        self.weights.reach()
+        match &self.weights {
+            Weights::Local(weights) => weights.reach(),
+            Weights::Everywhere(products) => products.handle_count() - 1,
+        }
     }
 
-    /// W, row by row, #vertices × #handles.
-    pub(crate) fn dense(&self, size: usize) -> Vec<f64> {
-        let mut dense = vec![0.0; self.rest.len() * size];
-        self.each_weight(|vertex, handle, weight| dense[vertex * size + handle] = weight);
-        dense
-    }
-
-    /// W, row by row, sparse.
+    /// W, row by row, of a local basis.
     pub(crate) fn rows(&self) -> Vec<Vec<(usize, f64)>> {
         let mut rows = vec![Vec::new(); self.rest.len()];
         self.each_weight(|vertex, handle, weight| rows[vertex].push((handle, weight)));
         rows
     }
 
-    /// Least and greatest handle that acts on each vertex.
+    /// Least and greatest handle of a local basis that acts on each vertex.
     pub(crate) fn ranges(&self) -> Vec<[usize; 2]> {
         let mut ranges = vec![[usize::MAX, 0]; self.rest.len()];
         self.each_weight(|vertex, handle, _| {
@@ -66,12 +84,13 @@ impl<const D: usize> Vertices<D> {
         ranges
     }
 
-    /// Calls `visit(vertex, handle, weight)` for all entries of W.
+    /// Calls `visit(vertex, handle, weight)` for all entries of W of a local basis.
     fn each_weight(&self, mut visit: impl FnMut(usize, usize, f64)) {
-        for block in &self.weights.blocks {
+        let Weights::Local(weights) = &self.weights else { return };
+        for block in &weights.blocks {
             for pack in block.packs.clone() {
-                let rows = self.weights.order[pack];
-                for (coefficients, &handle) in self.weights.pack(block, pack).iter().zip(&block.handles) {
+                let rows = weights.order[pack];
+                for (coefficients, &handle) in weights.pack(block, pack).iter().zip(&block.handles) {
                     (0..LANES)
                         .filter(|&lane| rows[lane] != usize::MAX)
                         .for_each(|lane| visit(rows[lane], handle, coefficients[0][lane]));
@@ -83,7 +102,8 @@ impl<const D: usize> Vertices<D> {
 
 /// Kernel of [`Vertices::moved`].
 struct Moved<'a, const D: usize> {
-    vertices: &'a Vertices<D>,
+    weights: &'a Packs<1>,
+    count: usize,
     handles: &'a [[f64; D]],
 }
 
@@ -92,8 +112,8 @@ impl<const D: usize> WithSimd for Moved<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Vec<[f64; D]> {
-        let weights = &self.vertices.weights;
-        let mut moved = vec![[0.0; D]; self.vertices.rest.len()];
+        let weights = self.weights;
+        let mut moved = vec![[0.0; D]; self.count];
         let mut local = Vec::new();
         for block in &weights.blocks {
             local_handles(block, self.handles, &mut local);
@@ -123,7 +143,7 @@ fn put<const D: usize>(rows: [usize; LANES], values: &[[f64; LANES]; D], moved: 
 
 /// Kernel of [`Vertices::add_transposed`].
 struct Transposed<'a, const D: usize> {
-    vertices: &'a Vertices<D>,
+    weights: &'a Packs<1>,
     values: &'a [[f64; D]],
     scale: f64,
     right_side: &'a mut [[f64; D]],
@@ -134,7 +154,7 @@ impl<const D: usize> WithSimd for Transposed<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let weights = &self.vertices.weights;
+        let weights = self.weights;
         let mut sums = Vec::new();
         for block in &weights.blocks {
             sums.clear();

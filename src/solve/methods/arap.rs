@@ -6,7 +6,7 @@
 //! In: shape and pins (each on its nearest vertex). Out: moved vertices, #vertices.
 
 use super::sparse::SparseFactor;
-use crate::solve::energy::{HalfEdges, half_edges};
+use crate::solve::energy::{HalfEdges, edges};
 use crate::solve::small::{apply, best_rotation, dot, minus};
 use crate::solve::{EdgeWeights, PointPin, Shape, SolveError};
 
@@ -72,7 +72,7 @@ struct System<'a, const D: usize> {
 
 impl<'a, const D: usize> System<'a, D> {
     fn new(shape: &'a Shape<D>, pins: &[PointPin<D>]) -> Result<Self, SolveError> {
-        let edges = half_edges(shape, EdgeWeights::Cot);
+        let edges = HalfEdges::new(shape.points.len(), &edges(shape, EdgeWeights::Cot));
         let held = held_vertices(shape, pins);
         let mut free = 0;
         let rows = held.iter().map(|held| {
