@@ -11,6 +11,15 @@ pub(crate) fn sort_in_buckets<T: Copy>(
     bucket: impl Fn(&T) -> usize,
     order: impl Fn(&T, &T) -> Ordering,
 ) {
+    let mut first = 0;
+    for end in place_in_buckets(items, count, bucket) {
+        insert_sorted(&mut items[first..end], &order);
+        first = end;
+    }
+}
+
+/// Sorts by bucket (below `count`), and leaves the items of each in their order; also gives where each bucket ends.
+pub(crate) fn place_in_buckets<T: Copy>(items: &mut Vec<T>, count: usize, bucket: impl Fn(&T) -> usize) -> Vec<usize> {
     let mut ends = vec![0; count + 1];
     items.iter().for_each(|item| ends[bucket(item) + 1] += 1);
     for number in 0..count {
@@ -23,12 +32,9 @@ pub(crate) fn sort_in_buckets<T: Copy>(
         placed[*slot] = *item;
         *slot += 1;
     }
-    let mut first = 0;
-    for &end in &ends[..count] {
-        insert_sorted(&mut placed[first..end], &order);
-        first = end;
-    }
     *items = placed;
+    ends.truncate(count);
+    ends
 }
 
 /// Slices up to here are sorted by insertion.

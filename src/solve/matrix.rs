@@ -202,8 +202,8 @@ fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
 /// Up to here banded loops beat dense kernels whatever the band.
 const SMALL: usize = 48;
 
-/// Up to here they do where dense kernels first have to copy the matrix: it stays in the second-level cache.
-const CACHED: usize = 512;
+/// Up to here they do so because dense kernels want a copy of the matrix first; it stays in the second-level cache.
+const CACHED: usize = 256;
 
 /// The pseudo-inverse of a small symmetric positive semidefinite matrix (size x size, any order), and the projector onto
 /// the directions it leaves out: those whose eigenvalue is below `cutoff` times the largest.

@@ -42,11 +42,15 @@ fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; 
     let corners = corners.map(|corner| -> [f64; D] {
         std::array::from_fn(|axis| ((corner[axis] - grid.lo[axis]) * per_cell[axis]).max(0.0).min(spans[axis] as f64))
     });
-    let cell_of = |x: f64, axis: usize| (x as usize).min(spans[axis] - 1);
-    let low: [usize; D] =
-        std::array::from_fn(|axis| cell_of(corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min), axis));
-    let high: [usize; D] =
-        std::array::from_fn(|axis| cell_of(corners.iter().map(|c| c[axis]).fold(0.0, f64::max), axis));
+    let cells = corners
+        .map(|corner| -> [usize; D] { std::array::from_fn(|axis| (corner[axis] as usize).min(spans[axis] - 1)) });
+    let number_of = |place: &[usize; D]| (0..D).rev().fold(0, |index, axis| index * spans[axis] + place[axis]);
+    if cells[0] == cells[1] && cells[0] == cells[2] {
+        is_occupied[number_of(&cells[0])] = true;
+        return;
+    }
+    let low: [usize; D] = std::array::from_fn(|axis| cells[0][axis].min(cells[1][axis]).min(cells[2][axis]));
+    let high: [usize; D] = std::array::from_fn(|axis| cells[0][axis].max(cells[1][axis]).max(cells[2][axis]));
     let count: usize = (0..D).map(|axis| high[axis] - low[axis] + 1).product();
     for mut number in 0..count {
         let place: [usize; D] = std::array::from_fn(|axis| {
@@ -55,8 +59,8 @@ fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; 
             number /= side;
             place
         });
-        if count == 1 || !is_apart(&corners, &place) {
-            is_occupied[(0..D).rev().fold(0, |index, axis| index * spans[axis] + place[axis])] = true;
+        if !is_apart(&corners, &place) {
+            is_occupied[number_of(&place)] = true;
         }
     }
 }

@@ -3,14 +3,15 @@
 //! In: a mesh. Out: one edge set a vertex, its half-edges; the normal matrix is 2 WᵀLW, and the right side 2 Wᵀb with
 //! b_i = Σ_j w_ij ½(R_i + R_j)(v_i − v_j), for each edge is in the sets of both its ends.
 
-use super::edge_sets::SetEdge;
+use super::edge_sets::{EdgeSets, Seen};
 use super::neighbours::Edge;
+use super::vertices::Vertices;
+use crate::lattice::Grid;
+use crate::solve::Shape;
 
-/// Every edge in the sets of its ends, sorted as `edges` are; those without weight are left out.
-pub(super) fn edge_sets(edges: &[Edge]) -> Vec<SetEdge> {
-    let mut members = Vec::with_capacity(2 * edges.len());
-    for &Edge { ends, weight } in edges.iter().filter(|edge| edge.weight != 0.0) {
-        members.extend(ends.map(|set| SetEdge { set, ends, weight }));
-    }
-    members
+/// The energy of a mesh with these edges.
+pub(super) fn build<const D: usize>(grid: &Grid<D>, shape: Shape<D>, edges: Vec<Edge>) -> EdgeSets<D> {
+    let mean_stiffness = shape.mean_stiffness();
+    let vertices = Vertices::new(grid, shape.points);
+    EdgeSets::around_vertices(vertices, edges, Seen::Triangles(shape.triangles)).of_mean_stiffness(mean_stiffness)
 }

@@ -1,14 +1,12 @@
-//! Edges of sets, and sets of edges, four together so that loops run in vector registers.
+//! Edges of any sets, and sets of edges, four together so that loops run in vector registers.
 //!
 //! In: edges of sets, sorted; moved vertices. Out: the best rotation of every set, and the right side of the edges.
 
 use super::edge_sets::SetEdge;
+use super::quads::{Ids, points_of, rotate, rotations_of};
 use crate::solve::packs::{LANES, Lanes, add_multiple, dispatch, load, multiply_add, store};
-use crate::solve::small::{Square, apply, best_rotation, dot, minus};
+use crate::solve::small::{Square, apply, dot, minus};
 use pulp::{Simd, WithSimd};
-
-/// Four vertices, sets...
-type Ids = [u32; LANES];
 
 /// An edge of each of four sets; lanes without one weigh nothing.
 #[derive(Clone, Debug)]
@@ -44,8 +42,6 @@ pub(super) struct EdgePacks<const D: usize> {
     set_count: usize,
     /// Where the slots of every four sets start, and where the last ones end.
     starts: Vec<usize>,
-    /// Whether all edges of each of these sets start at one vertex, as those of `edge` do: it is looked up once.
-    is_fan: Vec<bool>,
     set_slots: Vec<SetSlot<D>>,
     edges: Vec<EdgePack<D>>,
     edge_slots: Vec<EdgeSlot>,
@@ -55,14 +51,8 @@ impl<const D: usize> EdgePacks<D> {
     /// Packs edges that are sorted by their ends, each set of an edge once.
     pub(super) fn new(rest: &[[f64; D]], members: &[SetEdge]) -> Self {
         let set_count = members.iter().map(|member| member.set as usize + 1).max().unwrap_or(0);
-        let mut packs = Self {
-            set_count,
-            starts: Vec::new(),
-            is_fan: Vec::new(),
-            set_slots: Vec::new(),
-            edges: Vec::new(),
-            edge_slots: Vec::new(),
-        };
+        let mut packs =
+            Self { set_count, starts: Vec::new(), set_slots: Vec::new(), edges: Vec::new(), edge_slots: Vec::new() };
         packs.add_sets(rest, members);
         packs.add_edges(rest, members);
         packs
@@ -82,15 +72,12 @@ impl<const D: usize> EdgePacks<D> {
         self.set_slots = vec![SetSlot { ends: [[0; LANES]; 2], edge: [[0.0; LANES]; D], weight: [0.0; LANES] }; count];
         for member in members.iter().rev() {
             let (set, [i, j]) = (member.set as usize, member.ends);
-            // Either direction will do: that of a vertex's own edges is away from it.
-            let [i, j] = if j == member.set { [j, i] } else { [i, j] };
             sizes[set] -= 1;
             let slot = &mut self.set_slots[self.starts[set / LANES] + sizes[set]];
             let (lane, edge) = (set % LANES, minus(&rest[i as usize], &rest[j as usize]));
             (slot.ends[0][lane], slot.ends[1][lane], slot.weight[lane]) = (i, j, member.weight);
             (0..D).for_each(|d| slot.edge[d][lane] = member.weight * edge[d]);
         }
-        self.is_fan = self.starts.windows(2).map(|range| is_fan(&self.set_slots[range[0]..range[1]])).collect();
     }
 
     fn add_edges(&mut self, rest: &[[f64; D]], members: &[SetEdge]) {
@@ -142,29 +129,6 @@ impl<const D: usize> EdgePacks<D> {
     }
 }
 
-/// Every set has all its edges from one vertex.
-fn is_fan<const D: usize>(slots: &[SetSlot<D>]) -> bool {
-    let mut others = slots.iter().flat_map(|slot| (0..LANES).map(move |lane| (slot, lane)));
-    others.all(|(slot, lane)| slot.weight[lane] == 0.0 || slot.ends[0][lane] == slots[0].ends[0][lane])
-}
-
-/// Four points, by coordinate.
-#[inline(always)]
-fn points_of<S: Simd, const D: usize>(simd: S, points: &[[f64; D]], ids: &Ids) -> [S::f64s; D] {
-    let mut lanes = [[0.0; LANES]; D];
-    for lane in 0..LANES {
-        let point = &points[ids[lane] as usize];
-        for d in 0..D {
-            lanes[d][lane] = point[d];
-        }
-    }
-    let mut registers = [simd.splat_f64s(0.0); D];
-    for d in 0..D {
-        registers[d] = load::<S>(&lanes[d]);
-    }
-    registers
-}
-
 /// Kernel of [`EdgePacks::rotations`].
 struct Rotations<'a, const D: usize> {
     packs: &'a EdgePacks<D>,
@@ -180,15 +144,10 @@ impl<const D: usize> WithSimd for Rotations<'_, D> {
         let zero = simd.splat_f64s(0.0);
         let (mut squares, mut gain) = (zero, 0.0);
         let mut rotations = vec![[[0.0; D]; D]; (packs.starts.len() - 1) * LANES];
-        let packs_of_four = packs.starts.windows(2).zip(&packs.is_fan);
-        for ((range, &is_fan), rotations) in packs_of_four.zip(rotations.chunks_exact_mut(LANES)) {
+        for (range, rotations) in packs.starts.windows(2).zip(rotations.chunks_exact_mut(LANES)) {
             let mut sums = [[zero; D]; D];
-            let mut to = [zero; D];
-            for (number, slot) in packs.set_slots[range[0]..range[1]].iter().enumerate() {
-                if number == 0 || !is_fan {
-                    to = points_of(simd, moved, &slot.ends[0]);
-                }
-                let from = points_of(simd, moved, &slot.ends[1]);
+            for slot in &packs.set_slots[range[0]..range[1]] {
+                let (from, to) = (points_of(simd, moved, &slot.ends[1]), points_of(simd, moved, &slot.ends[0]));
                 let (mut now, mut square) = (to, zero);
                 for (now, from) in now.iter_mut().zip(from) {
                     *now = simd.sub_f64s(*now, from);
@@ -204,45 +163,6 @@ impl<const D: usize> WithSimd for Rotations<'_, D> {
         rotations.truncate(packs.set_count);
         (rotations, store::<S>(squares).iter().sum::<f64>() - 2.0 * gain)
     }
-}
-
-/// The rotations R that maximise tr(R S) of four S, and the sum of these traces.
-#[inline(always)]
-fn rotate<S: Simd, const D: usize>(simd: S, sums: &[[S::f64s; D]; D], rotations: &mut [Square<D>]) -> f64 {
-    if D == 2 {
-        return rotate_in_plane(simd, sums, rotations);
-    }
-    let mut lanes = [[[0.0; LANES]; D]; D];
-    for a in 0..D {
-        for b in 0..D {
-            lanes[a][b] = store::<S>(sums[a][b]);
-        }
-    }
-    let mut gain = 0.0;
-    for (lane, rotation) in rotations.iter_mut().enumerate() {
-        let matrix = lanes.map(|row| row.map(|entry| entry[lane]));
-        *rotation = best_rotation(&matrix);
-        gain += (0..D).map(|a| (0..D).map(|b| rotation[a][b] * matrix[b][a]).sum::<f64>()).sum::<f64>();
-    }
-    gain
-}
-
-/// As [`best_rotation`] in the plane: the angle is atan2(Σ w e × e', Σ w e · e'), and the trace their length.
-#[inline(always)]
-fn rotate_in_plane<S: Simd, const D: usize>(simd: S, sums: &[[S::f64s; D]; D], rotations: &mut [Square<D>]) -> f64 {
-    let along = simd.add_f64s(sums[0][0], sums[1][1]);
-    let across = simd.sub_f64s(sums[0][1], sums[1][0]);
-    let length = simd.sqrt_f64s(multiply_add(simd, along, along, simd.mul_f64s(across, across)));
-    let lengths = store::<S>(length);
-    let (cos, sin) = (store::<S>(simd.div_f64s(along, length)), store::<S>(simd.div_f64s(across, length)));
-    let mut gain = 0.0;
-    for (lane, rotation) in rotations.iter_mut().enumerate() {
-        let is_known = lengths[lane] > 0.0 && lengths[lane].is_finite();
-        let (cos, sin) = if is_known { (cos[lane], sin[lane]) } else { (1.0, 0.0) };
-        (rotation[0][0], rotation[0][1], rotation[1][0], rotation[1][1]) = (cos, -sin, sin, cos);
-        gain += lengths[lane];
-    }
-    gain
 }
 
 /// Kernel of [`EdgePacks::right_side`].
@@ -262,11 +182,10 @@ impl<const D: usize> WithSimd for RightSide<'_, D> {
         for pack in &packs.edges {
             let mut sums = [[simd.splat_f64s(0.0); D]; D];
             for slot in &packs.edge_slots[pack.sets.clone()] {
-                add_rotations(simd, rotations, slot, &mut sums);
-            }
-            if D == 2 {
-                sums[1] = [simd.neg_f64s(sums[0][1]); D];
-                sums[1][1] = sums[0][0];
+                let weight = load::<S>(&slot.weight);
+                for (sums, rows) in sums.iter_mut().zip(&rotations_of(simd, rotations, &slot.sets)) {
+                    add_multiple(simd, weight, rows, sums);
+                }
             }
             let mut turned = [[0.0; LANES]; D];
             for (turned, sums) in turned.iter_mut().zip(&sums) {
@@ -285,26 +204,5 @@ impl<const D: usize> WithSimd for RightSide<'_, D> {
             }
         }
         values
-    }
-}
-
-/// Adds the weighted rotations of four sets; in the plane the first row alone, from which the second follows.
-#[inline(always)]
-fn add_rotations<S: Simd, const D: usize>(
-    simd: S,
-    rotations: &[Square<D>],
-    slot: &EdgeSlot,
-    sums: &mut [[S::f64s; D]; D],
-) {
-    let weight = load::<S>(&slot.weight);
-    for (row, sums) in sums.iter_mut().enumerate().take(if D == 2 { 1 } else { D }) {
-        let mut lanes = [[0.0; LANES]; D];
-        for lane in 0..LANES {
-            let rotation = &rotations[slot.sets[lane] as usize];
-            (0..D).for_each(|column| lanes[column][lane] = rotation[row][column]);
-        }
-        for (sum, lanes) in sums.iter_mut().zip(&lanes) {
-            *sum = multiply_add(simd, weight, load::<S>(lanes), *sum);
-        }
     }
 }

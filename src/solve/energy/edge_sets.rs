@@ -5,6 +5,7 @@
 
 use super::area::Area;
 use super::edge_packs::EdgePacks;
+use super::fans::Fans;
 use super::neighbours::{Edge, HalfEdges};
 use super::vertices::Vertices;
 use super::{Distortion, Quality};
@@ -16,7 +17,7 @@ use crate::solve::small::{Square, dot, minus};
 use pulp::Simd;
 use std::cmp::Ordering;
 
-/// An edge as a member of a set; in several sets it counts several times.
+/// An edge as a member of any set; in several sets it counts several times.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetEdge {
     /// The set.
@@ -63,11 +64,20 @@ pub(crate) enum Seen<const D: usize> {
     Samples(Area<D>),
 }
 
+/// Which edges make a set.
+#[derive(Debug)]
+enum Sets<const D: usize> {
+    /// Those around a vertex.
+    Fans(Fans<D>),
+    /// Any.
+    Any(EdgePacks<D>),
+}
+
 /// The energy.
 #[derive(Debug)]
 pub(crate) struct EdgeSets<const D: usize> {
     pub(crate) vertices: Vertices<D>,
-    packs: EdgePacks<D>,
+    sets: Sets<D>,
     /// All edges, with the sum of their weights in all sets.
     edges: Vec<Edge>,
     /// Σ_s Σ w ‖v_i − v_j‖².
@@ -77,21 +87,31 @@ pub(crate) struct EdgeSets<const D: usize> {
 }
 
 impl<const D: usize> EdgeSets<D> {
-    /// Edges that are sorted by their ends and sets, each set of an edge once.
+    /// Each edge in the sets of both its ends; sorted, each once.
+    pub(crate) fn around_vertices(vertices: Vertices<D>, mut edges: Vec<Edge>, seen: Seen<D>) -> Self {
+        edges.retain(|edge| edge.weight != 0.0);
+        let fans = Fans::new(&vertices.rest, &edges);
+        edges.iter_mut().for_each(|edge| edge.weight *= 2.0);
+        Self::of_sets(vertices, Sets::Fans(fans), edges, seen)
+    }
+
+    /// Edges of any sets, sorted by their ends and sets, each set of an edge once.
     pub(crate) fn new(vertices: Vertices<D>, members: &[SetEdge], seen: Seen<D>) -> Self {
         let sum = |same: &[SetEdge]| same.iter().map(|member| member.weight).sum();
-        let edges: Vec<Edge> = members
-            .chunk_by(|a, b| a.ends == b.ends)
-            .map(|same| Edge { ends: same[0].ends, weight: sum(same) })
-            .collect();
+        let edges = members.chunk_by(|a, b| a.ends == b.ends);
+        let edges = edges.map(|same| Edge { ends: same[0].ends, weight: sum(same) }).collect();
+        let packs = EdgePacks::new(&vertices.rest, members);
+        Self::of_sets(vertices, Sets::Any(packs), edges, seen)
+    }
+
+    fn of_sets(vertices: Vertices<D>, sets: Sets<D>, edges: Vec<Edge>, seen: Seen<D>) -> Self {
         let squares = edges.iter().map(|edge| {
             let [i, j] = edge.ends.map(|end| &vertices.rest[end as usize]);
             let side = minus(i, j);
             edge.weight * dot(&side, &side)
         });
         let squares = squares.sum();
-        let packs = EdgePacks::new(&vertices.rest, members);
-        Self { vertices, packs, edges, squares, seen, mean_stiffness: 1.0 }
+        Self { vertices, sets, edges, squares, seen, mean_stiffness: 1.0 }
     }
 
     /// The weights carry this stiffness on average: what is stiff does not make the rest soft.
@@ -101,7 +121,15 @@ impl<const D: usize> EdgeSets<D> {
 
     /// The best rotation of every set for moved vertices.
     pub(crate) fn rotations(&self, moved: &[[f64; D]]) -> Vec<Square<D>> {
-        self.packs.rotations(moved).0
+        self.turn(moved).0
+    }
+
+    /// The rotations, and what the energy gains with them.
+    fn turn(&self, moved: &[[f64; D]]) -> (Vec<Square<D>>, f64) {
+        match &self.sets {
+            Sets::Fans(fans) => fans.rotations(moved),
+            Sets::Any(packs) => packs.rotations(moved),
+        }
     }
 
     /// Σ w (W_i − W_j)ᵀ(W_i − W_j); for local bases.
@@ -176,15 +204,22 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
     }
 
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
-        let (rotations, gain) = self.packs.rotations(&self.vertices.moved(handles));
-        let values = self.packs.right_side(&rotations, self.vertices.rest.len());
+        let (rotations, gain) = self.turn(&self.vertices.moved(handles));
+        let values = match &self.sets {
+            Sets::Fans(fans) => fans.right_side(&rotations),
+            Sets::Any(packs) => packs.right_side(&rotations, self.vertices.rest.len()),
+        };
         self.vertices.add_transposed(&values, scale, right_side);
         self.squares + gain
     }
 
     fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
         let rotations = self.rotations(&self.vertices.moved(turned_at));
-        self.packs.energy(&rotations, &self.vertices.moved(handles))
+        let moved = self.vertices.moved(handles);
+        match &self.sets {
+            Sets::Fans(fans) => fans.energy(&self.vertices.rest, &rotations, &moved),
+            Sets::Any(packs) => packs.energy(&rotations, &moved),
+        }
     }
 
     fn quality(&self, handles: &[[f64; D]]) -> Quality {

@@ -9,7 +9,7 @@ use super::neighbours::triangle_edges;
 use crate::solve::Shape;
 
 /// The edges of every triangle as its set.
-pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
+pub(super) fn members<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let triangles = 0..shape.triangles.len();
     let edges = triangles
         .flat_map(|set| triangle_edges(shape, set).map(|(ends, cotangent)| SetEdge::new(set, ends, cotangent)));

@@ -7,8 +7,10 @@ mod edge;
 mod edge_packs;
 mod edge_sets;
 mod element;
+mod fans;
 mod neighbours;
 mod patches;
+mod quads;
 mod rims;
 mod stroke;
 mod turns;
@@ -173,24 +175,27 @@ fn build_of_mesh<const D: usize>(
     energy: Energy,
     settings: &Settings,
 ) -> Box<dyn Distortion<D>> {
-    let sets_of = |shape: Shape<D>, edges: Vec<SetEdge>| {
+    let of_triangles = |shape: Shape<D>, members: Vec<SetEdge>| {
         let mean_stiffness = shape.mean_stiffness();
-        let sets = EdgeSets::new(Vertices::new(grid, shape.points), &edges, Seen::Triangles(shape.triangles));
-        sets.of_mean_stiffness(mean_stiffness)
+        let sets = EdgeSets::new(Vertices::new(grid, shape.points), &members, Seen::Triangles(shape.triangles));
+        Box::new(sets.of_mean_stiffness(mean_stiffness))
     };
     match energy {
         Energy::Element => {
-            let edges = element::edge_sets(&shape);
-            Box::new(sets_of(shape, edges))
+            let members = element::members(&shape);
+            of_triangles(shape, members)
         }
         Energy::Rims => {
-            let edges = rims::edge_sets(&shape);
-            Box::new(sets_of(shape, edges))
+            let members = rims::members(&shape);
+            of_triangles(shape, members)
+        }
+        Energy::Vertex => {
+            let edges = neighbours::edges(&shape, settings.weights);
+            Box::new(Vertex::new(edge::build(grid, shape, edges.clone()), &edges))
         }
         _ => {
             let edges = neighbours::edges(&shape, settings.weights);
-            let sets = sets_of(shape, edge::edge_sets(&edges));
-            if energy == Energy::Vertex { Box::new(Vertex::new(sets, &edges)) } else { Box::new(sets) }
+            Box::new(edge::build(grid, shape, edges))
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: points, triangles. Out: every edge once with w_ij, or for every vertex its neighbours.
 
-use crate::solve::buckets::sort_in_buckets;
+use crate::solve::buckets::place_in_buckets;
 use crate::solve::small::{area_of, dot, minus};
 use crate::solve::{EdgeWeights, Shape};
 
@@ -13,6 +13,13 @@ pub(crate) struct Edge {
     pub(crate) ends: [u32; 2],
     /// w_ij.
     pub(crate) weight: f64,
+}
+
+impl Edge {
+    /// An edge between two vertices.
+    pub(super) fn new([i, j]: [usize; 2], weight: f64) -> Self {
+        Self { ends: [i.min(j) as u32, i.max(j) as u32], weight }
+    }
 }
 
 /// Neighbours of all vertices, one vertex after the other.
@@ -86,27 +93,37 @@ pub(crate) fn edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> V
         };
         for ([i, j], weight) in sides {
             if i != j {
-                found.push(Edge { ends: [i.min(j) as u32, i.max(j) as u32], weight });
+                found.push(Edge::new([i, j], weight));
             }
         }
     }
-    let order = |a: &Edge, b: &Edge| a.ends[1].cmp(&b.ends[1]).then_with(|| a.weight.total_cmp(&b.weight));
-    sort_in_buckets(&mut found, shape.points.len(), |edge| edge.ends[0] as usize, order);
-    // One for all triangles at it.
-    let mut count = 0;
-    let mut first = 0;
-    while first < found.len() {
-        let ends = found[first].ends;
-        let next = first + found[first..].iter().take_while(|edge| edge.ends == ends).count();
-        let same = &found[first..next];
-        let sum: f64 = same.iter().map(|edge| edge.weight).sum();
-        // Uniform: the mean stiffness of its triangles, 1 where nothing is painted.
-        let weight = if weights == EdgeWeights::Uniform { sum / same.len() as f64 } else { sum };
-        found[count] = Edge { ends, weight };
-        (count, first) = (count + 1, next);
+    let sum = |same: &[Edge]| same.iter().map(|edge| edge.weight).sum::<f64>();
+    match weights {
+        // The mean stiffness of its triangles, 1 where nothing is painted.
+        EdgeWeights::Uniform => merged(found, shape.points.len(), |same| sum(same) / same.len() as f64),
+        EdgeWeights::Cot => merged(found, shape.points.len(), sum),
     }
-    found.truncate(count);
-    found
+}
+
+/// Sorts edges between `count` vertices by their ends, and makes those of the same ends one.
+pub(super) fn merged(mut edges: Vec<Edge>, count: usize, weight: impl Fn(&[Edge]) -> f64) -> Vec<Edge> {
+    for end in [1, 0] {
+        place_in_buckets(&mut edges, count, |edge| edge.ends[end] as usize);
+    }
+    let (mut known, mut first) = (0, 0);
+    while first < edges.len() {
+        let ends = edges[first].ends;
+        let next = first + edges[first..].iter().take_while(|edge| edge.ends == ends).count();
+        let same = &mut edges[first..next];
+        if same.len() > 2 {
+            // So that sums do not depend on the order of triangles.
+            same.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+        }
+        edges[known] = Edge { ends, weight: weight(same) };
+        (known, first) = (known + 1, next);
+    }
+    edges.truncate(known);
+    edges
 }
 
 /// The edges of a triangle, each with the cotangent of the angle it faces, times its stiffness: 0 where the triangle has no area but the

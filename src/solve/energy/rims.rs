@@ -8,7 +8,7 @@ use super::neighbours::triangle_edges;
 use crate::solve::Shape;
 
 /// The edges of the triangles at every vertex as its set.
-pub(super) fn edge_sets<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
+pub(super) fn members<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let mut edges = Vec::with_capacity(shape.triangles.len() * 9);
     for (number, corners) in shape.triangles.iter().enumerate() {
         for (ends, cotangent) in triangle_edges(shape, number) {

@@ -5,7 +5,8 @@
 //! In: lines, a grid. Out: points along them and one edge set a point; the second ring makes straight lines resist bending.
 
 use super::area::Area;
-use super::edge_sets::{EdgeSets, Seen, SetEdge, sorted};
+use super::edge_sets::{EdgeSets, Seen};
+use super::neighbours::{Edge, merged};
 use super::vertices::Vertices;
 use crate::lattice::Grid;
 use crate::solve::samples::{Sample, subcell_dims};
@@ -42,7 +43,7 @@ pub(super) fn build<const D: usize>(
         points.extend(line.points);
     }
     let (mut plain, mut starched) = (0.0, 0.0);
-    for SetEdge { ends, weight, .. } in &mut edges {
+    for Edge { ends, weight } in &mut edges {
         let [a, b] = ends.map(|end| &points[end as usize]);
         let (edge, starch) = (minus(a, b), starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d]))));
         plain += *weight * dot(&edge, &edge);
@@ -50,9 +51,9 @@ pub(super) fn build<const D: usize>(
         starched += *weight * dot(&edge, &edge);
     }
     let mean_stiffness = if plain > 0.0 && starched > 0.0 { starched / plain } else { 1.0 };
-    let edges = sorted(edges, points.len());
-    let sets = EdgeSets::new(Vertices::new(grid, points), &edges, Seen::Samples(Area::new(grid, &samples)));
-    sets.of_mean_stiffness(mean_stiffness)
+    let edges = merged(edges, points.len(), |same| same.iter().map(|edge| edge.weight).sum());
+    let seen = Seen::Samples(Area::new(grid, &samples));
+    EdgeSets::around_vertices(Vertices::new(grid, points), edges, seen).of_mean_stiffness(mean_stiffness)
 }
 
 /// Distance of points on resampled lines: the shortest side of a sub-cell.
@@ -110,8 +111,8 @@ impl<const D: usize> Line<D> {
         runs.map(|run| Self { points: run.points, is_closed: is_whole }).collect()
     }
 
-    /// Adds the edges of all sets; points of the line are numbered from `first` on.
-    fn add_edges(&self, first: usize, edges: &mut Vec<SetEdge>) {
+    /// Adds the edges, each of which is in the sets of both its ends; points of the line are numbered from `first` on.
+    fn add_edges(&self, first: usize, edges: &mut Vec<Edge>) {
         let (count, lengths) = (self.points.len(), self.lengths());
         let total = lengths.last().copied().unwrap_or(0.0);
         for ring in 1..=RINGS {
@@ -121,8 +122,7 @@ impl<const D: usize> Line<D> {
                 let between = lengths[end] - lengths[start];
                 let between = if end < start { between + total } else { between };
                 if between > 0.0 {
-                    let ends = [first + start, first + end];
-                    edges.extend(ends.map(|set| SetEdge::new(set, ends, 1.0 / between)));
+                    edges.push(Edge::new([first + start, first + end], 1.0 / between));
                 }
             }
         }
