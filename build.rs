@@ -44,7 +44,7 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// The vertex stage, and fragment stages for each meaning of alpha and set of textures: `beauty_2_0`.
+/// The vertex stage, and fragment stages for each meaning of alpha, set of textures and kind of shading: `beauty_2_0_lit`.
 fn geometry_variants() -> Vec<Variant> {
     let mut variants =
         vec![Variant { name: "vertex".into(), stage: ShaderStage::Vertex, entry: "vertex", overrides: Vec::new() }];
@@ -54,18 +54,28 @@ fn geometry_variants() -> Vec<Variant> {
             if entry == "both" && alpha == 2 {
                 continue;
             }
-            variants.extend((0..3).map(|textures| fragment(entry, alpha, textures)));
+            for textures in 0..3 {
+                variants.push(fragment(entry, (alpha, textures), false));
+                if entry != "data" {
+                    variants.push(fragment(entry, (alpha, textures), true));
+                }
+            }
         }
     }
     variants
 }
 
-fn fragment(entry: &'static str, alpha: u8, textures: u8) -> Variant {
+fn fragment(entry: &'static str, (alpha, textures): (u8, u8), is_unlit: bool) -> Variant {
+    let shading = if is_unlit { "unlit" } else { "lit" };
     Variant {
-        name: format!("{entry}_{alpha}_{textures}"),
+        name: format!("{entry}_{alpha}_{textures}_{shading}"),
         stage: ShaderStage::Fragment,
         entry,
-        overrides: vec![("ALPHA", f64::from(alpha)), ("TEXTURES", f64::from(textures))],
+        overrides: vec![
+            ("ALPHA", f64::from(alpha)),
+            ("TEXTURES", f64::from(textures)),
+            ("UNLIT", f64::from(u8::from(is_unlit))),
+        ],
     }
 }
 

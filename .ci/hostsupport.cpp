@@ -375,7 +375,7 @@ static void drags(Effect &effect) {
   check(overlay.createInstanceAction() == kOfxStatOK, "overlay: create instance");
   std::vector<string> slaves;
   overlay.getSlaveToParam(slaves);
-  check(slaves.size() == 96, "overlay: " + std::to_string(slaves.size()) + " parameters that it depends on");
+  check(slaves.size() == 98, "overlay: " + std::to_string(slaves.size()) + " parameters that it depends on");
   check(overlay.drawAction(1, effect.scales()) != kOfxStatFailed, "overlay: draw");
   const OfxPointI view = {0, 0};
   const OfxPointD from = {TARGET.first, TARGET.second}, to = {TARGET.first + 10, TARGET.second - 5}, off = {3, 3};

@@ -1,7 +1,7 @@
 //! What a host waits for: a frame with a cached solve, a drag, the parts of both. 1080p RGBA, 10 x 10 handles, 8 pins.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use pinwarp::live::{Alpha, Controls, Picture, Pin, Render, Shape, render_pieces, warp};
+use pinwarp::live::{Alpha, Controls, Mix, Picture, Pin, Render, ShapeSource, render_pieces, warp};
 use pinwarp::plate::Filter;
 use pinwarp::space::{FrameSize, ScreenPoint};
 use std::hint::black_box;
@@ -22,9 +22,12 @@ fn solves(criterion: &mut Criterion) {
     let count = AtomicU32::new(0);
     // Every drag is another one: nothing is found in the cache.
     let drag = || controls(1e-5 * f64::from(count.fetch_add(1, Ordering::Relaxed)));
-    criterion.bench_function("live/solve/dragged", |b| b.iter(|| warp(&drag(), &Shape::Frame, FRAME).expect("solves")));
+    criterion.bench_function("live/solve/dragged", |b| {
+        b.iter(|| warp(&drag(), &ShapeSource::Frame, FRAME).expect("solves"))
+    });
     let still = controls(0.0);
-    criterion.bench_function("live/solve/cached", |b| b.iter(|| warp(&still, &Shape::Frame, FRAME).expect("solves")));
+    criterion
+        .bench_function("live/solve/cached", |b| b.iter(|| warp(&still, &ShapeSource::Frame, FRAME).expect("solves")));
 }
 
 fn frames(criterion: &mut Criterion) {
@@ -34,9 +37,17 @@ fn frames(criterion: &mut Criterion) {
     let planes = planes.iter().map(Vec::as_slice).collect();
     let source = Picture { window, planes, alpha: Alpha::Premultiplied };
     let draw = |nudge: f64, filter: Filter| {
-        let warp = warp(&controls(nudge), &Shape::Frame, FRAME).expect("solves");
-        let job =
-            Render { frame: FRAME, window, source: &source, mask: None, background: None, filter, abort: &|| false };
+        let warp = warp(&controls(nudge), &ShapeSource::Frame, FRAME).expect("solves");
+        let job = Render {
+            frame: FRAME,
+            window,
+            source: &source,
+            mask: None,
+            background: None,
+            filter,
+            mix: Mix::FULL,
+            abort: &|| false,
+        };
         render_pieces(&warp, &job, |piece| _ = black_box(piece)).expect("rendered");
     };
     for (name, filter) in [("cubic", Filter::Cubic), ("ewa", Filter::Ewa)] {

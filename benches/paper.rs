@@ -8,9 +8,9 @@ mod stopwatch;
 
 use pinwarp::compare::{self, Entry};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::methods::{self, Arap, Deformer, House, Paper, inverse_ffd};
-use pinwarp::solve::problem::{Figure, Figures, read_figure};
-use pinwarp::solve::{Disc, Problem, Regularizer, Settings};
+use pinwarp::solve::methods::{self, Arap, DefaultLpFfd, Deformer, PaperLpFfd, inverse_ffd};
+use pinwarp::solve::problem_file::{Figure, Figures, read_figure};
+use pinwarp::solve::{Problem, Regularizer, Settings, SmoothingDisc};
 use std::path::Path;
 use stopwatch::fastest;
 
@@ -72,17 +72,17 @@ fn table_1(figures: &[Figure<2>]) {
         let printed = TABLE_1.iter().find(|row| row.0 == method.key());
         let printed = printed.map_or_else(|| "     -         -   ".into(), |(_, [a, b])| format!("  {a:.5}   {b:.5} "));
         let all = all_poses(method.as_ref(), figures);
-        let first = all[0].figures;
+        let first = all[0].metrics;
         let pick = |pick: fn(&Entry<2>) -> f64| median(all.iter().map(pick).collect());
-        let folded = all.iter().map(|entry| entry.figures.folded_cells as f64).sum::<f64>() / all.len() as f64;
+        let folded = all.iter().map(|entry| entry.metrics.folded_cells as f64).sum::<f64>() / all.len() as f64;
         println!(
             "{:24}|{printed} |   {:.4}    {:.4}   |   {:.4}    {:.4}  {:9.1e}  {folded:5.1}",
             method.name(),
             first.angle,
             first.area,
-            pick(|entry| entry.figures.angle),
-            pick(|entry| entry.figures.area),
-            pick(|entry| entry.figures.pin_error),
+            pick(|entry| entry.metrics.angle),
+            pick(|entry| entry.metrics.area),
+            pick(|entry| entry.metrics.pin_error),
         );
     }
 }
@@ -101,7 +101,7 @@ fn table_2(figures: &[Figure<2>]) {
     );
     println!("Model      #V   #P       | Sorkine 2007     + Noh 2021       | paper preset            | default, ratio");
     let ten = Arap { iteration_limit: 10, tolerance: -1.0 };
-    let preset = Paper { settings: Settings { iteration_limit: 10, tolerance: -1.0, ..Settings::paper() } };
+    let preset = PaperLpFfd { settings: Settings { iteration_limit: 10, tolerance: -1.0, ..Settings::paper() } };
     for (figure, (name, first, second, ours)) in figures.iter().zip(TABLE_2) {
         let pose = &figure.poses[0];
         let arap = fastest(|| ten.deform(&figure.shape, &pose.pins)).0;
@@ -112,7 +112,7 @@ fn table_2(figures: &[Figure<2>]) {
             let inverse = fastest(|| inverse_ffd(&theirs, &figure.shape.points, &moved, 1e-2)).0;
             let problem = figure.problem(pose);
             let paper = fastest(|| preset.deform(&Problem { grid: &theirs, ..problem })).0;
-            let house = fastest(|| House.deform(&Problem { grid: &own, ..problem })).0;
+            let house = fastest(|| DefaultLpFfd.deform(&Problem { grid: &own, ..problem })).0;
             let (model, count) =
                 if k == 0 { (name, figure.shape.points.len().to_string()) } else { ("", String::new()) };
             let cell = if k == 0 { format!("{arap:6.2} ({first:4.1})") } else { " ".repeat(13) };
@@ -129,7 +129,7 @@ fn table_2(figures: &[Figure<2>]) {
 }
 
 /// The default with other regularisers, weights and boxes: medians over all poses, folds, and how far handles stray.
-fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, Disc), weights: &[f64], pads: &[f64]) {
+fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, SmoothingDisc), weights: &[f64], pads: &[f64]) {
     println!(
         "regulariser    weight    pad | angle   area   | folded cells  stray | iterations  flips | worst angle  area"
     );
@@ -141,21 +141,21 @@ fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, Disc), weights: &[f6
             settings.disc = disc;
             let figures: Vec<_> =
                 figures.iter().map(|figure| Figure { settings: settings.clone(), ..figure.clone() }).collect();
-            let all = all_poses(&House, &figures);
+            let all = all_poses(&DefaultLpFfd, &figures);
             let list = |pick: fn(&Entry<2>) -> f64| all.iter().map(pick).collect::<Vec<f64>>();
             let mean = |pick: fn(&Entry<2>) -> f64| list(pick).iter().sum::<f64>() / all.len() as f64;
             let most = |pick: fn(&Entry<2>) -> f64| list(pick).into_iter().fold(0.0, f64::max);
             println!(
                 "{:11} {weight:9.1e}  {pad:5.2} | {:.4} {:.4} | {:8.1}      {:5.2} | {:6.0}      {:4.0}  | {:.4}       {:.4}",
                 format!("{kind:?}"),
-                median(list(|entry| entry.figures.angle)),
-                median(list(|entry| entry.figures.area)),
-                mean(|entry| entry.figures.folded_cells as f64),
-                median(list(|entry| entry.figures.stray)),
-                median(list(|entry| entry.figures.iterations as f64)),
-                most(|entry| entry.figures.flips as f64),
-                most(|entry| entry.figures.angle),
-                most(|entry| entry.figures.area),
+                median(list(|entry| entry.metrics.angle)),
+                median(list(|entry| entry.metrics.area)),
+                mean(|entry| entry.metrics.folded_cells as f64),
+                median(list(|entry| entry.metrics.stray)),
+                median(list(|entry| entry.metrics.iterations as f64)),
+                most(|entry| entry.metrics.flips as f64),
+                most(|entry| entry.metrics.angle),
+                most(|entry| entry.metrics.area),
             );
         }
     }
@@ -190,7 +190,7 @@ fn main() {
             _ => Regularizer::Bend,
         };
         let disc = disc.first().and_then(|text| <[f64; 2]>::try_from(numbers(text)).ok());
-        let disc = disc.map_or(Settings::default().disc, |[radius, weight]| Disc { radius, weight });
+        let disc = disc.map_or(Settings::default().disc, |[radius, weight]| SmoothingDisc { radius, weight });
         return sweep(&figures, (kind, disc), &numbers(weights), &numbers(pads));
     }
     table_1(&figures);

@@ -194,7 +194,7 @@ fn main() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let case = Case::new(width, height);
         case.write(folder.path());
-        let device = VulkanRemap::open(&DeviceChoice::Auto);
+        let device = VulkanRemap::open(&DeviceChoice::Vulkan);
         match &device {
             Ok(device) => println!("Vulkan: {}", device.name()),
             Err(error) => println!("SKIPPED: {error}"),

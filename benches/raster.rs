@@ -56,7 +56,7 @@ fn main() {
 /// until the bytes are in mapped memory (bare), and until they are in the program's own (kept). The ratio is that of
 /// the whole frame to as many bare ones as there are samples; of the times, and of the time spent on cores.
 fn bench_vulkan(scene: &Scene, cases: &[Case]) {
-    let mut raster = match VulkanRaster::open(&DeviceChoice::Auto, scene) {
+    let mut raster = match VulkanRaster::open(&DeviceChoice::Vulkan, scene) {
         Ok(raster) => raster,
         Err(error) => return println!("SKIPPED: {error}"),
     };

@@ -9,18 +9,17 @@ override ALPHA: u32 = 0u;
 /// Which textures are read: 0 none, 1 base colour, 2 all.
 override TEXTURES: u32 = 2u;
 
+/// Base colour only, no shading. Not a uniform: drivers that inline uniforms which decide branches (llvmpipe) would
+/// compile the shader anew for every draw.
+override UNLIT: bool = false;
+
 /// Blended surfaces count in data channels from this alpha on.
 const DATA_ALPHA: f32 = 0.5;
 
-/// What changes between draws; 40 bytes.
+/// What changes between draws; 16 bytes.
 struct Push {
-    /// clip.xy = screen.xy · clip_scale + screen.w · clip_offset: frame heights, y up, to the window, y down.
-    clip_scale: vec2<f32>,
-    clip_offset: vec2<f32>,
-    /// Pixels, y up, of a frame height across and up.
+    /// Pixels a frame height, across and up.
     pixels_from_screen: vec2<f32>,
-    /// screen position (pixels, y up) = (pixel.x, -pixel.y) + pixel_offset, jitter taken out.
-    pixel_offset: vec2<f32>,
     /// id.layer, id.object.
     ids: vec2<f32>,
 }
@@ -51,9 +50,7 @@ struct Material {
     normal_scale: f32,
     occlusion_strength: f32,
     cutoff: f32,
-    /// 1: base colour only, no shading.
-    unlit: u32,
-    padding: vec3<u32>,
+    padding: array<vec4<f32>, 2>,
     /// Base colour, metallic-roughness, normal, occlusion, emissive.
     places: array<TexturePlace, 5>,
 }
@@ -74,6 +71,7 @@ var<immediate> push: Push;
 @group(1) @binding(10) var<uniform> material: Material;
 
 struct VertexIn {
+    /// Homogeneous screen position: x·w, y·w, z·w, w.
     @location(0) screen: vec4<f32>,
     /// Scene position, view depth.
     @location(1) position_depth: vec4<f32>,
@@ -83,6 +81,8 @@ struct VertexIn {
     @location(5) tangent: vec4<f32>,
     @location(6) uv: vec4<f32>,
     @location(7) color: vec4<f32>,
+    /// Position in clip space, y down, on the sub-pixel grid.
+    @location(8) clip_position: vec4<f32>,
 }
 
 struct Varying {
@@ -95,6 +95,8 @@ struct Varying {
     @location(4) tangent: vec4<f32>,
     @location(5) uv: vec4<f32>,
     @location(6) color: vec4<f32>,
+    /// Homogeneous screen position now, as `next` and `previous`: x·w, y·w, w.
+    @location(7) here: vec3<f32>,
 }
 
 struct Data {
@@ -118,10 +120,9 @@ struct BothOut {
 
 @vertex
 fn vertex(in: VertexIn) -> Varying {
-    let xy = in.screen.xy * push.clip_scale + in.screen.w * push.clip_offset;
     return Varying(
-        vec4<f32>(xy, in.screen.zw),
-        in.position_depth, in.normal, in.next, in.previous, in.tangent, in.uv, in.color,
+        in.clip_position,
+        in.position_depth, in.normal, in.next, in.previous, in.tangent, in.uv, in.color, in.screen.xyw,
     );
 }
 
@@ -206,7 +207,7 @@ fn surface_at(in: Varying, texels: Texels, normal: vec3<f32>) -> Surface {
 }
 
 fn radiance(surface: Surface) -> vec3<f32> {
-    if material.unlit == 1u {
+    if UNLIT {
         return surface.base_color;
     }
     var sum = ambient_surface(surface, pass_data.environment);
@@ -221,16 +222,16 @@ fn color_at(in: Varying, texels: Texels, normal: vec3<f32>, alpha: f32) -> vec4<
     return vec4<f32>(radiance(surface_at(in, texels, normal)) * alpha, alpha);
 }
 
-/// From this frame's place to where (x·w, y·w, w) is, in pixels, y up.
-fn motion_to(other: vec3<f32>, here: vec2<f32>) -> vec2<f32> {
-    return other.xy / other.z * push.pixels_from_screen - here;
+/// From one homogeneous screen position to another, pixels, y up; 0 where one is behind the camera.
+fn motion_to(there: vec3<f32>, here: vec3<f32>) -> vec2<f32> {
+    let moved = (there.xy / there.z - here.xy / here.z) * push.pixels_from_screen;
+    return select(vec2<f32>(0.0), moved, min(there.z, here.z) > 1e-6);
 }
 
 fn data_at(in: Varying, normal: vec3<f32>) -> Data {
-    let here = vec2<f32>(in.position.x, -in.position.y) + push.pixel_offset;
     return Data(
         vec4<f32>(normal, in.position_depth.w),
-        vec4<f32>(motion_to(in.next, here), motion_to(in.previous, here)),
+        vec4<f32>(motion_to(in.next, in.here), motion_to(in.previous, in.here)),
         push.ids,
     );
 }

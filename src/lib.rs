@@ -18,7 +18,10 @@
 
 pub mod space;
 
+mod files;
 mod spelling;
+
+pub mod memory;
 
 pub mod scene;
 

@@ -5,6 +5,7 @@
 
 mod anchors;
 mod bake;
+mod cameras;
 mod claims;
 mod coarse;
 mod draw;
@@ -16,10 +17,12 @@ mod lattice_objects;
 mod layer_pins;
 mod lighting;
 mod mattes;
+mod missing;
 mod moment;
 mod options;
 mod output;
 mod overlay;
+mod overlay_legend;
 mod passes;
 mod pictures;
 mod plates;
@@ -27,11 +30,14 @@ mod posed;
 mod produce;
 mod render;
 mod report;
+mod resume;
+mod run_lock;
 mod screen_layer;
 mod setup;
 mod stiffness;
 mod strokes;
 mod transfer;
+mod visibility;
 mod world;
 mod write;
 
@@ -42,13 +48,16 @@ pub use fit::{Registration, picture_shape, register};
 pub use jerk::{Jerk, JerkMeter};
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
-#[cfg(feature = "cli")]
-pub(crate) use output::{Inputs, is_stale, stale_words};
 pub use passes::{PassPlan, plan_passes};
-pub use plates::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
+pub use plates::{
+    Coverage, PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames,
+};
 pub use posed::PosedLayer;
 pub use render::{render, render_on};
 pub use report::report;
+pub use resume::Redone;
+#[cfg(feature = "cli")]
+pub(crate) use resume::{Todo, refuse_existing};
 pub use screen_layer::{LayerTask, Prepared};
 pub use setup::Setup;
 pub use transfer::lattices;

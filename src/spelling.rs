@@ -3,6 +3,7 @@
 //!
 //! In: names, numbers. Out: whether they fit; words for messages.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 
 /// Names listed in a hint, at most.
@@ -32,6 +33,23 @@ pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
         (false, 0) => format!("there are: {}", shown.join(", ")),
         (false, more) => format!("there are: {} and {more} more", shown.join(", ")),
     }
+}
+
+/// Text from a file as messages show it: control characters, which could drive a terminal, and invisible marks that turn
+/// the direction of writing are escaped, line breaks too.
+pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
+    let is_harmful = |letter: char| {
+        letter.is_control()
+            || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(is_harmful) {
+        return Cow::Borrowed(text);
+    }
+    let escape = |letter: char| match is_harmful(letter) {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    Cow::Owned(text.chars().map(escape).collect())
 }
 
 /// So many of something: `1 frame`, `2 frames`. A verb may go with the words.
@@ -76,6 +94,13 @@ mod tests {
     fn one_thing_is_not_told_as_many() {
         let pins = |count: usize| counted(count, "pin is", "pins are");
         assert_eq!([0, 1, 2, 11].map(pins), ["0 pins are", "1 pin is", "2 pins are", "11 pins are"]);
+    }
+
+    #[test]
+    fn nothing_in_a_name_drives_a_terminal() {
+        assert_eq!(escaped("Möbius \"1\" 日本"), "Möbius \"1\" 日本");
+        assert_eq!(escaped("a\u{1b}[31m\n\tb\r\u{7f}\u{9b}"), r"a\u{1b}[31m\n\tb\r\u{7f}\u{9b}");
+        assert_eq!(escaped("a\u{202e}gpj.exe"), r"a\u{202e}gpj.exe");
     }
 
     #[test]

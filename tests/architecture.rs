@@ -1,38 +1,70 @@
 //! Who may import whom, where third-party crates and `unsafe` may appear, and that the documents name real files.
 
+#[path = "support/imports.rs"]
+mod imports;
+
+use imports::{Imports, folder_of};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Folders below `src/` whose files import each other in circles. An entry whose circles are gone is a fault, too.
+const FOLDERS_WITH_CIRCLES: &[&str] =
+    &["cli", "image", "live", "ofx/host", "pipeline", "plate", "plate/filter", "shot"];
+
+/// Identifiers that were replaced by the words of the glossary, and the folders below `src/` in which they stay away.
+const RETIRED: &[(&[&str], &[&str])] = &[
+    (
+        &["solve", "lattice", "compare", "shot", "pipeline", "live", "ofx", "cli"],
+        &["starch", "starched", "waypoint", "Waypoint", "PinMiss", "pin_misses", "yardstick"],
+    ),
+    (
+        &["solve", "lattice", "compare"],
+        &[
+            "grip", "pack", "packs", "Packs", "fan", "fans", "Fans", "quads", "patches", "Patched", "occupied", "weld",
+            "buckets", "misses", "turns", "Turns", "reach", "small", "products", "View", "Place", "Kind", "Sheet",
+        ],
+    ),
+];
+
+/// A choice that many places could compare with, and how many files may do so.
+const CHOICES: &[(&str, &[&str], usize)] = &[
+    // Its functions, their display twins, its name in problem files, Blender's lattices, the plugin's list.
+    ("Basis", &["Bernstein", "Bspline", "Bilinear", "Barytri"], 6),
+    ("Energy", &["Area", "Edge", "Vertex", "Element", "SpokesAndRims", "Stroke"], 4),
+];
+
 /// A stage and the stages it may know. Front ends and the pipeline know everything below them.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("space", &[]),
+    ("files", &[]),
     ("spelling", &[]),
-    ("scene", &["space", "spelling"]),
+    ("memory", &[]),
+    ("scene", &["files", "space", "spelling"]),
     ("pose", &["scene", "space"]),
     ("screen", &["pose", "scene", "space"]),
     ("lattice", &["space", "spelling"]),
-    ("image", &["space", "spelling"]),
-    ("solve", &["lattice", "space", "spelling"]),
+    ("image", &["files", "memory", "space", "spelling"]),
+    ("solve", &["files", "lattice", "space", "spelling"]),
     ("plate", &["image", "lattice", "space", "spelling"]),
-    ("export", &["image", "lattice", "plate", "scene", "space", "spelling"]),
+    ("export", &["files", "image", "lattice", "plate", "scene", "space", "spelling"]),
     ("compare", &["image", "lattice", "solve", "space", "spelling"]),
     ("raster", &["image", "lattice", "plate", "pose", "scene", "screen", "space", "spelling"]),
-    ("shot", &["image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
+    ("shot", &["files", "image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
     (
         "pipeline",
         &[
-            "export", "image", "lattice", "plate", "pose", "raster", "scene", "screen", "shot", "solve", "space",
-            "spelling",
+            "export", "files", "image", "lattice", "memory", "plate", "pose", "raster", "scene", "screen", "shot",
+            "solve", "space", "spelling",
         ],
     ),
-    ("live", &["image", "lattice", "pipeline", "plate", "scene", "shot", "solve", "space", "spelling"]),
-    ("ofx", &["image", "live", "plate", "shot", "space", "spelling"]),
+    ("live", &["image", "lattice", "memory", "pipeline", "plate", "scene", "shot", "solve", "space", "spelling"]),
+    ("ofx", &["image", "live", "memory", "plate", "shot", "space", "spelling"]),
     (
         "cli",
         &[
-            "compare", "export", "image", "lattice", "pipeline", "plate", "pose", "raster", "scene", "screen", "shot",
-            "solve", "space", "spelling",
+            "compare", "export", "files", "image", "lattice", "memory", "pipeline", "plate", "pose", "raster", "scene",
+            "screen", "shot", "solve", "space", "spelling",
         ],
     ),
 ];
@@ -41,6 +73,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("gltf", &["src/scene/"]),
     ("spade", &["src/scene/outline/"]),
+    ("bevy_mikktspace", &["src/scene/tangents.rs"]),
     ("toml", &["src/shot/"]),
     ("toml_edit", &["src/shot/"]),
     ("faer", &["src/lattice/fit.rs", "src/solve/"]),
@@ -230,4 +263,105 @@ fn documents_name_files_that_are_there() {
         }
     }
     assert_eq!(paths_in("see `src/x.rs` and `other`"), ["src/x.rs"]);
+}
+
+#[test]
+fn files_import_no_circles() {
+    let circles = Imports::of(&sources("src")).circles();
+    let folders: BTreeSet<String> = circles.iter().map(|circle| folder_of(circle)).collect();
+    let known: BTreeSet<String> = FOLDERS_WITH_CIRCLES.iter().map(|&folder| folder.to_owned()).collect();
+    let new: Vec<_> = circles.iter().filter(|circle| !known.contains(&folder_of(circle))).collect();
+    assert!(new.is_empty(), "circles of files: {new:?}");
+    let gone: Vec<_> = known.difference(&folders).collect();
+    assert!(gone.is_empty(), "no circles are left in {gone:?}: take them off FOLDERS_WITH_CIRCLES");
+}
+
+#[test]
+fn a_circle_is_found_through_super_self_and_reexports() {
+    let file = |name: &str, text: &str| (format!("src/{name}.rs"), text.to_owned());
+    let tree = |leaf: &str, other: &str| {
+        let files = [file("a/mod", "mod b;\nmod c;\npub use b::One;"), file("a/b", leaf), file("a/c", other)];
+        Imports::of(&files).circles()
+    };
+    let circle = vec![vec!["src/a/b.rs".to_owned(), "src/a/c.rs".to_owned()]];
+    for other in
+        ["use super::One;", "use super::{b, x::Y};", "fn f() { crate::a::b::g() }", "use crate::{a::{b::*}, d};"]
+    {
+        assert_eq!(tree("pub struct One(super::c::Two);", other), circle, "{other}");
+        // What tests import, and what comments say, makes no circle; nor does a module that only re-exports.
+        assert!(
+            tree("// super::c\n#[cfg(test)]\nmod tests { use super::super::c::Two; }", other).is_empty(),
+            "{other}"
+        );
+    }
+    assert_eq!(folder_of(&["src/a/b.rs".into(), "src/a/d/c.rs".into()]), "a");
+}
+
+/// Identifiers of a text, without comments and strings.
+fn identifiers(text: &str) -> BTreeSet<String> {
+    let code: String = code_lines(text).collect::<Vec<_>>().join("\n");
+    let outside: String = code.split('"').step_by(2).collect::<Vec<_>>().join(" ");
+    outside.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_owned).collect()
+}
+
+#[test]
+fn retired_words_stay_away() {
+    for (file, text) in sources("src") {
+        let words = identifiers(&text);
+        for (_, retired) in RETIRED.iter().filter(|(stages, _)| stages.contains(&stage_of(&file))) {
+            let back: Vec<_> = retired.iter().filter(|word| words.contains(**word)).collect();
+            assert!(back.is_empty(), "{file} uses {back:?}: docs/ARCHITECTURE.md has the word of the field");
+        }
+    }
+    assert!(
+        identifiers("let grip = 1; // packs").contains("grip")
+            && !identifiers("f(\"grip\") // packs").contains("packs")
+    );
+}
+
+/// The rows of the glossary: names of code and the files that define them.
+fn glossary(text: &str) -> Vec<(String, String)> {
+    let section = text.split("## Words").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap_or_default();
+    let rows = section.lines().filter(|line| line.starts_with("| ") && line.contains('`'));
+    let code = rows.filter_map(|row| {
+        let names: Vec<&str> = row.rsplit('|').nth(1)?.split('`').collect();
+        Some((names.get(1)?.to_string(), names.get(3)?.to_string()))
+    });
+    code.collect()
+}
+
+#[test]
+fn words_of_the_glossary_are_in_the_code() {
+    let defines = |text: &str, name: &str| {
+        let kinds = ["struct", "enum", "trait", "fn", "type", "const"];
+        let starts = |line: &str, kind: &str| {
+            line.split_once(&format!("{kind} {name}"))
+                .is_some_and(|(_, rest)| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+        };
+        code_lines(text).any(|line| kinds.iter().any(|kind| starts(line, kind)))
+    };
+    let text = fs::read_to_string(root().join("docs/ARCHITECTURE.md")).expect("the page is part of the repository");
+    let words = glossary(&text);
+    assert!(words.len() > 20, "{words:?}");
+    for (name, file) in words {
+        let text = fs::read_to_string(root().join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert!(defines(&text, &name), "{file} does not define {name}");
+    }
+    assert!(defines("pub struct Grid<D> {", "Grid") && !defines("pub struct Grids;", "Grid"));
+}
+
+#[test]
+fn choices_are_compared_in_few_places() {
+    for (choice, variants, limit) in CHOICES {
+        let names = |text: &str| {
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            let code: Vec<&str> = code_lines(code).collect();
+            let own = format!("enum {choice} ");
+            let is_named = |line: &&str| variants.iter().any(|variant| line.contains(&format!("{choice}::{variant}")));
+            code.iter().any(|line| is_named(line) || line.contains(&own))
+        };
+        let files: Vec<String> =
+            sources("src").into_iter().filter(|(_, text)| names(text)).map(|(file, _)| file).collect();
+        assert!(files.len() <= *limit, "{choice} is compared in {} files, at most {limit}: {files:?}", files.len());
+    }
 }

@@ -37,9 +37,9 @@ fn swing(shape: &Shape<2>, moves: usize, laps: f64) -> Vec<PointPin<2>> {
 
 /// Farthest distance of a vertex between two lattices, in cells.
 fn gap(shape: &Shape<2>, a: &Lattice<2>, b: &Lattice<2>) -> f64 {
-    let pitch = a.grid.pitch(0).min(a.grid.pitch(1));
+    let pitch = a.grid.spacing(0).min(a.grid.spacing(1));
     let gaps = shape.points.iter().map(|&point| {
-        let [a, b] = [a, b].map(|lattice| lattice.carry(point));
+        let [a, b] = [a, b].map(|lattice| lattice.evaluate(point));
         (a[0] - b[0]).hypot(a[1] - b[1]) / pitch
     });
     gaps.fold(0.0, f64::max)
@@ -65,7 +65,7 @@ fn a_hand_at_sixty_moves_a_second_never_sees_the_shape_lag() {
                 let goal = solver.update(&pins, &[]).expect("the same pins").lattice;
                 lags.push(gap(shape, &lattice, &goal));
                 for pin in &pins {
-                    let at = lattice.carry(pin.at);
+                    let at = lattice.evaluate(pin.at);
                     assert!((at[0] - pin.target[0]).hypot(at[1] - pin.target[1]) < 1e-9, "{dims} {moves}");
                 }
             }
@@ -89,7 +89,7 @@ fn every_settled_move_is_a_solve() {
                 let solved = solver.update(&pins, &[]).expect("the same pins");
                 let far = gap(shape, &settled.lattice, &solved.lattice);
                 assert!(far < nearness, "{dims} {energy:?} {moves}: {far:.1e} cells");
-                assert!(settled.report.is_converged && settled.report.pin_misses.is_empty());
+                assert!(settled.report.is_converged && settled.report.pin_residuals.is_empty());
                 assert_eq!(settled.report.folded_cells, solved.report.folded_cells);
             }
         });

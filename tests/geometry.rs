@@ -6,7 +6,7 @@ use pinwarp::pose::{Pose, PosedPart};
 use pinwarp::raster::Geometry;
 use pinwarp::raster::geometry::{Assembly, Moment, assemble};
 use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
-use pinwarp::screen::{Camera, project};
+use pinwarp::screen::Camera;
 use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
 use std::collections::HashMap;
 
@@ -77,9 +77,8 @@ fn bulge() -> ScreenLattice {
 
 fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometry {
     let camera = camera();
-    let mesh = project(pose, &camera);
     let lattices = vec![lattice; pose.parts.len()];
-    let now = Moment { pose, mesh: &mesh, camera: &camera, lattices: &lattices };
+    let now = Moment { pose, camera: &camera, lattices: &lattices };
     let layer_ids = vec![1; pose.parts.len()];
     assemble(&Assembly {
         scene,

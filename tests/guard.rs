@@ -6,7 +6,7 @@ mod figure;
 use figure::{Pose, around, figure, posed};
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{
-    Guard, HandlePin, MissReason, PointPin, Problem, Settings, Shape, Solution, Solver, Waypoint, solve,
+    Guard, HandlePin, PointPin, Problem, ResidualReason, Settings, Shape, Solution, Solver, Targets, solve,
 };
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -33,21 +33,21 @@ fn a_head_pushed_through_the_body_stops_before_anything_folds() {
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
     let pins = squashed(0.9);
     let free = run(&grid, &shape, &pins, &Settings::default());
-    assert!(free.report.folded_model_cells > 0 && free.report.least_cell_det <= 0.0, "{:?}", free.report);
+    assert!(free.report.folded_model_cells > 0 && free.report.min_cell_det <= 0.0, "{:?}", free.report);
     assert!(free.report.stopped_at.is_none());
     let held = run(&grid, &shape, &pins, &limit());
     assert_eq!(held.report.folded_model_cells, 0, "{:?}", held.report);
-    assert!(held.report.least_cell_det >= 0.0099 && held.report.least_det > 0.0, "{:?}", held.report);
+    assert!(held.report.min_cell_det >= 0.0099 && held.report.min_det > 0.0, "{:?}", held.report);
     let share = held.report.stopped_at.expect("it was stopped");
     assert!(share > 0.2 && share < 1.0, "{share}");
     // The report says how far each pin is from its target, and why.
     for (pin, error) in pins.iter().zip(&held.report.pin_errors) {
-        assert!((distance(held.lattice.carry(pin.at), pin.target) - error).abs() < 1e-12);
+        assert!((distance(held.lattice.evaluate(pin.at), pin.target) - error).abs() < 1e-12);
     }
     assert!(held.report.pin_errors[4] > 0.05);
-    assert!(held.report.pin_misses.iter().all(|miss| miss.reason == MissReason::Guard));
+    assert!(held.report.pin_residuals.iter().all(|miss| miss.reason == ResidualReason::Guard));
     // A little farther it would fold: little is given away.
-    assert!(held.report.least_cell_det < 0.1, "{:?}", held.report);
+    assert!(held.report.min_cell_det < 0.1, "{:?}", held.report);
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn the_guard_gives_way_bit_by_bit() {
     // Pushing on and on moves the result less and less, without a jump where the guard takes over.
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
     let heads: Vec<f64> = (0..30)
-        .map(|k| run(&grid, &shape, &squashed(0.03 * f64::from(k)), &limit()).lattice.carry([0.0, 0.75])[1])
+        .map(|k| run(&grid, &shape, &squashed(0.03 * f64::from(k)), &limit()).lattice.evaluate([0.0, 0.75])[1])
         .collect();
     let steps: Vec<f64> = heads.windows(2).map(|pair| (pair[0] - pair[1]).abs()).collect();
     assert!(steps.iter().all(|&step| step < 0.033), "{steps:?}");
@@ -80,7 +80,7 @@ fn a_half_turn_and_a_crossing_are_walked_back_from_the_rigid_fit() {
         pins.iter_mut().for_each(|pin| pin.target = turned(pin.target));
         pins[0].gradient = Some([turned([1.0, 0.0]), turned([0.0, 1.0])]);
         let held = run(&grid, &shape, &pins, &settings);
-        assert!(held.report.folded_model_cells == 0 && held.report.least_cell_det > 0.0, "{:?}", held.report);
+        assert!(held.report.folded_model_cells == 0 && held.report.min_cell_det > 0.0, "{:?}", held.report);
         // The same as without the turn.
         let share = held.report.stopped_at.expect("it was stopped");
         assert!((0.1..1.0).contains(&share), "{degrees} {share}");
@@ -96,12 +96,12 @@ fn a_first_key_that_folds_is_walked_back_to_where_nothing_does() {
     pins[4].target[1] -= 0.9;
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
     let solver = Solver::new(&problem).expect("a valid problem");
-    let key = Waypoint { pins: pins.clone(), handles: Vec::new() };
+    let key = Targets { pins: pins.clone(), handles: Vec::new() };
     let free = run(&grid, &shape, &pins, &Settings::default());
     assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
     for keys in [1, 2, 3] {
         let held = solver.follow(&vec![key.clone(); keys]).expect("a valid path");
-        assert!(held.report.folded_model_cells == 0 && held.report.least_cell_det > 0.0, "{keys}: {:?}", held.report);
+        assert!(held.report.folded_model_cells == 0 && held.report.min_cell_det > 0.0, "{keys}: {:?}", held.report);
         let share = held.report.stopped_at.expect("it was stopped");
         assert!(share > 0.1 && share < 1.0 && held.report.pin_errors[4] > 0.05, "{keys}: {:?}", held.report);
     }
@@ -136,17 +136,17 @@ fn a_box_of_space_is_guarded() {
 }
 
 /// The figure stands, head and hands wind about the neck.
-fn wound(degrees: f64) -> Waypoint<2> {
+fn wound(degrees: f64) -> Targets<2> {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let still = [[-0.32, -0.9], [0.32, -0.9], [-0.17, -0.4], [0.17, -0.4]].map(|at| PointPin::new(at, at));
     let turned = [[-0.2, 0.66], [0.2, 0.66]];
     let turned = turned.map(|at| PointPin::new(at, [cos * at[0], 0.66 + sin * at[0]]));
-    Waypoint { pins: still.into_iter().chain(turned).collect(), handles: Vec::new() }
+    Targets { pins: still.into_iter().chain(turned).collect(), handles: Vec::new() }
 }
 
 fn largest_move(a: &Lattice<2>, b: &Lattice<2>, grid: &Grid<2>) -> f64 {
     let moves = a.handles.iter().zip(&b.handles).map(|(&a, &b)| distance(a, b));
-    moves.fold(0.0, f64::max) / grid.pitch(0)
+    moves.fold(0.0, f64::max) / grid.spacing(0)
 }
 
 #[test]
@@ -164,8 +164,8 @@ fn a_head_winds_past_half_a_turn_without_a_jump() {
     // The other way round is the mirror image.
     let back: Vec<_> = (0..=40).map(|k| wound(-5.0 * f64::from(k))).collect();
     let back = solver.follow(&back).expect("valid").lattice;
-    let there = followed[40].lattice.carry([0.0, 0.4]);
-    let back = back.carry([0.0, 0.4]);
+    let there = followed[40].lattice.evaluate([0.0, 0.4]);
+    let back = back.evaluate([0.0, 0.4]);
     assert!((there[0] + back[0]).abs() < 0.02 && (there[1] - back[1]).abs() < 0.02, "{there:?} {back:?}");
     // With coarse steps the same.
     let coarse: Vec<_> = path[..=40].iter().step_by(8).cloned().collect();

@@ -1,21 +1,18 @@
 //! The solver against reference cases of an independent program: handles, vertices, energies, measures.
 //!
-//! The cases are not part of the package; without them every test here says so and passes.
+//! The cases are not part of the package; without them every test here says so, and fails with `PINWARP_REQUIRE_SHARED=1`.
+
+#[path = "support/skip.rs"]
+mod skip;
 
 use pinwarp::lattice::{AxisTerms, Basis};
-use pinwarp::solve::problem::{ResultFile, run_text};
+use pinwarp::solve::problem_file::{ResultFile, run_text};
 use serde_json::Value;
-use std::path::PathBuf;
 
 /// Text of a case, or nothing where the cases are absent.
 fn case(name: &str) -> Option<String> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared"));
-    let shared = std::env::var_os("PINWARP_SHARED").map_or(beside, PathBuf::from);
-    let found = std::fs::read_to_string(shared.join("oracle").join(name));
-    if found.is_err() {
-        eprintln!("SKIPPED: the reference case {name} is not there; set PINWARP_SHARED");
-    }
-    found.ok()
+    let path = skip::shared(&format!("oracle/{name}"))?;
+    Some(std::fs::read_to_string(path).expect("a case is text"))
 }
 
 fn json(text: &str) -> Value {

@@ -3,8 +3,8 @@
 //! A default that gets worse fails here; `cargo bench --bench paper` prints the numbers.
 
 use pinwarp::compare::{Entry, run};
-use pinwarp::solve::methods::{ArapAndInverse, Deformer, House, Hsu, Mls};
-use pinwarp::solve::problem::{Figure, Figures, read_figure};
+use pinwarp::solve::methods::{ArapAndInverse, DefaultLpFfd, Deformer, Hsu, Mls};
+use pinwarp::solve::problem_file::{Figure, Figures, read_figure};
 use std::path::Path;
 
 fn figures() -> Vec<Figure<2>> {
@@ -42,7 +42,7 @@ fn worse(ours: &[(String, Entry<2>)], theirs: &[(String, Entry<2>)]) -> [Vec<Str
         let pairs = ours.iter().zip(theirs).filter(|(a, b)| pick(&a.1) >= pick(&b.1));
         pairs.map(|(a, b)| format!("{}: {:.4} {:.4}", a.0, pick(&a.1), pick(&b.1))).collect()
     };
-    [list(|entry| entry.figures.angle), list(|entry| entry.figures.area)]
+    [list(|entry| entry.metrics.angle), list(|entry| entry.metrics.area)]
 }
 
 /// The figures with the room around them that shots and problem files have without a box of their own.
@@ -58,7 +58,7 @@ fn with_room(mut figures: Vec<Figure<2>>) -> Vec<Figure<2>> {
 
 /// Against Hsu and ARAP + inverse FFD: poses in which the default is worse, by angle and by area.
 fn losses(figures: &[Figure<2>]) -> [[Vec<String>; 2]; 2] {
-    let ours = all(&House, figures);
+    let ours = all(&DefaultLpFfd, figures);
     let methods: [Box<dyn Deformer<2>>; 2] = [Box::new(Hsu::default()), Box::new(ArapAndInverse::default())];
     methods.map(|method| {
         let theirs = all(method.as_ref(), figures);
@@ -86,26 +86,26 @@ fn in_a_tight_box_only_hsu_has_less_area_distortion_and_only_twice() {
 #[test]
 fn the_default_beats_mls_in_most_poses_and_holds_its_pins() {
     let figures = figures();
-    let (ours, theirs) = (all(&House, &figures), all(&Mls::default(), &figures));
+    let (ours, theirs) = (all(&DefaultLpFfd, &figures), all(&Mls::default(), &figures));
     let [angle, area] = worse(&ours, &theirs);
     // Where MLS has the less distortion, its pins are short of their targets.
     assert!(angle.len() <= 1 && area.len() <= 5, "{angle:?} {area:?}");
     for ((name, a), (_, b)) in ours.iter().zip(&theirs) {
-        assert!(a.figures.pin_error < 1e-9, "{name}: {}", a.figures.pin_error);
-        assert!(b.figures.pin_error > 0.01, "{name}: MLS misses by {} only", b.figures.pin_error);
+        assert!(a.metrics.pin_error < 1e-9, "{name}: {}", a.metrics.pin_error);
+        assert!(b.metrics.pin_error > 0.01, "{name}: MLS misses by {} only", b.metrics.pin_error);
     }
 }
 
 #[test]
 fn the_default_does_not_get_worse() {
-    let ours = all(&House, &figures());
+    let ours = all(&DefaultLpFfd, &figures());
     let values = |pick: fn(&Entry<2>) -> f64| ours.iter().map(|(_, entry)| pick(entry)).collect::<Vec<f64>>();
-    let (angle, area) = (median(values(|entry| entry.figures.angle)), median(values(|entry| entry.figures.area)));
-    let folded = values(|entry| entry.figures.folded_cells as f64).iter().sum::<f64>() / ours.len() as f64;
-    let stray = median(values(|entry| entry.figures.stray));
-    let iterations = median(values(|entry| entry.figures.iterations as f64));
+    let (angle, area) = (median(values(|entry| entry.metrics.angle)), median(values(|entry| entry.metrics.area)));
+    let folded = values(|entry| entry.metrics.folded_cells as f64).iter().sum::<f64>() / ours.len() as f64;
+    let stray = median(values(|entry| entry.metrics.stray));
+    let iterations = median(values(|entry| entry.metrics.iterations as f64));
     println!("{angle:.4} {area:.4}, {folded:.2} folded cells, handles {stray:.3} away, {iterations} iterations");
     assert!(angle < 0.0675 && area < 0.1020);
     assert!(folded < 5.3 && stray < 0.25 && iterations < 26.0);
-    assert!(ours.iter().all(|(_, entry)| entry.figures.flips == 0));
+    assert!(ours.iter().all(|(_, entry)| entry.metrics.flips == 0));
 }

@@ -7,7 +7,7 @@ mod figure;
 
 use figure::{Pose, around, figure, posed};
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, Solver, Waypoint, solve};
+use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, Solver, Targets, solve};
 
 /// Numbers in 0..1 from a seed (D. Lehmer's generator modulo 2^64).
 struct Dice(u64);
@@ -41,12 +41,12 @@ fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>]) -> Solution<2> {
 fn is_finite(solution: &Solution<2>) -> bool {
     let report = &solution.report;
     solution.lattice.handles.iter().flatten().all(|x| x.is_finite())
-        && [report.least_det, report.least_cell_det, report.angular, report.area].iter().all(|x| x.is_finite())
+        && [report.min_det, report.min_cell_det, report.angular, report.area].iter().all(|x| x.is_finite())
 }
 
 /// Farthest that a vertex of the shape goes from one lattice to the other.
 fn apart(a: &Lattice<2>, b: &Lattice<2>, shape: &Shape<2>) -> f64 {
-    shape.points.iter().map(|&point| distance(a.carry(point), b.carry(point))).fold(0.0, f64::max)
+    shape.points.iter().map(|&point| distance(a.evaluate(point), b.evaluate(point))).fold(0.0, f64::max)
 }
 
 /// Solves poses of three figures, finer and finer; prints iterations, fails where one diverges.
@@ -113,7 +113,7 @@ fn trembling_vertices_do_not_move_the_lattice() {
             *point = [point[0] + tremble * angle.cos(), point[1] + tremble * angle.sin()];
         }
         let [a, b] = [&shape, &trembled].map(|shape| run(&grid, shape, &pins).lattice);
-        worst = worst.max(apart(&a, &b, &shape) / grid.pitch(0));
+        worst = worst.max(apart(&a, &b, &shape) / grid.spacing(0));
     }
     eprintln!("vertices that tremble by 1e-7 of the diagonal move the lattice by at most {worst:.1e} of a cell");
     assert!(worst < 1e-5, "{worst:.1e} of a cell");
@@ -131,8 +131,8 @@ fn scales_of_micrometres_and_of_planets_bend_alike() {
         let pins: Vec<_> = pins.iter().map(|pin| PointPin::new(times(pin.at), times(pin.target))).collect();
         let found = run(&large, &scaled, &pins);
         for &point in &shape.points {
-            let [a, b] = [times(unit.lattice.carry(point)), found.lattice.carry(times(point))];
-            assert!(distance(a, b) < 1e-5 * grid.pitch(0) * scale, "{scale}: {a:?} {b:?}");
+            let [a, b] = [times(unit.lattice.evaluate(point)), found.lattice.evaluate(times(point))];
+            assert!(distance(a, b) < 1e-5 * grid.spacing(0) * scale, "{scale}: {a:?} {b:?}");
         }
     }
 }
@@ -172,7 +172,7 @@ fn flaws_of_screen_meshes_change_little() {
         let [a, b] = [&sound, &flawed].map(|shape| run(&grid, shape, &pins));
         assert!(is_finite(&b), "{:?}", b.report);
         // Doubled triangles weigh twice: the same bend but for that.
-        let gap = apart(&a.lattice, &b.lattice, &sound) / grid.pitch(0);
+        let gap = apart(&a.lattice, &b.lattice, &sound) / grid.spacing(0);
         assert!(gap < 0.1, "{gap} of a cell");
     }
 }
@@ -188,7 +188,7 @@ fn twists_from_90_to_185_degrees_neither_break_nor_jump() {
                 let target = [joint[0] + cos * x - sin * y, joint[1] + sin * x + cos * y];
                 PointPin::new(pin.at, if pin.at[1] > joint[1] { target } else { pin.at })
             };
-            Waypoint { pins: posed(Pose::default()).into_iter().map(turned).collect(), handles: Vec::new() }
+            Targets { pins: posed(Pose::default()).into_iter().map(turned).collect(), handles: Vec::new() }
         };
         let path: Vec<_> = (0..=37).map(|k| state(5.0 * f64::from(k))).collect();
         let problem = Problem { grid: &grid, shape: &shape, pins: &path[0].pins, handles: &[], settings: &settings };

@@ -3,6 +3,9 @@
 #[path = "../scenes/make/mod.rs"]
 mod make;
 
+#[path = "support/skip.rs"]
+mod skip;
+
 use std::path::{Path, PathBuf};
 
 fn scenes() -> PathBuf {
@@ -32,8 +35,8 @@ fn figures_have_as_many_vertices_as_in_the_paper() {
     for (name, count) in
         [("ginger", 225), ("frog", 315), ("panda", 444), ("unicorn", 549), ("girl", 637), ("dinosaur", 734)]
     {
-        let read = pinwarp::solve::problem::read_figure(&scenes().join(format!("figures/{name}.json")));
-        let Ok(pinwarp::solve::problem::Figures::Plane(figure)) = read else { panic!("{name}: {read:?}") };
+        let read = pinwarp::solve::problem_file::read_figure(&scenes().join(format!("figures/{name}.json")));
+        let Ok(pinwarp::solve::problem_file::Figures::Plane(figure)) = read else { panic!("{name}: {read:?}") };
         let mut is_used = vec![false; figure.shape.points.len()];
         for corners in &figure.shape.triangles {
             let [a, b, c] = corners.map(|corner| figure.shape.points[corner as usize]);
@@ -183,13 +186,7 @@ fn every_shot_passes_check() {
 /// A foreign file, which is not part of the repository.
 #[test]
 fn knight_is_rendered() {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
-    let shared = std::env::var("PINWARP_SHARED").unwrap_or_else(|_| beside.into());
-    let knight = Path::new(&shared).join("assets/kaykit/Knight.glb");
-    if !knight.is_file() {
-        eprintln!("SKIPPED: {} is missing", knight.display());
-        return;
-    }
+    let Some(knight) = skip::shared("assets/kaykit/Knight.glb") else { return };
     let folder = tempfile::tempdir().expect("there is room");
     let shot = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/shots/knight.toml");
     std::fs::copy(knight, folder.path().join("Knight.glb")).expect("there is room");

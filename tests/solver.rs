@@ -2,6 +2,9 @@
 //!
 //! Tolerances are parts of the box diagonal. A failure prints its smallest case.
 
+#[path = "support/random.rs"]
+mod random;
+
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, solve};
 use proptest::prelude::*;
@@ -46,7 +49,7 @@ fn is_finite(solution: &Solution<2>) -> bool {
     let report = &solution.report;
     solution.lattice.handles.iter().flatten().all(|x| x.is_finite())
         && report.pin_errors.iter().all(|x| x.is_finite())
-        && [report.least_det, report.angular, report.area].iter().all(|x| x.is_finite())
+        && [report.min_det, report.angular, report.area].iter().all(|x| x.is_finite())
 }
 
 fn bases() -> impl Strategy<Value = Basis> {
@@ -76,7 +79,7 @@ fn plain() -> Settings {
 }
 
 fn few() -> ProptestConfig {
-    ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() }
+    random::config(24)
 }
 
 proptest! {
@@ -163,9 +166,9 @@ proptest! {
         let grid = Grid { hi: [scale, scale], ..grid(5, basis) };
         let settings = if paper { Settings::paper() } else { Settings::default() };
         let solution = solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings });
-        if let Ok(solution) = solution {
-            prop_assert!(is_finite(&solution), "{:?}", solution.report);
-        }
+        // A case may be refused; where nearly all are, the test fails for want of cases.
+        let solution = solution.map_err(|error| TestCaseError::reject(error.to_string()))?;
+        prop_assert!(is_finite(&solution), "{:?}", solution.report);
     }
 
     #[test]
@@ -197,7 +200,7 @@ proptest! {
             lattice = drag.follow(&dragged, &[]).expect("the same pins");
         }
         for pin in &dragged {
-            prop_assert!(distance(lattice.carry(pin.at), pin.target) < 1e-5);
+            prop_assert!(distance(lattice.evaluate(pin.at), pin.target) < 1e-5);
         }
         prop_assert!(missed(&lattice) <= before + 1e-4, "{before} {}", missed(&lattice));
     }
@@ -211,7 +214,7 @@ proptest! {
         prop_assume!(coarse.report.iterations.max(fine.report.iterations) < 100);
         for x in 1..10 {
             let at = [f64::from(x) / 10.0, 0.5];
-            let gap = distance(coarse.lattice.carry(at), fine.lattice.carry(at));
+            let gap = distance(coarse.lattice.evaluate(at), fine.lattice.evaluate(at));
             prop_assert!(gap < 2e-3, "{gap} at {at:?}: {:?} {:?}", coarse.report, fine.report);
         }
     }
@@ -222,13 +225,13 @@ proptest! {
         let row = grid.weights(at);
         prop_assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
         let mut lattice = grid.at_rest();
-        let start = lattice.carry(at);
+        let start = lattice.evaluate(at);
         prop_assert!(distance(start, at) < 1e-12);
         for (k, handle) in lattice.handles.iter_mut().enumerate() {
             *handle = [handle[0] + 0.01 * (k as f64).sin(), handle[1] + 0.01 * (1.7 * k as f64).cos()];
         }
         let step = 1e-7;
-        let carried = lattice.carry_with_gradient(at);
+        let carried = lattice.evaluate_with_gradient(at);
         for column in 0..2 {
             let [mut low, mut high] = [at, at];
             low[column] -= step;
@@ -237,7 +240,7 @@ proptest! {
             if grid.weights(low).iter().map(|w| w.0).ne(grid.weights(high).iter().map(|w| w.0)) {
                 continue;
             }
-            let (low, high) = (lattice.carry(low), lattice.carry(high));
+            let (low, high) = (lattice.evaluate(low), lattice.evaluate(high));
             for row in 0..2 {
                 let slope = (high[row] - low[row]) / (2.0 * step);
                 prop_assert!((slope - carried.gradient[row][column]).abs() < 1e-5 * (1.0 + slope.abs()));
@@ -271,8 +274,8 @@ fn isolated_parts_come_to_rest() {
     let second = run(&grid, &moved, &pins, &Settings::default());
     // The island far from all pins included.
     for point in &shape.points {
-        let gap = distance(first.lattice.carry(*point), second.lattice.carry(*point));
-        assert!(gap < 1e-5 * grid.pitch(0), "{point:?} moves by {gap:e}");
+        let gap = distance(first.lattice.evaluate(*point), second.lattice.evaluate(*point));
+        assert!(gap < 1e-5 * grid.spacing(0), "{point:?} moves by {gap:e}");
     }
 }
 
@@ -280,7 +283,7 @@ fn isolated_parts_come_to_rest() {
 fn contradicting_pins_meet_in_the_middle_and_are_named() {
     let pins = [pin([0.5, 0.5], [0.4, 0.5]), pin([0.2, 0.5], [0.2, 0.5]), pin([0.5, 0.5], [0.6, 0.5])];
     let solution = run(&grid(8, Basis::Bspline), &strip(20), &pins, &Settings::default());
-    assert!(distance(solution.lattice.carry([0.5, 0.5]), [0.5, 0.5]) < 0.02, "{:?}", solution.report);
+    assert!(distance(solution.lattice.evaluate([0.5, 0.5]), [0.5, 0.5]) < 0.02, "{:?}", solution.report);
     assert_eq!(solution.report.conflicts, [[0, 2]]);
 }
 
@@ -310,8 +313,8 @@ fn moved_handles_arrive_and_pins_outside_act_like_their_border_point() {
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
     let solution = solve(&problem).expect("a valid problem");
     assert!(distance(solution.lattice.handles[14], handle.target) < 1e-3);
-    assert!(distance(solution.lattice.displace([-0.4, 0.5]), [-0.5, 0.5]) < 1e-3);
-    assert!(distance(solution.lattice.carry([0.0, 0.5]), [-0.1, 0.5]) < 1e-3);
+    assert!(distance(solution.lattice.deform([-0.4, 0.5]), [-0.5, 0.5]) < 1e-3);
+    assert!(distance(solution.lattice.evaluate([0.0, 0.5]), [-0.1, 0.5]) < 1e-3);
 }
 
 #[test]
@@ -346,7 +349,7 @@ fn the_last_energies_are_those_of_the_result() {
         "lambdas": { "ml": 1, "mp": 1, "gr": 0.001 }, "form": "quad", "regulariser": "bend",
         "pins": pins.iter().map(pin).collect::<Vec<_>>(),
     });
-    let result = pinwarp::solve::problem::run_text(&problem.to_string()).expect("a valid problem");
+    let result = pinwarp::solve::problem_file::run_text(&problem.to_string()).expect("a valid problem");
     let misses = pins.iter().map(|&(vertex, target)| {
         let at = &result.vertices[vertex];
         (at[0] - target[0]).powi(2) + (at[1] - target[1]).powi(2)
@@ -376,7 +379,7 @@ fn malformed_problems_are_refused_in_words() {
     let heavy = PointPin { weight: 1.5, ..pin([0.5, 0.5], [0.5, 0.5]) };
     assert!(refuse(&grid, &shape, &[heavy], &[]).contains("pin 0 has weight 1.5; use a weight from 0 to 1"));
     let space = r#"{"dims": [64, 64, 64], "bbox": [[0, 0, 0], [1, 1, 1]], "vertices": [[0, 0, 0]]}"#;
-    let error = pinwarp::solve::problem::run_text(space).expect_err("too large").to_string();
+    let error = pinwarp::solve::problem_file::run_text(space).expect_err("too large").to_string();
     assert!(error.contains("262144 handles in all") && error.contains("at most 4096"), "{error}");
     assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));
 }

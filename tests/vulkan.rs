@@ -12,6 +12,8 @@ mod devices;
 mod limits;
 #[path = "vulkan/mattes.rs"]
 mod mattes;
+#[path = "vulkan/memory.rs"]
+mod memory;
 #[path = "vulkan/passes.rs"]
 mod passes;
 #[path = "vulkan/pictures.rs"]

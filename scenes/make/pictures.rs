@@ -7,10 +7,11 @@ mod flag_sheet;
 
 use anyhow::{Context as _, bail};
 use image::{RgbImage, RgbaImage, imageops};
+use pinwarp::image::Durability;
 use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, lattices, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::{Shot, Transfer, TransferFit};
-use pinwarp::solve::{Disc, Settings};
+use pinwarp::solve::{Settings, SmoothingDisc};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -73,7 +74,7 @@ fn bulge(folder: &Path) -> anyhow::Result<RgbImage> {
     let read = || Shot::read(&folder.join("teapot/bulge.toml"));
     let (mut paper, mut point) = (read()?, read()?);
     paper.layers[0].settings = Settings::paper();
-    point.layers[0].settings.disc = Disc { radius: 0.0, weight: 0.0 };
+    point.layers[0].settings.disc = SmoothingDisc { radius: 0.0, weight: 0.0 };
     let mut strip = RgbImage::from_pixel(3 * SIDE + 2 * GAP, SIDE, image::Rgb([255; 3]));
     for (shot, column) in [paper, point, read()?].into_iter().zip(0..) {
         let whole = rendered(shot, 540, 12)?;
@@ -130,6 +131,7 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
         existing: Existing::Overwrite,
         has_preview: true,
         has_overlay: false,
+        durability: Durability::Cached,
     };
     let tell = |event: Event| {
         if let Event::FrameDone(report) = event {

@@ -1,14 +1,19 @@
-//! All arguments of the program: help, man page and completions come from here.
+//! All arguments of the program: help, manual pages and completions come from here.
+//!
+//! In: words of the command line. Out: one struct of plain values for each command.
 
 use super::frames::{FrameList, Scale};
 use super::warp_args::WarpArgs;
+use crate::image::{Durability, Existing};
 use crate::lattice::Basis;
-use crate::pipeline::Existing;
+use crate::memory::MemoryLimit;
 use crate::raster::DeviceChoice;
+use crate::scene::FileAccess;
+use crate::shot::{CameraRule, Shot, ShotError};
 use clap::builder::TypedValueParser;
 use clap::{ArgAction, Parser, Subcommand};
 use clap_complete::Shell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Warps animated glTF scenes with pins placed on the screen, and writes EXR sequences.
 #[derive(Debug, Parser)]
@@ -18,9 +23,14 @@ pub struct Args {
     #[command(subcommand)]
     pub(super) command: Command,
 
-    /// Says more: -v what is done, -vv every detail.
+    /// Print more: -v what is done, -vv every detail.
     #[arg(short, long, action = ArgAction::Count, global = true)]
     pub(super) verbose: u8,
+
+    /// Memory that pictures and frames may take together: 8G, 512M or a share of what the system has, 50% [default: 75%].
+    /// A frame that needs more fails; the others go on.
+    #[arg(long, value_name = "SIZE", global = true)]
+    pub(super) max_memory: Option<MemoryLimit>,
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 all good, 1 some frames failed, 2 bad input or usage.";
@@ -28,36 +38,80 @@ const EXIT_CODES: &str = "Exit codes: 0 all good, 1 some frames failed, 2 bad in
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Render a shot into an EXR sequence.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp render shot.toml --frames 1 --preview --overlay\n  pinwarp render shot.toml --resume --json"
+    )]
     Render(RenderArgs),
     /// Warp finished frames of any renderer: all their channels, by their meaning.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp warp beauty.####.exr --shot shot.toml -o warped.####.exr\n  pinwarp warp frame.png --lattice arm.lattice.json -o bent.png"
+    )]
     Warp(Box<WarpArgs>),
     /// Write a commented, working shot file for a scene or a picture.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp new character.glb -o shot.toml\n  pinwarp new drawing.png -o shot.toml"
+    )]
     New(NewArgs),
-    /// Tell everything a render would trip over, without rendering.
+    /// Report everything a render would fail on or warn of, without rendering.
+    #[command(after_long_help = "Examples:\n  pinwarp check shot.toml\n  pinwarp check shot.toml --frames 1-48x4")]
     Check(CheckArgs),
     /// Cast a screen point onto the model and print a ready pin.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp pick shot.toml --at-px 960,540\n  pinwarp pick shot.toml --at 0.9,0.5 --write nose --layer head"
+    )]
     Pick(PickArgs),
     /// Solve a bare lattice problem (JSON in, JSON out).
+    #[command(after_long_help = "Examples:\n  pinwarp solve problem.json -o result.json")]
     Solve(SolveArgs),
     /// Deform a problem or a shot's layer with several methods, side by side.
+    #[command(after_long_help = "Examples:\n  pinwarp compare shot.toml --frame 12 -o sheet.png")]
     Compare(CompareArgs),
     /// Write the warp of a shot for other shots and programs.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp export shot.toml --to nuke -o comp/shot.nk\n  pinwarp export shot.toml --to stmap -o maps/m.####.exr --resume"
+    )]
     Export(ExportArgs),
     /// Find the lattice that carries landmarks of one picture or pose onto those of another.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp fit drawing.png render.png --pairs pairs.csv -o drawing.lattice.json"
+    )]
     Fit(FitArgs),
     /// Lay the solved lattices of one shot over a picture, another model or another shot, and render it.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp transfer --lattice arm.lattice.json --onto other.png -o out.####.exr"
+    )]
     Transfer(TransferArgs),
     /// Give the lattices of a file other dims or another basis, and keep the edit.
+    #[command(after_long_help = "Examples:\n  pinwarp resize arm.lattice.json --dims 20,20 -o fine.lattice.json")]
     Resize(ResizeArgs),
+    /// List what a file holds: nodes, clips and cameras of a scene, channels of a picture, layers of a shot.
+    #[command(after_long_help = "Examples:\n  pinwarp info character.glb\n  pinwarp info beauty.0001.exr --json")]
+    Info(InfoArgs),
     /// List what can draw.
+    #[command(
+        after_long_help = "Choose one by its number or a part of its name:\n  pinwarp render shot.toml --device 0\n  pinwarp render shot.toml --device cpu"
+    )]
     Devices,
     /// Print completions for a shell.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp completions bash > ~/.local/share/bash-completion/completions/pinwarp"
+    )]
     Completions {
         /// Which shell.
         shell: Shell,
     },
-    /// Print the man page.
-    Man,
+    /// Print the manual: the pages of all commands, or write them into a folder.
+    #[command(after_long_help = "Examples:\n  pinwarp man | man -l -\n  pinwarp man -o ~/.local/share/man/man1")]
+    Man(ManArgs),
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ManArgs {
+    /// Write one page for each command into this folder, e.g. ~/.local/share/man/man1; default: print them.
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -72,47 +126,128 @@ pub(super) struct RenderArgs {
 #[derive(Debug, clap::Args)]
 pub(super) struct DrawArgs {
     /// Frames to render, e.g. 1-48x2,60; default: the shot's range.
+    ///
+    /// Numbers and ranges with commas between them; 1-48x2 is every second frame from 1 to 48. They are rendered in this
+    /// order, and may lie outside the shot's range, where keys hold.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Size of the picture against the shot's: 1/2, 0.5, 50%.
+    /// Size of the picture relative to the shot's: 1/2, 0.5, 50%.
     #[arg(long, value_name = "FACTOR", default_value = "1")]
     pub(super) scale: Scale,
-    /// Samples a pixel, instead of the shot's.
+    /// Samples per pixel, instead of the shot's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(super) samples: Option<u32>,
     /// Output path, instead of the shot's: frame.####.exr or frame.%04d.exr.
     #[arg(short, long, value_name = "PATH")]
     pub(super) output: Option<PathBuf>,
-    /// What draws: auto, cpu, or a Vulkan device by index or part of its name.
+    /// What draws: auto (a graphics card where there is one, else the CPU), cpu, vulkan (the best Vulkan device, be it a
+    /// software driver), or a Vulkan device by index or part of its name.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]
+    pub(super) camera: CameraArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
+    #[command(flatten)]
     pub(super) existing: ExistingArgs,
+    #[command(flatten)]
+    pub(super) fsync: FsyncArg,
     /// Write an sRGB PNG beside every frame.
     #[arg(long)]
     pub(super) preview: bool,
-    /// Draw lattice, pins, targets and folded cells over the preview.
+    /// Write the preview with the lattice, pins, targets and folded cells drawn over it.
+    ///
+    /// A legend in the lower left corner names the marks. Filled red cells fold where the model lies, outlined ones where
+    /// nothing is seen.
     #[arg(long)]
     pub(super) overlay: bool,
-    /// Print one JSON event a line instead of words and a progress bar.
+    /// Print one JSON event per line instead of words and a progress bar.
+    ///
+    /// Events are started, note, frame_redone, frame_done, frame_failed and finished; the last holds the totals.
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// What happens to frames that are already there; neither: nothing is done.
+/// Which camera sees a shot.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct CameraArg {
+    /// Camera instead of the shot's: one of the scene by name, or a view: front, back, left, right, side, top, bottom,
+    /// three-quarter or fit; front:body fits it to layer `body`.
+    #[arg(long, value_name = "CAMERA", value_parser = clap::builder::NonEmptyStringValueParser::new())]
+    camera: Option<String>,
+}
+
+impl CameraArg {
+    /// Replaces the shot's camera where another one is asked for.
+    pub(super) fn choose(&self, shot: &mut Shot) {
+        if let Some(name) = &self.camera {
+            shot.camera = CameraRule::Named(name.clone());
+        }
+    }
+}
+
+/// Which files a scene may refer to.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct OutsideArg {
+    /// Read buffers and images that the scene names outside its own folder.
+    #[arg(long)]
+    allow_outside: bool,
+}
+
+impl OutsideArg {
+    /// Reads a shot file; its scene may refer to what the user allows.
+    pub(super) fn read(self, path: &Path) -> Result<Shot, ShotError> {
+        Ok(self.allow(Shot::read(path)?))
+    }
+
+    /// The shot, with what the user allows.
+    pub(super) fn allow(self, shot: Shot) -> Shot {
+        Shot { allow_outside: self.allow_outside, ..shot }
+    }
+
+    /// The same for a scene that no shot names.
+    pub(super) const fn access(self) -> FileAccess {
+        if self.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder }
+    }
+}
+
+/// What happens to frames that are already there; without a flag nothing is done.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct ExistingArgs {
-    /// Keep complete frames that are already there, make the rest. Other files are kept as they are.
+    /// Keep the frames that this run would write again, make the rest.
+    ///
+    /// A frame is kept where its file is complete and says that the same version of pinwarp made it from the same state of
+    /// the shot, in the same size, on the same class of device. Every other frame is made again, and the reason is given.
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
+    /// With --resume: read kept frames to the end and compare their pixels with their checksums.
+    #[arg(long, requires = "resume")]
+    verify: bool,
     /// Replace files that are already there.
     #[arg(long)]
     overwrite: bool,
 }
 
+/// When a file counts as written.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct FsyncArg {
+    /// Wait until every frame is on the disk before it gets its name.
+    ///
+    /// Frames then survive a power failure. Without this flag they survive the end of the program, however it ends.
+    #[arg(long)]
+    fsync: bool,
+}
+
+impl From<FsyncArg> for Durability {
+    fn from(arg: FsyncArg) -> Self {
+        if arg.fsync { Self::Synced } else { Self::Cached }
+    }
+}
+
 impl From<ExistingArgs> for Existing {
     fn from(args: ExistingArgs) -> Self {
         match args {
+            ExistingArgs { verify: true, .. } => Self::Verify,
             ExistingArgs { resume: true, .. } => Self::Resume,
             ExistingArgs { overwrite: true, .. } => Self::Overwrite,
             _ => Self::Refuse,
@@ -143,6 +278,19 @@ pub(super) struct NewArgs {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) overwrite: OverwriteArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct InfoArgs {
+    /// A scene (.glb, .gltf), a picture (.exr, .png, .jpg), a shot (.toml) or lattices (.json).
+    pub(super) file: PathBuf,
+    /// Print one JSON object instead of words.
+    #[arg(long)]
+    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -152,6 +300,10 @@ pub(super) struct CheckArgs {
     /// Frames to check, e.g. 1-48x2,60; default: the shot's range.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
+    #[command(flatten)]
+    pub(super) camera: CameraArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -174,6 +326,10 @@ pub(super) struct PickArgs {
     /// Layer that gets the pin; default: the one that claims the surface.
     #[arg(long, value_name = "LAYER")]
     pub(super) layer: Option<String>,
+    #[command(flatten)]
+    pub(super) camera: CameraArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -183,6 +339,8 @@ pub(super) struct SolveArgs {
     /// Where the result goes; default: standard output.
     #[arg(short, long, value_name = "RESULT")]
     pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -210,9 +368,11 @@ pub(super) struct ExportArgs {
     /// Size of maps in pixels, e.g. 1920x1080; default: the shot's, else 1080 lines.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<[u32; 2]>,
-    /// Pixels that maps tell of around the frame.
+    /// Pixels around the frame that maps cover, too.
     #[arg(long, value_name = "PIXELS", default_value = "0", value_parser = clap::value_parser!(u32).range(0..=16384))]
     pub(super) overscan: u32,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 /// What `export` writes.
@@ -234,14 +394,14 @@ pub(super) enum ExportFormat {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct FitArgs {
-    /// What is bent: a picture (its alpha tells the shape), or a shot or scene in one frame.
+    /// What is bent: a picture (its alpha is the shape), or a shot or scene in one frame.
     pub(super) a: PathBuf,
-    /// What it shall look like: a picture or a shot, of which only the size counts.
+    /// What it should look like: a picture or a shot, of which only the size counts.
     pub(super) b: PathBuf,
     /// Points of A and where they are in B: JSON or CSV, see docs/EXPORT.md.
     #[arg(long, value_name = "FILE")]
     pub(super) pairs: PathBuf,
-    /// Handles an axis.
+    /// Handles along each axis.
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "10,10")]
     pub(super) dims: Vec<usize>,
     /// How handles are blended: bspline, bernstein, bilinear or barytri; default: bspline.
@@ -258,6 +418,8 @@ pub(super) struct FitArgs {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) overwrite: OverwriteArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 #[derive(Debug, clap::Args)]
@@ -302,7 +464,7 @@ pub(super) enum FitKind {
 pub(super) struct ResizeArgs {
     /// The lattice file.
     pub(super) lattices: PathBuf,
-    /// Handles an axis: 20,20, or 6,6,6 in the world.
+    /// Handles along each axis: 20,20, or 6,6,6 in the world.
     #[arg(long, value_name = "N,N", value_delimiter = ',', required = true)]
     pub(super) dims: Vec<usize>,
     /// How handles are blended: bspline, bernstein, bilinear or barytri; default: as before.
@@ -320,9 +482,11 @@ pub(super) struct CompareArgs {
     /// A problem (JSON) or a shot (.toml).
     #[arg(value_name = "PROBLEM-OR-SHOT")]
     pub(super) input: PathBuf,
-    /// Picture to draw, a panel each method (PNG).
+    /// Picture to draw, one panel for each method (PNG).
     #[arg(short, long, value_name = "SHEET")]
     pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
     /// Methods, in any order; default: all of hsu, mls, arap, paper, default.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) methods: Vec<String>,
@@ -335,9 +499,11 @@ pub(super) struct CompareArgs {
     /// Layer of a shot; default: its first.
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// Print one JSON object a line and method instead of a table.
+    /// Print one line of JSON for each method instead of a table.
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
 }
 
 /// `auto`, `cpu`, anything else by name.
@@ -345,6 +511,7 @@ pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
     clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
         "auto" => DeviceChoice::Auto,
         "cpu" => DeviceChoice::Cpu,
+        "vulkan" => DeviceChoice::Vulkan,
         _ => DeviceChoice::Named(text),
     })
 }

@@ -1,13 +1,20 @@
-//! `pinwarp check`.
+//! `pinwarp check`: solves every frame and prints what a render would warn of.
+//!
+//! In: a shot and frames. Out: notes, warnings and the worst figures of each layer on standard output.
 
-use super::Outcome;
 use super::args::CheckArgs;
+use super::outcome::Outcome;
+use super::warnings::Warnings;
 use crate::image::SequencePath;
 use crate::pipeline::{Jerk, JerkMeter, LayerReport, Setup, report};
-use crate::shot::Shot;
 use crate::spelling::counted;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+
+/// What the numbers mean.
+const JERK_IN_WORDS: &str = "jerk: how much the acceleration of a point changes from frame to frame, in pixels a frame \
+    cubed. It is 0 in steady motion, and high where a motion starts, stops or flickers. The warp is warned of where it jerks \
+    by more than 2 px and more than 6 times as much as the model and the keys that it follows.";
 
 /// What was worst in a layer over all frames.
 #[derive(Default)]
@@ -35,7 +42,9 @@ impl Peaks {
 }
 
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
-    let setup = Setup::new(Shot::read(&args.shot)?)?;
+    let mut shot = args.outside.read(&args.shot)?;
+    args.camera.choose(&mut shot);
+    let setup = Setup::new(shot)?;
     let shot = &setup.shot;
     let frames = args.frames.clone().map_or_else(|| (shot.frames.first..=shot.frames.last).collect(), |list| list.0);
     let output = SequencePath::parse(&shot.output.path)?;
@@ -52,14 +61,13 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut is_solved = true;
     let mut peaks: BTreeMap<String, Peaks> = BTreeMap::new();
     let mut jerk = JerkMeter::default();
+    let mut warnings = Warnings::default();
     for &frame in &frames {
         match setup.exposed(frame) {
             Ok(moment) => {
                 let mut report = report(&setup, frame, &moment);
                 jerk.watch(&setup, &moment, &mut report);
-                for warning in &report.warnings {
-                    writeln!(out, "warning: frame {frame}: {warning}")?;
-                }
+                report.warnings.iter().for_each(|warning| warnings.add(frame, warning));
                 for layer in report.layers {
                     peaks.entry(layer.layer.clone()).or_default().add(frame, &layer);
                 }
@@ -69,6 +77,9 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
                 writeln!(out, "error: frame {frame}: {error}")?;
             }
         }
+    }
+    for warning in warnings.lines() {
+        writeln!(out, "{warning}")?;
     }
     let triangles: usize = setup.scene.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len()).sum();
     writeln!(
@@ -80,8 +91,11 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
         counted(setup.scene.nodes.len(), "node", "nodes"),
         counted(triangles, "triangle", "triangles")
     )?;
-    for (layer, peaks) in peaks {
+    for (layer, peaks) in &peaks {
         writeln!(out, "layer '{layer}': {}", peaks.words())?;
+    }
+    if peaks.values().any(|peaks| peaks.jerk.is_some()) {
+        writeln!(out, "{JERK_IN_WORDS}")?;
     }
     Ok(if is_solved { Outcome::Complete } else { Outcome::Partial })
 }

@@ -1,28 +1,33 @@
-//! `pinwarp compare`.
+//! `pinwarp compare`: deforms a problem or a shot's layer with several methods.
+//!
+//! In: a problem file, or a shot and a frame. Out: a table or JSON lines; a picture with one panel for each method.
 
-use super::Outcome;
 use super::args::CompareArgs;
-use crate::compare::{self, Entry, Figure, Ink};
+use super::outcome::{Outcome, OutputCutOff};
+use super::outputs;
+use crate::compare::{self, ColorRun, Entry, SheetModel};
 use crate::image::{FileKind, write_png};
 use crate::pipeline::Setup;
-use crate::shot::Shot;
 use crate::solve::Problem;
 use crate::solve::methods::{self, Deformer};
-use crate::solve::problem::{self, Figures};
+use crate::solve::problem_file::{self, Figures};
 use crate::spelling;
 use anyhow::{Context, bail};
 use std::io::Write;
 
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
+    if let Some(path) = &args.output {
+        outputs::allow(&outputs::inputs_of([&args.input]), path, args.overwrite)?;
+    }
     if FileKind::of(&args.input) == Some(FileKind::Shot) {
         return run_shot(args);
     }
-    match problem::read_figure(&args.input)? {
+    match problem_file::read_figure(&args.input)? {
         Figures::Plane(figure) => {
-            let inks: Vec<Ink> = figure.parts.iter().map(|part| (part.triangles, part.color)).collect();
+            let color_runs: Vec<ColorRun> = figure.parts.iter().map(|part| (part.triangles, part.color)).collect();
             let pose = pose(args, &figure)?;
             let (problem, title) = (figure.problem(pose), titled(&figure.name, &pose.name));
-            run_plane(args, &Figure { problem: &problem, inks: &inks, title: &title })
+            run_plane(args, &SheetModel { problem: &problem, color_runs: &color_runs, title: &title })
         }
         Figures::Space(figure) => {
             if let Some(path) = &args.output {
@@ -35,7 +40,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
 
 /// The layer's shape on the screen at the frame asked for.
 fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
-    let shot = Shot::read(&args.input)?;
+    let shot = args.outside.read(&args.input)?;
     let frame = args.frame.unwrap_or(shot.frames.first);
     let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();
     let layer = match &args.layer {
@@ -46,18 +51,22 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
         }
     };
     let title = names.get(layer).map(|name| titled(name, &format!("frame {frame}"))).unwrap_or_default();
-    let Some(posed) = Setup::new(shot)?.layer_problem(layer, f64::from(frame))? else {
+    let setup = Setup::new(shot)?;
+    if let Some(path) = &args.output {
+        setup.inputs()?.refuse(path)?;
+    }
+    let Some(posed) = setup.layer_problem(layer, f64::from(frame))? else {
         bail!(
             "layer {layer} has nothing to solve in frame {frame}: it is out of sight, has no pins that act, or lives in the world"
         );
     };
-    run_plane(args, &Figure { problem: &posed.problem(), inks: &[], title: &title })
+    run_plane(args, &SheetModel { problem: &posed.problem(), color_runs: &[], title: &title })
 }
 
-fn run_plane(args: &CompareArgs, figure: &Figure) -> anyhow::Result<Outcome> {
+fn run_plane(args: &CompareArgs, figure: &SheetModel) -> anyhow::Result<Outcome> {
     let entries = entries(args, figure.problem)?;
     if let Some(path) = &args.output {
-        write_png(path, &compare::sheet(figure, &entries))?;
+        write_png(path, &compare::comparison_sheet(figure, &entries))?;
     }
     print(args, &entries)
 }
@@ -79,8 +88,8 @@ fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Re
     let mut out = std::io::stdout();
     if args.json {
         for entry in entries {
-            let line = serde_json::json!({"method": entry.method, "figures": entry.figures});
-            writeln!(out, "{line}")?;
+            let line = serde_json::json!({"method": entry.method, "figures": entry.metrics});
+            out.write_all((line.to_string() + "\n").as_bytes()).map_err(OutputCutOff)?;
         }
     } else {
         write!(out, "{}", compare::table(entries))?;
@@ -91,8 +100,8 @@ fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Re
 /// The pose asked for, else the first.
 fn pose<'a, const D: usize>(
     args: &CompareArgs,
-    figure: &'a problem::Figure<D>,
-) -> anyhow::Result<&'a problem::FigurePose<D>> {
+    figure: &'a problem_file::Figure<D>,
+) -> anyhow::Result<&'a problem_file::FigurePose<D>> {
     let Some(name) = &args.pose else { return Ok(&figure.poses[0]) };
     let names = figure.poses.iter().map(|pose| pose.name.as_str());
     let hint = spelling::list(names);

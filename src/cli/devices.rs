@@ -1,6 +1,6 @@
 //! `pinwarp devices`.
 
-use super::Outcome;
+use super::outcome::Outcome;
 use crate::raster::vulkan::{self, DeviceInfo};
 use crate::spelling::counted;
 use std::io::{self, Write};

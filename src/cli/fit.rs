@@ -1,11 +1,13 @@
-//! `pinwarp fit`: a lattice from landmarks.
+//! `pinwarp fit`: the lattice that carries landmarks of one picture or pose onto those of another.
+//!
+//! In: two pictures or shots and pairs of points. Out: a lattice file, and how far each landmark is off.
 
 use super::args::FitArgs;
-use super::{Outcome, refuse_existing};
+use super::outcome::Outcome;
+use super::outputs;
 use crate::export::{LandmarkUnit, Landmarks, LatticeFile, LatticeTrack, Track};
-use crate::image::{FileKind, read_any};
-use crate::lattice::Basis;
-use crate::pipeline::{Inputs, Registration, Setup, picture_shape, register};
+use crate::image::{FileKind, Inputs, read_any};
+use crate::pipeline::{Registration, Setup, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
@@ -18,7 +20,7 @@ use std::path::Path;
 /// Frames a second of a lattice file that comes from pictures.
 const PICTURE_RATE: f64 = 24.0;
 
-/// A landmark that is farther off than this, in pixels, is told why.
+/// A landmark farther off than this, in pixels, is reported with the reason.
 const MISSED_PX: f64 = 0.05;
 
 /// What the lattice is laid over.
@@ -32,18 +34,19 @@ struct Subject {
 }
 
 pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
-    let mut inputs = Inputs::default();
-    [&args.a, &args.b, &args.pairs].into_iter().for_each(|input| inputs.add(input));
-    inputs.refuse(&args.output)?;
-    refuse_existing(&args.output, args.overwrite)?;
+    let mut inputs = outputs::inputs_of([&args.a, &args.b, &args.pairs]);
+    outputs::allow(&inputs, &args.output, args.overwrite)?;
     let dims = <[usize; 2]>::try_from(args.dims.as_slice()).ok().with_context(|| {
         let given = counted(args.dims.len(), "number", "numbers");
         format!("--dims has {given}, a lattice of the screen has 2 axes")
     })?;
     let landmarks = Landmarks::read(&args.pairs)?;
-    let subject = subject(args)?;
-    let pairs = pairs(&landmarks, subject.size, size_of(&args.b)?);
-    let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or(Basis::Bspline))?;
+    let subject = subject(args, &mut inputs)?;
+    inputs.refuse(&args.output)?;
+    let size_of_b = size_of(&args.b)?;
+    check_inside(args, &landmarks, [subject.size, size_of_b])?;
+    let pairs = pairs(&landmarks, subject.size, size_of_b);
+    let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or_default())?;
     tell(&landmarks, &found, subject.size)?;
     let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
     let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements: BTreeMap::new() };
@@ -57,9 +60,9 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
 }
 
 /// What `A` shows: a layer of a shot or a scene in one frame, or a picture.
-fn subject(args: &FitArgs) -> anyhow::Result<Subject> {
+fn subject(args: &FitArgs, inputs: &mut Inputs) -> anyhow::Result<Subject> {
     match FileKind::of(&args.a) {
-        Some(FileKind::Shot) => shot_subject(Shot::read(&args.a)?, args),
+        Some(FileKind::Shot) => shot_subject(args.outside.read(&args.a)?, args, inputs),
         Some(FileKind::Scene) => {
             // Quoted as TOML strings are, which JSON's are, too.
             let scene = serde_json::to_string(&args.a.file_name().unwrap_or_default().to_string_lossy())?;
@@ -67,13 +70,13 @@ fn subject(args: &FitArgs) -> anyhow::Result<Subject> {
                 "version = 1\nscene = {scene}\nframes = {{ first = 0, last = 0, rate = 24 }}\nsize = [1920, 1080]\n\
                  [[layer]]\nname = \"all\"\n"
             );
-            shot_subject(Shot::parse(&text, &args.a)?, args)
+            shot_subject(args.outside.allow(Shot::parse(&text, &args.a)?), args, inputs)
         }
         _ => picture_subject(args),
     }
 }
 
-fn shot_subject(shot: Shot, args: &FitArgs) -> anyhow::Result<Subject> {
+fn shot_subject(shot: Shot, args: &FitArgs, inputs: &mut Inputs) -> anyhow::Result<Subject> {
     let names: Vec<String> = shot.layers.iter().map(|layer| layer.name.clone()).collect();
     let layer = match &args.layer {
         Some(name) => names.iter().position(|other| other == name).with_context(|| {
@@ -86,6 +89,8 @@ fn shot_subject(shot: Shot, args: &FitArgs) -> anyhow::Result<Subject> {
     let frame = args.frame.unwrap_or(shot.frames.first);
     let (size, rate) = (shot.size, shot.frames.rate);
     let setup = Setup::new(shot)?;
+    *inputs = setup.inputs()?;
+    [&args.a, &args.b, &args.pairs].into_iter().for_each(|input| inputs.add(input));
     let shape = setup.layer_shape(layer, frame)?;
     if shape.triangles.is_empty() {
         bail!("nothing of layer '{}' is seen in frame {frame} of {}", names[layer], args.a.display());
@@ -121,6 +126,35 @@ fn pairs(landmarks: &Landmarks, a: FrameSize, b: FrameSize) -> Vec<[ScreenPoint;
     landmarks.pairs.iter().map(|pair| [place(a, pair.a), place(b, pair.b) + shift]).collect()
 }
 
+/// Refuses landmarks that lie a whole picture outside of theirs, and warns of others outside: mostly the unit is wrong.
+fn check_inside(args: &FitArgs, landmarks: &Landmarks, sizes: [FrameSize; 2]) -> anyhow::Result<()> {
+    for pair in &landmarks.pairs {
+        for (point, size, path) in [(pair.a, sizes[0], &args.a), (pair.b, sizes[1], &args.b)] {
+            let (extent, unit, other) = match landmarks.unit {
+                LandmarkUnit::Pixels => ([f64::from(size.width), f64::from(size.height)], "pixels", "frame"),
+                LandmarkUnit::Frame => ([size.aspect(), 1.0], "frame heights", "pixels"),
+            };
+            let outside =
+                |reach: f64| (0..2).any(|k| point[k] < -reach * extent[k] || point[k] > (1.0 + reach) * extent[k]);
+            let [x, y] = point;
+            let what = format!(
+                "landmark '{}' at {x},{y} lies outside of {}, which is {} x {} {unit} large",
+                pair.name,
+                path.display(),
+                extent[0],
+                extent[1]
+            );
+            if outside(1.0) {
+                bail!("{}: {what}; correct it, or write unit = \"{other}\"", args.pairs.display());
+            }
+            if outside(0.0) {
+                writeln!(io::stderr(), "warning: {what}")?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// What is left between the points, and what folds.
 fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
@@ -129,7 +163,7 @@ fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow:
         writeln!(out, "  {:<16} {:8.3} px off", pair.name, px(residual))?;
     }
     let name_of = |pin: usize| format!("'{}'", landmarks.pairs[pin].name);
-    let missed = found.report.pin_misses.iter().filter(|miss| px(miss.distance) > MISSED_PX);
+    let missed = found.report.pin_residuals.iter().filter(|miss| px(miss.distance) > MISSED_PX);
     for miss in missed {
         let reason = miss.reason.words(name_of).replace("pin '", "'");
         writeln!(out, "warning: landmark {} is off: {reason}", name_of(miss.pin))?;

@@ -2,6 +2,14 @@
 //!
 //! Exit codes: 0 all good, 1 some frames failed or were not reached, 2 bad input or usage.
 
+/// The standard macro, but for what the program says to people: text in it may come from files, so control characters
+/// are escaped. Every module of the command line uses it; JSON is written as bytes.
+macro_rules! writeln {
+    ($out:expr, $($words:tt)*) => {
+        $out.write_fmt(format_args!("{}\n", crate::spelling::escaped(&format!($($words)*))))
+    };
+}
+
 mod args;
 mod check;
 mod compare;
@@ -9,47 +17,47 @@ mod devices;
 mod export;
 mod fit;
 mod frames;
+mod info;
+mod man;
 mod new;
+mod outcome;
+mod outputs;
 mod pick;
 mod progress;
 mod render;
 mod resize;
 mod solve;
 mod transfer;
+mod warnings;
 mod warp;
 mod warp_args;
 
 pub use args::Args;
 
-use crate::pipeline::Existing;
-use anyhow::bail;
+use crate::memory;
+use crate::shot::ShotError;
 use args::Command;
 use clap::{CommandFactory, Parser};
+use outcome::{Outcome, OutputCutOff, code_of, in_words, is_broken_pipe};
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
 use std::process::ExitCode;
-
-/// What a command ends with, when it does not fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outcome {
-    /// Everything asked for was done.
-    Complete,
-    /// Some frames are missing.
-    Partial,
-}
 
 /// Runs the program on its own arguments.
 #[must_use]
 pub fn main() -> ExitCode {
     let args = Args::parse();
     log_to_stderr(args.verbose);
-    match run(args.command) {
-        Ok(Outcome::Complete) => ExitCode::SUCCESS,
-        Ok(Outcome::Partial) => ExitCode::from(1),
+    args.max_memory.into_iter().for_each(memory::set_limit);
+    let outcome = run(args.command).and_then(|outcome| {
+        io::stdout().flush().map_err(OutputCutOff)?;
+        Ok(outcome)
+    });
+    match outcome {
+        Ok(outcome) => outcome.into(),
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(io::stderr(), "pinwarp: error: {}", in_words(&error));
-            ExitCode::from(2)
+            report_error(&error);
+            code_of(&error)
         }
     }
 }
@@ -67,6 +75,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Fit(args) => fit::run(&args),
         Command::Transfer(args) => transfer::run(&args),
         Command::Resize(args) => resize::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {
             // Into memory first: the generator does not survive a reader that hangs up.
@@ -75,40 +84,21 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
             io::stdout().write_all(&script)?;
             Ok(Outcome::Complete)
         }
-        Command::Man => {
-            clap_mangen::Man::new(Args::command()).render(&mut io::stdout())?;
-            Ok(Outcome::Complete)
-        }
+        Command::Man(args) => man::run(&args),
     }
 }
 
-/// Files are replaced only where the user says so; to resume is not to replace.
-fn refuse_existing(path: &Path, existing: impl Into<Existing>) -> anyhow::Result<()> {
-    if path.exists() && existing.into() != Existing::Overwrite {
-        bail!("{} exists already; use --overwrite to replace it or -o to write another", path.display());
+/// An error, one line for each fault of a shot.
+fn report_error(error: &anyhow::Error) {
+    let lines: Vec<String> = match error.downcast_ref::<ShotError>() {
+        Some(ShotError::Many(faults)) => faults.iter().map(ToString::to_string).collect(),
+        _ => vec![in_words(error)],
+    };
+    let mut out = io::stderr().lock();
+    for (number, line) in lines.iter().enumerate() {
+        let head = if number == 0 { "pinwarp: error: " } else { "" };
+        let _ = writeln!(out, "{head}{line}");
     }
-    Ok(())
-}
-
-/// Whether a file holds that text already: then there is nothing to replace.
-fn holds_text(path: &Path, text: &str) -> bool {
-    std::fs::read_to_string(path).is_ok_and(|there| there == text)
-}
-
-/// The message, and its causes as far as it does not tell them itself.
-fn in_words(error: &anyhow::Error) -> String {
-    error
-        .chain()
-        .skip(1)
-        .map(ToString::to_string)
-        .fold(error.to_string(), |told, cause| if told.contains(&cause) { told } else { format!("{told}: {cause}") })
-}
-
-/// Whoever read our output has seen enough.
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
 }
 
 /// Sends the library's log to stderr: warnings, with -v information, with -vv everything.

@@ -1,12 +1,16 @@
-//! `pinwarp new`.
+//! `pinwarp new`: writes a shot file that renders as it stands.
+//!
+//! In: a scene or a picture. Out: commented TOML with its clips, cameras, nodes and size.
 
 use super::args::NewArgs;
-use super::{Outcome, refuse_existing};
+use super::outcome::Outcome;
+use super::outputs;
 use crate::image::{PictureKind, SequencePath, picture_size, replace_text};
 use crate::scene::{self, Scene};
 use crate::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
 use anyhow::{Context, bail};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -20,15 +24,17 @@ const MAX_FRAME: f32 = 999_999.0;
 const DEFAULT_FRAMES: i32 = 24;
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
+    let mut inputs = outputs::inputs_of([&args.scene]);
     let (facts, warnings) = if is_model(&args.scene) {
-        let scene = scene::load(&args.scene)?;
+        let scene = scene::load_with(&args.scene, args.outside.access())?;
+        scene.files_beside.iter().for_each(|file| inputs.add(file));
         (facts(&scene), scene.warnings)
     } else {
         (image_facts(&args.scene)?, Vec::new())
     };
-    refuse_existing(&args.output, args.overwrite)?;
+    outputs::allow(&inputs, &args.output, args.overwrite)?;
     let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;
-    let text = template::write(&path.to_string_lossy(), &facts);
+    let text = template::write(outputs::as_text(&path)?, &facts);
     replace_text(&args.output, &text)?;
     for warning in &warnings {
         writeln!(std::io::stderr(), "warning: {warning}")?;
@@ -58,6 +64,7 @@ fn image_facts(path: &Path) -> anyhow::Result<TemplateFacts> {
         has_camera: true,
         clips: Vec::new(),
         mesh_nodes: vec![name],
+        spare_nodes: Vec::new(),
         frames: [1, DEFAULT_FRAMES],
         rate: RATE,
         size: picture_size(path)?,
@@ -84,10 +91,21 @@ fn facts(scene: &Scene) -> TemplateFacts {
             .map(|clip| ClipFact { name: clip.name.clone(), secs: clip.end_secs.into() })
             .collect(),
         mesh_nodes: names(|node| node.mesh.is_some()),
+        spare_nodes: spare_nodes(scene),
         frames: [1, frames.max(1)],
         rate: RATE,
         size: FrameSize::new(1920, 1080),
     }
+}
+
+/// Rigid meshes that hang on a joint beside others: the weapons of a character pack, all in one hand.
+fn spare_nodes(scene: &Scene) -> Vec<String> {
+    let joints: BTreeSet<usize> = scene.skins.iter().flat_map(|skin| &skin.joints).copied().collect();
+    let is_rigid = |node: &&scene::Node| node.mesh.is_some() && node.skin.is_none();
+    let place = |node: &scene::Node| node.parent.filter(|parent| joints.contains(parent));
+    let hung = || scene.nodes.iter().filter(is_rigid).filter_map(|node| Some((place(node)?, node)));
+    let is_spare = |parent: usize| hung().filter(|(other, _)| *other == parent).count() > 1;
+    hung().filter(|(parent, _)| is_spare(*parent)).map(|(_, node)| node.name.clone()).collect()
 }
 
 /// The scene's path as seen from the shot file's folder: relative where it lies below it, else absolute.

@@ -1,18 +1,22 @@
-//! `pinwarp pick`.
+//! `pinwarp pick`: casts a screen point onto the model.
+//!
+//! In: a shot, a frame and a point. Out: a pin, printed or put into the shot file.
 
-use super::Outcome;
 use super::args::PickArgs;
+use super::outcome::Outcome;
+use crate::files::{SHOT_BYTES, read_text};
 use crate::image::replace_text;
 use crate::pipeline::Setup;
 use crate::screen::{self, Hit, primitive};
 use crate::shot::{Anchor, Shot, edit};
-use crate::space::{ImagePoint, ScreenPoint};
+use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use anyhow::{Context, bail};
 use glam::DVec3;
 use std::io::Write;
 
 pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
-    let mut shot = Shot::read(&args.shot)?;
+    let mut shot = args.outside.read(&args.shot)?;
+    args.camera.choose(&mut shot);
     // The pins that are there do not matter here, and may be what has to be placed anew.
     shot.layers.iter_mut().for_each(|layer| layer.pins.clear());
     let frame = args.frame.unwrap_or(shot.frames.first);
@@ -46,7 +50,7 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
         ),
         (Some(_), layer) => {
             let path = &args.shot;
-            let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let text = read_text(path, SHOT_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
             let edited = edit::add_pin(&text, layer, name, &anchor)?;
             replace_text(path, &edited)?;
             let layer = layer.unwrap_or_default();
@@ -59,10 +63,19 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
 /// The screen point asked for.
 fn point(args: &PickArgs, shot: &Shot) -> anyhow::Result<ScreenPoint> {
     match (args.at, args.at_px) {
+        (Some([x, y]), _) if is_in_pixels([x, y], shot.size) => bail!(
+            "--at {x},{y} is far outside the frame, which reaches from 0,0 to {:.3},1 frame heights; for pixels use --at-px {x},{y}",
+            shot.size.aspect()
+        ),
         (Some([x, y]), _) => Ok(ScreenPoint::new(x, y)),
         (None, Some([x, y])) => Ok(shot.size.screen_from_image(ImagePoint::new(x, y))),
         (None, None) => bail!("a point is needed: --at X,Y or --at-px X,Y"),
     }
+}
+
+/// Whether a point says pixels where frame heights are meant: nothing that is seen lies so far outside.
+fn is_in_pixels([x, y]: [f64; 2], size: FrameSize) -> bool {
+    x.abs() > 3.0 * size.aspect() || y.abs() > 3.0
 }
 
 /// The picked point in its node's space at rest, as pins store it.

@@ -1,5 +1,9 @@
-//! Tells a render's events: a progress bar on a terminal, plain lines elsewhere, JSON lines on request.
+//! Prints the events of a render or a warp: a progress bar on a terminal, plain lines elsewhere, JSON lines on request.
+//!
+//! In: events, from several threads. Out: lines on standard error; with `--json` on standard output.
 
+use super::outcome::OutputCutOff;
+use super::warnings::kind_of;
 use crate::pipeline::{Event, Summary, WarpEvent, WarpSummary};
 use crate::plate::Holes;
 use crate::spelling::counted;
@@ -8,13 +12,13 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Warnings that every frame repeats are told this often, then counted.
-const REPEATS_TOLD: usize = 3;
+/// Warnings that every frame repeats are printed this often, then counted.
+const REPEATS_TOLD: usize = 1;
 
-/// Tells events as the user wants them.
+/// Prints events in the form the user asked for.
 pub(super) struct Teller {
     is_json: bool,
     bar: ProgressBar,
@@ -22,6 +26,8 @@ pub(super) struct Teller {
     /// Of a warp: what fills holes.
     holes: Holes,
     told: Mutex<BTreeMap<String, usize>>,
+    /// The first line of JSON that could not be printed.
+    failed: Mutex<Option<io::Error>>,
 }
 
 impl Teller {
@@ -31,7 +37,14 @@ impl Teller {
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self { is_json, bar, begun: Instant::now(), holes: Holes::Leave, told: Mutex::default() }
+        Self {
+            is_json,
+            bar,
+            begun: Instant::now(),
+            holes: Holes::Leave,
+            told: Mutex::default(),
+            failed: Mutex::default(),
+        }
     }
 
     /// The same for a warp whose holes something fills.
@@ -39,13 +52,14 @@ impl Teller {
         Self { holes: holes.clone(), ..self }
     }
 
-    /// Tells one event of a render.
+    /// Prints one event of a render.
     pub(super) fn tell(&self, event: &Event) {
         if self.is_json {
-            return print_json(event);
+            return self.print_json(event);
         }
         match event {
             Event::Note { text } => self.line(&format!("note: {text}")),
+            Event::FrameRedone(_) => {}
             Event::Started { device, frames, kept } => self.started(*frames, &format!(" on {device}"), *kept),
             Event::FrameDone(report) => self.frame_done(report.frame, &report.path, &report.warnings),
             Event::FrameFailed { frame, error } => self.frame_failed(*frame, error),
@@ -53,13 +67,14 @@ impl Teller {
         }
     }
 
-    /// Tells one event of a warp.
+    /// Prints one event of a warp.
     pub(super) fn tell_warp(&self, event: &WarpEvent) {
         if self.is_json {
-            return print_json(event);
+            return self.print_json(event);
         }
         match event {
             WarpEvent::Note { text } => self.line(&format!("note: {text}")),
+            WarpEvent::FrameRedone(_) => {}
             WarpEvent::Started { frames, kept } => self.started(*frames, "", *kept),
             WarpEvent::FrameDone(report) => {
                 let found = findings(&self.holes, report.hole_pixels, report.contained_samples);
@@ -102,7 +117,7 @@ impl Teller {
     fn warn(&self, frame: i32, warning: &str) {
         let kind = kind_of(warning);
         let count = {
-            let mut told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             let count = told.entry(kind).or_default();
             *count += 1;
             *count
@@ -114,7 +129,7 @@ impl Teller {
 
     fn finished(&self, totals: &Totals) {
         self.bar.finish_and_clear();
-        let told = self.told.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
             self.line(&format!("warning: {}: {kind}", counted(count - REPEATS_TOLD, "more time", "more times")));
         }
@@ -128,6 +143,26 @@ impl Teller {
         tracing::info!("busy: {}", busy.join(", "));
     }
 
+    /// One line. A reader that has gone away is no reason to stop, nor is a full disk: the frames are what counts.
+    fn print_json(&self, event: &impl Serialize) {
+        let line = serde_json::to_string(event).map_err(io::Error::from);
+        let outcome = line.and_then(|line| io::stdout().lock().write_all((line + "\n").as_bytes()));
+        if let Err(error) = outcome {
+            self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        }
+    }
+
+    /// Whether all events could be printed.
+    ///
+    /// # Errors
+    /// [`OutputCutOff`] where one could not, for another reason than that the reader has gone away.
+    pub(super) fn end(self) -> Result<(), OutputCutOff> {
+        match self.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(OutputCutOff(error)),
+            _ => Ok(()),
+        }
+    }
+
     fn line(&self, text: &str) {
         self.bar.suspend(|| {
             let _ = writeln!(io::stderr(), "{text}");
@@ -135,14 +170,7 @@ impl Teller {
     }
 }
 
-fn print_json(event: &impl Serialize) {
-    if let Ok(line) = serde_json::to_string(event) {
-        // A reader that has gone away is no reason to stop.
-        let _ = writeln!(io::stdout().lock(), "{line}");
-    }
-}
-
-/// What is told of a render or a warp when it ends.
+/// The last line of a render or a warp.
 struct Totals {
     done: usize,
     failed: usize,
@@ -183,19 +211,6 @@ fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl 
         .map(|found| found.1)
 }
 
-/// A warning with every number outside quotes replaced: names may hold digits and tell warnings apart.
-fn kind_of(warning: &str) -> String {
-    let unquoted = |(index, piece): (usize, &str)| {
-        let is_number = |letter: char| letter.is_ascii_digit() || letter == '.';
-        if index % 2 == 1 {
-            piece.to_owned()
-        } else {
-            piece.split(is_number).filter(|s| !s.is_empty()).collect::<Vec<_>>().join("…")
-        }
-    };
-    warning.split('\'').enumerate().map(unquoted).collect::<Vec<_>>().join("'")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,12 +220,5 @@ mod tests {
         let told = |fill: &Holes| findings(fill, 7, 0).collect::<Vec<_>>();
         assert!(told(&Holes::Leave)[0].starts_with("7 pixels"), "{:?}", told(&Holes::Leave));
         assert_eq!((told(&Holes::Geometry), findings(&Holes::Geometry, 7, 2).count()), (Vec::new(), 1));
-    }
-
-    #[test]
-    fn warnings_that_differ_in_numbers_are_of_one_kind() {
-        let one = kind_of("layer 'layer1': pin 'a' is 0.12 px off its target");
-        assert_eq!(one, kind_of("layer 'layer1': pin 'a' is 7.5 px off its target"));
-        assert_ne!(one, kind_of("layer 'layer2': pin 'a' is 0.12 px off its target"));
     }
 }

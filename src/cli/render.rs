@@ -1,7 +1,9 @@
-//! `pinwarp render`.
+//! `pinwarp render`: renders a shot into an EXR sequence.
+//!
+//! In: a shot and what the command line says instead. Out: files; events as they happen.
 
-use super::Outcome;
 use super::args::{DrawArgs, RenderArgs};
+use super::outcome::Outcome;
 use super::progress::Teller;
 use crate::pipeline::{self, RenderOptions, Setup};
 use crate::shot::Shot;
@@ -15,6 +17,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
 /// Renders a shot as asked.
 pub(super) fn draw(mut shot: Shot, args: &DrawArgs) -> anyhow::Result<Outcome> {
     shot.size = args.scale.of(shot.size);
+    args.camera.choose(&mut shot);
+    shot = args.outside.allow(shot);
     shot.samples = args.samples.unwrap_or(shot.samples);
     if let Some(output) = &args.output {
         shot.output.path.clone_from(output);
@@ -25,11 +29,13 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs) -> anyhow::Result<Outcome> {
         existing: args.existing.into(),
         has_preview: args.preview,
         has_overlay: args.overlay,
+        durability: args.fsync.into(),
     };
     let cancel = cancel_on_interrupt()?;
     let setup = Setup::new(shot)?;
     let teller = Teller::new(args.json);
     let summary = pipeline::render(&setup, &options, &cancel, &|event| teller.tell(&event))?;
+    teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }

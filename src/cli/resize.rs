@@ -1,7 +1,10 @@
-//! `pinwarp resize`.
+//! `pinwarp resize`: gives the lattices of a file other dims or another basis.
+//!
+//! In: a lattice file. Out: another, and the greatest change of the warp.
 
 use super::args::ResizeArgs;
-use super::{Outcome, refuse_existing};
+use super::outcome::Outcome;
+use super::outputs;
 use crate::export::{LatticeFile, Track};
 use crate::lattice::{Basis, Lattice};
 use crate::spelling::counted;
@@ -10,7 +13,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
-    refuse_existing(&args.output, args.overwrite)?;
+    outputs::allow(&outputs::inputs_of([&args.lattices]), &args.output, args.overwrite)?;
     let mut file = LatticeFile::read(&args.lattices)?;
     for layer in &mut file.layers {
         let error = match &mut layer.track {

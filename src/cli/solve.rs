@@ -1,13 +1,19 @@
-//! `pinwarp solve`.
+//! `pinwarp solve`: solves a problem file.
+//!
+//! In: JSON. Out: JSON, into a file or on standard output.
 
-use super::Outcome;
 use super::args::SolveArgs;
+use super::outcome::Outcome;
+use super::outputs;
 use crate::image::replace_text;
-use crate::solve::problem;
+use crate::solve::problem_file;
 use std::io::Write;
 
 pub(super) fn run(args: &SolveArgs) -> anyhow::Result<Outcome> {
-    let result = problem::run_file(&args.problem)?;
+    if let Some(path) = &args.output {
+        outputs::allow(&outputs::inputs_of([&args.problem]), path, args.overwrite)?;
+    }
+    let result = problem_file::run_file(&args.problem)?;
     let text = serde_json::to_string(&result)?;
     match &args.output {
         Some(path) => replace_text(path, &(text + "\n"))?,

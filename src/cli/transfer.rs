@@ -2,9 +2,12 @@
 
 use super::args::{FitKind, TransferArgs};
 use super::new::path_between;
-use super::{Outcome, holds_text, refuse_existing, render};
+use super::outcome::Outcome;
+use super::{outputs, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
+use crate::files::{TABLE_BYTES, read_text};
 use crate::image::{FileKind, SequencePath, replace_text};
+use crate::scene;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;
 use crate::spelling;
@@ -66,7 +69,7 @@ fn landmarks(text: &str) -> anyhow::Result<Vec<[ScreenPoint; 2]>> {
     let json = if is_inline {
         text.to_owned()
     } else {
-        std::fs::read_to_string(text).with_context(|| format!("--landmarks: cannot read {text}"))?
+        read_text(Path::new(text), TABLE_BYTES).with_context(|| format!("--landmarks: cannot read {text}"))?
     };
     let pairs: Vec<[[f64; 2]; 2]> = serde_json::from_str(&json).with_context(|| format!("--landmarks: {WANTED}"))?;
     if pairs.is_empty() || pairs.iter().flatten().flatten().any(|number| !number.is_finite()) {
@@ -127,13 +130,25 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     }
     let text = text(args, (file, track, fit), (&path, target))?;
     let shot = Shot::parse(&text, &path)?;
-    let is_kept = args.shot.is_some() || target == FileKind::Scene;
-    if is_kept && !holds_text(&path, &text) {
-        refuse_existing(&path, args.draw.existing)?;
-        replace_text(&path, &text)?;
-        writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
+    if args.shot.is_some() || target == FileKind::Scene {
+        write_shot(args, (&path, &text), target)?;
     }
     Ok(shot)
+}
+
+/// Writes the shot around a picture or a scene, unless it is there already.
+fn write_shot(args: &TransferArgs, (path, text): (&Path, &str), target: FileKind) -> anyhow::Result<()> {
+    let mut inputs = outputs::inputs_of([&args.lattice, &args.onto]);
+    args.landmarks.iter().for_each(|landmarks| inputs.add(Path::new(landmarks)));
+    if target == FileKind::Scene {
+        scene::load(&args.onto)?.files_beside.iter().for_each(|file| inputs.add(file));
+    }
+    outputs::allow_text(&inputs, (path, text), args.draw.existing)?;
+    if !outputs::holds_text(path, text) {
+        replace_text(path, text)?;
+        writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
+    }
+    Ok(())
 }
 
 /// Where the shot lies, or would lie.
@@ -156,7 +171,7 @@ fn text(
     (path, target): (&Path, FileKind),
 ) -> anyhow::Result<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(&path_between(folder, file)?.to_string_lossy()));
+    let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(outputs::as_text(&path_between(folder, file)?)?));
     let frames = match &track.track {
         Track::Screen(lattices) => [lattices.keys().next(), lattices.keys().next_back()].map(|frame| frame.copied()),
         Track::World(_) => [None; 2],

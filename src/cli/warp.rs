@@ -1,6 +1,8 @@
-//! `pinwarp warp`.
+//! `pinwarp warp`: warps finished frames.
+//!
+//! In: plates, and a shot, a lattice file or STMaps. Out: files; events as they happen.
 
-use super::Outcome;
+use super::outcome::Outcome;
 use super::progress::Teller;
 use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
@@ -29,10 +31,12 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         frames: args.frames.clone().map(|list| list.0).unwrap_or_default(),
         existing: args.existing.into(),
         device: args.device.clone(),
+        durability: args.fsync.into(),
     };
     let cancel = cancel_on_interrupt()?;
     let teller = Teller::new(args.json).of_holes(&job.rules.holes);
     let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
+    teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }
@@ -40,7 +44,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
 /// The shot, made ready. A shot over a plate that says no size takes the plate's.
 fn setup(args: &WarpArgs) -> anyhow::Result<Setup> {
     let path = args.shot.as_ref().context("clap asks for one of --shot, --lattice, --stmap")?;
-    let mut shot = Shot::read(path)?;
+    let mut shot = args.outside.read(path)?;
     shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
     if shot.source == Source::Frame && !shot.lines.has("size") {
         let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);

@@ -1,6 +1,6 @@
 //! Arguments of `pinwarp warp`.
 
-use super::args::{ExistingArgs, device_parser};
+use super::args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
 use super::frames::FrameList;
 use crate::plate::{Filter, Matte};
 use crate::raster::DeviceChoice;
@@ -51,7 +51,11 @@ pub(super) struct WarpArgs {
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]
+    pub(super) outside: OutsideArg,
+    #[command(flatten)]
     pub(super) existing: ExistingArgs,
+    #[command(flatten)]
+    pub(super) fsync: FsyncArg,
     /// Print one JSON event a line instead of words and a progress bar.
     #[arg(long)]
     pub(super) json: bool,

@@ -1,30 +1,30 @@
 //! All methods on one problem: the same pins, the same grid, one table and one picture.
 //!
-//! In: a problem and methods. Out: [`Entry`]s, a table, a [`sheet`].
+//! In: a problem and methods. Out: [`Entry`]s, a table, a [`comparison_sheet`].
 
-mod sheet;
+mod comparison_sheet;
 mod table;
 
-pub use sheet::{Figure, Ink, sheet};
+pub use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
 pub use table::table;
 
 use crate::lattice::{Grid, Lattice};
 use crate::solve::methods::{Deformed, Deformer};
-use crate::solve::problem::Measures;
+use crate::solve::problem_file::Measures;
 use crate::solve::{PointPin, Problem, SolveError};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Runs of which the fastest counts: other work on the machine only adds.
+/// Runs per method; the fastest counts, because other load only adds time.
 const RUNS: usize = 3;
 
-/// What one method made of the problem.
+/// The result of one method.
 #[derive(Clone, Debug)]
 pub struct Entry<const D: usize> {
     /// The method's name.
     pub method: &'static str,
-    /// Its figures.
-    pub figures: Figures,
+    /// Its metrics.
+    pub metrics: Metrics,
     /// Its lattice.
     pub lattice: Lattice<D>,
     /// Moved vertices, #vertices.
@@ -33,7 +33,7 @@ pub struct Entry<const D: usize> {
 
 /// How good a result is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Figures {
+pub struct Metrics {
     /// Mean change of a triangle's corner, radians.
     pub angle: f64,
     /// Mean of |σ1σ2 − 1|, weighted by rest area.
@@ -65,19 +65,19 @@ pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Re
         deformed = timed(method, &problem, &mut ms)?;
     }
     let Deformed { lattice, iterations } = deformed;
-    let points: Vec<[f64; D]> = problem.shape.points.iter().map(|&point| lattice.displace(point)).collect();
+    let points: Vec<[f64; D]> = problem.shape.points.iter().map(|&point| lattice.deform(point)).collect();
     let measures = Measures::of(problem.shape, &points);
-    let figures = Figures {
+    let metrics = Metrics {
         angle: measures.ang_rad,
         area: measures.area_abs,
-        pin_error: largest_miss(&lattice, problem.pins) / grid.diagonal(),
+        pin_error: largest_residual(&lattice, problem.pins) / grid.diagonal(),
         flips: measures.flips,
         folded_cells: lattice.folded_cells().len(),
         stray: stray(&lattice),
         iterations,
         ms,
     };
-    Ok(Entry { method: method.name(), figures, lattice, points })
+    Ok(Entry { method: method.name(), metrics, lattice, points })
 }
 
 fn timed<const D: usize>(
@@ -91,15 +91,15 @@ fn timed<const D: usize>(
     Ok(deformed)
 }
 
-fn largest_miss<const D: usize>(lattice: &Lattice<D>, pins: &[PointPin<D>]) -> f64 {
-    let misses = pins.iter().map(|pin| distance(&lattice.displace(pin.at), &pin.target));
-    misses.fold(0.0, f64::max)
+fn largest_residual<const D: usize>(lattice: &Lattice<D>, pins: &[PointPin<D>]) -> f64 {
+    let residuals = pins.iter().map(|pin| distance(&lattice.deform(pin.at), &pin.target));
+    residuals.fold(0.0, f64::max)
 }
 
 /// How far handles leave the rest box, in its diagonals.
 fn stray<const D: usize>(lattice: &Lattice<D>) -> f64 {
     let grid = &lattice.grid;
-    let away = lattice.handles.iter().map(|&handle| distance(&grid.nearest_in_box(handle), &handle));
+    let away = lattice.handles.iter().map(|&handle| distance(&grid.clamp_to_box(handle), &handle));
     away.fold(0.0, f64::max) / grid.diagonal()
 }
 

@@ -3,6 +3,7 @@
 //! In: JSON or CSV. Out: pairs of points, checked; docs/EXPORT.md describes both forms.
 
 use super::ExportError;
+use crate::files::{TABLE_BYTES, read_text};
 use crate::image::FileKind;
 use serde::Deserialize;
 use std::path::Path;
@@ -51,8 +52,8 @@ impl Landmarks {
     /// # Errors
     /// [`ExportError`], naming the file and the line or pair.
     pub fn read(path: &Path) -> Result<Self, ExportError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, TABLE_BYTES);
+        let text = text.map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
         let read = if FileKind::of(path) == Some(FileKind::Csv) { from_csv(&text) } else { from_json(&text) };
         let checked = read.and_then(Self::checked);
         checked.map_err(|(key, what, hint)| ExportError::Invalid {

@@ -4,6 +4,7 @@
 
 use super::ExportError;
 use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
+use crate::files::{LATTICE_BYTES, read_text};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
 use crate::spelling::counted;
@@ -54,8 +55,8 @@ impl LatticeFile {
     /// # Errors
     /// [`ExportError`], naming the file and the key.
     pub fn read(path: &Path) -> Result<Self, ExportError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LATTICE_BYTES);
+        let text = text.map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
         let raw = serde_json::from_str(&text).map_err(|source| ExportError::Json { path: path.to_owned(), source })?;
         check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
     }

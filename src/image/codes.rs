@@ -2,16 +2,22 @@
 //!
 //! In: rows of integers. Out: a PNG file, whole or not at all.
 
-use super::{ImageError, atomic};
+use super::{FrameMetadata, ImageError, atomic, png_note};
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
 use std::path::Path;
 
-/// Writes 16-bit numbers as the red, green and blue of a PNG: `codes` are rows from the top, 3 a pixel.
+/// Writes 16-bit numbers as the red, green and blue of a PNG: `codes` are rows from the top, 3 a pixel. The file notes
+/// which frame it is.
 ///
 /// # Errors
 /// [`ImageError`] where the file cannot be written or the picture has no pixels.
-pub fn write_codes(path: &Path, [width, height]: [u32; 2], codes: &[u16]) -> Result<(), ImageError> {
+pub fn write_codes(
+    path: &Path,
+    [width, height]: [u32; 2],
+    codes: &[u16],
+    metadata: &FrameMetadata,
+) -> Result<(), ImageError> {
     if codes.is_empty() || codes.len() != 3 * width as usize * height as usize {
         return Err(ImageError::frame(path, "the picture has no pixels, or not 3 numbers for each"));
     }
@@ -21,5 +27,5 @@ pub fn write_codes(path: &Path, [width, height]: [u32; 2], codes: &[u16]) -> Res
     PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
         .write_image(&bytes, width, height, ExtendedColorType::Rgb16)
         .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
-    atomic::replace_bytes(path, &file)
+    atomic::replace_bytes(path, &png_note::noted(file, metadata))
 }

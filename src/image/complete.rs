@@ -1,26 +1,18 @@
-//! Tells a finished EXR file from one that was cut off, without decoding pixels.
+//! Distinguishes a finished EXR file from one that was cut off, without decoding pixels.
 //!
-//! In: a path. Out: yes or no; of files that are no EXR files whether they are there. Reads the head, the offset table and a few bytes of each chunk.
+//! In: a path. Out: yes or no. Reads the head, the offset table and a few bytes of each chunk.
 
-use super::PictureKind;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use std::fs::File;
 use std::io::{BufReader, Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
-/// Whether `path` is a readable flat EXR file in which every chunk of pixels is there: what `--resume` keeps. Costs about
-/// a millisecond; does not notice a changed byte inside a chunk.
+/// Whether `path` is a readable flat EXR file in which every chunk of pixels is there. Costs about a millisecond; does not notice
+/// a changed byte inside a chunk.
 #[must_use]
 pub fn is_complete(path: &Path) -> bool {
-    File::open(path).is_ok_and(|file| has_all_chunks(file).unwrap_or(false))
-}
-
-/// Whether a finished file lies at `path`. Files that are no EXR files by their names appear whole or not at all, as this
-/// program writes them; EXR files are looked into with [`is_complete`].
-#[must_use]
-pub fn is_whole(path: &Path) -> bool {
-    if PictureKind::of(path) == Some(PictureKind::Exr) { is_complete(path) } else { path.is_file() }
+    path.is_file() && File::open(path).is_ok_and(|file| has_all_chunks(file).unwrap_or(false))
 }
 
 fn has_all_chunks(mut file: File) -> Result<bool> {

@@ -1,5 +1,6 @@
 //! What can go wrong while pictures are read and written.
 
+use crate::memory::OverBudget;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,24 @@ pub enum ImageError {
         path: PathBuf,
         /// What it holds, and what to export instead.
         what: String,
+    },
+    /// A file that must not be written.
+    #[error("{} {what}; {hint}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        what: String,
+        /// What to do instead.
+        hint: String,
+    },
+    /// The file is sound, but decoding it would take more memory than may be used.
+    #[error("{} {source}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it needs.
+        source: OverBudget,
     },
     /// A path that does not name a frame or a sequence.
     #[error("the path {} {what}", pattern.display())]

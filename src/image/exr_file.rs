@@ -3,7 +3,8 @@
 //! In: an image of the EXR crate whose channels are [`Lines`]. Out: the file, whole or not at all, with the same bytes
 //! every time. Samples are converted line by line, so no copy of the frame is made.
 
-use super::{Channel, ImageError, Storage, atomic, exr_head};
+use super::atomic::{Destination, replace_file};
+use super::{Channel, ImageError, Storage, exr_head};
 use crate::space::PixelRect;
 use crate::spelling::counted;
 use exr::block::lines::LineRefMut;
@@ -16,18 +17,19 @@ use exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::collections::HashSet;
-use std::path::Path;
 
 /// The checks of the crate are left out, since they refuse files that are in use: attributes of standard names and
 /// unusual types. What they look for besides is sound by construction, or checked before.
-pub(super) fn write(path: &Path, image: &Image<Layers<AnyChannels<Lines<'_>>>>) -> Result<(), ImageError> {
-    atomic::replace_file(path, |mut file| {
+pub(super) fn write(to: Destination, image: &Image<Layers<AnyChannels<Lines<'_>>>>) -> Result<(), ImageError> {
+    let path = to.path;
+    replace_file(to, |mut file| {
         let writer = image.write().skip_compatibility_checks();
         writer.to_unbuffered(&mut file).map_err(|failed| match failed {
             exr::error::Error::Io(source) => ImageError::writing(path, source),
             other => ImageError::frame(path, other.to_string()),
         })?;
-        exr_head::sort_attributes(file).map_err(|source| ImageError::writing(path, source))
+        let stamped = exr_head::sort_attributes(file).and_then(|checksums| exr_head::stamp(file, &checksums));
+        stamped.map_err(|source| ImageError::writing(path, source))
     })
 }
 

@@ -2,7 +2,8 @@
 //!
 //! In: a path. Out: the head of the file, or [`ImageError`].
 
-use super::ImageError;
+use super::{ImageError, exr_head};
+use crate::memory;
 use exr::block::chunk::CompressedBlock;
 use exr::meta::MetaData;
 use exr::meta::attribute::Compression;
@@ -14,6 +15,7 @@ use std::path::Path;
 /// The head of a file whose pixels may be read: what it promises fits into memory, and its DWA chunks are sane.
 pub(super) fn checked_head(path: &Path) -> Result<MetaData, ImageError> {
     let head = read_head(path)?;
+    head.headers.iter().try_for_each(|header| check_codec(path, header))?;
     check_size(path, &head)?;
     if head.headers.iter().any(is_dwa) {
         check_dwa(path, &head.headers)?;
@@ -23,7 +25,36 @@ pub(super) fn checked_head(path: &Path) -> Result<MetaData, ImageError> {
 
 /// The head alone, unchecked.
 pub(super) fn read_head(path: &Path) -> Result<MetaData, ImageError> {
-    MetaData::read_from_file(path, false).map_err(|failed| read_error(path, failed))
+    crate::files::check_regular(path).map_err(|source| ImageError::reading(path, source))?;
+    MetaData::read_from_file(path, false).map_err(|failed| match unknown_codec(path) {
+        Some(name) => unreadable(path, &name),
+        None => read_error(path, failed),
+    })
+}
+
+/// Names of compressions by their numbers in files, from 10 on (OpenEXR 3.5, ImfCompression.h): none is read.
+const NEWER_CODECS: [&str; 4] = ["HTJ2K256", "HTJ2K32", "LJ2K", "ZSTD"];
+
+/// The first compression of a head that is newer than the reader; `None`: there is none, or the head is damaged.
+fn unknown_codec(path: &Path) -> Option<String> {
+    let codes = exr_head::compressions(&mut BufReader::new(File::open(path).ok()?)).ok()?;
+    let code = codes.into_iter().find(|code| *code >= 10)?;
+    let name = NEWER_CODECS.get(usize::from(code) - 10);
+    Some(name.map_or_else(|| format!("number {code}"), |name| (*name).to_owned()))
+}
+
+fn unreadable(path: &Path, codec: &str) -> ImageError {
+    let what = format!("its compression ({codec}) is not supported yet; save it again with ZIP compression");
+    ImageError::unsupported(path, what)
+}
+
+/// The reader knows some compressions by name only.
+fn check_codec(path: &Path, header: &Header) -> Result<(), ImageError> {
+    match header.compression {
+        Compression::HTJ2K32 => Err(unreadable(path, "HTJ2K32")),
+        Compression::HTJ2K256 => Err(unreadable(path, "HTJ2K256")),
+        _ => Ok(()),
+    }
 }
 
 /// One wrong byte in the head may promise a picture of petabytes: nothing is believed that such a file cannot hold, and the
@@ -31,11 +62,14 @@ pub(super) fn read_head(path: &Path) -> Result<MetaData, ImageError> {
 fn check_size(path: &Path, head: &MetaData) -> Result<(), ImageError> {
     let parts = head.headers.iter().map(|header| {
         let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
-        (pixels * header.channels.bytes_per_pixel as u128, best_ratio(header.compression))
+        let bytes = pixels * header.channels.bytes_per_pixel as u128;
+        (bytes, pixels * header.channels.list.len() as u128, best_ratio(header.compression))
     });
-    let (bytes, ratio) = parts.fold((0, 1), |(sum, best), (bytes, ratio)| (sum + bytes, ratio.max(best)));
+    let (bytes, samples, ratio) =
+        parts.fold((0, 0, 1), |(bytes, samples, ratio), part| (bytes + part.0, samples + part.1, ratio.max(part.2)));
     check_promise(path, bytes, ratio)?;
-    check_memory(path, bytes)
+    // As they are stored, and as floats.
+    check_memory(path, bytes + 4 * samples)
 }
 
 /// Bytes of pixels that a byte of a chunk becomes at the very best.
@@ -67,14 +101,9 @@ pub(super) fn check_promise(path: &Path, bytes: u128, ratio: u128) -> Result<(),
     Err(ImageError::damaged(path, what))
 }
 
-/// Whether there is room for so many bytes of pixels.
+/// Whether a picture may take so many bytes while it is decoded.
 pub(super) fn check_memory(path: &Path, bytes: u128) -> Result<(), ImageError> {
-    let is_there_memory = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
-    if is_there_memory {
-        return Ok(());
-    }
-    let what = format!("its head promises {} MB of pixels, more than this machine can hold", bytes / 1_000_000);
-    Err(ImageError::damaged(path, what))
+    memory::check(bytes).map_err(|source| ImageError::TooLarge { path: path.to_owned(), source })
 }
 
 /// A DWA chunk begins with nine sizes that the reader believes as they stand. Goes through the chunks without decoding.
@@ -84,16 +113,28 @@ fn check_dwa(path: &Path, headers: &[Header]) -> Result<(), ImageError> {
     let reader = exr::block::read(BufReader::new(file), false).map_err(damaged)?;
     for chunk in reader.all_chunks(false).map_err(damaged)? {
         let chunk = chunk.map_err(damaged)?;
+        let is_stored_raw = |header: &Header| raw_bytes(header, &chunk.compressed_block);
         let bytes = match &chunk.compressed_block {
             CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
             CompressedBlock::Tile(block) => &block.compressed_pixels_le,
             _ => continue,
         };
-        if headers.get(chunk.layer_index).is_some_and(|header| is_dwa(header) && !are_dwa_sizes_sane(header, bytes)) {
+        let is_sane = |header: &Header| {
+            // What does not become smaller is stored as it is.
+            is_stored_raw(header) == Some(bytes.len()) || are_dwa_sizes_sane(header, bytes)
+        };
+        if headers.get(chunk.layer_index).is_some_and(|header| is_dwa(header) && !is_sane(header)) {
             return Err(ImageError::damaged(path, "a DWA chunk promises more than its block can hold"));
         }
     }
     Ok(())
+}
+
+/// Bytes of a block that is not compressed.
+fn raw_bytes(header: &Header, block: &CompressedBlock) -> Option<usize> {
+    let place = header.get_block_data_indices(block).ok()?;
+    let pixels = header.get_absolute_block_pixel_coordinates(place).ok()?.size;
+    pixels.width().checked_mul(pixels.height())?.checked_mul(header.channels.bytes_per_pixel)
 }
 
 fn is_dwa(header: &Header) -> bool {

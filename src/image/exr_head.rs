@@ -1,9 +1,8 @@
 //! The head of an EXR file, put into an order that is the same every time.
 //!
 //! In: a file that the EXR crate wrote. Out: the same file; the attributes of each part stand in the order of their
-//! names, as OpenEXR's own library writes them.
-//!
-//! The crate keeps attributes that it does not know in hash maps, so they are written in random order.
+//! names, as OpenEXR's own library writes them (the crate writes custom ones in random order), and the attribute
+//! [`CHECKSUM`] holds the checksum of all that follows the head.
 
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 
@@ -16,34 +15,126 @@ const SEVERAL_PARTS: u32 = 1 << 12;
 /// The longest name that needs no flag.
 const SHORT_NAME: usize = 31;
 
+/// The attribute that holds the checksum of everything behind the head: offset tables and pixels.
+pub(super) const CHECKSUM: &str = "pinwarpChecksum";
+/// Hexadecimal digits of a checksum.
+pub(super) const CHECKSUM_DIGITS: usize = 8;
+
+/// Where the head ends, and where it holds checksums, bytes from the start of the file.
+#[derive(Debug, Default)]
+pub(super) struct Checksums {
+    pub(super) head_end: u64,
+    pub(super) places: Vec<u64>,
+}
+
 /// Sorts the attributes of each header. The head keeps its size, so that offsets of chunks stay valid. Says in the
 /// version field where channels have long names: the crate looks at the names of attributes only.
-pub(super) fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> Result<()> {
-    file.seek(SeekFrom::Start(4))?;
-    let mut reader = BufReader::new(&mut *file);
-    let mut version = u32::from_le_bytes(read_array(&mut reader)?);
+pub(super) fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> Result<Checksums> {
+    let mut head = Head::read(file)?;
+    if head.headers.iter().flatten().any(Attribute::has_long_channel_names) {
+        head.version |= LONG_NAMES;
+    }
+    head.headers.iter_mut().for_each(|header| header.sort_by(|a, b| a.name.cmp(&b.name)));
     let mut sorted = Vec::new();
-    loop {
-        let mut header = read_header(&mut reader)?;
-        // The zero byte that ends the list of headers looks like one more header, without attributes.
-        if header.is_empty() {
-            break;
-        }
-        if header.iter().any(Attribute::has_long_channel_names) {
-            version |= LONG_NAMES;
-        }
-        header.sort_by(|a, b| a.name.cmp(&b.name));
+    for header in &head.headers {
         header.iter().for_each(|attribute| sorted.extend_from_slice(&attribute.bytes));
         sorted.push(0);
-        if version & SEVERAL_PARTS == 0 {
-            break;
+    }
+    file.seek(SeekFrom::Start(4))?;
+    file.write_all(&head.version.to_le_bytes())?;
+    file.seek(SeekFrom::Start(HEADER_START))?;
+    file.write_all(&sorted)?;
+    Ok(head.checksums())
+}
+
+/// Finds the checksums in the head of a file.
+pub(super) fn find_checksums(file: &mut (impl Read + Seek)) -> Result<Checksums> {
+    Ok(Head::read(file)?.checksums())
+}
+
+/// Computes the checksum of a written file and puts it in its places; nothing is done where there is none.
+pub(super) fn stamp(file: &mut (impl Read + Write + Seek), checksums: &Checksums) -> Result<()> {
+    if checksums.places.is_empty() {
+        return Ok(());
+    }
+    let digits = checksum(file, checksums.head_end)?;
+    for &place in &checksums.places {
+        file.seek(SeekFrom::Start(place))?;
+        file.write_all(digits.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// CRC-32 of all bytes from `start` to the end of the file, in hexadecimal digits.
+pub(super) fn checksum(file: &mut (impl Read + Seek), start: u64) -> Result<String> {
+    file.seek(SeekFrom::Start(start))?;
+    let mut hasher = crc32fast::Hasher::new();
+    let mut reader = BufReader::with_capacity(1 << 20, file);
+    loop {
+        let bytes = reader.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(format!("{:08x}", hasher.finalize()));
+        }
+        hasher.update(bytes);
+        let count = bytes.len();
+        reader.consume(count);
+    }
+}
+
+/// All headers of a file, as they stand in it.
+struct Head {
+    version: u32,
+    headers: Vec<Vec<Attribute>>,
+}
+
+impl Head {
+    fn read(file: &mut (impl Read + Seek)) -> Result<Self> {
+        file.seek(SeekFrom::Start(4))?;
+        let mut reader = BufReader::new(&mut *file);
+        let version = u32::from_le_bytes(read_array(&mut reader)?);
+        let mut headers = Vec::new();
+        loop {
+            let header = read_header(&mut reader)?;
+            // The zero byte that ends the list of headers looks like one more header, without attributes.
+            if header.is_empty() {
+                break;
+            }
+            headers.push(header);
+            if version & SEVERAL_PARTS == 0 {
+                break;
+            }
+        }
+        Ok(Self { version, headers })
+    }
+
+    fn checksums(&self) -> Checksums {
+        let (mut at, mut places) = (HEADER_START, Vec::new());
+        for header in &self.headers {
+            for attribute in header {
+                if attribute.is_checksum() {
+                    places.push(at + attribute.value as u64);
+                }
+                at += attribute.bytes.len() as u64;
+            }
+            at += 1;
+        }
+        let list_end = u64::from(self.version & SEVERAL_PARTS != 0);
+        Checksums { head_end: at + list_end, places }
+    }
+}
+
+/// The number of each part's compression.
+pub(super) fn compressions(reader: &mut impl BufRead) -> Result<Vec<u8>> {
+    let [_, version] = [read_array(reader)?, read_array(reader)?].map(u32::from_le_bytes);
+    let mut found = Vec::new();
+    loop {
+        let header = read_header(reader)?;
+        let codec = header.iter().find(|attribute| attribute.name == b"compression");
+        found.extend(codec.and_then(|codec| codec.bytes.get(codec.value)));
+        if header.is_empty() || version & SEVERAL_PARTS == 0 {
+            return Ok(found);
         }
     }
-    drop(reader);
-    file.seek(SeekFrom::Start(4))?;
-    file.write_all(&version.to_le_bytes())?;
-    file.seek(SeekFrom::Start(HEADER_START))?;
-    file.write_all(&sorted)
 }
 
 /// An attribute as it stands in the file.
@@ -57,6 +148,10 @@ struct Attribute {
 }
 
 impl Attribute {
+    fn is_checksum(&self) -> bool {
+        self.name == CHECKSUM.as_bytes() && self.bytes.len() - self.value == CHECKSUM_DIGITS
+    }
+
     /// A channel list holds, for each channel, its name, a zero byte, and 16 bytes of what it is; a zero byte ends it.
     fn has_long_channel_names(&self) -> bool {
         let mut rest = if self.name == b"channels" { &self.bytes[self.value..] } else { &[] };
@@ -146,6 +241,26 @@ mod tests {
             let list = ["A", &"n".repeat(length)].map(|name| [name.as_bytes(), &[0; 17]].concat()).concat();
             let head = [attribute("channels", &[list, vec![0]].concat()), vec![0]];
             assert_eq!(sorted(2, &head), file(version, &head), "{length}");
+        }
+    }
+
+    #[test]
+    fn checksums_cover_all_that_follows_the_head() {
+        let sum = attribute(CHECKSUM, b"00000000");
+        let [a, end] = [attribute("a", b"one"), vec![0]];
+        for (version, head) in [
+            (2, vec![sum.clone(), a.clone(), end.clone()]),
+            (2 | SEVERAL_PARTS, vec![a.clone(), sum.clone(), end.clone(), sum, a, end.clone(), end]),
+        ] {
+            let mut cursor = Cursor::new(file(version, &head));
+            let found = sort_attributes(&mut cursor).expect("a sound head");
+            assert_eq!(found.head_end as usize, cursor.get_ref().len() - b"chunks".len());
+            stamp(&mut cursor, &found).expect("stamped");
+            assert_eq!(find_checksums(&mut cursor).expect("sound").places, found.places);
+            let digits = format!("{:08x}", crc32fast::hash(b"chunks"));
+            for place in found.places {
+                assert_eq!(&cursor.get_ref()[place as usize..][..CHECKSUM_DIGITS], digits.as_bytes());
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 //! In: [`Frame`], [`FrameMetadata`], [`Compression`]. Out: a scan-line file with the lines in increasing order,
 //! compressed on all cores. Samples are converted line by line, so no copy of the frame is made.
 
+use super::atomic::Destination;
 use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
 use super::{Channel, Compression, Frame, FrameMetadata, ImageError, Storage, metadata};
 use crate::space::{FrameSize, PixelRect};
@@ -11,9 +12,8 @@ use exr::math::Vec2;
 use exr::meta::attribute::{IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::borrow::Cow;
-use std::path::Path;
 
-/// Writes `frame` to `path`: under a temporary name, then renamed, so a file of that name is always whole. Missing
+/// Writes `frame`: under a temporary name, then renamed, so a file of that name is always whole. Missing
 /// folders are made. The same frame and metadata give the same bytes every time.
 ///
 /// An empty frame (area 0) is written as one pixel that holds nothing. What a file cannot hold is contained: NaN
@@ -26,16 +26,17 @@ use std::path::Path;
 /// # Errors
 /// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the frame is
 /// malformed.
-pub fn write_exr(
-    path: &Path,
+pub fn write_exr<'a>(
+    to: impl Into<Destination<'a>>,
     frame: &Frame,
     metadata: &FrameMetadata,
     compression: Compression,
 ) -> Result<(), ImageError> {
-    check(frame).map_err(|what| ImageError::frame(path, what))?;
+    let to = to.into();
+    check(frame).map_err(|what| ImageError::frame(to.path, what))?;
     let frame = with_a_pixel(frame);
     let image = exr_image(&frame, metadata, compression);
-    exr_file::write(path, &image)
+    exr_file::write(to, &image)
 }
 
 /// What EXR demands; the message says what is wrong.

@@ -1,4 +1,4 @@
-//! Kinds of files, told by the endings of their names: one table for the whole program.
+//! Kinds of files by the endings of their names: one table for the whole program.
 //!
 //! In: paths. Out: what a file holds, or a message that names what can be used instead.
 

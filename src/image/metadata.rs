@@ -5,12 +5,12 @@
 
 use super::cryptomatte::MatteHeader;
 use super::exr_file::text;
+use super::own;
 use crate::space::{FrameSize, ScreenPoint};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::Vec2;
 use glam::{DMat4, DVec4};
-use serde::{Deserialize, Serialize};
 
 /// What is written beside the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub struct FrameMetadata {
     pub frames_per_second: f64,
     /// Digest of the shot and all it refers to.
     pub shot_hash: String,
-    /// What drew the frame: `CPU`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// The class of device that drew the frame, the same on every machine: `CPU`, `Vulkan`.
     pub device: String,
     /// The camera, where there is one.
     pub camera: Option<CameraMatrices>,
@@ -37,18 +37,6 @@ pub struct CameraMatrices {
     /// Scene space to homogeneous screen space (x·w, y·w, z·w, w): frame heights, y up.
     pub screen_from_scene: DMat4,
 }
-
-/// Our own fields, in the order in which they are written.
-#[derive(Deserialize, Serialize)]
-#[serde(rename_all = "camelCase")]
-struct OwnFields {
-    frame: i32,
-    shot_hash: String,
-    device: String,
-}
-
-/// The attribute that holds [`OwnFields`].
-const OWN_ATTRIBUTE: &str = "pinwarp";
 
 impl FrameMetadata {
     pub(super) fn add_to_layer(&self, layer: &mut LayerAttributes, frame: FrameSize) {
@@ -66,16 +54,12 @@ impl FrameMetadata {
 
     /// What resuming asks for, and nothing that a plate of another program says itself.
     pub(super) fn add_own_fields(&self, layer: &mut LayerAttributes) {
-        let own = OwnFields { frame: self.frame, shot_hash: self.shot_hash.clone(), device: self.device.clone() };
-        if let Ok(json) = serde_json::to_string(&own) {
-            layer.other.insert(Text::from(OWN_ATTRIBUTE), AttributeValue::Text(text(&json)));
-        }
+        own::put(layer, self);
     }
 
     /// `None` where the file is not one of pinwarp's own. The camera is not read back.
     pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Self> {
-        let AttributeValue::Text(json) = layer.other.get(&Text::from(OWN_ATTRIBUTE))? else { return None };
-        let own: OwnFields = serde_json::from_slice(json.as_slice()).ok()?;
+        let own = own::from_layer(layer)?;
         let rate = layer.frames_per_second.map_or(0.0, |(count, secs)| f64::from(count) / f64::from(secs.max(1)));
         Some(Self {
             frame: own.frame,

@@ -4,6 +4,7 @@
 //! Samples that a file cannot hold are contained, never refused: [`write_exr`] says how.
 
 mod atomic;
+mod channels;
 mod codes;
 mod complete;
 pub mod cryptomatte;
@@ -15,34 +16,43 @@ mod exr_head;
 mod exr_read;
 mod exr_write;
 mod font;
+mod guard;
+mod kept;
 mod kind;
 mod metadata;
+mod own;
 mod picture;
 mod plate;
 mod plate_read;
 mod plate_write;
+mod png_note;
 mod preview;
 mod sequence;
 mod size;
 mod srgb;
 mod window;
 
-pub use atomic::{replace_bytes, replace_text};
+pub(crate) use atomic::remove_stale;
+pub use atomic::{Destination, Durability, replace_bytes, replace_text};
+pub use channels::{ChannelGroup, ChannelSpec};
 pub use codes::write_codes;
-pub use complete::{is_complete, is_whole};
+pub use complete::is_complete;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
+pub use guard::Existing;
+pub(crate) use guard::{Inputs, is_there};
+pub(crate) use kept::{Depth, Expected, Redo, check_kept};
 pub use kind::{FileKind, PictureKind};
 pub use metadata::{CameraMatrices, FrameMetadata};
 pub use picture::{read_any, read_any_head, read_picture, write_any, write_picture};
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;
 pub use plate_write::write_plate;
-pub use preview::{Preview, png_bytes, preview, write_png};
+pub use preview::{Preview, png_bytes, preview, write_frame_preview, write_png};
 pub use sequence::SequencePath;
-pub use size::picture_size;
+pub use size::{PictureExtent, picture_extent, picture_size};
 
 use crate::space::PixelRect;
 

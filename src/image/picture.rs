@@ -2,8 +2,11 @@
 //!
 //! In: a path. Out: [`Plate`] of R, G, B and, where the picture has it, A: scene-linear, associated alpha; and back.
 
+use super::atomic::{Destination, replace_file};
 use super::srgb::{linear_from_srgb, srgb_from_linear};
-use super::{Channel, Frame, ImageError, PictureKind, Plate, PlatePart, Storage, atomic, exr_guard, metadata};
+use super::{
+    Channel, Frame, FrameMetadata, ImageError, PictureKind, Plate, PlatePart, Storage, exr_guard, metadata, png_note,
+};
 use crate::space::PixelRect;
 use ::image::codecs::jpeg::JpegEncoder;
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -29,6 +32,7 @@ const BEST_RATIO: u128 = 8300;
 pub fn read_picture(path: &Path) -> Result<Plate, ImageError> {
     let io = |source| ImageError::reading(path, source);
     let failed = |failed| picture_error(path, failed);
+    crate::files::check_regular(path).map_err(io)?;
     let mut reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(io)?;
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(failed)?;
@@ -90,11 +94,13 @@ fn unit(code: u16) -> f32 {
 ///
 /// Values are clipped at 1. Light that is stronger than its alpha gets the alpha it needs to show, as in
 /// [`super::preview`]. A picture read by [`read_picture`] and written as PNG comes back the same, code by code, colours
-/// under alpha 0 too; grey ones become colour.
+/// under alpha 0 too; grey ones become colour. A PNG notes what [`Plate::set_metadata`] said.
 ///
 /// # Errors
 /// [`ImageError`] where the file cannot be written, the plate has no colour, or the ending is neither.
-pub fn write_picture(path: &Path, plate: &Plate) -> Result<(), ImageError> {
+pub fn write_picture<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
+    let to = to.into();
+    let path = to.path;
     let colour = Colour::of(plate).ok_or_else(|| ImageError::frame(path, "it has no channels R, G, B or Y to show"))?;
     let mut bytes = Vec::new();
     match PictureKind::of(path) {
@@ -103,7 +109,11 @@ pub fn write_picture(path: &Path, plate: &Plate) -> Result<(), ImageError> {
         _ => return Err(ImageError::frame(path, "pictures end in .png, .jpg or .jpeg")),
     }
     .map_err(|failed| ImageError::frame(path, failed.to_string()))?;
-    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+    let metadata = plate.parts.first().and_then(|part| FrameMetadata::from_layer(&part.attributes));
+    if let (Some(PictureKind::Png), Some(metadata)) = (PictureKind::of(path), metadata) {
+        bytes = png_note::noted(bytes, &metadata);
+    }
+    replace_file(to, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
 }
 
 /// What of a part is shown.
@@ -209,9 +219,10 @@ pub fn read_any_head(path: &Path) -> Result<Plate, ImageError> {
 ///
 /// # Errors
 /// [`ImageError`] as [`super::write_plate`], [`write_picture`] and [`PictureKind::known`] give.
-pub fn write_any(path: &Path, plate: &Plate) -> Result<(), ImageError> {
-    match PictureKind::known(path)? {
-        PictureKind::Exr => super::write_plate(path, plate),
-        PictureKind::Png | PictureKind::Jpeg => write_picture(path, plate),
+pub fn write_any<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
+    let to = to.into();
+    match PictureKind::known(to.path)? {
+        PictureKind::Exr => super::write_plate(to, plate),
+        PictureKind::Png | PictureKind::Jpeg => write_picture(to, plate),
     }
 }

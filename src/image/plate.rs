@@ -157,6 +157,24 @@ impl PlatePart {
         }
     }
 
+    /// The compression of its pixels, as OpenEXR calls it: `zip`.
+    #[must_use]
+    pub fn compression(&self) -> String {
+        match self.encoding.compression {
+            exr::prelude::Compression::Uncompressed => "none".to_owned(),
+            exr::prelude::Compression::RLE => "rle".to_owned(),
+            exr::prelude::Compression::ZIP1 => "zips".to_owned(),
+            exr::prelude::Compression::ZIP16 => "zip".to_owned(),
+            exr::prelude::Compression::PIZ => "piz".to_owned(),
+            exr::prelude::Compression::PXR24 => "pxr24".to_owned(),
+            exr::prelude::Compression::B44 => "b44".to_owned(),
+            exr::prelude::Compression::B44A => "b44a".to_owned(),
+            exr::prelude::Compression::DWAA(_) => "dwaa".to_owned(),
+            exr::prelude::Compression::DWAB(_) => "dwab".to_owned(),
+            other => format!("{other:?}").to_lowercase(),
+        }
+    }
+
     /// The channel of that name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {

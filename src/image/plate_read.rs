@@ -69,6 +69,7 @@ fn part_head(path: &Path, header: Header) -> Result<PlatePart, ImageError> {
         samples: Vec::new(),
     });
     let mut part = PlatePart::new(data_window, channels.collect());
+    part.encoding.compression = header.compression;
     part.attributes = header.own_attributes;
     part.name = part.attributes.layer_name.take().as_ref().map(string);
     part.view = part.attributes.view_name.take().as_ref().map(string);

@@ -2,6 +2,7 @@
 //!
 //! In: [`Plate`]. Out: a file with the same parts, channels, attributes, compression and tiles.
 
+use super::atomic::Destination;
 use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
 use super::{Channel, ImageError, Plate, PlatePart};
 use crate::space::PixelRect;
@@ -10,9 +11,8 @@ use exr::math::Vec2;
 use exr::meta::attribute::{IntegerBounds, LineOrder};
 use std::borrow::Cow;
 use std::collections::HashSet;
-use std::path::Path;
 
-/// Writes `plate` to `path` as [`super::write_exr`] does: whole or not at all, the same bytes every time.
+/// Writes `plate` as [`super::write_exr`] does: whole or not at all, the same bytes every time.
 ///
 /// Each part keeps its compression, lossy ones too, and its tiles. Tiles in random order come out in increasing order.
 /// A part without pixels is written as one pixel that holds nothing. NaN and infinities are passed on as they came;
@@ -21,14 +21,15 @@ use std::path::Path;
 /// # Errors
 /// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the plate is
 /// malformed: no parts, parts of one name, samples that do not fit their window.
-pub fn write_plate(path: &Path, plate: &Plate) -> Result<(), ImageError> {
-    check(plate).map_err(|what| ImageError::frame(path, what))?;
+pub fn write_plate<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
+    let to = to.into();
+    check(plate).map_err(|what| ImageError::frame(to.path, what))?;
     let parts: Vec<_> = plate.parts.iter().map(|part| with_a_pixel(part, plate.display)).collect();
     let mut shared = plate.attributes.clone();
     shared.display_window = IntegerBounds::new(Vec2(plate.display.x, plate.display.y), size_of(plate.display));
     shared.pixel_aspect = plate.pixel_aspect as f32;
     let layers = parts.iter().map(|part| exr_layer(part)).collect();
-    exr_file::write(path, &Image { attributes: shared, layer_data: layers })
+    exr_file::write(to, &Image { attributes: shared, layer_data: layers })
 }
 
 /// What EXR demands; the message says what is wrong.
@@ -47,7 +48,7 @@ fn check(plate: &Plate) -> Result<(), String> {
     Ok(())
 }
 
-/// Files of several parts tell them apart by name.
+/// In files of several parts each has a name of its own.
 fn check_names(parts: &[PlatePart]) -> Result<(), String> {
     let mut names = HashSet::new();
     for part in parts.iter().filter(|_| parts.len() > 1) {

@@ -2,11 +2,11 @@
 //!
 //! In: [`Frame`] (scene-linear, associated alpha). Out: [`Preview`], the size of the display window; PNG files.
 
+use super::atomic::{self, Destination};
 use super::srgb::srgb_from_linear;
-use super::{Frame, ImageError, atomic};
+use super::{Frame, FrameMetadata, ImageError, png_note};
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
-use std::io::Write;
 use std::path::Path;
 
 /// An 8-bit picture: sRGB transfer, straight (unassociated) alpha, rows from the top.
@@ -90,8 +90,21 @@ fn byte(unit: f32) -> u8 {
 /// # Errors
 /// [`ImageError`] where the file cannot be written or the picture has no pixels.
 pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
-    let bytes = png_bytes(path, picture)?;
-    atomic::replace_file(path, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
+    atomic::replace_bytes(path, &png_bytes(path, picture)?)
+}
+
+/// Writes the preview of a frame as PNG, with a note of which frame of which shot it shows, as EXR files have.
+///
+/// # Errors
+/// As [`write_png`].
+pub fn write_frame_preview<'a>(
+    to: impl Into<Destination<'a>>,
+    picture: &Preview,
+    metadata: &FrameMetadata,
+) -> Result<(), ImageError> {
+    let to = to.into();
+    let bytes = png_note::noted(png_bytes(to.path, picture)?, metadata);
+    atomic::replace_bytes(to, &bytes)
 }
 
 /// A picture as a PNG file in memory; `path` is named in messages.

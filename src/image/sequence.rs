@@ -40,12 +40,17 @@ impl SequencePath {
     /// # Errors
     /// [`ImageError::Pattern`] for two counters, for printf forms other than `%d` and `%04d`, for no file name.
     pub fn parse(pattern: &Path) -> Result<Self, ImageError> {
-        let wrong = |what: String| ImageError::Pattern { pattern: pattern.to_owned(), what };
+        let wrong = |what: String| ImageError::Pattern { pattern: shortened(pattern), what };
         let Some(file_name) = pattern.file_name() else {
             return Err(wrong("does not end in a file name; write for example frame.####.exr".into()));
         };
-        // A name that is not Unicode can hold no counter of ours that we could fill in.
-        let name = file_name.to_str().map_or(Ok(Name::Single), parse_name).map_err(wrong)?;
+        let name = match file_name.to_str() {
+            Some(name) => parse_name(name).map_err(wrong)?,
+            None if file_name.as_encoded_bytes().iter().any(|byte| b"#%".contains(byte)) => {
+                return Err(wrong("has a frame counter in a name that is not valid Unicode; rename it".into()));
+            }
+            None => Name::Single,
+        };
         Ok(Self { pattern: pattern.to_owned(), name })
     }
 
@@ -94,24 +99,28 @@ impl SequencePath {
     /// # Errors
     /// [`ImageError::Io`] where the folder cannot be listed.
     pub fn frames_on_disk(&self) -> Result<Option<Vec<i32>>, ImageError> {
-        let Name::Counted { before, after, .. } = &self.name else { return Ok(None) };
+        if !self.has_counter() {
+            return Ok(None);
+        }
         let folder = self.pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let entries = match std::fs::read_dir(folder) {
             Ok(entries) => entries,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(Vec::new())),
             Err(error) => return Err(ImageError::reading(folder, error)),
         };
-        let number = |name: &str| name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?.parse().ok();
         let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
-        // Only names that the pattern itself would give: 7 is not frame 7 of a four-digit sequence.
-        let is_ours = |name: &str, frame: i32| self.path_of(frame).file_name().is_some_and(|own| own == name);
-        let frames = names.filter_map(|name| {
-            let name = name.to_str()?;
-            number(name).filter(|&frame| is_ours(name, frame))
-        });
-        let mut frames: Vec<i32> = frames.collect();
+        let mut frames: Vec<i32> = names.filter_map(|name| self.frame_named(name.to_str()?)).collect();
         frames.sort_unstable();
         Ok(Some(frames))
+    }
+
+    /// The frame whose file name this is; `None` for names that the pattern does not give, and for a path without a
+    /// counter: `f.7.exr` is not frame 7 of `f.####.exr`.
+    #[must_use]
+    pub fn frame_named(&self, name: &str) -> Option<i32> {
+        let Name::Counted { before, after, .. } = &self.name else { return None };
+        let frame = name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?.parse().ok()?;
+        self.path_of(frame).file_name().is_some_and(|own| own == name).then_some(frame)
     }
 
     /// Makes sure that every frame of a range gets a file of its own.
@@ -129,6 +138,19 @@ impl SequencePath {
     }
 }
 
+/// A path as it is shown: names that no file can have would fill the screen.
+fn shortened(pattern: &Path) -> PathBuf {
+    const SHOWN: usize = 300;
+    let text = pattern.to_string_lossy();
+    if text.len() <= SHOWN {
+        return pattern.to_owned();
+    }
+    PathBuf::from(format!("{}...", text.chars().take(SHOWN).collect::<String>()))
+}
+
+/// Most characters of a counter: 255 bytes is the longest file name anywhere.
+const LONGEST_COUNTER: usize = 255;
+
 fn parse_name(name: &str) -> Result<Name, String> {
     let Some((start, end, width)) = find_counter(name)? else { return Ok(Name::Single) };
     let (before, after) = (name[..start].to_owned(), name[end..].to_owned());
@@ -144,13 +166,15 @@ fn find_counter(name: &str) -> Result<Option<(usize, usize, usize)>, String> {
     let rest = &name[start..];
     if rest.starts_with('#') {
         let width = rest.bytes().take_while(|&byte| byte == b'#').count();
+        if width > LONGEST_COUNTER {
+            return Err(format!("has a counter of {width} characters, longer than any file name; write ####"));
+        }
         return Ok(Some((start, start + width, width)));
     }
     let digits = rest[1..].bytes().take_while(u8::is_ascii_digit).count();
     let number = &rest[1..=digits];
     let is_printf = rest[1 + digits..].starts_with('d') && (number.is_empty() || number.starts_with('0'));
-    // 255 bytes is the longest file name anywhere.
-    let width = if number.is_empty() { Some(1) } else { number.parse().ok().filter(|&width| width < 256) };
+    let width = if number.is_empty() { Some(1) } else { number.parse().ok().filter(|&width| width <= LONGEST_COUNTER) };
     match width.filter(|_| is_printf) {
         Some(width) => Ok(Some((start, start + digits + 2, width))),
         None => Err(format!("has '%{number}' in its name, which is no frame counter; write #### or %04d")),
@@ -212,6 +236,25 @@ mod tests {
         ] {
             let error = SequencePath::parse(Path::new(pattern)).expect_err(pattern).to_string();
             assert!(error.contains(part), "{pattern}: {error}");
+        }
+        for width in [256, 70_000, 1 << 20] {
+            let error = SequencePath::parse(Path::new(&"#".repeat(width))).expect_err("too long").to_string();
+            assert!(error.contains("longer than any file name") && error.len() < 1000, "{width}: {error}");
+        }
+        assert!(SequencePath::parse(Path::new(&"#".repeat(255))).is_ok());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn names_that_are_not_unicode_are_single_frames() {
+        use std::os::unix::ffi::OsStrExt;
+        let parse = |name: &[u8]| SequencePath::parse(Path::new(std::ffi::OsStr::from_bytes(name)));
+        let single = parse(b"out/\xff.exr").expect("a plain path");
+        assert_eq!(single.path_of(7).as_os_str().as_bytes(), b"out/\xff.exr");
+        let counted = parse(b"\xff\xfe/a.##.exr").expect("folders may be called anything");
+        assert_eq!(counted.path_of(7).as_os_str().as_bytes(), b"\xff\xfe/a.07.exr");
+        for name in [b"\xff.####.exr".as_slice(), b"\xff.%04d.exr"] {
+            assert!(parse(name).expect_err("no counter").to_string().contains("not valid Unicode"));
         }
     }
 

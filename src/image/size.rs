@@ -6,7 +6,6 @@ use super::{ImageError, PictureKind};
 use crate::space::FrameSize;
 use ::image::metadata::Orientation;
 use ::image::{ImageDecoder, ImageReader};
-use exr::meta::MetaData;
 use std::path::Path;
 
 /// How large a picture is as the viewer sees it. Only its head is read.
@@ -15,14 +14,14 @@ use std::path::Path;
 /// [`ImageError`] where the name is none of an EXR, PNG or JPEG file, where it cannot be opened or its head is damaged.
 pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
     if PictureKind::known(path)? == PictureKind::Exr {
-        let head =
-            MetaData::read_from_file(path, false).map_err(|failed| super::exr_guard::read_error(path, failed))?;
+        let head = super::exr_guard::read_head(path)?;
         let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
         let shared = &first.shared_attributes;
         let [width, height] = [shared.display_window.size.width(), shared.display_window.size.height()]
             .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
         return Ok(FrameSize { width, height, pixel_aspect: f64::from(shared.pixel_aspect) });
     }
+    crate::files::check_regular(path).map_err(|source| ImageError::reading(path, source))?;
     let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
     let reader = reader.map_err(|source| ImageError::reading(path, source))?;
     let mut decoder = reader.into_decoder().map_err(|failed| ImageError::damaged(path, failed.to_string()))?;
@@ -32,4 +31,32 @@ pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH
     );
     Ok(if is_lying { FrameSize::new(height, width) } else { FrameSize::new(width, height) })
+}
+
+/// How much a picture holds once it is decoded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PictureExtent {
+    /// Pixels of the data windows of all parts, or of the display window where that is larger.
+    pub pixels: u128,
+    /// Samples of all channels.
+    pub samples: u128,
+}
+
+/// How much memory a picture stands for. Only its head is read.
+///
+/// # Errors
+/// As [`picture_size`].
+pub fn picture_extent(path: &Path) -> Result<PictureExtent, ImageError> {
+    let size = picture_size(path)?;
+    let shown = u128::from(size.width) * u128::from(size.height);
+    if PictureKind::known(path)? != PictureKind::Exr {
+        return Ok(PictureExtent { pixels: shown, samples: 4 * shown });
+    }
+    let head = super::exr_guard::read_head(path)?;
+    let parts = head.headers.iter().map(|part| {
+        let pixels = part.layer_size.width() as u128 * part.layer_size.height() as u128;
+        (pixels, pixels * part.channels.list.len() as u128)
+    });
+    let (pixels, samples) = parts.fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    Ok(PictureExtent { pixels: pixels.max(shown), samples })
 }

@@ -1,14 +1,14 @@
-//! Basis functions of one axis: value and slope at a coordinate t of the unit interval.
+//! Basis functions of one axis: value and derivative at a coordinate t of the unit interval.
 //!
 //! In: basis, number of handles n, t (0 and 1 are the ends of the box; other values extend the end polynomials).
-//! Out: the functions that are not zero there. Slopes are per unit of t.
+//! Out: the functions that are not zero there. Derivatives are per unit of t.
 
-use super::Basis;
+use super::basis::Basis;
 
-/// Most handles an axis may have.
+/// Maximum number of handles per axis.
 pub const MAX_HANDLES: usize = 64;
 
-/// Handles of the largest lattice: 64 x 64 in the plane, 16 x 16 x 16 in space. Solves factor a matrix of that size.
+/// Handles of the largest lattice: 64 x 64 in 2D, 16 x 16 x 16 in 3D. A solve factors a matrix of that size.
 pub const MAX_HANDLES_IN_ALL: usize = 4096;
 
 /// C(n, i) for n < 64: exact up to 2^53, within an ulp or two beyond.
@@ -34,17 +34,17 @@ pub(super) fn binomial(n: usize, k: usize) -> f64 {
     BINOMIALS[n][k]
 }
 
-/// Most functions of a local basis that are not zero at a coordinate.
-pub(super) const MOST_LOCAL: usize = 4;
+/// Maximum number of functions of a local basis that are not zero at a coordinate.
+pub(super) const MAX_LOCAL: usize = 4;
 
 /// The functions of one axis that are not zero at a coordinate: handles `first..first + len`.
 ///
-/// There is room for N of them; local bases need four, which keeps evaluation cheap.
+/// N is the capacity; local bases need four, which keeps evaluation cheap.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisTerms<const N: usize = MAX_HANDLES> {
     /// First handle on this axis.
     pub first: usize,
-    /// How many handles act.
+    /// Number of handles.
     len: usize,
     values: [f64; N],
     slopes: [f64; N],
@@ -53,7 +53,7 @@ pub struct AxisTerms<const N: usize = MAX_HANDLES> {
 impl<const N: usize> AxisTerms<N> {
     /// Evaluates the functions of an axis with `count` handles at `t`.
     ///
-    /// Barycentric cells are no product of axes; here they count as bilinear ones.
+    /// Barycentric cells are not a tensor product; they are treated as bilinear here.
     #[must_use]
     pub fn at(basis: Basis, count: usize, t: f64) -> Self {
         match basis {
@@ -63,35 +63,35 @@ impl<const N: usize> AxisTerms<N> {
         }
     }
 
-    /// Values, one a handle from `first` on.
+    /// Values, one per handle, from `first` on.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values[..self.len]
     }
 
-    /// Multiplies the slopes, to change what they are per.
+    /// Multiplies the derivatives, to change their unit.
     pub(super) fn scale_slopes(&mut self, factor: f64) {
         self.slopes[..self.len].iter_mut().for_each(|slope| *slope *= factor);
     }
 
-    /// Slopes per unit of t, one a handle from `first` on.
+    /// Derivatives per unit of t, one per handle, from `first` on.
     #[must_use]
     pub fn slopes(&self) -> &[f64] {
         &self.slopes[..self.len]
     }
 }
 
-/// Cell of a piecewise basis: its number and the place within it (0..=1 inside the box).
+/// Cell of a piecewise basis: its index and the local coordinate (0..=1 inside the box).
 pub(super) fn cell(spans: usize, t: f64) -> (usize, f64) {
     let x = t * spans as f64;
-    // What lies below the box is 0 as an integer.
+    // The cast clamps negative values to 0.
     let cell = (x as usize).min(spans - 1);
     (cell, x - cell as f64)
 }
 
-/// Bernstein polynomials of degree count − 1 (paper, equation 2, with the degree put right).
+/// Bernstein polynomials of degree count − 1 (paper, equation 2, with the degree corrected).
 ///
-/// Powers times binomials: every term is a product, so nothing cancels at any degree.
+/// Powers times binomials: every term is a product, so there is no cancellation at any degree.
 fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     let degree = count - 1;
     let (mut up, mut down) = ([1.0; N], [1.0; N]);
@@ -103,7 +103,7 @@ fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     for i in 0..count {
         terms.values[i] = BINOMIALS[degree][i] * up[i] * down[degree - i];
     }
-    // B_i' = m (b_{i−1} − b_i), b the polynomials of one degree less.
+    // B_i' = m (b_{i−1} − b_i), b the polynomials of degree m − 1.
     for i in 0..degree {
         let lower = degree as f64 * BINOMIALS[degree - 1][i] * up[i] * down[degree - 1 - i];
         terms.slopes[i] -= lower;
@@ -112,7 +112,7 @@ fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     terms
 }
 
-/// Bernstein polynomials at several coordinates, a lane each: the values of [`AxisTerms::at`], as many as `values` has room for.
+/// Bernstein polynomials at several coordinates, one per lane: the values of [`AxisTerms::at`] for `values.len()` handles.
 #[inline(always)]
 pub(crate) fn bernstein_values<const N: usize>(units: &[f64; N], values: &mut [[f64; N]]) {
     let binomials = &BINOMIALS[values.len() - 1];

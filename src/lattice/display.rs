@@ -1,19 +1,21 @@
 //! The forward deformation of many points in single precision, for display.
 //!
-//! In: a lattice of the screen and points. Out: warped points, within 1e-6 of the box of [`Lattice::warp`]'s. Handles
-//! count as displacements, so that precision is spent on what moves.
+//! In: a screen lattice and points. Out: warped points, within 1e-6 of the box of those of [`Lattice::warp`]. Handles
+//! are stored as displacements, which preserves precision.
 
-use super::{Basis, Lattice, MAX_HANDLES};
+use super::axis::MAX_HANDLES;
+use super::basis::Basis;
+use super::grid::Lattice;
 use crate::space::ScreenPoint;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Points a task takes.
+/// Points per task.
 const CHUNK: usize = 1 << 13;
-/// Floats of a vector register; rows of handles are padded to it.
+/// Floats per vector register; rows of handles are padded to multiples of it.
 const LANES: usize = 8;
 
-/// A lattice made ready to warp many points.
+/// A lattice prepared to warp many points.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, DisplayWarp, Grid};
@@ -30,13 +32,13 @@ pub struct DisplayWarp {
     inverse_size: [f32; 2],
     /// Displacements x0 y0 x1 y1 ... of a row of handles, padded with zeros; rows from the bottom.
     rows: Vec<f32>,
-    /// Floats of a row.
+    /// Floats per row.
     stride: usize,
     /// C(n − 1, i) of both axes.
     binomials: [Vec<f32>; 2],
 }
 
-/// The functions of an axis that act: the first handle and the values.
+/// The non-zero functions of an axis: the first handle and the values.
 struct Values<const N: usize> {
     first: usize,
     values: [f32; N],
@@ -47,12 +49,12 @@ impl DisplayWarp {
     #[must_use]
     pub fn new(lattice: &Lattice<2>) -> Self {
         let grid = &lattice.grid;
-        // Four handles are read at once wherever a local row begins.
+        // Four handles are read at once from any start of a row.
         let stride = (2 * grid.dims[0]).next_multiple_of(LANES) + LANES;
         let mut rows = vec![0.0; stride * grid.dims[1]];
         let pairs = lattice.handles.iter().zip(grid.rest_handles());
         for (index, (moved, rest)) in pairs.enumerate() {
-            let [column, row] = grid.place(index);
+            let [column, row] = grid.handle_coords(index);
             (0..2).for_each(|d| rows[row * stride + 2 * column + d] = (moved[d] - rest[d]) as f32);
         }
         Self {
@@ -83,20 +85,20 @@ impl DisplayWarp {
         }
     }
 
-    /// Place in the box, 0 to 1.
+    /// Coordinate in the box, 0 to 1.
     #[inline(always)]
     fn unit(&self, point: [f32; 2], axis: usize) -> f32 {
         ((point[axis] - self.lo[axis]) * self.inverse_size[axis]).clamp(0.0, 1.0)
     }
 
-    /// Four handles an axis.
+    /// Four handles per axis.
     #[inline(always)]
     fn warp_local(&self, point: &mut [f32; 2], values: impl Fn(usize, f32) -> Values<4>) {
         let [nx, ny] = self.lattice.grid.dims;
         let (x, y) = (values(nx, self.unit(*point, 0)), values(ny, self.unit(*point, 1)));
         let mut sums = [0.0; LANES];
         for (row, weight) in y.values.iter().enumerate() {
-            // Hat functions have two values; the others are zero, and so may lie beyond the last row.
+            // Hat functions have two values; the others are zero and may lie beyond the last row.
             let start = (y.first + row).min(ny - 1) * self.stride + 2 * x.first;
             let handles = &self.rows[start..start + LANES];
             (0..LANES).for_each(|k| sums[k] += weight * handles[k]);
@@ -107,14 +109,14 @@ impl DisplayWarp {
         }
     }
 
-    /// All handles: points side by side in a register, one handle at a time.
+    /// All handles: one point per lane, one handle at a time.
     #[inline(always)]
     fn warp_dense(&self, points: &mut [[f32; 2]]) {
         let [nx, ny] = self.lattice.grid.dims;
         let mut values = [[[0.0; LANES]; MAX_HANDLES]; 2];
-        for pack in points.chunks_mut(LANES) {
+        for packet in points.chunks_mut(LANES) {
             for (axis, values) in values.iter_mut().enumerate() {
-                let unit = std::array::from_fn(|lane| pack.get(lane).map_or(0.0, |point| self.unit(*point, axis)));
+                let unit = std::array::from_fn(|lane| packet.get(lane).map_or(0.0, |point| self.unit(*point, axis)));
                 bernstein(&self.binomials[axis], &unit, values);
             }
             let [x, y] = &values;
@@ -132,7 +134,7 @@ impl DisplayWarp {
                     moved[1][lane] += sums[1][lane] * weights[lane];
                 }
             }
-            for (lane, point) in pack.iter_mut().enumerate() {
+            for (lane, point) in packet.iter_mut().enumerate() {
                 *point = [point[0] + moved[0][lane], point[1] + moved[1][lane]];
             }
         }
@@ -163,7 +165,7 @@ fn dispatch(kernel: Kernel) {
     Simd::vectorize(pulp::Scalar, kernel);
 }
 
-/// Cell and place within it.
+/// Cell and local coordinate.
 #[inline(always)]
 fn cell(spans: usize, t: f32) -> (usize, f32) {
     let x = t * spans as f32;
@@ -200,7 +202,7 @@ fn binomials(count: usize) -> Vec<f32> {
     row.into_iter().map(|x| x as f32).collect()
 }
 
-/// Bernstein polynomials at eight places: powers of t upwards, of 1 − t downwards.
+/// Bernstein polynomials at eight coordinates: ascending powers of t times descending powers of 1 − t.
 #[inline(always)]
 fn bernstein(binomials: &[f32], t: &[f32; LANES], values: &mut [[f32; LANES]; MAX_HANDLES]) {
     let mut power = [1.0; LANES];

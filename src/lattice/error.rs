@@ -2,7 +2,7 @@
 
 use crate::spelling::counted;
 
-/// A grid that cannot carry a lattice.
+/// A grid that is not valid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LatticeError {
@@ -14,14 +14,14 @@ pub enum LatticeError {
     Dims {
         /// Axis, 0 = x.
         axis: usize,
-        /// Handles asked for.
+        /// Handles requested.
         found: usize,
-        /// Fewest the basis works with.
+        /// Minimum of the basis.
         least: usize,
-        /// Most that are supported.
+        /// Maximum supported.
         most: usize,
         /// The basis.
-        basis: super::Basis,
+        basis: super::basis::Basis,
     },
     /// Too many handles on all axes together.
     #[error(
@@ -30,7 +30,7 @@ pub enum LatticeError {
     Size {
         /// Product of the dims.
         found: usize,
-        /// Most that are supported.
+        /// Maximum supported.
         most: usize,
     },
     /// The box has no extent, or a corner is not a number.

@@ -1,36 +1,38 @@
-//! Lattices that reproduce a given warp: with other dims, with another basis, or from any map at all.
+//! Lattices that reproduce a given warp: with other dims, with another basis, or from an arbitrary map.
 //!
-//! In: a grid at rest and a map of points. Out: handles, and how far the lattice is from the map at worst.
-//! Degree elevation: G. Farin, "Curves and Surfaces for CAGD", section 5.1. Where the old functions are among the new
+//! In: a grid at rest and a map of points. Out: handles, and the largest distance of the lattice from the map.
+//! Degree elevation: G. Farin, "Curves and Surfaces for CAGD", section 5.1. Where the new functions include the old
 //! ones (Bernstein with more handles, B-splines and cells whose spans are cut into equal parts) nothing is lost.
 
 use super::axis::AxisTerms;
-use super::{Basis, Grid, Lattice, LatticeError};
+use super::basis::{Basis, Support};
+use super::error::LatticeError;
+use super::grid::{Grid, Lattice};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-/// Sites a handle and axis at which a map is looked at.
+/// Sites per handle and axis at which a map is sampled.
 const SITES: usize = 6;
-/// Probes a handle and axis at which a lattice is compared with its map, at most.
+/// Maximum number of probes per handle and axis at which a lattice is compared with its map.
 const PROBES: usize = 3;
-/// Probes in all, at most: fewer an axis where lattices of space would need more.
-const MOST_PROBES: usize = 40_000;
-/// Pull of Bernstein handles towards rest: polynomials of high degree are nearly dependent, and without it handles
-/// would fly off to gain a digit.
+/// Maximum number of probes in total; 3D lattices have fewer per axis.
+const MAX_PROBES: usize = 40_000;
+/// Weight that draws Bernstein handles towards rest: polynomials of high degree are nearly linearly dependent, and without it handles
+/// would move far away to gain a digit.
 const PULL: f64 = 1e-5;
 
-/// A lattice made to do what something else does.
+/// A lattice fitted to a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted<const D: usize> {
     /// The lattice.
     pub lattice: Lattice<D>,
-    /// Greatest distance of a point's image from where it should be, over probes all over the box, in units of the
+    /// Largest distance between the images of a point under lattice and map, over probes in the whole box, in units of the
     /// space.
     pub error: f64,
 }
 
 impl<const D: usize> Lattice<D> {
-    /// The same warp with other dims and basis over the same box: exact where the old functions are among the new
+    /// The same warp with other dims and basis over the same box: exact where the new functions include the old
     /// ones, least squares otherwise.
     ///
     /// ```
@@ -48,12 +50,11 @@ impl<const D: usize> Lattice<D> {
         let grid = Grid { dims, basis, ..self.grid.clone() };
         grid.check()?;
         let is_raised = (0..D).all(|axis| dims[axis] >= self.grid.dims[axis]);
-        let both = [basis, self.grid.basis];
-        if is_raised && both == [Basis::Bernstein; 2] {
+        if is_raised && basis == self.grid.basis && basis.support() == Support::Global {
             let handles = elevate(&self.handles, self.grid.dims, dims);
-            return Ok(Lattice { grid, handles }.compared(&|point| self.carry(point)));
+            return Ok(Lattice { grid, handles }.compared(&|point| self.evaluate(point)));
         }
-        Ok(grid.fitted(|point| self.carry(point)))
+        Ok(grid.fitted(|point| self.evaluate(point)))
     }
 
     /// The lattice with its distance from a map.
@@ -64,7 +65,7 @@ impl<const D: usize> Lattice<D> {
             let place = place(number, counts);
             let unit = std::array::from_fn(|axis| (place[axis] as f64 + 0.5) / counts[axis] as f64);
             let point = grid.point_from_unit(unit);
-            let (found, wanted) = (self.carry(point), map(point));
+            let (found, wanted) = (self.evaluate(point), map(point));
             (0..D).map(|axis| (found[axis] - wanted[axis]).powi(2)).sum::<f64>()
         };
         let error = (0..counts.iter().product()).map(miss).fold(0.0, f64::max).sqrt();
@@ -73,20 +74,19 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// The lattice over this grid that comes nearest to a map of points: cells take its values at their corners,
-    /// smooth bases fit it in the sense of least squares, one axis after the other.
+    /// The lattice over this grid that approximates a map of points best: piecewise linear bases interpolate it at the handles,
+    /// smooth ones fit it by least squares, axis by axis.
     #[must_use]
     pub fn fitted(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
-        let lattice = match self.basis {
-            Basis::Bilinear | Basis::Barytri => {
-                Lattice { grid: self.clone(), handles: self.rest_handles().into_iter().map(&map).collect() }
-            }
-            Basis::Bernstein | Basis::Bspline => self.least_squares(&map),
+        let lattice = if self.basis.is_piecewise_linear() {
+            Lattice { grid: self.clone(), handles: self.rest_handles().into_iter().map(&map).collect() }
+        } else {
+            self.least_squares(&map)
         };
         lattice.compared(&map)
     }
 
-    /// The point at coordinates of the box, 0 to 1 an axis.
+    /// The point at coordinates of the box, 0 to 1 per axis.
     fn point_from_unit(&self, unit: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| self.lo[axis] + unit[axis] * self.size(axis))
     }
@@ -113,11 +113,11 @@ impl<const D: usize> Grid<D> {
 /// Probes along each axis.
 fn probe_counts<const D: usize>(dims: [usize; D]) -> [usize; D] {
     let counts = |probes: usize| dims.map(|count| probes * count + 1);
-    let fits = |probes: &usize| counts(*probes).iter().product::<usize>() <= MOST_PROBES;
+    let fits = |probes: &usize| counts(*probes).iter().product::<usize>() <= MAX_PROBES;
     counts((1..=PROBES).rev().find(fits).unwrap_or(1))
 }
 
-/// Sites lie denser towards the ends, where high polynomials need them (Chebyshev).
+/// Sites are denser towards the ends, as polynomials of high degree require (Chebyshev).
 fn site(index: usize, count: usize) -> f64 {
     0.5 - 0.5 * (std::f64::consts::PI * (index as f64 + 0.5) / count as f64).cos()
 }
@@ -130,7 +130,7 @@ fn fit_operator(basis: Basis, handles: usize) -> Mat<f64> {
         let terms: AxisTerms = AxisTerms::at(basis, handles, site(row, sites));
         terms.values().iter().enumerate().for_each(|(k, value)| functions[(row, terms.first + k)] = *value);
     }
-    if basis == Basis::Bernstein {
+    if basis.support() == Support::Global {
         (0..handles).for_each(|handle| functions[(sites + handle, handle)] = PULL);
     }
     let wanted = Mat::from_fn(sites + handles, sites, |row, column| if row == column { 1.0 } else { 0.0 });
@@ -181,7 +181,7 @@ fn elevate<const D: usize>(handles: &[[f64; D]], mut counts: [usize; D], wanted:
     values
 }
 
-/// Place of a number in an array, first axis fastest.
+/// Multi-index of a flat index, first axis fastest.
 fn place<const D: usize>(number: usize, counts: [usize; D]) -> [usize; D] {
     std::array::from_fn(|axis| number / counts[..axis].iter().product::<usize>() % counts[axis])
 }
@@ -190,7 +190,7 @@ fn place<const D: usize>(number: usize, counts: [usize; D]) -> [usize; D] {
 mod tests {
     use super::*;
 
-    /// A lattice whose handles are all moved, by something that is no polynomial.
+    /// A lattice whose handles are all displaced by a function that is not a polynomial.
     fn bent<const D: usize>(basis: Basis, dims: [usize; D]) -> Lattice<D> {
         let mut lattice = Grid { dims, basis, lo: [-1.0; D], hi: [2.0; D] }.at_rest();
         for (k, handle) in lattice.handles.iter_mut().enumerate() {

@@ -1,15 +1,16 @@
-//! The forward free-form deformation: where a lattice carries points, and its gradient.
+//! Evaluation of the free-form deformation: images of points, and the gradient.
 //!
 //! In: moved handles and a point. Out: v = Σ_h W_h P_h (paper, equation 1) and J = Σ_h P_h ∇W_hᵀ, J[row][column].
 
-use super::axis::{AxisTerms, MAX_HANDLES, MOST_LOCAL};
-use super::{Basis, Lattice};
+use super::axis::{AxisTerms, MAX_HANDLES, MAX_LOCAL};
+use super::basis::Support;
+use super::grid::Lattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
 /// A point's image and the gradient there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carried<const D: usize> {
+pub struct PointAndGradient<const D: usize> {
     /// Image of the point.
     pub point: [f64; D],
     /// Gradient, `[row][column]`: column c is the image of axis c.
@@ -17,11 +18,11 @@ pub struct Carried<const D: usize> {
 }
 
 impl<const D: usize> Lattice<D> {
-    /// Image of a point without any rule for the outside: the polynomial as it is.
+    /// Image of a point; outside the box the polynomials are extended.
     #[must_use]
-    pub fn carry(&self, point: [f64; D]) -> [f64; D] {
+    pub fn evaluate(&self, point: [f64; D]) -> [f64; D] {
         let mut image = [0.0; D];
-        self.grid.visit(point, |term| {
+        self.grid.for_each_weight(point, |term| {
             let handle = self.handles[term.handle];
             for axis in 0..D {
                 image[axis] += term.weight * handle[axis];
@@ -30,19 +31,19 @@ impl<const D: usize> Lattice<D> {
         image
     }
 
-    /// Image of a point; outside the box it moves as the nearest box point does.
+    /// Image of a point; outside the box it has the displacement of the nearest box point.
     #[must_use]
-    pub fn displace(&self, point: [f64; D]) -> [f64; D] {
-        let inside = self.grid.nearest_in_box(point);
-        let image = self.carry(inside);
+    pub fn deform(&self, point: [f64; D]) -> [f64; D] {
+        let inside = self.grid.clamp_to_box(point);
+        let image = self.evaluate(inside);
         std::array::from_fn(|axis| point[axis] + (image[axis] - inside[axis]))
     }
 
-    /// Image and gradient of a point, without any rule for the outside.
+    /// Image and gradient of a point; outside the box the polynomials are extended.
     #[must_use]
-    pub fn carry_with_gradient(&self, point: [f64; D]) -> Carried<D> {
-        let mut carried = Carried { point: [0.0; D], gradient: [[0.0; D]; D] };
-        self.grid.visit(point, |term| {
+    pub fn evaluate_with_gradient(&self, point: [f64; D]) -> PointAndGradient<D> {
+        let mut carried = PointAndGradient { point: [0.0; D], gradient: [[0.0; D]; D] };
+        self.grid.for_each_weight(point, |term| {
             let handle = self.handles[term.handle];
             for (row, coordinate) in handle.into_iter().enumerate() {
                 carried.point[row] += term.weight * coordinate;
@@ -54,31 +55,31 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl Lattice<2> {
-    /// Where the lattice carries a point. Outside the box: the displacement of the nearest box point.
+    /// Image of a point. Outside the box it has the displacement of the nearest box point.
     #[must_use]
     pub fn warp(&self, point: ScreenPoint) -> ScreenPoint {
-        let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
+        let inside = DVec2::from(self.grid.clamp_to_box(point.0.to_array()));
         let at = inside.to_array();
-        let image = match self.grid.basis {
-            Basis::Barytri => DVec2::from(self.carry(at)),
-            Basis::Bspline | Basis::Bilinear => sum_rows(self, &self.grid.axes::<MOST_LOCAL>(at)),
-            Basis::Bernstein => sum_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
+        let image = match self.grid.basis.support() {
+            Support::Simplex => DVec2::from(self.evaluate(at)),
+            Support::Tensor { .. } => sum_rows(self, &self.grid.axes::<MAX_LOCAL>(at)),
+            Support::Global => sum_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
         ScreenPoint(point.0 + (image - inside))
     }
 
-    /// The gradient of [`Self::warp`] at a point (on an axis along which it lies outside the box: the identity's).
+    /// The gradient of [`Self::warp`] at a point; along an axis on which the point lies outside the box, that of the identity.
     #[must_use]
     pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
-        let inside = DVec2::from(self.grid.nearest_in_box(point.0.to_array()));
+        let inside = DVec2::from(self.grid.clamp_to_box(point.0.to_array()));
         let at = inside.to_array();
-        let at_border = match self.grid.basis {
-            Basis::Barytri => {
-                let [[xx, xy], [yx, yy]] = self.carry_with_gradient(at).gradient;
+        let at_border = match self.grid.basis.support() {
+            Support::Simplex => {
+                let [[xx, xy], [yx, yy]] = self.evaluate_with_gradient(at).gradient;
                 DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]])
             }
-            Basis::Bspline | Basis::Bilinear => gradient_of_rows(self, &self.grid.axes::<MOST_LOCAL>(at)),
-            Basis::Bernstein => gradient_of_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
+            Support::Tensor { .. } => gradient_of_rows(self, &self.grid.axes::<MAX_LOCAL>(at)),
+            Support::Global => gradient_of_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
         let x_axis = if inside.x == point.0.x { at_border.x_axis } else { DVec2::X };
         let y_axis = if inside.y == point.0.y { at_border.y_axis } else { DVec2::Y };
@@ -86,7 +87,7 @@ impl Lattice<2> {
     }
 }
 
-/// Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product a handle.
+/// Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product per handle.
 fn sum_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DVec2 {
     let width = lattice.grid.dims[0];
     let mut image = DVec2::ZERO;
@@ -120,7 +121,7 @@ fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::Grid;
+    use crate::lattice::{Basis, Grid};
 
     fn bent(basis: Basis) -> Lattice<2> {
         let mut lattice = Grid { dims: [6, 7], basis, lo: [0.0, 0.0], hi: [2.0, 1.0] }.at_rest();
@@ -130,17 +131,15 @@ mod tests {
         lattice
     }
 
-    const BASES: [Basis; 4] = [Basis::Bernstein, Basis::Bspline, Basis::Bilinear, Basis::Barytri];
-
     #[test]
     fn outside_the_box_the_displacement_is_that_of_the_nearest_box_point() {
-        for lattice in BASES.map(bent) {
+        for lattice in Basis::ALL.map(bent) {
             let border = ScreenPoint::new(2.0, 0.3);
             let outside = lattice.warp(ScreenPoint::new(5.0, 0.3));
             let wanted = lattice.warp(border).0 + DVec2::new(3.0, 0.0);
             assert!((outside.0 - wanted).length() < 1e-12);
             assert_eq!(
-                lattice.displace([5.0, 0.3]).map(|x| (x * 1e9).round()),
+                lattice.deform([5.0, 0.3]).map(|x| (x * 1e9).round()),
                 wanted.to_array().map(|x| (x * 1e9).round())
             );
             assert_eq!(lattice.jacobian(ScreenPoint::new(5.0, 0.3)).x_axis, DVec2::X);
@@ -149,7 +148,7 @@ mod tests {
 
     #[test]
     fn the_jacobian_is_the_slope_of_the_warp() {
-        for lattice in BASES.map(bent) {
+        for lattice in Basis::ALL.map(bent) {
             for point in [DVec2::new(0.71, 0.33), DVec2::new(1.23, 0.77), DVec2::new(0.5, 1.4)] {
                 let gradient = lattice.jacobian(ScreenPoint(point));
                 for (axis, column) in [(DVec2::X, gradient.x_axis), (DVec2::Y, gradient.y_axis)] {

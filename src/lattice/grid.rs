@@ -2,15 +2,17 @@
 //!
 //! In: dims, basis, box. Out: rows of W and ∇W (sparse where the basis is local).
 
-use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MOST_LOCAL};
-use super::{Basis, Grid, Lattice, LatticeError};
+use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MAX_LOCAL};
+use super::basis::{Basis, Support};
+use super::error::LatticeError;
+use crate::space::ScreenBox;
 
-/// Handles that most axes have at most: less room is to be cleared for their functions than for [`MAX_HANDLES`].
+/// Capacity that suffices for most axes and is faster to clear than [`MAX_HANDLES`].
 const USUAL: usize = 16;
 
-/// What one handle contributes at a point.
+/// Weight and gradient of one handle at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term<const D: usize> {
+pub struct HandleWeight<const D: usize> {
     /// Handle index.
     pub handle: usize,
     /// Its weight; all weights at a point add up to 1.
@@ -19,23 +21,36 @@ pub struct Term<const D: usize> {
     pub gradient: [f64; D],
 }
 
-impl Basis {
-    /// Fewest handles an axis may have.
-    #[must_use]
-    pub fn least_handles(self) -> usize {
-        if self == Self::Bspline { 4 } else { 2 }
-    }
+/// A grid of handles over a rest box, in D dimensions. Handle index h = i + nx·(j + ny·k).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid<const D: usize> {
+    /// Handles per axis.
+    pub dims: [usize; D],
+    /// How they are blended.
+    pub basis: Basis,
+    /// Lower corner of the rest box.
+    pub lo: [f64; D],
+    /// Upper corner of the rest box.
+    pub hi: [f64; D],
+}
 
-    /// Pieces an axis of `count` handles is made of; Bernstein counts its control intervals.
-    #[must_use]
-    pub fn spans(self, count: usize) -> usize {
-        if self == Self::Bspline { count - 3 } else { count - 1 }
-    }
+/// A grid with moved handles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lattice<const D: usize> {
+    /// Its rest state.
+    pub grid: Grid<D>,
+    /// Where the handles are: #handles, x fastest.
+    pub handles: Vec<[f64; D]>,
+}
 
-    /// Each handle acts on a few cells only.
+/// A lattice of screen space.
+pub type ScreenLattice = Lattice<2>;
+
+impl Grid<2> {
+    /// A grid over a box of the screen.
     #[must_use]
-    pub fn is_local(self) -> bool {
-        self != Self::Bernstein
+    pub fn over(bounds: ScreenBox, dims: [usize; 2], basis: Basis) -> Self {
+        Self { dims, basis, lo: bounds.min.0.to_array(), hi: bounds.max.0.to_array() }
     }
 }
 
@@ -45,7 +60,7 @@ impl<const D: usize> Grid<D> {
     /// # Errors
     /// [`LatticeError`], naming the axis.
     pub fn check(&self) -> Result<(), LatticeError> {
-        let least = self.basis.least_handles();
+        let least = self.basis.min_handles();
         for axis in 0..D {
             let found = self.dims[axis];
             if !(least..=MAX_HANDLES).contains(&found) {
@@ -68,7 +83,7 @@ impl<const D: usize> Grid<D> {
         self.dims.iter().product()
     }
 
-    /// Number of cells the box is made of; B-spline handles outside the box belong to none.
+    /// Number of cells of the box.
     #[must_use]
     pub fn cell_count(&self) -> usize {
         self.dims.iter().map(|&count| self.basis.spans(count)).product()
@@ -76,7 +91,7 @@ impl<const D: usize> Grid<D> {
 
     /// Column, row (and layer) of a cell, numbered x fastest.
     #[must_use]
-    pub fn cell_place(&self, mut cell: usize) -> [usize; D] {
+    pub fn cell_coords(&self, mut cell: usize) -> [usize; D] {
         self.dims.map(|count| {
             let (spans, place) = (self.basis.spans(count), cell);
             cell /= spans;
@@ -98,7 +113,7 @@ impl<const D: usize> Grid<D> {
 
     /// Distance of two rest handles along an axis.
     #[must_use]
-    pub fn pitch(&self, axis: usize) -> f64 {
+    pub fn spacing(&self, axis: usize) -> f64 {
         self.size(axis) / self.basis.spans(self.dims[axis]) as f64
     }
 
@@ -110,16 +125,16 @@ impl<const D: usize> Grid<D> {
 
     /// Column, row (and layer) of a handle.
     #[must_use]
-    pub fn place(&self, index: usize) -> [usize; D] {
+    pub fn handle_coords(&self, index: usize) -> [usize; D] {
         std::array::from_fn(|axis| index / self.stride(axis) % self.dims[axis])
     }
 
-    /// Where a handle rests; B-spline handles start one pitch outside the box.
+    /// Rest position of a handle; B-spline handles start one spacing outside the box.
     #[must_use]
     pub fn rest_handle(&self, index: usize) -> [f64; D] {
-        let place = self.place(index);
-        let shift = if self.basis == Basis::Bspline { 1.0 } else { 0.0 };
-        std::array::from_fn(|axis| self.lo[axis] + (place[axis] as f64 - shift) * self.pitch(axis))
+        let place = self.handle_coords(index);
+        let shift = self.basis.margin() as f64;
+        std::array::from_fn(|axis| self.lo[axis] + (place[axis] as f64 - shift) * self.spacing(axis))
     }
 
     /// All rest handles, in index order.
@@ -128,13 +143,13 @@ impl<const D: usize> Grid<D> {
         (0..self.handle_count()).map(|index| self.rest_handle(index)).collect()
     }
 
-    /// The lattice whose handles are at rest: it warps nothing.
+    /// The lattice with all handles at rest: the identity.
     #[must_use]
     pub fn at_rest(&self) -> Lattice<D> {
         Lattice { grid: self.clone(), handles: self.rest_handles() }
     }
 
-    /// Coordinates of a point in the box, 0 to 1 an axis; not clamped.
+    /// Coordinates of a point in the box, 0 to 1 per axis; not clamped.
     #[must_use]
     pub fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| {
@@ -145,7 +160,7 @@ impl<const D: usize> Grid<D> {
 
     /// The point of the box that is nearest to `point`.
     #[must_use]
-    pub fn nearest_in_box(&self, point: [f64; D]) -> [f64; D] {
+    pub fn clamp_to_box(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| point[axis].max(self.lo[axis]).min(self.hi[axis]))
     }
 
@@ -155,19 +170,19 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|axis| AxisTerms::at(self.basis, self.dims[axis], unit[axis]))
     }
 
-    /// Calls `visit` for every handle that acts at a point. Outside the box the end polynomials go on.
-    pub fn visit(&self, point: [f64; D], visit: impl FnMut(Term<D>)) {
-        match self.basis {
-            Basis::Barytri => self.visit_simplex(point, visit),
-            Basis::Bspline | Basis::Bilinear => self.visit_tensor::<MOST_LOCAL>(point, visit),
-            Basis::Bernstein if self.dims.iter().all(|&count| count <= USUAL) => {
+    /// Calls `visit` for every handle that has a weight at a point. Outside the box the end polynomials are extended.
+    pub fn for_each_weight(&self, point: [f64; D], visit: impl FnMut(HandleWeight<D>)) {
+        match self.basis.support() {
+            Support::Simplex => self.visit_simplex(point, visit),
+            Support::Tensor { .. } => self.visit_tensor::<MAX_LOCAL>(point, visit),
+            Support::Global if self.dims.iter().all(|&count| count <= USUAL) => {
                 self.visit_tensor::<USUAL>(point, visit);
             }
-            Basis::Bernstein => self.visit_tensor::<MAX_HANDLES>(point, visit),
+            Support::Global => self.visit_tensor::<MAX_HANDLES>(point, visit),
         }
     }
 
-    fn visit_tensor<const N: usize>(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
+    fn visit_tensor<const N: usize>(&self, point: [f64; D], mut visit: impl FnMut(HandleWeight<D>)) {
         let mut axes = self.axes::<N>(point);
         (0..D).for_each(|axis| axes[axis].scale_slopes(1.0 / self.size(axis)));
         let mut at = [0; D];
@@ -176,7 +191,7 @@ impl<const D: usize> Grid<D> {
             for (i, (value, slope)) in axes[0].values().iter().zip(axes[0].slopes()).enumerate() {
                 let mut gradient = row.gradient.map(|slant| slant * value);
                 gradient[0] = row.weight * slope;
-                visit(Term { handle: row.handle + i, weight: row.weight * value, gradient });
+                visit(HandleWeight { handle: row.handle + i, weight: row.weight * value, gradient });
             }
             let Some(axis) = (1..D).find(|&axis| at[axis] + 1 < axes[axis].values().len()) else { return };
             at[..axis].fill(0);
@@ -184,7 +199,7 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// Points with equal supports are acted on by the same handles, in the same order.
+    /// A key of the handles that have a weight at a point: points with equal keys have the same handles in the same order.
     pub(crate) fn support(&self, point: [f64; D]) -> [usize; 2] {
         if !self.basis.is_local() {
             return [0; 2];
@@ -193,7 +208,7 @@ impl<const D: usize> Grid<D> {
         let spans = |axis: usize| self.basis.spans(self.dims[axis]);
         let cells: [(usize, f64); D] = std::array::from_fn(|axis| axis::cell(spans(axis), unit[axis]));
         let cell = (0..D).map(|axis| cells[axis].0 * self.stride(axis)).sum();
-        if self.basis != Basis::Barytri {
+        if self.basis.support() != Support::Simplex {
             return [cell, 0];
         }
         let order = Self::descending(&cells);
@@ -207,9 +222,9 @@ impl<const D: usize> Grid<D> {
         order
     }
 
-    /// What all handles of a row share: its first handle, and the products of the functions of all axes but x.
-    fn row_factors<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> Term<D> {
-        let mut row = Term { handle: axes[0].first, weight: 1.0, gradient: [1.0; D] };
+    /// Common factors of a row of handles: its first handle, and the products of the functions of all axes but x.
+    fn row_factors<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> HandleWeight<D> {
+        let mut row = HandleWeight { handle: axes[0].first, weight: 1.0, gradient: [1.0; D] };
         for axis in 1..D {
             let value = axes[axis].values()[at[axis]];
             row.handle += (axes[axis].first + at[axis]) * self.stride(axis);
@@ -222,7 +237,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Barycentric cells: each is cut along its diagonal (in 3D into six) by the order of the local coordinates.
-    fn visit_simplex(&self, point: [f64; D], mut visit: impl FnMut(Term<D>)) {
+    fn visit_simplex(&self, point: [f64; D], mut visit: impl FnMut(HandleWeight<D>)) {
         let unit = self.unit_from_point(point);
         let cells: [(usize, f64); D] = std::array::from_fn(|axis| axis::cell(self.dims[axis] - 1, unit[axis]));
         let order = Self::descending(&cells);
@@ -235,14 +250,14 @@ impl<const D: usize> Grid<D> {
                 let axis = order[corner - 1];
                 handle += self.stride(axis);
                 weight = cells[axis].1;
-                gradient[axis] = 1.0 / self.pitch(axis);
+                gradient[axis] = 1.0 / self.spacing(axis);
             }
             if corner < D {
                 let axis = order[corner];
                 weight -= cells[axis].1;
-                gradient[axis] = -1.0 / self.pitch(axis);
+                gradient[axis] = -1.0 / self.spacing(axis);
             }
-            visit(Term { handle, weight, gradient });
+            visit(HandleWeight { handle, weight, gradient });
         }
     }
 
@@ -250,7 +265,7 @@ impl<const D: usize> Grid<D> {
     #[must_use]
     pub fn weights(&self, point: [f64; D]) -> Vec<(usize, f64)> {
         let mut row = Vec::new();
-        self.visit(point, |term| row.push((term.handle, term.weight)));
+        self.for_each_weight(point, |term| row.push((term.handle, term.weight)));
         row
     }
 }

@@ -1,23 +1,24 @@
-//! A lattice solved on one model, laid over another model or picture.
+//! Transfer of a lattice that was solved on one model to another model or picture.
 //!
-//! In: a lattice of the screen and how the other rest pose relates to this one. Out: a lattice over the other's box.
+//! In: a screen lattice, and how the other rest pose relates to this one. Out: a lattice over the other's box.
 
-use super::{Fitted, Grid, Lattice};
+use super::fit::Fitted;
+use super::grid::{Grid, Lattice};
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::DVec2;
 
-/// How the place that a lattice was solved for relates to the one it is laid over.
+/// How the rest pose of a lattice relates to that of its new subject.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fit {
+pub enum LatticeFit {
     /// The same screen.
     AsIs,
     /// The lattice's box becomes this one.
     Box(ScreenBox),
-    /// Points there and here: the shift (one pair), or the shift, turn and scale that fit them best.
+    /// Pairs of points, in the old and new rest pose: a translation (one pair), or the similarity transform that fits them best.
     Landmarks(Vec<[ScreenPoint; 2]>),
 }
 
-/// A shift, turn and scale of the screen: x ↦ to + factor · (x − from), a product of complex numbers.
+/// A similarity transform of the screen: x ↦ to + factor · (x − from), a product of complex numbers.
 #[derive(Clone, Copy, Debug)]
 struct Similarity {
     factor: DVec2,
@@ -26,7 +27,7 @@ struct Similarity {
 }
 
 impl Similarity {
-    /// Least squares over pairs; without two different points of departure nothing turns or scales.
+    /// Least squares over pairs; without two different source points there is no rotation or scale.
     fn between(pairs: &[[ScreenPoint; 2]]) -> Self {
         let count = pairs.len().max(1) as f64;
         let mean = |side: usize| pairs.iter().map(|pair| pair[side].0).sum::<DVec2>() / count;
@@ -50,13 +51,13 @@ impl Similarity {
         self.from + back.rotate(image - self.to)
     }
 
-    fn turns(&self) -> bool {
+    fn rotates(&self) -> bool {
         self.factor.y.abs() > 1e-12 * self.factor.x.abs() || self.factor.x <= 0.0
     }
 }
 
 impl<const D: usize> Lattice<D> {
-    /// All of this lattice at share 0, all of the other at 1; both have the same dims and basis.
+    /// Linear interpolation: this lattice at 0, the other at 1; both have the same dims and basis.
     #[must_use]
     pub fn mixed(&self, other: &Self, share: f64) -> Self {
         debug_assert_eq!(self.handles.len(), other.handles.len(), "lattices of equal dims");
@@ -66,7 +67,7 @@ impl<const D: usize> Lattice<D> {
         Self { grid: Grid { lo, hi, ..self.grid.clone() }, handles }
     }
 
-    /// The same deformation in parts: 0 is the rest state, 1 all of it; more exaggerates.
+    /// The deformation scaled by a strength: 0 is the rest state, 1 the full deformation, more exaggerates it.
     #[must_use]
     pub fn with_strength(&self, strength: f64) -> Self {
         self.grid.at_rest().mixed(self, strength)
@@ -74,16 +75,16 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl Lattice<2> {
-    /// The lattice that does over there what this one does here; its error, in frame heights, is zero unless landmarks
-    /// turn it, because its box cannot turn along.
+    /// The lattice that deforms the new subject as this one deforms the old. Its error, in frame heights, is zero unless landmarks
+    /// rotate it, because boxes are axis-aligned.
     ///
     /// Without landmarks, as it is.
     #[must_use]
-    pub fn transferred(&self, fit: &Fit) -> Fitted<2> {
+    pub fn transferred(&self, fit: &LatticeFit) -> Fitted<2> {
         match fit {
-            Fit::AsIs => Fitted { lattice: self.clone(), error: 0.0 },
-            Fit::Box(target) => Fitted { lattice: self.over(*target), error: 0.0 },
-            Fit::Landmarks(pairs) => self.carried_by(&Similarity::between(pairs)),
+            LatticeFit::AsIs => Fitted { lattice: self.clone(), error: 0.0 },
+            LatticeFit::Box(target) => Fitted { lattice: self.over(*target), error: 0.0 },
+            LatticeFit::Landmarks(pairs) => self.carried_by(&Similarity::between(pairs)),
         }
     }
 
@@ -105,7 +106,7 @@ impl Lattice<2> {
         });
         let (mut low, mut high) = (corners[0], corners[0]);
         corners.iter().for_each(|&corner| (low, high) = (low.min(corner), high.max(corner)));
-        if !there.turns() {
+        if !there.rotates() {
             return Fitted { lattice: self.over(ScreenBox::new(ScreenPoint(low), ScreenPoint(high))), error: 0.0 };
         }
         let grid = Grid { lo: low.to_array(), hi: high.to_array(), ..self.grid.clone() };
@@ -136,8 +137,8 @@ mod tests {
         let image = |point: DVec2| DVec2::new(3.0, -1.0) + turn.rotate(point);
         let marks = [[0.3, 0.2], [1.0, 0.4], [0.6, 0.8]].map(DVec2::from);
         let pairs = marks.map(|mark| [ScreenPoint(mark), ScreenPoint(image(mark))]).to_vec();
-        let there = lattice.transferred(&Fit::Landmarks(pairs));
-        // The box cannot turn along: seven spans of handles over a larger box see less.
+        let there = lattice.transferred(&LatticeFit::Landmarks(pairs));
+        // The box stays axis-aligned: seven spans over a larger box resolve less.
         assert!(there.error > 0.0 && there.error < 0.1, "{}", there.error);
         for mark in marks {
             let wanted = image(lattice.warp(ScreenPoint(mark)).0);
@@ -149,11 +150,11 @@ mod tests {
     fn boxes_and_single_landmarks_are_exact() {
         let lattice = bent();
         let target = ScreenBox::new(ScreenPoint::new(0.0, 0.0), ScreenPoint::new(3.0, 0.8));
-        let there = lattice.transferred(&Fit::Box(target)).lattice;
+        let there = lattice.transferred(&LatticeFit::Box(target)).lattice;
         let warped = lattice.warp(ScreenPoint::new(0.7, 0.5)).0 - DVec2::new(0.2, 0.1);
         assert!(distance(there.warp(ScreenPoint::new(1.5, 0.4)), warped * DVec2::new(3.0, 1.0)) < 1e-12);
         let shifted =
-            lattice.transferred(&Fit::Landmarks(vec![[ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.9, 0.3)]]));
+            lattice.transferred(&LatticeFit::Landmarks(vec![[ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.9, 0.3)]]));
         let moved = lattice.warp(ScreenPoint::new(0.7, 0.5)).0 + DVec2::new(0.4, -0.2);
         assert!(shifted.error == 0.0 && distance(shifted.lattice.warp(ScreenPoint::new(1.1, 0.3)), moved) < 1e-12);
     }

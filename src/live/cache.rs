@@ -5,7 +5,11 @@
 
 use super::key::Key;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::time::Duration;
+
+/// How long a thread sleeps before it looks again whether another one is done.
+const NAP: Duration = Duration::from_millis(1);
 
 /// Values by key, up to a total weight.
 pub(super) struct Cache<V> {
@@ -56,11 +60,28 @@ impl<V> Cache<V> {
     ///
     /// Worker threads of rayon do not wait for others: whom they would wait for may wait for them.
     pub(super) fn get<E>(&self, key: Key, compute: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
+        self.get_until(key, &|| None, compute)
+    }
+
+    /// Like [`Self::get`]; a thread that waits for another's value asks `stop` now and then for a reason to give up.
+    pub(super) fn get_until<E>(
+        &self,
+        key: Key,
+        stop: &dyn Fn() -> Option<E>,
+        compute: impl FnOnce() -> Result<V, E>,
+    ) -> Result<Arc<V>, E> {
         let place = self.place(key);
-        let guard = if rayon::current_thread_index().is_some() {
-            place.try_lock().ok()
-        } else {
-            Some(place.lock().unwrap_or_else(PoisonError::into_inner))
+        let guard = loop {
+            match place.try_lock() {
+                Ok(guard) => break Some(guard),
+                Err(TryLockError::Poisoned(poisoned)) => break Some(poisoned.into_inner()),
+                Err(TryLockError::WouldBlock) if rayon::current_thread_index().is_some() => break None,
+                Err(TryLockError::WouldBlock) => {}
+            }
+            if let Some(reason) = stop() {
+                return Err(reason);
+            }
+            std::thread::sleep(NAP);
         };
         let Some(mut guard) = guard else { return compute().map(Arc::new) };
         if let Some(value) = guard.as_ref() {

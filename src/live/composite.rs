@@ -1,10 +1,10 @@
 //! What moved, over what rests, over what lies behind.
 //!
-//! In: a [`Render`]'s pictures, the map of a page. Out: planes of a window of that page, alpha as the source has it. The
+//! In: a [`Render`]'s pictures, the map of a tile. Out: planes of a window of that tile, alpha as the source has it. The
 //! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
-use super::{LiveError, Render, Warp, spare_planes};
+use super::{LiveError, Render, Warp, take_planes};
 use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resample_part};
 use crate::space::PixelRect;
 use rayon::prelude::*;
@@ -13,11 +13,14 @@ use std::borrow::Cow;
 /// Samples that a task takes.
 const BATCH: usize = 1 << 12;
 
+/// Coverage above this is whole: weights of a filter sum to 1 but for rounding.
+const WHOLE: f32 = 1.0 - 1e-5;
+
 /// Less alpha than this is none: a quotient by it would say nothing.
 const LEAST_ALPHA: f32 = 1e-6;
 
 /// The pictures of a render, ready to be drawn.
-pub(super) struct Sheets<'a> {
+pub(super) struct Compositor<'a> {
     job: &'a Render<'a>,
     /// The source, colour multiplied with its alpha.
     source: Associated<'a>,
@@ -28,6 +31,8 @@ pub(super) struct Sheets<'a> {
     background: Option<Associated<'a>>,
     /// Straight colours have to come out again.
     is_straight: bool,
+    /// The alpha of the source is not 0 everywhere: then it says what is transparent.
+    has_coverage: bool,
 }
 
 impl Render<'_> {
@@ -44,7 +49,7 @@ impl Render<'_> {
     }
 }
 
-impl<'a> Sheets<'a> {
+impl<'a> Compositor<'a> {
     /// `None`: nothing moves, and nothing lies behind.
     pub(super) fn of(warp: &Warp, job: &'a Render<'a>) -> Option<Self> {
         if warp.is_identity() && job.background.is_none() {
@@ -79,15 +84,20 @@ impl<'a> Sheets<'a> {
             moved.extend(job.source.planes[..colors].iter().map(|plane| Cow::Borrowed(*plane)));
         }
         let background = job.background.map(|background| background.associated());
-        Some(Self { job, source, moved, share, background, is_straight })
+        let alpha = job.source.coverage().map(|alpha| job.source.planes[alpha]);
+        let has_coverage = alpha.is_some_and(|alpha| alpha.iter().any(|alpha| *alpha > 0.0));
+        Some(Self { job, source, moved, share, background, is_straight, has_coverage })
     }
 
-    /// The pixels of a window within a page, whose map is given: first as many planes as the source has, each
+    /// The pixels of a window within a tile, whose maps are given, front first. Where the warp folds, what is transparent in
+    /// front does not hide what lies behind. First as many planes as the source has, each
     /// `window.area()` samples, then some that helped to make them.
-    pub(super) fn draw(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
-        let planes: Vec<&[f32]> = self.moved.iter().map(|plane| &plane[..]).collect();
-        let mut drawn = spare_planes(planes.len(), window.area());
-        resample_part(map, window, &Planes { window: self.source.window, planes }, self.job.filter, &mut drawn);
+    pub(super) fn draw(&self, maps: &[WarpMap], window: PixelRect) -> Vec<Vec<f32>> {
+        let mut maps = maps.iter().map(|map| self.resampled(map, window));
+        let mut drawn = maps.next().unwrap_or_default();
+        if let Some(alpha) = self.job.source.coverage().filter(|_| self.has_coverage) {
+            maps.for_each(|behind| self.put_behind(&mut drawn, &behind, alpha));
+        }
         let (seen, others) = drawn.split_at_mut(self.job.source.planes.len());
         let hidden = match &self.share {
             Some(share) => {
@@ -102,6 +112,40 @@ impl<'a> Sheets<'a> {
             self.divide(seen, hidden, window);
         }
         drawn
+    }
+
+    /// What moves, where a map leads it.
+    fn resampled(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
+        let planes: Vec<&[f32]> = self.moved.iter().map(|plane| &plane[..]).collect();
+        let mut drawn = take_planes(planes.len(), window.area());
+        resample_part(map, window, &Planes { window: self.source.window, planes }, self.job.filter, &mut drawn);
+        drawn
+    }
+
+    /// Lays what a fold shows in front over what it shows behind. Colours that alpha hides stay those in front.
+    fn put_behind(&self, drawn: &mut [Vec<f32>], behind: &[Vec<f32>], alpha: usize) {
+        let is_associated = self.is_straight || self.job.source.alpha == Alpha::Premultiplied;
+        let left = |cover: f32| match cover.clamp(0.0, 1.0) {
+            cover if cover > WHOLE => 0.0,
+            cover if is_associated => 1.0 - cover,
+            cover => f32::from(u8::from(cover < LEAST_ALPHA)),
+        };
+        let covers = drawn[alpha].par_iter().zip(&behind[alpha]).with_min_len(BATCH);
+        let left: Vec<f32> = covers.map(|(cover, behind)| if *behind > 0.0 { left(*cover) } else { 0.0 }).collect();
+        let count = self.job.source.planes.len();
+        for (index, (front, behind)) in drawn.iter_mut().zip(behind).enumerate().take(count + 1) {
+            let samples = front.par_iter_mut().zip(behind).zip(&left).with_min_len(BATCH);
+            match (index < count, is_associated) {
+                (true, true) => samples.for_each(|((front, behind), left)| *front = laid(*front, *behind, *left)),
+                (true, false) => {
+                    samples.filter(|(_, left)| **left > 0.0).for_each(|((front, behind), _)| *front = *behind)
+                }
+                (false, _) if self.share.is_some() => {
+                    samples.for_each(|((front, behind), _)| *front = (*front + behind).min(1.0));
+                }
+                (false, _) => {}
+            }
+        }
     }
 
     /// Lays what moved over what rests, and puts the background behind.

@@ -4,10 +4,11 @@
 
 use super::LiveError;
 use crate::lattice::Basis;
+use crate::solve::Guard;
 use crate::space::ScreenPoint;
 
-/// Greatest stiffness, and one over the least.
-const MOST_STIFF: f64 = 10.0;
+/// Greatest smoothness, and one over the least.
+const MAX_SMOOTHNESS: f64 = 10.0;
 
 /// Handles an axis at most.
 const MOST_HANDLES: usize = 64;
@@ -15,14 +16,14 @@ const MOST_HANDLES: usize = 64;
 /// Frame heights beyond which a number was surely meant as pixels.
 const FURTHEST: f64 = 1000.0;
 
-/// Everything that one moment of a warp needs beside the [`Shape`](super::Shape).
+/// Everything that one moment of a warp needs beside the [`ShapeSource`](super::ShapeSource).
 ///
 /// ```
-/// use pinwarp::live::{Controls, Pin, Shape, warp};
+/// use pinwarp::live::{Controls, Pin, ShapeSource, warp};
 /// use pinwarp::space::{FrameSize, ScreenPoint};
 /// let pin = Pin::new(ScreenPoint::new(0.8, 0.5), ScreenPoint::new(0.9, 0.6));
 /// let controls = Controls { pins: vec![pin], ..Controls::default() };
-/// let warp = warp(&controls, &Shape::Frame, FrameSize::new(1920, 1080))?;
+/// let warp = warp(&controls, &ShapeSource::Frame, FrameSize::new(1920, 1080))?;
 /// assert!((warp.field.carry(pin.rest).0 - pin.target.0).length() < 1e-5);
 /// # Ok::<(), pinwarp::live::LiveError>(())
 /// ```
@@ -32,14 +33,16 @@ pub struct Controls {
     pub dims: [usize; 2],
     /// How handles are blended.
     pub basis: Basis,
-    /// How much the lattice resists being bent, 0.1 to 10; 1 is usual. Its cube scales the weight of the regulariser
-    /// ([`Settings::with_stiffness`](crate::solve::Settings::with_stiffness)): more spreads the pull of a pin evenly over the whole shape. The
+    /// How smooth the warp is, 0.1 to 10; 1 is usual. Its cube scales the weight of the regulariser
+    /// ([`Settings::with_smoothness`](crate::solve::Settings::with_smoothness)): more spreads the pull of a pin evenly over the whole shape. The
     /// usual weight is small beside the distortion, so less than 1 changes little.
-    pub stiffness: f64,
+    pub smoothness: f64,
     /// Scales offsets, rotations and the logarithms of scales; 0: no warp.
     pub strength: f64,
     /// What is moved.
     pub moved: Moved,
+    /// What happens before the lattice folds; over a shot [`Guard::Report`] leaves it to the file.
+    pub guard: Guard,
     /// Pins, in the user's order.
     pub pins: Vec<Pin>,
 }
@@ -65,25 +68,41 @@ pub struct Pin {
     pub rotation: Option<f64>,
     /// The scale it holds, above 0; `None`: free.
     pub scale: Option<f64>,
+    /// 0 to 1: how much it pulls against the shape and other pins, in powers of ten; 1 holds it exactly.
+    pub weight: f64,
+    /// What it takes along; `None`: its point alone.
+    pub region: Option<PinRegion>,
+}
+
+/// The neighbourhood that a pin takes along, fading out smoothly to its rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinRegion {
+    /// Distance of the rim from the pin before the warp, frame heights, above 0.
+    pub radius: f64,
+    /// How firmly it moves with the pin as one piece: 0 not at all, 1 rigidly.
+    pub rigidity: f64,
+    /// How stiff the shape is at the pin, as a multiple of its own stiffness.
+    pub stiffness: f64,
 }
 
 impl Pin {
     /// A pin that holds nothing but its point.
     #[must_use]
     pub const fn new(rest: ScreenPoint, target: ScreenPoint) -> Self {
-        Self { rest, target, rotation: None, scale: None }
+        Self { rest, target, rotation: None, scale: None, weight: 1.0, region: None }
     }
 }
 
 impl Default for Controls {
-    /// A 10 x 10 B-spline lattice of usual stiffness and full strength, without pins.
+    /// A 10 x 10 B-spline lattice of usual smoothness and full strength, without pins.
     fn default() -> Self {
         Self {
             dims: [10, 10],
-            basis: Basis::Bspline,
-            stiffness: 1.0,
+            basis: Basis::default(),
+            smoothness: 1.0,
             strength: 1.0,
             moved: Moved::Picture,
+            guard: Guard::Report,
             pins: Vec::new(),
         }
     }
@@ -112,10 +131,10 @@ impl Controls {
     /// Refuses what no slider may send: numbers that are none, and values out of range.
     pub(super) fn check(&self) -> Result<(), LiveError> {
         let fault = |what: String, hint: &str| Err(LiveError::Controls { what, hint: hint.to_owned() });
-        if !(1.0 / MOST_STIFF..=MOST_STIFF).contains(&self.stiffness) {
-            return fault(format!("a stiffness of {} is out of range", self.stiffness), "keep it within 0.1 to 10");
+        if !(1.0 / MAX_SMOOTHNESS..=MAX_SMOOTHNESS).contains(&self.smoothness) {
+            return fault(format!("a smoothness of {} is out of range", self.smoothness), "keep it within 0.1 to 10");
         }
-        let least = if self.basis == Basis::Bspline { 4 } else { 2 };
+        let least = self.basis.min_handles();
         if self.dims.iter().any(|count| !(least..=MOST_HANDLES).contains(count)) {
             let what = format!("a lattice of {} x {} handles is out of range", self.dims[0], self.dims[1]);
             return fault(what, "give 2 to 64 an axis, with B-splines 4 to 64");
@@ -126,8 +145,11 @@ impl Controls {
         for (index, pin) in self.pins.iter().enumerate() {
             let places = [pin.rest.0, pin.target.0];
             if places.iter().any(|place| !place.is_finite() || place.abs().max_element() > FURTHEST) {
-                let what = format!("pin {} lies at {} and goes to {}", index + 1, places[0], places[1]);
-                return fault(what, "give places in frame heights, within 1000 of the frame");
+                return Err(LiveError::FarPin { pin: index, rest: pin.rest, target: pin.target });
+            }
+            if !has_sane_region(pin) {
+                let what = format!("pin {} has a weight or a neighbourhood that is out of range", index + 1);
+                return fault(what, "keep weight and rigidity within 0 to 1, stiffness within 0.001 to 1000");
             }
             if pin.rotation.is_some_and(|angle| !angle.is_finite())
                 || pin.scale.is_some_and(|scale| !(scale > 0.0 && scale.is_finite()))
@@ -138,4 +160,13 @@ impl Controls {
         }
         Ok(())
     }
+}
+
+/// Whether a pin's weight and region are such as a solver takes.
+fn has_sane_region(pin: &Pin) -> bool {
+    let region = pin.region.is_none_or(|region| {
+        let PinRegion { radius, rigidity, stiffness } = region;
+        radius > 0.0 && radius <= FURTHEST && (0.0..=1.0).contains(&rigidity) && (1e-3..=1e3).contains(&stiffness)
+    });
+    region && (0.0..=1.0).contains(&pin.weight)
 }

@@ -4,6 +4,7 @@ use crate::image::ImageError;
 use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
+use crate::space::ScreenPoint;
 use crate::spelling::counted;
 use std::path::PathBuf;
 
@@ -19,6 +20,16 @@ pub enum LiveError {
         /// How to fix it.
         hint: String,
     },
+    /// A pin or its target lies nowhere near the picture.
+    #[error("pin {} lies at {}, {} and goes to {}, {}; give places in frame heights, within 1000 of the frame", pin + 1, rest.0.x, rest.0.y, target.0.x, target.0.y)]
+    FarPin {
+        /// Index in the controls.
+        pin: usize,
+        /// Where it is.
+        rest: ScreenPoint,
+        /// Where it goes.
+        target: ScreenPoint,
+    },
     /// The shot file is wrong.
     #[error(transparent)]
     Shot(#[from] ShotError),
@@ -33,7 +44,7 @@ pub enum LiveError {
     File(#[from] ImageError),
     /// The shot shows another frame than the picture.
     #[error("{path} is for frames {wanted:.4} wide to 1 high, the picture is {found:.4} to 1; {hint}")]
-    Shape {
+    Aspect {
         /// The shot file.
         path: PathBuf,
         /// Its aspect.

@@ -1,55 +1,66 @@
 //! The warp of one picture at one moment, from plain parameters: what every host of the engine shares (the OpenFX plugin,
 //! an editor).
 //!
-//! In: [`Controls`], a [`Shape`], the size of the frame. Out: a [`Warp`]: where every point goes, what to draw over the
+//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`]: where every point goes, what to draw over the
 //! picture, how good it is; pixels ([`render`]), regions, STMaps ([`stmap`]). All functions may be called from any number of threads, and give the same bits on all.
 //! What was computed is kept for the whole process by content, so hosts may make their instances anew for every frame.
 
-mod base;
+mod base_scene;
+mod buffer_pool;
 mod cache;
-mod canvas;
 mod composite;
 mod controls;
 mod error;
-mod handles;
+mod host_frame;
 mod key;
+mod map_tiles;
+mod mix;
+mod notices;
 mod owned;
-mod pages;
+mod picker;
 mod picture;
 mod read;
 mod regions;
 mod render;
-mod shape;
-mod sketch;
+mod shape_source;
 mod solve;
-mod spare;
 mod stmap;
+mod viewer;
 mod warp;
 mod write;
 
 pub use crate::lattice::Basis;
-pub use canvas::Canvas;
-pub use controls::{Controls, Moved, Pin};
+pub use crate::solve::Guard;
+/// Asked, by the thread that called, whether a result is still wanted; true: it is not.
+pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
+
+/// Results are always wanted.
+const NEVER: &Stop<'static> = &|| false;
+
+pub use buffer_pool::{recycle_planes, take_planes};
+pub use controls::{Controls, Moved, Pin, PinRegion};
 pub use error::LiveError;
-pub use handles::{Choosing, Picker, Pull};
+pub use host_frame::HostFrame;
+pub use mix::Mix;
+pub use notices::{Notice, Warning, Wording};
 pub use owned::OwnedPicture;
+pub use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
-pub use render::{Piece, Render, render, render_pieces};
-pub use shape::{Coverage, OwnPins, Shape, ShotShape};
-pub use sketch::{Dot, Stroke, View};
-pub use solve::{last_of_alpha, warp};
-pub use spare::{keep_planes, spare_planes};
+pub use render::{Piece, Render, render, render_mean, render_pieces};
+pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};
+pub use solve::{last_of_alpha, warp, warp_until};
 pub use stmap::{StMap, StMapFile, check_stmap_path, save_stmap, stmap};
+pub use viewer::{LatticeStyle, PinMark, Stroke, Viewer};
 pub use warp::{GridLine, PinPlace, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
 
 /// Lets go of all that is kept and can be computed again, for hosts that are short of memory. What is
 /// asked for later has the same bits, and takes as long as the first time.
 pub fn purge() {
-    pages::purge();
+    map_tiles::purge();
     regions::purge();
     solve::purge();
-    shape::purge();
-    spare::purge();
+    shape_source::purge();
+    buffer_pool::purge();
 }

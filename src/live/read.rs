@@ -2,18 +2,19 @@
 //!
 //! In: a [`ShotShape`]. Out: a [`ShotFile`]; what the parameters cannot say is told in words.
 
-use super::base::Base;
-use super::{Controls, LiveError, Pin, Shape, ShotShape, solve};
+use super::base_scene::BaseScene;
+use super::{Controls, LiveError, Pin, PinRegion, ShapeSource, ShotShape, solve};
 use crate::pipeline::{LayerTask, Pinned, Rest, Setup};
 use crate::plate::Filter;
 use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
+use crate::solve::Cancel;
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use crate::spelling::counted;
 
 /// What a shot file says, as parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShotFile {
-    /// The layer's lattice, and its pins at the shape's frame. Strength and stiffness are 1: the file's own stay in force.
+    /// The layer's lattice, and its pins at the shape's frame. Strength and smoothness are 1: the file's own stay in force.
     pub controls: Controls,
     /// One a pin of the controls.
     pub tracks: Vec<PinTrack>,
@@ -54,6 +55,8 @@ pub struct PinTrack {
     pub rest: ScreenPoint,
     /// Its keys, frames increasing.
     pub keys: Vec<TrackKey>,
+    /// What it takes along.
+    pub region: Option<PinRegion>,
 }
 
 /// A pin at a key.
@@ -90,12 +93,13 @@ impl PinTrack {
         }
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let rest = pin_at(now).map(|pin| pin.rest).unwrap_or_default();
+        let pin = pin_at(now);
+        let (rest, region) = pin.map_or_else(Default::default, |pin| (pin.rest, pin.region));
         let key = |time: f64| {
-            let Pin { rest: was, target, rotation, scale } = pin_at(time)?;
+            let Pin { rest: was, target, rotation, scale, .. } = pin_at(time)?;
             Some(TrackKey { frame: time + offset, target: rest + (target - was), rotation, scale, ease: Ease::Linear })
         };
-        Self { name, rest, keys: times.into_iter().filter_map(key).collect() }
+        Self { name, rest, region, keys: times.into_iter().filter_map(key).collect() }
     }
 }
 
@@ -105,7 +109,7 @@ impl PinTrack {
 /// # Errors
 /// [`LiveError`] where the file is wrong or does not fit its scene.
 pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
-    let base = solve::base(&Shape::Shot(shape.clone()), frame)?;
+    let base = solve::base(&ShapeSource::Shot(shape.clone()), frame)?;
     let setup = base.setup.as_ref().expect("shots have a scene");
     let reader = Reader { setup, layer: &setup.shot.layers[base.layer], index: base.layer, shape };
     reader.read(&base)
@@ -119,7 +123,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn read(&self, base: &Base) -> Result<ShotFile, LiveError> {
+    fn read(&self, base: &BaseScene) -> Result<ShotFile, LiveError> {
         let [nx, ny, _] = self.layer.space.dims();
         let rests = self.setup.rests_of(base.layer, f64::from(self.shape.pin_frame));
         let points: Vec<ScreenPoint> = rests.iter().map(|rest| rest.point).collect();
@@ -140,11 +144,14 @@ impl Reader<'_> {
                 target: rest.point + offset,
                 rotation,
                 scale: target.log_scale.map(f64::exp),
+                region: self.region(number),
+                ..Pin::new(rest.point, rest.point)
             });
             let keys = self.layer.pins[number].keys.iter();
             let keys = keys.map(|key| Ok(track_key(key, rest.point + goal(key.goal, key.frame)?)));
             let name = self.layer.pins[number].name.clone();
-            tracks.push(PinTrack { name, rest: rest.point, keys: keys.collect::<Result<_, LiveError>>()? });
+            let keys = keys.collect::<Result<_, LiveError>>()?;
+            tracks.push(PinTrack { name, rest: rest.point, keys, region: self.region(number) });
         }
         let controls = Controls { dims: [nx, ny], basis: self.layer.basis, pins, ..Controls::default() };
         let frames = [self.setup.shot.frames.first, self.setup.shot.frames.last];
@@ -166,8 +173,8 @@ impl Reader<'_> {
             Goal::Offset(offset) if unit == OffsetUnit::Frame => Ok(offset),
             Goal::Offset(offset) => {
                 let moment = self.setup.unsolved(self.setup.exposed_at(frame))?;
-                let task = LayerTask { index: self.index, layer: self.layer, anchors: &[] };
-                let prepared = self.setup.prepare(&moment, &task, &[])?;
+                let task = LayerTask { index: self.index, layer: self.layer, anchors: &[], weights: &[] };
+                let prepared = self.setup.prepare(&moment, &task, &[], &Cancel::never())?;
                 let size = prepared.map_or([1.0; 2], |prepared| [0, 1].map(|axis| prepared.grid().size(axis)));
                 Ok(ScreenVector::new(offset.0.x * size[0], offset.0.y * size[1]))
             }
@@ -178,6 +185,13 @@ impl Reader<'_> {
             // Those are of layers of the scene.
             Goal::SceneOffset(_) | Goal::SceneTarget(_) => Ok(ScreenVector::default()),
         }
+    }
+
+    /// What a pin takes along, measured in frame heights.
+    fn region(&self, number: usize) -> Option<PinRegion> {
+        let pin = &self.layer.pins[number];
+        let region = pin.region.filter(|_| pin.unit == OffsetUnit::Frame)?;
+        Some(PinRegion { radius: region.radius, rigidity: region.rigidity, stiffness: region.stiffness })
     }
 
     /// What is not exact about a pin.
@@ -204,8 +218,8 @@ impl Reader<'_> {
         if pin.unit == OffsetUnit::Box || matches!(pin.keys.first().map(|key| key.goal), Some(Goal::Target(_))) {
             doubts.push(told("has goals that follow the box or the screen: they are exact at its keys only".into()));
         }
-        if pin.region.is_some() {
-            doubts.push(told("takes a region along: only the file says that".into()));
+        if pin.region.is_some() && pin.unit == OffsetUnit::Box {
+            doubts.push(told("takes a region along that is measured by the box: only the file says that".into()));
         }
         doubts
     }

@@ -4,7 +4,7 @@
 
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
-use super::pages::Page;
+use super::map_tiles::MapTile;
 use super::{Controls, LiveError, Warp};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
@@ -59,9 +59,9 @@ impl Warp {
         }
         let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
             let near = window.intersection(around(frame));
-            let reaches = Page::all_of(frame, near).into_iter().filter_map(|page| {
-                let map = page.map(self, frame);
-                reach(&map, page.window().intersection(near), filter)
+            let reaches = MapTile::all_of(frame, near).into_iter().filter_map(|tile| {
+                let window = tile.window().intersection(near);
+                tile.maps(self, frame).iter().filter_map(|map| reach(map, window, filter)).reduce(union)
             });
             let read = reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect);
             Ok::<_, LiveError>(if near == window { read } else { read.union(self.carried(frame, window)) })

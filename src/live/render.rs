@@ -1,17 +1,18 @@
 //! A window of the warped picture.
 //!
-//! In: a [`Warp`] and a [`Render`]. Out: planes of the window, page by page or whole: the same pixels whatever the window.
+//! In: a [`Warp`] and a [`Render`]. Out: planes of the window, tile by tile or whole: the same pixels whatever the window.
 
-use super::composite::Sheets;
-use super::pages::Page;
-use super::picture::Picture;
-use super::{LiveError, Warp, keep_planes};
+use super::composite::Compositor;
+use super::map_tiles::MapTile;
+use super::mix::Mix;
+use super::picture::{Alpha, Picture};
+use super::{LiveError, Warp, recycle_planes};
 use crate::plate::Filter;
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Pages that are drawn at a time, a thread: some are done sooner than others.
+/// Tiles that are drawn at a time, a thread: some are done sooner than others.
 const SIDE_BY_SIDE: usize = 2;
 
 /// What is rendered.
@@ -29,6 +30,8 @@ pub struct Render<'a> {
     pub background: Option<&'a Picture<'a>>,
     /// How it is resampled.
     pub filter: Filter,
+    /// How much of the result is seen.
+    pub mix: Mix<'a>,
     /// Asked now and then, by the thread that renders; true: the picture is not wanted any more.
     pub abort: &'a (dyn Fn() -> bool + Sync),
 }
@@ -60,6 +63,36 @@ pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     Ok(planes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
+/// The mean of several warps of one picture: motion blur by samples of the shutter.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
+    job.check()?;
+    let is_straight = job.source.alpha == Alpha::Straight;
+    let multiplied = job.source.associated();
+    let source = Picture {
+        window: job.source.window,
+        planes: multiplied.planes.iter().map(|plane| &plane[..]).collect(),
+        alpha: if is_straight { Alpha::Premultiplied } else { job.source.alpha },
+    };
+    let sample = Render { source: &source, mix: Mix::FULL, ..*job };
+    let share = 1.0 / warps.len() as f32;
+    let mut planes = vec![vec![0.0; job.window.area()]; job.source.planes.len()];
+    for warp in warps {
+        for (sum, plane) in planes.iter_mut().zip(render(warp, &sample)?) {
+            sum.par_iter_mut().zip(plane).for_each(|(sum, sample)| *sum += sample * share);
+        }
+    }
+    if let (true, Some((alpha, colors))) = (is_straight, planes.split_last_mut()) {
+        for color in colors {
+            color.iter_mut().zip(&*alpha).filter(|(_, alpha)| **alpha > 0.0).for_each(|(color, alpha)| *color /= alpha);
+        }
+    }
+    job.mix.blend(&mut planes, job.window, job.source);
+    Ok(planes)
+}
+
 /// As [`render`], but hands over every part as soon as it is finished, so that nothing is copied twice. Parts do not
 /// overlap and come in any order, from several threads at a time.
 ///
@@ -67,23 +100,24 @@ pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
 /// As [`render`].
 pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync) -> Result<(), LiveError> {
     job.check()?;
-    let sheets = Sheets::of(warp, job);
+    let compositor = Compositor::of(warp, job);
     let side_by_side = SIDE_BY_SIDE * rayon::current_num_threads();
-    for pages in Page::all_of(job.frame, job.window).chunks(side_by_side) {
+    for tiles in MapTile::all_of(job.frame, job.window).chunks(side_by_side) {
         // Hosts want to be asked by the thread that they called.
         if (job.abort)() {
             return Err(LiveError::Aborted);
         }
-        // Threads that draw tiles of the same pages wait here for each other's maps.
-        let maps: Vec<_> = pages.iter().map(|page| sheets.is_some().then(|| page.map(warp, job.frame))).collect();
-        pages.par_iter().zip(maps).for_each(|(page, map)| {
-            let window = page.window().intersection(job.window);
-            let planes = match (&sheets, map) {
-                (Some(sheets), Some(map)) => sheets.draw(&map, window),
+        // Threads that draw parts of the same tiles wait here for each other's maps.
+        let maps: Vec<_> = tiles.iter().map(|tile| compositor.is_some().then(|| tile.maps(warp, job.frame))).collect();
+        tiles.par_iter().zip(maps).for_each(|(tile, maps)| {
+            let window = tile.window().intersection(job.window);
+            let mut planes = match (&compositor, maps) {
+                (Some(compositor), Some(maps)) => compositor.draw(&maps, window),
                 _ => job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0)).collect(),
             };
+            job.mix.blend(&mut planes[..job.source.planes.len()], window, job.source);
             finished(Piece { window, planes: &planes[..job.source.planes.len()] });
-            keep_planes(planes);
+            recycle_planes(planes);
         });
     }
     Ok(())

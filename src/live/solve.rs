@@ -1,16 +1,18 @@
 //! From parameters to a warp, through three caches: scenes, prefactored solvers, solved warps.
 //!
-//! In: [`Controls`], a [`Shape`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so that a
+//! In: [`Controls`], a [`ShapeSource`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so that a
 //! warp has the same bits whatever was solved before.
 
-use super::base::{Base, Goals, driven_layer};
+use super::base_scene::{BaseScene, Goals, driven_layer};
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
+use super::notices::{ActingPin, Warning};
 use super::warp::PinPlace;
-use super::{Basis, Controls, LiveError, Moved, OwnPins, Shape, ShotShape, Warp, shape};
-use crate::pipeline::{LayerTask, Pinned, Prepared, Setup};
+use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
+use crate::pipeline::{LayerTask, Pinned, PipelineError, Prepared, Setup};
 use crate::plate::Field;
 use crate::shot::{FrameRange, Layer};
+use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
 use std::sync::{Arc, LazyLock};
 
@@ -28,8 +30,8 @@ const KEPT_WARPS: usize = 4096;
 /// Sets of pins kept that were cast onto a surface.
 const KEPT_CASTS: usize = 256;
 
-static BASES: LazyLock<Cache<Base>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
-static SOLVERS: LazyLock<Cache<Ready>> = LazyLock::new(|| Cache::new(KEPT_BYTES, Ready::bytes));
+static BASES: LazyLock<Cache<BaseScene>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
+static SOLVERS: LazyLock<Cache<PreparedSolver>> = LazyLock::new(|| Cache::new(KEPT_BYTES, PreparedSolver::bytes));
 static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_| 1));
 /// The last warp over a picture's alpha, by the controls alone.
 static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SHOWN, |_| 1));
@@ -46,25 +48,20 @@ pub(super) fn purge() {
 
 /// A solver, and what it told while it was made.
 #[derive(Debug)]
-struct Ready {
+struct PreparedSolver {
     /// `None`: nothing of the layer is in reach.
     prepared: Option<Prepared>,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
-impl Ready {
+impl PreparedSolver {
     /// What it weighs, about.
     fn bytes(&self) -> usize {
         let Some(prepared) = &self.prepared else { return 1 };
         let grid = prepared.grid();
         let handles = grid.handle_count();
         // Handles that a sample hangs on.
-        let shared = match grid.basis {
-            Basis::Bspline => 16,
-            Basis::Bilinear => 4,
-            Basis::Barytri => 3,
-            Basis::Bernstein => handles,
-        };
+        let shared = grid.basis.handles_at_point(grid.dims);
         handles * shared * PAIR_BYTES
     }
 }
@@ -74,27 +71,53 @@ impl Ready {
 /// # Errors
 /// [`LiveError`] where a parameter is out of range, the shot file is wrong or for frames of another shape, or the problem
 /// cannot be solved (more handles than a lattice may have).
-pub fn warp(controls: &Controls, shape: &Shape, frame: FrameSize) -> Result<Arc<Warp>, LiveError> {
+pub fn warp(controls: &Controls, shape: &ShapeSource, frame: FrameSize) -> Result<Arc<Warp>, LiveError> {
+    warp_until(controls, shape, frame, NEVER)
+}
+
+/// Like [`warp`]; `stop` is asked every few milliseconds of a solve whether the warp is still wanted, by the thread that
+/// called. What was given up is not kept.
+///
+/// # Errors
+/// As [`warp`]; [`LiveError::Aborted`].
+pub fn warp_until(
+    controls: &Controls,
+    shape: &ShapeSource,
+    frame: FrameSize,
+    stop: &Stop,
+) -> Result<Arc<Warp>, LiveError> {
     controls.check()?;
-    if let Shape::Shot(shot) = shape {
+    let given_up = || stop().then_some(LiveError::Aborted);
+    let hook = || stop();
+    let cancel = Cancel::when(&hook);
+    if let ShapeSource::Shot(shot) = shape {
         check_aspect(shot, frame)?;
     }
     let base_key = shape.key(frame)?;
     let solver_key = solver_key(base_key, controls, shape);
     let key = warp_key(solver_key, controls);
-    let warp = WARPS.get(key, || {
-        let base = BASES.get(base_key, || Base::of(shape, frame))?;
+    let warp = WARPS.get_until(key, &given_up, || {
+        let base = BASES.get_until(base_key, &given_up, || BaseScene::of(shape, frame))?;
         let Some(setup) = &base.setup else {
             return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
         };
         let task = Task { setup, index: base.layer, controls, shape };
-        let ready = SOLVERS.get(solver_key, || task.prepare(base_key))?;
-        task.solve(&ready, key)
+        let ready = SOLVERS.get_until(solver_key, &given_up, || task.prepare(base_key, &cancel))?;
+        given_up().map_or(Ok(()), Err)?;
+        task.solve(&ready, key, &cancel)
     })?;
-    if matches!(shape, Shape::Coverage(_)) {
+    if matches!(shape, ShapeSource::Coverage(_)) {
         SHOWN.put(shown_key(controls), Arc::clone(&warp));
     }
     Ok(warp)
+}
+
+/// A cancelled solve as an abort.
+fn aborted(error: PipelineError) -> LiveError {
+    match error {
+        PipelineError::Solve { source: SolveError::Cancelled, .. } => LiveError::Aborted,
+        error => error.into(),
+    }
 }
 
 /// The last [`warp`] of these controls over a picture's alpha, of whatever size, for hosts that have no pixels while they draw
@@ -105,30 +128,32 @@ pub fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
 }
 
 fn shown_key(controls: &Controls) -> Key {
-    warp_key(solver_key(KeyWriter::new().finish(), controls, &Shape::Frame), controls)
+    warp_key(solver_key(KeyWriter::new().finish(), controls, &ShapeSource::Frame), controls)
 }
 
 /// The scene behind a shape, loaded or kept.
 ///
 /// # Errors
 /// [`LiveError`] where it cannot be loaded, or is for frames of another shape.
-pub(super) fn base(shape: &Shape, frame: FrameSize) -> Result<Arc<Base>, LiveError> {
-    if let Shape::Shot(shot) = shape {
+pub(super) fn base(shape: &ShapeSource, frame: FrameSize) -> Result<Arc<BaseScene>, LiveError> {
+    if let ShapeSource::Shot(shot) = shape {
         check_aspect(shot, frame)?;
     }
-    BASES.get(shape.key(frame)?, || Base::of(shape, frame))
+    BASES.get(shape.key(frame)?, || BaseScene::of(shape, frame))
 }
 
 /// Everything that fixes the factored matrix.
-fn solver_key(base: Key, controls: &Controls, shape: &Shape) -> Key {
+fn solver_key(base: Key, controls: &Controls, shape: &ShapeSource) -> Key {
     let mut key = KeyWriter::after(base);
-    key.words(&controls.dims.map(|count| count as u64)).word(controls.basis as u64).float(controls.stiffness);
-    key.word(controls.moved as u64);
+    key.words(&controls.dims.map(|count| count as u64)).word(controls.basis as u64).float(controls.smoothness);
+    key.word(controls.moved as u64).word(controls.guard as u64);
     for pin in &controls.pins {
         key.float(pin.rest.0.x).float(pin.rest.0.y).word(pin.rotation.is_some().into());
-        key.word(pin.scale.is_some().into());
+        key.word(pin.scale.is_some().into()).float(pin.weight);
+        let region = pin.region.map_or([0.0; 3], |region| [region.radius, region.rigidity, region.stiffness]);
+        region.iter().for_each(|value| _ = key.float(*value));
     }
-    if let Shape::Shot(shot) = shape {
+    if let ShapeSource::Shot(shot) = shape {
         key.float(shot.frame).word(shot.pin_frame as u64).word(shot.own_pins as u64);
     }
     key.finish()
@@ -146,12 +171,12 @@ fn warp_key(solver: Key, controls: &Controls) -> Key {
 
 /// Proxies have the shot's shape; another shape is another shot.
 fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
-    let wanted = shape::read(&shape.path)?.size.aspect();
+    let wanted = shape_source::read(&shape.path)?.size.aspect();
     if frame.is_as_wide_as(wanted) {
         return Ok(());
     }
     let hint = "correct `size` and `pixel_aspect` of the shot, or the format of the picture";
-    Err(LiveError::Shape { path: shape.path.clone(), wanted, found: frame.aspect(), hint })
+    Err(LiveError::Aspect { path: shape.path.clone(), wanted, found: frame.aspect(), hint })
 }
 
 /// One layer, driven by controls.
@@ -159,17 +184,17 @@ struct Task<'a> {
     setup: &'a Setup,
     index: usize,
     controls: &'a Controls,
-    shape: &'a Shape<'a>,
+    shape: &'a ShapeSource<'a>,
 }
 
 impl Task<'_> {
     /// The frame that is shown.
     fn frame(&self) -> f64 {
-        if let Shape::Shot(shot) = self.shape { shot.frame } else { 0.0 }
+        if let ShapeSource::Shot(shot) = self.shape { shot.frame } else { 0.0 }
     }
 
     fn own_pins(&self) -> OwnPins {
-        if let Shape::Shot(shot) = self.shape { shot.own_pins } else { OwnPins::Act }
+        if let ShapeSource::Shot(shot) = self.shape { shot.own_pins } else { OwnPins::Act }
     }
 
     fn layer(&self, goals: Goals) -> Layer {
@@ -186,16 +211,19 @@ impl Task<'_> {
         &self.setup.shot.frames
     }
 
-    fn prepare(&self, base: Key) -> Result<Ready, LiveError> {
+    fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
         let layer = self.layer(Goals::AtRest);
         self.check_handles(&layer)?;
         let (pinned, warnings) = self.pinned(base)?;
         let own = layer.pins.len() - pinned.len();
         let anchors: Vec<Pinned> = self.setup.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
         let moment = self.setup.unsolved(self.setup.exposed_at(self.frame()))?;
-        let task = LayerTask { index: self.index, layer: &layer, anchors: &anchors };
-        let prepared = self.setup.prepare(&moment, &task, &layer.pin_path(self.frames(), self.key_frame()))?;
-        Ok(Ready { prepared, warnings })
+        let weights: Vec<f64> =
+            std::iter::repeat_n(1.0, own).chain(self.controls.pins.iter().map(|pin| pin.weight)).collect();
+        let task = LayerTask { index: self.index, layer: &layer, anchors: &anchors, weights: &weights };
+        let path = layer.pin_path(self.frames(), self.key_frame());
+        let prepared = self.setup.prepare(&moment, &task, &path, cancel).map_err(aborted)?;
+        Ok(PreparedSolver { prepared, warnings })
     }
 
     /// Handles that a shot moves belong to a lattice of certain dims.
@@ -212,9 +240,9 @@ impl Task<'_> {
     }
 
     /// What the pins of the controls are tied to.
-    fn pinned(&self, base: Key) -> Result<(Vec<Pinned>, Vec<String>), LiveError> {
+    fn pinned(&self, base: Key) -> Result<(Vec<Pinned>, Vec<Warning>), LiveError> {
         let rests: Vec<ScreenPoint> = self.controls.pins.iter().map(|pin| pin.rest).collect();
-        let Shape::Shot(shot) = self.shape else {
+        let ShapeSource::Shot(shot) = self.shape else {
             return Ok((rests.into_iter().map(Pinned::Screen).collect(), Vec::new()));
         };
         let mut key = KeyWriter::after(base);
@@ -222,24 +250,20 @@ impl Task<'_> {
         rests.iter().for_each(|rest| _ = key.float(rest.0.x).float(rest.0.y));
         let casts = CASTS.get(key.finish(), || Ok::<_, LiveError>(self.setup.cast(shot.pin_frame, &rests)))?;
         let missed = casts.iter().enumerate().filter(|(_, cast)| cast.is_none());
-        let warnings = missed.map(|(index, _)| {
-            let ScreenPoint(at) = rests[index];
-            format!(
-                "pin {}: there is no surface at {:.3}, {:.3} in frame {}: it stays fixed on the screen; move it onto the model",
-                index + 1, at.x, at.y, shot.pin_frame
-            )
-        });
+        let warnings =
+            missed.map(|(index, _)| Warning::OffModel { pin: index, at: rests[index], frame: shot.pin_frame });
         let warnings = warnings.collect();
         let pinned = casts.iter().zip(rests).map(|(cast, rest)| cast.unwrap_or(Pinned::Screen(rest)));
         Ok((pinned.collect(), warnings))
     }
 
-    fn solve(&self, ready: &Ready, key: Key) -> Result<Warp, LiveError> {
+    fn solve(&self, ready: &PreparedSolver, key: Key, cancel: &Cancel) -> Result<Warp, LiveError> {
         let Some(prepared) = &ready.prepared else {
             return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped", key));
         };
         let layer = self.layer(Goals::Reached);
-        let state = prepared.solve(&layer, &layer.pin_path(self.frames(), self.key_frame()))?;
+        let path = layer.pin_path(self.frames(), self.key_frame());
+        let state = prepared.solve_cancellable(&layer, &path, cancel).map_err(aborted)?;
         let (lattice, report) = match state.solution {
             Some(solution) => (solution.lattice, Some(solution.report)),
             None => (prepared.grid().at_rest(), None),
@@ -253,19 +277,25 @@ impl Task<'_> {
             presence: rest.presence,
         });
         let mut warnings = ready.warnings.clone();
-        warnings.extend(report.iter().flat_map(|report| report.warnings.iter().cloned()));
+        warnings.extend(report.iter().flat_map(|report| report.warnings.iter().cloned().map(Warning::Text)));
+        let acting = state.pins.iter().map(|pin| match pin.pin.checked_sub(own) {
+            Some(index) => ActingPin::OfControls(index),
+            None => ActingPin::OfShot(layer.pins[pin.pin].name.clone()),
+        });
+        let acting = acting.collect();
         let pins = pins.collect();
         let field = match (self.controls.moved, self.shape, &layer.matte) {
-            (Moved::Picture, Shape::Frame | Shape::Shot(_), None) => Field::of_picture(lattice.clone()),
+            (Moved::Picture, ShapeSource::Frame | ShapeSource::Shot(_), None) => Field::of_picture(lattice.clone()),
             _ => Field::of_layer(lattice.clone()),
         };
-        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, key })
+        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, acting, key })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Basis;
     use crate::live::Pin;
 
     #[test]
@@ -274,10 +304,10 @@ mod tests {
         let pin = Pin::new(ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.6, 0.5));
         let weight = |dims, basis| {
             let controls = Controls { dims, basis, pins: vec![pin], ..Controls::default() };
-            let base = Base::of(&Shape::Frame, frame).expect("a card");
+            let base = BaseScene::of(&ShapeSource::Frame, frame).expect("a card");
             let setup = base.setup.as_ref().expect("a card");
-            let task = Task { setup, index: 0, controls: &controls, shape: &Shape::Frame };
-            task.prepare(KeyWriter::new().finish()).expect("fits").bytes()
+            let task = Task { setup, index: 0, controls: &controls, shape: &ShapeSource::Frame };
+            task.prepare(KeyWriter::new().finish(), &Cancel::never()).expect("fits").bytes()
         };
         let small = weight([10, 10], Basis::Bspline);
         assert_eq!((small, KEPT_BYTES / small), (2_000_000, 67));

@@ -3,7 +3,7 @@
 //! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`, or a file.
 
 use super::Warp;
-use super::pages::Page;
+use super::map_tiles::MapTile;
 use crate::image::{Compression, FrameMetadata, ImageError, Plate, Storage, read_any_head, write_exr};
 use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
@@ -30,6 +30,25 @@ pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
     let mut next = || planes.next().unwrap_or_default();
     let (u, v, _, coverage) = (next(), next(), next(), next());
     StMap { window, u, v, coverage }
+}
+
+impl StMap {
+    /// The same map as shares of another picture of the same scale, in whose image space this one's upper left pixel lies
+    /// at `corner`.
+    #[must_use]
+    pub fn measured_over(mut self, own: FrameSize, other: FrameSize, corner: [i32; 2]) -> Self {
+        if corner == [0, 0] && own == other {
+            return self;
+        }
+        let [left, top] = corner.map(f64::from);
+        let [width, height] = [own.width, own.height].map(f64::from);
+        for index in (0..self.u.len()).filter(|index| self.coverage[*index] > 0.0) {
+            let (u, v) = (f64::from(self.u[index]), f64::from(self.v[index]));
+            self.u[index] = ((u * width + left) / f64::from(other.width)) as f32;
+            self.v[index] = (1.0 - ((1.0 - v) * height + top) / f64::from(other.height)) as f32;
+        }
+        self
+    }
 }
 
 /// Where an STMap goes, and what its file says of itself.
@@ -87,9 +106,10 @@ fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
     if warp.is_identity() {
         return whole;
     }
-    for page in Page::all_of(frame, window) {
-        let map = page.map(warp, frame);
-        let part = page.window().intersection(window);
+    for tile in MapTile::all_of(frame, window) {
+        let maps = tile.maps(warp, frame);
+        let map = &maps[0];
+        let part = tile.window().intersection(window);
         for ([from, _], [to, _]) in map.window.shared_rows(part).zip(window.shared_rows(part)) {
             whole.offsets[to].copy_from_slice(&map.offsets[from]);
         }

@@ -3,6 +3,7 @@
 //! In: a solved lattice. Out: where points go; lines, handles and pins as points of the screen.
 
 use super::key::Key;
+use super::notices::{ActingPin, Warning};
 use crate::lattice::ScreenLattice;
 use crate::plate::Field;
 use crate::solve::SolveReport;
@@ -19,8 +20,10 @@ pub struct Warp {
     pub pins: Vec<PinPlace>,
     /// How good the solve is (pin errors, own pins of a shot first; folded cells); `None`: nothing was solved.
     pub report: Option<SolveReport>,
-    /// What the user should know, in words.
-    pub warnings: Vec<String>,
+    /// What the solve found beside the report; [`Warp::notices`] has all of it in words.
+    pub warnings: Vec<Warning>,
+    /// The pins that [`SolveReport::pin_errors`] speaks of, in its order.
+    pub(super) acting: Vec<ActingPin>,
     /// What stands for all that it was solved from.
     pub(super) key: Key,
 }
@@ -50,8 +53,9 @@ pub struct GridLine {
 impl Warp {
     /// A warp that moves nothing, and why.
     pub(super) fn nothing(why: &str, key: Key) -> Self {
-        let warnings = vec![why.to_owned()];
-        Self { field: Field::identity(), lattice: None, pins: Vec::new(), report: None, warnings, key }
+        let warnings = vec![Warning::Text(why.to_owned())];
+        let field = Field::identity();
+        Self { field, lattice: None, pins: Vec::new(), report: None, warnings, acting: Vec::new(), key }
     }
 
     /// Nothing moves anywhere (by more than 1e-8 frame heights).
@@ -106,9 +110,36 @@ impl Warp {
     }
 }
 
+impl Warp {
+    /// The outlines of cells that fold over after the warp, each side in `pieces` pieces; none where nothing that is seen
+    /// folds.
+    #[must_use]
+    pub fn folded_outlines(&self, pieces: usize) -> Vec<Vec<ScreenPoint>> {
+        let Some(lattice) = self.lattice.as_ref().filter(|_| self.folded_cells() > 0) else { return Vec::new() };
+        let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+        // Cells count from the handle outside the box.
+        let margin = lattice.grid.basis.margin();
+        let steps = 0..4 * pieces;
+        let outline = |cell: &[usize; 2]| {
+            let [x, y] = cell.map(|place| place as f64 - margin as f64);
+            let place = |step: usize| {
+                let along = (step % pieces) as f64 / pieces as f64;
+                match step / pieces {
+                    0 => [x + along, y],
+                    1 => [x + 1.0, y + along],
+                    2 => [x + 1.0 - along, y + 1.0],
+                    _ => [x, y + 1.0 - along],
+                }
+            };
+            steps.clone().chain([0]).map(|step| lattice.warp(on_box(lattice, place(step)))).collect()
+        };
+        folds.cells.iter().map(outline).collect()
+    }
+}
+
 /// A place counted in cells.
 fn on_box(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
     let grid = &lattice.grid;
-    let at = |axis: usize| grid.lo[axis] + cells[axis] * grid.pitch(axis);
+    let at = |axis: usize| grid.lo[axis] + cells[axis] * grid.spacing(axis);
     ScreenPoint::new(at(0), at(1))
 }

@@ -3,7 +3,7 @@
 //! In: a [`WriteShot`]. Out: a checked file; comments and everything that parameters do not speak of stay.
 
 use super::read::{PinTrack, TrackKey};
-use super::{Controls, LiveError, Moved, OwnPins, Shape, ShotShape, solve};
+use super::{Controls, LiveError, Moved, OwnPins, ShapeSource, ShotShape, solve};
 use crate::image::replace_text;
 use crate::plate::Filter;
 use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_filter, put_layer};
@@ -21,7 +21,7 @@ pub struct WriteShot<'a> {
     pub path: &'a Path,
     /// The shot that it goes on from, in the same folder; `None`: what is in the file, or nothing.
     pub base: Option<&'a Path>,
-    /// Lattice, strength, stiffness; the pins come from the tracks.
+    /// Lattice, strength, smoothness; the pins come from the tracks.
     pub controls: &'a Controls,
     /// The pins, with all their keys.
     pub tracks: &'a [PinTrack],
@@ -58,7 +58,7 @@ pub enum Subject<'a> {
 }
 
 /// Writes pins and lattice so that `pinwarp warp` (pictures: `pinwarp render`) solves the same lattices. Writing again gives the same
-/// file. Strength and stiffness are multiplied into those of the base: a host that goes on over that file sets its own to 1.
+/// file. Strength and smoothness are multiplied into those of the base: a host that goes on over that file sets its own to 1.
 ///
 /// # Errors
 /// [`LiveError`] where base or file are no shots, the file is the base, cannot be written, or there are pins that would act
@@ -73,9 +73,9 @@ pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     let rests = origin.map(|path| job.own_pins(path)).transpose()?.unwrap_or_default();
     let pins: Vec<KeyedPin> =
         job.tracks.iter().map(|track| job.keyed(track, origin, &rests)).collect::<Result<_, _>>()?;
-    let Controls { dims, basis, strength, stiffness, .. } = *job.controls;
+    let Controls { dims, basis, strength, smoothness, .. } = *job.controls;
     let factor = if job.base.is_some() { Factor::Times } else { Factor::Exactly };
-    let edit = LayerEdit { dims, basis, strength: factor(strength), stiffness: factor(stiffness), pins: &pins };
+    let edit = LayerEdit { dims, basis, strength: factor(strength), smoothness: factor(smoothness), pins: &pins };
     let mut text = put_layer(&text, job.layer, &edit)?;
     if let Some(filter) = job.filter {
         text = put_filter(&text, filter)?;
@@ -147,7 +147,7 @@ impl WriteShot<'_> {
 
     /// Names of the layer's pins and where they rest; refuses those that would act beside the tracks.
     fn own_pins(&self, path: &Path) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
-        let base = solve::base(&Shape::Shot(self.shape(path)), self.new.size)?;
+        let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;
         let setup = base.setup.as_ref().expect("shots have a scene");
         let rests = setup.rests_of(base.layer, f64::from(self.pin_frame));
         let names = setup.shot.layers[base.layer].pins.iter().map(|pin| pin.name.clone());
@@ -185,7 +185,7 @@ impl WriteShot<'_> {
     /// The frame in which a new pin is cast; `None`: it hits nothing, or there is nothing to hit.
     fn cast_frame(&self, rest: ScreenPoint, origin: Option<&Path>) -> Result<Option<i32>, LiveError> {
         let Some(path) = origin else { return Ok(None) };
-        let base = solve::base(&Shape::Shot(self.shape(path)), self.new.size)?;
+        let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;
         let setup = base.setup.as_ref().filter(|setup| setup.shot.scene().is_some());
         let hit = setup.and_then(|setup| setup.cast(self.pin_frame, &[rest]).pop().flatten());
         Ok(hit.map(|_| self.pin_frame))

@@ -3,35 +3,86 @@
 //! In: the parameters with their keys. Out: parameters, set in one step to undo; files.
 
 use super::api::names::image;
-use super::canvas::canvas_of;
-use super::entry::Call;
+use super::call::Call;
 use super::fault::Fault;
-use super::host::{Clip, When};
+use super::host::{Clip, Effect, When};
+use super::host_frame::host_frame_of;
 use super::params::{BASES, FILTERS, PINS, SHAPES, ShapeFrom, number_of, pin_id};
+use super::pen;
+use super::pins;
 use super::render::fetched;
-use super::settings::{Moment, ShapeChoice, settings_of};
+use super::settings::{ShapeChoice, settings_of};
+use super::values::ParamValues;
 use crate::image::SequencePath;
-use crate::live::{self, Canvas, NewShot, OwnedPicture, PinTrack, StMapFile, Subject, WriteShot};
+use crate::live::{self, HostFrame, NewShot, OwnedPicture, PinRegion, PinTrack, StMapFile, Subject, WriteShot};
 use crate::spelling::counted;
-use std::path::{Path, PathBuf};
+use std::ffi::CStr;
+use std::path::PathBuf;
 
 /// Frames over which keys and maps are written at most: a host's "for ever" ends there.
 const MOST_FRAMES: i32 = 100_000;
 
+/// The pins that the buttons act on: those selected in the viewer, else the one whose number is typed.
+fn selected(effect: Effect, values: ParamValues) -> Vec<usize> {
+    let chosen: Vec<usize> = pen::pen_of(effect.key()).picker.chosen().collect();
+    let typed = usize::try_from(values.int("selected") - 1).ok();
+    if chosen.is_empty() { typed.into_iter().collect() } else { chosen }
+}
+
+/// Selects a pin, or none.
+pub(super) fn select(effect: Effect, pin: Option<usize>) {
+    pen::change(effect.key(), |pen| pen.picker.choose(pin));
+}
+
+/// Presses a button of the pins, in one step to undo; what there is to tell. `None`: it is no button of the pins.
+pub(super) fn press_pins(effect: Effect, id: &str, values: ParamValues) -> Option<Option<String>> {
+    let chosen = selected(effect, values);
+    let acting = pins::acting(values);
+    let (label, pins, work): (&CStr, Vec<usize>, PinWork) = match id {
+        "previousPin" | "nextPin" => {
+            let next = pins::neighbour(values, &chosen, if id == "nextPin" { 1 } else { -1 });
+            let Some(next) = next else { return Some(Some("no pin is on; click into the viewer to add one".into())) };
+            select(effect, Some(next));
+            values.params.set_int("selected", next as i32 + 1);
+            return Some(None);
+        }
+        "resetPins" => (c"Reset pins", chosen, pins::reset),
+        "deletePins" => (c"Delete pins", chosen, pins::delete),
+        "restToTargets" => {
+            (c"Copy targets to pins", if chosen.is_empty() { acting } else { chosen }, pins::rest_to_target)
+        }
+        "clearPins" => (c"Clear all pins", (0..PINS).collect(), pins::delete),
+        _ => return None,
+    };
+    if pins.is_empty() {
+        return Some(Some("no pin is selected; choose one in the viewer, with Next pin, or by its number".into()));
+    }
+    values.params.begin_edit(label);
+    pins.iter().for_each(|pin| work(values, *pin));
+    values.params.end_edit();
+    if id == "deletePins" || id == "clearPins" {
+        select(effect, None);
+    }
+    Some(None)
+}
+
+/// What is done to each pin.
+type PinWork = fn(ParamValues, usize);
+
 /// Does what a button says, and tells how it went; `None`: there is no such button.
-pub(super) fn press(call: Call, id: &str, moment: Moment) -> Option<Result<String, Fault>> {
-    let canvas = canvas_of(call.effect, moment.time);
+pub(super) fn press(call: Call, id: &str, values: ParamValues) -> Option<Result<String, Fault>> {
+    let host_frame = host_frame_of(call.effect, values.time);
     match id {
-        "readShot" => Some(read(moment, &canvas)),
-        "writeShot" => Some(write(call, moment, &canvas)),
-        "writeStmaps" => Some(write_stmaps(call, moment, &canvas)),
+        "readShot" => Some(read(values, &host_frame)),
+        "writeShot" => Some(write(call, values, &host_frame)),
+        "writeStmaps" => Some(write_stmaps(call, values, &host_frame)),
         _ => None,
     }
 }
 
-fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
-    let params = moment.params;
-    let file = live::read_shot(&moment.shot()?, canvas.frame)?;
+fn read(values: ParamValues, host_frame: &HostFrame) -> Result<String, Fault> {
+    let params = values.params;
+    let file = live::read_shot(&values.shot()?, host_frame.frame)?;
     params.begin_edit(c"Read a shot");
     let [shape, basis] = [number_of(&SHAPES, ShapeFrom::Shot), number_of(&BASES, file.controls.basis)];
     let [columns, rows] = file.controls.dims.map(|count| count as i32);
@@ -41,7 +92,7 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
     if let Some(filter) = file.filter {
         params.set_int("filter", number_of(&FILTERS, filter));
     }
-    for id in ["strength", "stiffness"] {
+    for id in ["strength", "smoothness"] {
         params.delete_keys(id);
         params.set_double(id, 1.0, When::Now);
     }
@@ -50,7 +101,7 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         params.set_int(&pin_id(pin, "On"), i32::from(pin < file.tracks.len()));
     }
     for (pin, track) in file.tracks.iter().take(PINS).enumerate() {
-        set_track(moment, canvas, pin, track);
+        set_track(values, host_frame, pin, track);
     }
     params.end_edit();
     let has_scale = file.tracks.iter().flat_map(|track| &track.keys).any(|key| key.scale.is_some());
@@ -59,27 +110,37 @@ fn read(moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
 }
 
 /// A pin and its keys as parameters.
-fn set_track(moment: Moment, canvas: &Canvas, pin: usize, track: &PinTrack) {
-    let params = moment.params;
+fn set_track(values: ParamValues, host_frame: &HostFrame, pin: usize, track: &PinTrack) {
+    let params = values.params;
     let [name, rest, target, turns, angle] = ["Name", "Rest", "Target", "Turns", "Angle"].map(|end| pin_id(pin, end));
     [&rest, &target, &turns, &angle].into_iter().for_each(|id| params.delete_keys(id));
     params.set_text(&name, &track.name);
-    params.set_point(&rest, canvas.canonical(track.rest), When::Now);
+    let region = track.region.unwrap_or(PinRegion { radius: 0.0, rigidity: 1.0, stiffness: 1.0 });
+    for (end, value) in [
+        ("Weight", 1.0),
+        ("Radius", region.radius * host_frame.canonical_height()),
+        ("Rigidity", region.rigidity),
+        ("Stiffness", region.stiffness),
+    ] {
+        params.delete_keys(&pin_id(pin, end));
+        params.set_double(&pin_id(pin, end), value, When::Now);
+    }
+    params.set_point(&rest, host_frame.canonical(track.rest), When::Now);
     params.set_int(&turns, i32::from(track.keys.iter().any(|key| key.rotation.is_some())));
-    let offset = f64::from(moment.int("frameOffset"));
+    let offset = f64::from(values.int("frameOffset"));
     for key in &track.keys {
         let when = if track.keys.len() == 1 { When::Now } else { When::Key(key.frame - offset) };
-        params.set_point(&target, canvas.canonical(key.target), when);
+        params.set_point(&target, host_frame.canonical(key.target), when);
         params.set_double(&angle, key.rotation.unwrap_or(0.0).to_degrees(), when);
     }
 }
 
-fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
-    let path = moment.text("writePath").map(PathBuf::from).ok_or(Fault::NoPath("Write to"))?;
-    let settings = settings_of(call, moment.time, canvas)?;
-    let offset = moment.int("frameOffset");
-    let tracks: Vec<PinTrack> = settings.pins.iter().map(|pin| track(moment, canvas, *pin)).collect();
-    let layer = moment.text("layer");
+fn write(call: Call, values: ParamValues, host_frame: &HostFrame) -> Result<String, Fault> {
+    let path = values.text("writePath").map(PathBuf::from).ok_or(Fault::NoPath("Write to"))?;
+    let settings = settings_of(call, values.time, host_frame)?;
+    let offset = values.int("frameOffset");
+    let tracks: Vec<PinTrack> = settings.pins.iter().map(|pin| track(values, host_frame, *pin)).collect();
+    let layer = values.text("layer");
     let file = if settings.shape == ShapeChoice::Alpha { "picture.exr" } else { "plate.####.exr" };
     let picture = path.with_file_name(file);
     let subject =
@@ -91,12 +152,12 @@ fn write(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
         tracks: &tracks,
         layer: layer.as_deref(),
         filter: Some(settings.filter),
-        pin_frame: moment.int("pinFrame"),
+        pin_frame: values.int("pinFrame"),
         new: NewShot {
             subject,
-            frames: frames(call, moment.time).map(|frame| frame.saturating_add(offset)),
+            frames: frames(call, values.time).map(|frame| frame.saturating_add(offset)),
             rate: rate(call),
-            size: canvas.frame,
+            size: host_frame.frame,
         },
     })?;
     Ok(format!("wrote {} to {}", counted(tracks.len(), "pin", "pins"), path.display()))
@@ -117,18 +178,31 @@ fn frames(call: Call, time: f64) -> [i32; 2] {
 }
 
 /// A pin with its keys.
-fn track(moment: Moment, canvas: &Canvas, pin: usize) -> PinTrack {
+fn track(values: ParamValues, host_frame: &HostFrame, pin: usize) -> PinTrack {
     let ends = ["Rest", "Target", "Turns", "Angle"].iter();
-    let times: Vec<f64> = ends.flat_map(|end| moment.params.keys(&pin_id(pin, end))).collect();
-    let name = moment.text(&pin_id(pin, "Name")).unwrap_or_else(|| pin_id(pin, ""));
-    let now = [moment.time, f64::from(moment.int("frameOffset"))];
-    PinTrack::sampled(name, &times, now, |time| Moment { time, ..moment }.pin(pin, canvas))
+    let times: Vec<f64> = ends.flat_map(|end| values.params.keys(&pin_id(pin, end))).collect();
+    let name = values.text(&pin_id(pin, "Name")).unwrap_or_else(|| pin_id(pin, ""));
+    let now = [values.time, f64::from(values.int("frameOffset"))];
+    PinTrack::sampled(name, &times, now, |time| ParamValues { time, ..values }.pin(pin, host_frame))
 }
 
-fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, Fault> {
-    let pattern = moment.text("stmapPath").ok_or(Fault::NoPath("STMaps to"))?;
-    let pattern = SequencePath::parse(Path::new(&pattern))?;
-    let [first, last] = frames(call, moment.time);
+/// Where STMaps go: into the folder, else along the pattern, which hosts may have filled in.
+fn stmap_pattern(values: ParamValues) -> Result<PathBuf, Fault> {
+    let Some(folder) = values.text("stmapFolder") else {
+        return values.text("stmapPath").map(PathBuf::from).ok_or(Fault::NoPath("STMaps folder"));
+    };
+    let name = values.text("stmapName").unwrap_or_else(|| "stmap".into());
+    let name = name.strip_suffix(".exr").unwrap_or(&name);
+    if name.contains(['#', '%', '/', '\\']) {
+        return Err(Fault::BadName(name.to_owned()));
+    }
+    let digits = "#".repeat(values.int("stmapPadding") as usize);
+    Ok(PathBuf::from(folder).join(format!("{name}.{digits}.exr")))
+}
+
+fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Result<String, Fault> {
+    let pattern = SequencePath::parse(&stmap_pattern(values)?)?;
+    let [first, last] = frames(call, values.time);
     pattern.check_frame_count((last - first + 1) as usize)?;
     (first..=last).try_for_each(|frame| live::check_stmap_path(&pattern.path_of(frame)))?;
     for frame in first..=last {
@@ -136,12 +210,12 @@ fn write_stmaps(call: Call, moment: Moment, canvas: &Canvas) -> Result<String, F
             return Err(Fault::Aborted);
         }
         let time = f64::from(frame);
-        let settings = settings_of(call, time, canvas)?;
+        let settings = settings_of(call, time, host_frame)?;
         let is_of_alpha = settings.shape == ShapeChoice::Alpha;
-        let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, canvas)? } else { None };
-        let warp = settings.warp(canvas, source.as_ref().and_then(OwnedPicture::coverage))?;
+        let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, host_frame)? } else { None };
+        let warp = settings.warp(call.effect, host_frame, source.as_ref().and_then(OwnedPicture::coverage))?;
         let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
-        live::save_stmap(&warp, canvas.frame, file)?;
+        live::save_stmap(&warp, host_frame.frame, file)?;
     }
     Ok(format!("wrote {}", counted(last - first + 1, "STMap", "STMaps")))
 }

@@ -4,29 +4,32 @@
 
 use super::api::names::{image, param, prop};
 use super::api::{EntryPoint, Status};
-use super::entry::{Call, Kind};
+use super::call::{Call, PluginKind};
+use super::clips::{BACKGROUND_CLIP, MASK_CLIP, MATTE_CLIP};
 use super::fault::Fault;
 use super::host::Props;
 use super::overlay;
-use super::params::{Kind as ParamKind, Param, table};
+use super::params::{Param, ParamKind, pages, precision, table};
 use std::ffi::{CStr, c_void};
-
-/// Clip name: what is moved; where it is black, nothing is.
-pub(super) const MASK_CLIP: &CStr = c"Mask";
-/// Clip name: what is seen where something moved away.
-pub(super) const BACKGROUND_CLIP: &CStr = c"Background";
 
 /// Properties of limits: of the value, then of its slider. Resolve shows no parameter without all four.
 const LIMITS: [&CStr; 4] = [param::MIN, param::MAX, param::DISPLAY_MIN, param::DISPLAY_MAX];
+
+/// Where points may lie.
+const POINTS: [f64; 2] = [-1e6, 1e6];
+
+/// Parameters whose changes leave the picture as it is.
+const WITHOUT_EFFECT: [&str; 8] =
+    ["handles", "clickAdds", "overlay", "selected", "writePath", "stmapFolder", "stmapName", "stmapPath"];
 
 /// Contexts, depths and abilities.
 pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     let props = call.effect.props();
     let (label, about) = match call.kind {
-        Kind::PinWarp => {
+        PluginKind::PinWarp => {
             (c"PinWarp", c"Warps the picture softly with pins: the lattice bends, the local look survives.")
         }
-        Kind::StMap => {
+        PluginKind::StMap => {
             (c"PinWarp ST", c"The STMap of a PinWarp with the same parameters, for other channels and nodes.")
         }
     };
@@ -38,8 +41,8 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     props.set_names(image::SUPPORTED_CONTEXTS, &[image::CONTEXT_FILTER, image::CONTEXT_GENERAL]);
     props.set_names(image::RENDER_THREAD_SAFETY, &[image::RENDER_FULLY_SAFE]);
     let depths: &[&CStr] = match call.kind {
-        Kind::PinWarp => &[image::DEPTH_FLOAT, image::DEPTH_HALF, image::DEPTH_SHORT, image::DEPTH_BYTE],
-        Kind::StMap => &[image::DEPTH_FLOAT],
+        PluginKind::PinWarp => &[image::DEPTH_FLOAT, image::DEPTH_HALF, image::DEPTH_SHORT, image::DEPTH_BYTE],
+        PluginKind::StMap => &[image::DEPTH_FLOAT],
     };
     props.set_names(image::SUPPORTED_PIXEL_DEPTHS, depths);
     for (name, is_set) in [
@@ -81,10 +84,12 @@ pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
         clip
     };
     clip(image::SOURCE_CLIP, &colour);
-    if context.as_bytes() == image::CONTEXT_GENERAL.to_bytes() && call.kind == Kind::PinWarp {
-        let mask = clip(MASK_CLIP, &[image::COMPONENT_ALPHA]);
-        mask.set_int(image::CLIP_IS_MASK, 1);
-        mask.set_int(image::CLIP_OPTIONAL, 1);
+    if context.as_bytes() == image::CONTEXT_GENERAL.to_bytes() && call.kind == PluginKind::PinWarp {
+        for name in [MASK_CLIP, MATTE_CLIP] {
+            let mask = clip(name, &[image::COMPONENT_ALPHA]);
+            mask.set_int(image::CLIP_IS_MASK, 1);
+            mask.set_int(image::CLIP_OPTIONAL, 1);
+        }
         clip(BACKGROUND_CLIP, &colour).set_int(image::CLIP_OPTIONAL, 1);
     }
     clip(image::OUTPUT_CLIP, &colour);
@@ -92,7 +97,7 @@ pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Declares the table of parameters, and one page with all of them for hosts that show pages.
+/// Declares the table of parameters, and pages of them for hosts that show pages.
 fn define_parameters(call: Call) -> Result<(), Fault> {
     let params = call.effect.params()?;
     for entry in table() {
@@ -100,16 +105,22 @@ fn define_parameters(call: Call) -> Result<(), Fault> {
         props.set_texts(prop::LABEL, &[&entry.label]);
         props.set_texts(param::SCRIPT_NAME, &[&entry.id]);
         props.set_texts(param::HINT, &[entry.hint]);
+        if WITHOUT_EFFECT.contains(&entry.id.as_str()) {
+            props.set_int(param::EVALUATE_ON_CHANGE, 0);
+        }
         if !entry.group.is_empty() {
             props.set_texts(param::PARENT, &[&entry.group]);
         }
         define_kind(call, props, entry);
     }
-    let page = params.define(param::TYPE_PAGE, "controls");
-    page.set_texts(prop::LABEL, &["Controls"]);
-    let ids: Vec<&str> = table().iter().map(|param| param.id.as_str()).collect();
-    page.set_texts(param::PAGE_CHILD, &ids);
-    params.props().set_texts(param::PAGE_ORDER, &["controls"]);
+    let pages = pages();
+    for (id, label, ids) in &pages {
+        let page = params.define(param::TYPE_PAGE, id);
+        page.set_texts(prop::LABEL, &[label]);
+        page.set_texts(param::PAGE_CHILD, ids);
+    }
+    let order: Vec<&str> = pages.iter().map(|(id, ..)| id.as_str()).collect();
+    params.props().set_texts(param::PAGE_ORDER, &order);
     Ok(())
 }
 
@@ -118,16 +129,23 @@ fn define_kind(call: Call, props: Props, entry: &Param) {
     let host = call.effect.suites.host();
     let can = |ability| i32::from(entry.animates && host.int(ability).unwrap_or(0) != 0);
     let mut animates = i32::from(entry.animates);
+    // MLT, and so Kdenlive, takes the range of a slider for that of the value.
+    let has_soft_limits = !call.effect.suites.host_is("MLT");
     match &entry.kind {
         ParamKind::Group(is_open) => return props.set_ints(param::GROUP_OPEN, &[*is_open]),
         ParamKind::Button => return,
         ParamKind::Integer(default, range, shown) => {
+            let shown = if has_soft_limits { shown } else { range };
             props.set_ints(param::DEFAULT, &[*default]);
             for (name, value) in LIMITS.into_iter().zip([range[0], range[1], shown[0], shown[1]]) {
                 props.set_ints(name, &[value]);
             }
         }
         ParamKind::Double(default, range, shown, meaning) => {
+            let shown = if has_soft_limits { shown } else { range };
+            let (step, digits) = precision(meaning);
+            props.set_doubles(param::INCREMENT, &[step]);
+            props.set_int(param::DIGITS, digits);
             props.set_doubles(param::DEFAULT, &[*default]);
             for (name, value) in LIMITS.into_iter().zip([range[0], range[1], shown[0], shown[1]]) {
                 props.set_doubles(name, &[value]);
@@ -146,9 +164,13 @@ fn define_kind(call: Call, props: Props, entry: &Param) {
             props.set_names(param::DOUBLE_TYPE, &[param::DOUBLE_XY_ABSOLUTE]);
             props.set_names(param::DEFAULT_COORDINATES, &[param::COORDINATES_CANONICAL]);
             props.set_doubles(param::DEFAULT, &[0.0, 0.0]);
-            for (name, value) in LIMITS.into_iter().zip([-1e6, 1e6, 0.0, 4096.0]) {
+            // Pins go outside the frame, too.
+            let shown = if has_soft_limits { [-4096.0, 8192.0] } else { POINTS };
+            for (name, value) in LIMITS.into_iter().zip([POINTS[0], POINTS[1], shown[0], shown[1]]) {
                 props.set_doubles(name, &[value, value]);
             }
+            props.set_doubles(param::INCREMENT, &[1.0, 1.0]);
+            props.set_int(param::DIGITS, 2);
             let has_overlays = host.int(image::SUPPORTS_OVERLAYS).unwrap_or(0) != 0;
             props.set_ints(param::USE_HOST_OVERLAY_HANDLE, &[i32::from(!has_overlays)]);
         }

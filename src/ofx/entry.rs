@@ -4,40 +4,17 @@
 
 use super::api::names::action;
 use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
+use super::call::{Action, Call, PluginKind};
 use super::fault::Fault;
 use super::host::{self, Effect, Props, action_name, caught, guarded};
-use super::{changed, describe, regions, render};
+use super::{changed, describe, pen, regions, render};
 use std::ffi::{CStr, c_char, c_int, c_void};
 
-/// Which of the two plugins is spoken to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// Warps the picture.
-    PinWarp,
-    /// Gives the map by which it would be warped.
-    StMap,
-}
-
-/// An action on an effect.
-#[derive(Clone, Copy)]
-pub(super) struct Call<'a> {
-    pub(super) kind: Kind,
-    pub(super) effect: Effect<'a>,
-    /// Its arguments; empty where it has none.
-    pub(super) args: Props<'a>,
-    /// Where its answers go.
-    pub(super) out: Props<'a>,
-}
-
-/// What an action does.
-type Act = fn(Call) -> Result<Status, Fault>;
-
-/// Actions on effects. All others are answered with "as you do by default".
-const ACTS: &[(&CStr, Act)] = &[
+/// Actions on effects. All others are answered with "reply default".
+const ACTIONS: &[(&CStr, Action)] = &[
     (action::DESCRIBE, describe::describe),
     (action::DESCRIBE_IN_CONTEXT, describe::describe_in_context),
     (action::CREATE_INSTANCE, changed::created),
-    (action::DESTROY_INSTANCE, changed::destroyed),
     (action::INSTANCE_CHANGED, changed::changed),
     (action::GET_REGION_OF_DEFINITION, regions::definition),
     (action::GET_REGIONS_OF_INTEREST, regions::interest),
@@ -50,6 +27,9 @@ const ACTS: &[(&CStr, Act)] = &[
     (action::BEGIN_SEQUENCE_RENDER, |_| Ok(Status::OK)),
     (action::END_SEQUENCE_RENDER, |_| Ok(Status::OK)),
 ];
+
+/// Actions that begin the life of a handle; hosts use the addresses of ended ones again.
+const BEGINNINGS: [&CStr; 3] = [action::DESCRIBE, action::DESCRIBE_IN_CONTEXT, action::CREATE_INSTANCE];
 
 /// Plugins are constants for the host, though C calls their strings pointers.
 struct Shared(Plugin);
@@ -112,30 +92,40 @@ unsafe extern "C" fn pin_warp(
     args: PropertySet,
     out: PropertySet,
 ) -> Status {
-    guarded(|| act(Kind::PinWarp, name, handle, [args, out]))
+    guarded(|| act(PluginKind::PinWarp, name, handle, [args, out]))
 }
 
 unsafe extern "C" fn st_map(name: *const c_char, handle: *const c_void, args: PropertySet, out: PropertySet) -> Status {
-    guarded(|| act(Kind::StMap, name, handle, [args, out]))
+    guarded(|| act(PluginKind::StMap, name, handle, [args, out]))
 }
 
-fn act(kind: Kind, name: *const c_char, handle: *const c_void, [args, out]: [PropertySet; 2]) -> Status {
+fn act(kind: PluginKind, name: *const c_char, handle: *const c_void, [args, out]: [PropertySet; 2]) -> Status {
     // SAFETY: the host ends the names of actions with zero.
     let Some(name) = (unsafe { action_name(name) }) else { return Status::ERR_UNKNOWN };
     // Loading is answered with OK, never with "by default": MLT takes any other answer for a failure.
     if name == action::LOAD {
         return host::load().map_or_else(|error| Fault::from(error).status(), |_| Status::OK);
     }
-    let Some((_, work)) = ACTS.iter().find(|(known, _)| *known == name) else { return Status::REPLY_DEFAULT };
-    let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
-    if handle.is_null() {
+    let handle = EffectHandle(handle.cast_mut());
+    if name == action::DESTROY_INSTANCE {
+        // The host's side of the instance may be half gone: nothing of it is touched from here on.
+        host::end_effect(handle);
+        pen::forget(handle.0 as usize);
+        return Status::OK;
+    }
+    let Some((_, work)) = ACTIONS.iter().find(|(known, _)| *known == name) else { return Status::REPLY_DEFAULT };
+    if BEGINNINGS.contains(&name) {
+        host::begin_effect(handle);
+    }
+    if handle.is_null() || host::has_ended(handle) {
         return Status::ERR_BAD_HANDLE;
     }
-    let effect = Effect { suites: &suites, handle: EffectHandle(handle.cast_mut()) };
+    let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
+    let effect = Effect { suites: &suites, handle };
     let call = Call { kind, effect, args: Props::new(&suites, args), out: Props::new(&suites, out) };
     caught(|| work(call)).unwrap_or_else(|words| Err(Fault::Panic(words))).unwrap_or_else(|fault| {
         if !fault.is_abort() {
-            effect.say(names::MESSAGE_ERROR, &fault.to_string());
+            effect.show_error(&fault.to_string());
         }
         fault.status()
     })

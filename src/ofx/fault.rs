@@ -20,6 +20,17 @@ pub(super) enum Fault {
     /// A button needs a path.
     #[error("{0} is empty; name a file to write")]
     NoPath(&'static str),
+    /// A name of STMaps that is none.
+    #[error("{0} is no name of a file: leave out folders, the number and its signs")]
+    BadName(String),
+    /// A pin that cannot be meant.
+    #[error("pin {number} lies at {}, {} px and goes to {}, {} px, far outside the picture; bring it back", ends[0][0], ends[0][1], ends[1][0], ends[1][1])]
+    FarPin {
+        /// As users count.
+        number: usize,
+        /// Its place and its target.
+        ends: [[f64; 2]; 2],
+    },
     /// A map cannot be written.
     #[error(transparent)]
     Write(#[from] ImageError),
@@ -48,7 +59,13 @@ impl Fault {
             Self::Host(HostError::Image { .. }) => Status::ERR_IMAGE_FORMAT,
             // Hosts that abort throw the frame away; an error would put a message on the screen.
             Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
-            Self::NoShotFile | Self::NoPath(_) | Self::Write(_) | Self::Live(_) | Self::Panic(_) => Status::FAILED,
+            Self::NoShotFile
+            | Self::NoPath(_)
+            | Self::BadName(_)
+            | Self::FarPin { .. }
+            | Self::Write(_)
+            | Self::Live(_)
+            | Self::Panic(_) => Status::FAILED,
         }
     }
 }

@@ -14,16 +14,22 @@
 
 pub mod api;
 mod buttons;
-mod canvas;
+mod call;
 mod changed;
+mod clips;
 mod describe;
 mod entry;
 mod fault;
 mod host;
+mod host_frame;
+mod notices;
 mod overlay;
 mod params;
+mod pen;
+mod pins;
 mod regions;
 mod render;
 mod settings;
+mod values;
 
 pub use entry::{number_of_plugins, plugin, set_host};

@@ -1,41 +1,33 @@
-//! The overlay: lattice, pins and targets over the viewer, chosen and dragged with the pen.
+//! The overlay: lattice, pins and targets over the viewer; pins are added by clicks, selected and dragged.
 //!
-//! In: pen, keys, draw actions of an overlay. Out: lines; parameters, a drag being one step to undo.
+//! In: pen, keys, draw actions of an overlay. Out: lines; parameters, each change being one step to undo.
 
 use super::api::names::{action, interact, prop};
 use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
-use super::canvas::canvas_of;
 use super::fault::Fault;
-use super::host::{self, Effect, HostError, Interact, Kept, Painter, Props, Suites, When, action_name, guarded};
-use super::params::{HANDLES, Handles, PINS, pin_id};
-use super::settings::{Moment, Settings};
-use crate::live::{Canvas, Choosing, Picker, Pull, View};
+use super::host::{self, Effect, HostError, Interact, Painter, Props, Suites, When, action_name, guarded};
+use super::host_frame::{HostFrame, host_frame_of};
+use super::params::{HANDLES, Handles, OVERLAYS, PINS, pin_id};
+use super::pen::{self, Pen};
+use super::pins;
+use super::settings::Settings;
+use super::values::ParamValues;
+use crate::live::{PenResult, SelectMode, Viewer};
 use std::ffi::{CStr, c_char, c_void};
 
 /// Pixels of the screen from a handle within which the pen hits it.
 const REACH_PX: f64 = 9.0;
 
-/// What is kept for each overlay, by its handle.
-static PENS: Kept<Pen> = Kept::new();
-
-/// The pen over one overlay, and what it chose.
-#[derive(Clone, Default)]
-struct Pen {
-    /// The effect it belongs to, by its handle.
-    effect: usize,
-    picker: Picker,
-    is_adding: bool,
-    /// Pins that are dragged: index, place of pin and target when the pen went down, canonical.
-    starts: Vec<(usize, [[f64; 2]; 2])>,
-}
+/// Pixels of the screen that a pen may slip during a click.
+const CLICK_PX: f64 = 3.0;
 
 /// An action on an overlay.
 struct Event<'a> {
     effect: Effect<'a>,
     args: Props<'a>,
     overlay: Interact<'a>,
-    moment: Moment<'a>,
-    canvas: Canvas,
+    values: ParamValues<'a>,
+    host_frame: HostFrame,
 }
 
 /// The overlay's entry, for hosts that draw with OpenGL and for those with the Draw suite.
@@ -49,139 +41,223 @@ pub(super) unsafe extern "C" fn entry(
         // SAFETY: the host ends the names of actions with zero.
         let name = unsafe { action_name(name) };
         let Some(name) = name.filter(|_| !handle.is_null()) else { return Status::ERR_BAD_HANDLE };
+        if name == action::DESTROY_INSTANCE {
+            // Perhaps its effect is half gone: nothing of the host is touched.
+            pen::close(handle as usize);
+            return Status::OK;
+        }
         let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
         act(&suites, name, InteractHandle(handle.cast_mut()), args).unwrap_or(Status::REPLY_DEFAULT)
     })
 }
 
-/// Lets go of the overlays of an effect that ends.
-pub(super) fn forget(effect: Effect) {
-    PENS.retain(|pen| pen.effect != effect.key());
+/// Ends an edit that an overlay left open as it closed in a drag. Only for actions in which parameters may be set.
+pub(super) fn end_open_edit(effect: Effect) {
+    let is_open = pen::change(effect.key(), |pen| pen.picker.is_up() && std::mem::take(&mut pen.is_editing));
+    if let (true, Ok(params)) = (is_open, effect.params()) {
+        params.end_edit();
+    }
 }
 
 fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) -> Result<Status, Fault> {
     if name == action::DESCRIBE {
         return Ok(Status::OK);
     }
-    let (overlay, args) = (Interact { suites, handle }, Props::new(suites, args));
-    let own = overlay.props();
+    let overlay = Interact { suites, handle };
+    // Hosts take the focus from overlays of effects that are half gone, too.
+    let known = pen::effect_of(overlay.key());
+    if name == interact::LOSE_FOCUS && known.is_none_or(|effect| pen::change(effect, Pen::rest)) {
+        return Ok(Status::REPLY_DEFAULT);
+    }
+    let (args, own) = (Props::new(suites, args), overlay.props());
     if name == action::CREATE_INSTANCE {
-        let ids: Vec<String> = (0..PINS).flat_map(|pin| ["On", "Rest", "Target"].map(|end| pin_id(pin, end))).collect();
+        let of_pins = (0..PINS).flat_map(|pin| ["On", "Rest", "Target"].map(|end| pin_id(pin, end)));
+        let ids: Vec<String> = ["overlay", "selected"].map(str::to_owned).into_iter().chain(of_pins).collect();
         own.set_texts(interact::SLAVE_TO_PARAM, &ids.iter().map(String::as_str).collect::<Vec<_>>());
         return Ok(Status::OK);
     }
-    // The effect may be gone before its overlay: what is kept must go all the same.
-    let pen = if name == interact::DRAW { PENS.get(overlay.key()) } else { PENS.remove(overlay.key()) };
-    let mut pen = pen.unwrap_or_default();
     let effect = args.pointer(prop::EFFECT_INSTANCE).or_else(|| own.pointer(prop::EFFECT_INSTANCE));
-    let effect = effect.ok_or(HostError::Missing("effect of the overlay"))?;
-    let effect = Effect { suites, handle: EffectHandle(effect) };
+    let effect = EffectHandle(effect.ok_or(HostError::Missing("effect of the overlay"))?);
+    if host::has_ended(effect) {
+        return Ok(Status::REPLY_DEFAULT);
+    }
+    let effect = Effect { suites, handle: effect };
     let time = args.double(prop::TIME).unwrap_or(0.0);
-    let event = Event { effect, args, overlay, moment: Moment::of(effect, time)?, canvas: canvas_of(effect, time) };
+    let values = ParamValues::of(effect, time)?;
+    let event = Event { effect, args, overlay, values, host_frame: host_frame_of(effect, time) };
     if name == interact::DRAW {
-        return event.draw(&pen.picker, own);
+        return event.draw(&pen::pen_of(effect.key()), own);
     }
-    pen.effect = effect.key();
+    end_open_edit(effect);
+    let mut pen = pen::pen_of(effect.key());
     let status = event.pen_or_key(&mut pen, name, own);
-    if name != action::DESTROY_INSTANCE {
-        PENS.insert(overlay.key(), pen);
-    }
+    pen::keep(effect.key(), overlay.key(), pen);
     status
 }
 
 impl Event<'_> {
-    fn view(&self, own: Props) -> View {
+    fn viewer(&self, own: Props) -> Viewer {
         let told = |props: Props| props.doubles(interact::PIXEL_SCALE).filter(|scale: &[f64; 2]| scale[0] > 0.0);
         let pixel = told(self.args).or_else(|| told(own)).unwrap_or([1.0, 1.0]).map(f64::abs);
-        View { canvas: self.canvas, pixel }
+        Viewer { host_frame: self.host_frame, pixel }
     }
 
-    fn draw(&self, picker: &Picker, own: Props) -> Result<Status, Fault> {
+    fn draw(&self, pen: &Pen, own: Props) -> Result<Status, Fault> {
         let context = self.args.pointer(interact::DRAW_CONTEXT);
         let Some(painter) = Painter::new(self.effect.suites.draw, context) else { return Ok(Status::REPLY_DEFAULT) };
-        let settings = self.moment.settings(&self.canvas)?;
-        let warp = settings.shown(&self.canvas);
-        let view = self.view(own);
-        let dots = view.dots(&settings.controls, &settings.pins, warp.as_deref());
-        for stroke in view.sketch(warp.as_deref(), &dots, picker) {
+        let settings = self.values.settings(&self.host_frame)?;
+        let warp = settings.shown(self.effect, &self.host_frame);
+        let viewer = self.viewer(own);
+        let marks = viewer.marks(&settings.controls, &settings.pins, warp.as_deref());
+        let style = self.values.choice("overlay", &OVERLAYS);
+        for stroke in viewer.lattice(warp.as_deref(), style).iter().chain(&viewer.pins(&marks, &pen.picker)) {
             painter.line(&stroke.points, stroke.colour, stroke.width);
         }
         Ok(Status::OK)
     }
 
     fn pen_or_key(&self, pen: &mut Pen, name: &CStr, own: Props) -> Result<Status, Fault> {
-        let was_dragging = pen.picker.is_dragging();
         let at = self.args.doubles(interact::PEN_POSITION).unwrap_or_default();
-        let key = self.args.int(interact::KEY_SYM).unwrap_or(0);
-        let is_shift = [interact::KEY_SHIFT_LEFT, interact::KEY_SHIFT_RIGHT].contains(&key);
-        let pull = if name == interact::PEN_DOWN {
+        let result = if name == interact::PEN_DOWN {
             self.press(pen, at, own)?
         } else if name == interact::PEN_MOTION {
             pen.picker.motion(at)
         } else if name == interact::PEN_UP {
-            // A drag ends, and so does its step to undo, whatever became of the settings meanwhile.
-            let settings = self.moment.settings(&self.canvas);
-            let points = settings.map(|settings| self.points(&settings, self.view(own)));
-            pen.picker.release(at, &points.unwrap_or_default())
-        } else if name == interact::KEY_DOWN && key == interact::KEY_ESCAPE
-            || name == interact::LOSE_FOCUS
-            || name == action::DESTROY_INSTANCE
-        {
-            pen.is_adding &= name == interact::KEY_DOWN;
-            pen.picker.cancel()
+            self.release(pen, at, own)
+        } else if name == interact::KEY_DOWN {
+            return self.key(pen, self.args.int(interact::KEY_SYM).unwrap_or(0));
         } else {
-            if is_shift && (name == interact::KEY_DOWN || name == interact::KEY_UP) {
-                pen.is_adding = name == interact::KEY_DOWN;
+            if name == interact::KEY_UP && is_shift(self.args.int(interact::KEY_SYM).unwrap_or(0)) {
+                pen.is_adding = false;
             }
-            Pull::Nothing
+            if name == interact::LOSE_FOCUS { pen.picker.cancel() } else { PenResult::Nothing }
         };
-        match pull {
-            Pull::Nothing => return Ok(Status::REPLY_DEFAULT),
-            Pull::Chosen => {}
-            Pull::Dragged(by) => self.drag(pen, by),
+        Ok(self.settle(pen, result))
+    }
+
+    /// Does what the pen asks for, and ends the edit where the drag is over.
+    fn settle(&self, pen: &mut Pen, result: PenResult) -> Status {
+        match result {
+            PenResult::Nothing => return Status::REPLY_DEFAULT,
+            PenResult::SelectionChanged => {}
+            PenResult::Dragged(by) => self.drag(pen, by),
         }
-        if was_dragging && !pen.picker.is_dragging() {
-            self.moment.params.end_edit();
+        if pen.picker.is_up() && std::mem::take(&mut pen.is_editing) {
+            self.values.params.end_edit();
+            self.effect.clear_messages();
         }
-        if name != action::DESTROY_INSTANCE {
-            self.overlay.redraw();
-        }
-        Ok(Status::OK)
+        self.overlay.redraw();
+        Status::OK
     }
 
     /// What the pen can hit: targets, with their pins' numbers.
-    fn points(&self, settings: &Settings, view: View) -> Vec<(usize, [f64; 2])> {
-        let by_pin = self.moment.choice("handles", &HANDLES) == Handles::Pins;
-        let warp = settings.shown(&self.canvas);
-        let dots = view.dots(&settings.controls, &settings.pins, warp.as_deref());
-        dots.iter().map(|dot| (dot.pin, if by_pin { dot.rest } else { dot.target })).collect()
+    fn points(&self, settings: &Settings, viewer: Viewer) -> Vec<(usize, [f64; 2])> {
+        let by_pin = self.values.choice("handles", &HANDLES) == Handles::Pins;
+        let warp = settings.shown(self.effect, &self.host_frame);
+        let marks = viewer.marks(&settings.controls, &settings.pins, warp.as_deref());
+        marks.iter().map(|mark| (mark.pin, if by_pin { mark.rest } else { mark.target })).collect()
     }
 
-    fn press(&self, pen: &mut Pen, at: [f64; 2], own: Props) -> Result<Pull, Fault> {
-        let settings = self.moment.settings(&self.canvas)?;
-        let choosing = if pen.is_adding { Choosing::Adding } else { Choosing::Anew };
-        let view = self.view(own);
-        let (points, reach) = (self.points(&settings, view), view.pixel.map(|size| size * REACH_PX));
-        if points.is_empty() {
-            return Ok(Pull::Nothing);
+    fn press(&self, pen: &mut Pen, at: [f64; 2], own: Props) -> Result<PenResult, Fault> {
+        let settings = self.values.settings(&self.host_frame)?;
+        let mode = if pen.is_adding { SelectMode::Add } else { SelectMode::Replace };
+        let viewer = self.viewer(own);
+        let (points, reach) = (self.points(&settings, viewer), viewer.pixel.map(|size| size * REACH_PX));
+        if points.is_empty() && !self.values.is_on("clickAdds") {
+            return Ok(PenResult::Nothing);
         }
-        let pull = pen.picker.press(at, &points, reach, choosing);
-        let chosen = settings.pins.iter().zip(&settings.controls.pins).filter(|(pin, _)| pen.picker.is_chosen(**pin));
-        let ends = chosen.map(|(pin, place)| (*pin, [place.rest, place.target].map(|at| self.canvas.canonical(at))));
+        let result = pen.picker.press(at, &points, reach, mode);
+        let chosen = settings.pins.iter().zip(&settings.controls.pins).filter(|(pin, _)| pen.picker.is_selected(**pin));
+        let ends =
+            chosen.map(|(pin, place)| (*pin, [place.rest, place.target].map(|at| self.host_frame.canonical(at))));
         pen.starts = ends.collect();
         if pen.picker.is_dragging() {
-            self.moment.params.begin_edit(c"Move pins");
+            self.values.params.begin_edit(c"Move pins");
+            pen.is_editing = true;
         }
-        Ok(pull)
+        Ok(result)
+    }
+
+    /// The pen goes up. A drag ends, and so does its step to undo, whatever became of the settings meanwhile; a click where
+    /// no pin is adds one.
+    fn release(&self, pen: &mut Pen, at: [f64; 2], own: Props) -> PenResult {
+        let viewer = self.viewer(own);
+        let is_click = pen
+            .picker
+            .corners()
+            .is_some_and(|[from, _]| (0..2).all(|axis| (at[axis] - from[axis]).abs() <= CLICK_PX * viewer.pixel[axis]));
+        let points = self.values.settings(&self.host_frame).map(|settings| self.points(&settings, viewer));
+        let result = pen.picker.release(at, &points.unwrap_or_default());
+        if is_click && !pen.is_adding && self.values.is_on("clickAdds") {
+            self.add(pen, at);
+        }
+        result
+    }
+
+    fn add(&self, pen: &mut Pen, at: [f64; 2]) {
+        let Some(pin) = pins::free(self.values) else {
+            self.effect.inform("all 32 pins are in use; delete one first");
+            return;
+        };
+        self.edit(c"Add a pin", || pins::place(self.values, pin, at));
+        pen.picker.choose([pin]);
+    }
+
+    /// A change that is undone in one step.
+    fn edit(&self, label: &CStr, change: impl FnOnce()) {
+        self.values.params.begin_edit(label);
+        change();
+        self.values.params.end_edit();
+        self.effect.clear_messages();
+    }
+
+    fn key(&self, pen: &mut Pen, key: i32) -> Result<Status, Fault> {
+        let selected: Vec<usize> = pen.picker.chosen().collect();
+        let step = match key {
+            interact::KEY_BRACKET_LEFT => -1,
+            interact::KEY_BRACKET_RIGHT => 1,
+            _ => 0,
+        };
+        match key {
+            interact::KEY_ESCAPE => {
+                let result = pen.picker.cancel();
+                return Ok(self.settle(pen, result));
+            }
+            interact::KEY_SHIFT_LEFT | interact::KEY_SHIFT_RIGHT => {
+                pen.is_adding = true;
+                return Ok(Status::REPLY_DEFAULT);
+            }
+            _ if pen.is_editing => return Ok(Status::REPLY_DEFAULT),
+            interact::KEY_DELETE | interact::KEY_BACKSPACE if !selected.is_empty() => {
+                self.edit(c"Delete pins", || selected.iter().for_each(|pin| pins::delete(self.values, *pin)));
+                pen.picker.choose([]);
+            }
+            interact::KEY_R if !selected.is_empty() => {
+                self.edit(c"Reset pins", || selected.iter().for_each(|pin| pins::reset(self.values, *pin)));
+            }
+            interact::KEY_BRACKET_LEFT | interact::KEY_BRACKET_RIGHT => {
+                let Some(next) = pins::neighbour(self.values, &selected, step) else {
+                    return Ok(Status::REPLY_DEFAULT);
+                };
+                pen.picker.choose([next]);
+            }
+            _ => return Ok(Status::REPLY_DEFAULT),
+        }
+        self.overlay.redraw();
+        Ok(Status::OK)
     }
 
     fn drag(&self, pen: &Pen, by: [f64; 2]) {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         for (pin, [rest, target]) in &pen.starts {
-            self.moment.params.set_point(&pin_id(*pin, "Target"), moved(*target), When::Now);
-            if self.moment.choice("handles", &HANDLES) == Handles::Pins {
-                self.moment.params.set_point(&pin_id(*pin, "Rest"), moved(*rest), When::Now);
+            self.values.params.set_point(&pin_id(*pin, "Target"), moved(*target), When::Now);
+            if self.values.choice("handles", &HANDLES) == Handles::Pins {
+                self.values.params.set_point(&pin_id(*pin, "Rest"), moved(*rest), When::Now);
             }
         }
     }
+}
+
+fn is_shift(key: i32) -> bool {
+    [interact::KEY_SHIFT_LEFT, interact::KEY_SHIFT_RIGHT].contains(&key)
 }

@@ -5,34 +5,37 @@
 
 use super::api::Status;
 use super::api::names::{image, prop};
-use super::describe::{BACKGROUND_CLIP, MASK_CLIP};
-use super::entry::{Call, Kind};
+use super::call::{Call, PluginKind};
+use super::clips::{BACKGROUND_CLIP, MASK_CLIP, MATTE_CLIP, connected};
 use super::fault::Fault;
 use super::host::Clip;
+use super::host_frame::{HostFrame, is_endless, project_at};
 use super::params::{SHAPES, ShapeFrom};
-use super::settings::{Moment, Settings, ShapeChoice, at_arguments};
-use crate::live::Canvas;
-use crate::space::PixelRect;
+use super::settings::{Settings, ShapeChoice, at_arguments};
+use super::values::ParamValues;
 use std::ffi::{CStr, CString};
 
 /// Where the output has pixels.
 pub(super) fn definition(call: Call) -> Result<Status, Fault> {
-    let (time, canvas, settings) = at_arguments(call)?;
+    let (time, host_frame, exposed) = at_arguments(call)?;
     let Some(source) = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)) else {
         return Ok(Status::REPLY_DEFAULT);
     };
-    let mut region = canvas.region(canvas.window_of(source));
-    if call.kind == Kind::StMap {
-        region = joined(region, frame(&canvas));
-    } else if !settings.is_at_rest() {
-        region = canvas.region(warped(&settings, &canvas, source)?);
+    let mut region = host_frame.region(host_frame.window_of(source));
+    if call.kind == PluginKind::StMap {
+        let project = project_at(call.effect, time, ([1.0, 1.0], None));
+        region = joined(region, project.canonical_region());
+    } else {
+        let mut parts = exposed.iter().map(|settings| shown(call, settings, &host_frame, source));
+        let first = parts.next().unwrap_or(Ok(region))?;
+        region = parts.try_fold(first, |region, part| part.map(|part| joined(region, part)))?;
     }
-    for name in [MASK_CLIP, BACKGROUND_CLIP] {
-        // Where the mask hides the warp the source shows; a background shows everywhere.
-        if let Some(clip) = connected(call, name) {
-            let shown = if name == MASK_CLIP { Some(source) } else { clip.region(time) };
-            region = shown.map_or(region, |shown| joined(region, shown));
-        }
+    // Where a mask or matte hides the warp the source shows; a background shows everywhere.
+    if shows_source(call, &exposed) {
+        region = joined(region, source);
+    }
+    if let Some(shown) = connected(call, BACKGROUND_CLIP).and_then(|clip| clip.region(time)) {
+        region = joined(region, shown);
     }
     call.out.set_doubles(image::REGION_OF_DEFINITION, &as_endless(region, source));
     Ok(Status::OK)
@@ -43,38 +46,50 @@ fn as_endless(region: [f64; 4], source: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|side| if is_endless(source[side]) { source[side] } else { region[side] })
 }
 
-/// Whether a side of a region says that there is no end to it.
-pub(super) fn is_endless(side: f64) -> bool {
-    side <= f64::from(i32::MIN) || side >= f64::from(i32::MAX)
+/// Whether parts of the source show that are not warped.
+fn shows_source(call: Call, exposed: &[Settings]) -> bool {
+    let is_masked = [MASK_CLIP, MATTE_CLIP].iter().any(|name| connected(call, name).is_some());
+    is_masked || exposed.iter().any(|settings| settings.mix < 1.0)
 }
 
 /// What a region of the source becomes.
-fn warped(settings: &Settings, canvas: &Canvas, source: [f64; 4]) -> Result<PixelRect, Fault> {
-    let window = canvas.window_of(source);
-    if settings.shape == ShapeChoice::Alpha {
-        return Ok(settings.controls.destination_of(window, canvas.frame));
+fn shown(call: Call, settings: &Settings, host_frame: &HostFrame, source: [f64; 4]) -> Result<[f64; 4], Fault> {
+    let window = host_frame.window_of(source);
+    if settings.is_at_rest() {
+        return Ok(host_frame.region(window));
     }
-    Ok(settings.warp(canvas, None)?.destination_of(window, canvas.frame))
+    let frame = host_frame.frame;
+    let window = match settings.shape {
+        ShapeChoice::Alpha => settings.controls.destination_of(window, frame),
+        _ => settings.warp(call.effect, host_frame, None)?.destination_of(window, frame),
+    };
+    Ok(host_frame.region(window))
 }
 
 /// What is needed of each clip for a part of the output.
 pub(super) fn interest(call: Call) -> Result<Status, Fault> {
-    let (time, canvas, settings) = at_arguments(call)?;
+    let (time, host_frame, exposed) = at_arguments(call)?;
     let Some(asked) = call.args.doubles(image::REGION_OF_INTEREST) else { return Ok(Status::REPLY_DEFAULT) };
     let source = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time));
     // Of a source without end the alpha within the picture gives the shape.
-    let source = source
-        .map(|source| if source.iter().any(|side| is_endless(*side)) { joined(asked, frame(&canvas)) } else { source });
+    let source = source.map(|source| {
+        if source.iter().any(|side| is_endless(*side)) { joined(asked, host_frame.canonical_region()) } else { source }
+    });
     let mut needed = source.unwrap_or(asked);
-    if settings.shape != ShapeChoice::Alpha {
-        let warp = settings.warp(&canvas, None)?;
-        needed = canvas.region(warp.source_of(canvas.window_of(asked), canvas.frame, settings.filter));
-        if connected(call, MASK_CLIP).is_some() {
+    if exposed[0].shape != ShapeChoice::Alpha {
+        let window = host_frame.window_of(asked);
+        let mut parts = exposed.iter().map(|settings| {
+            let warp = settings.warp(call.effect, &host_frame, None)?;
+            Ok::<_, Fault>(host_frame.region(warp.source_of(window, host_frame.frame, settings.filter)))
+        });
+        let first = parts.next().unwrap_or(Ok(asked))?;
+        needed = parts.try_fold(first, |needed, part| part.map(|part| joined(needed, part)))?;
+        if shows_source(call, &exposed) {
             needed = joined(needed, asked);
         }
     }
     set_region(call, image::SOURCE_CLIP, needed);
-    for name in [MASK_CLIP, BACKGROUND_CLIP] {
+    for name in [MASK_CLIP, MATTE_CLIP, BACKGROUND_CLIP] {
         if connected(call, name).is_some() {
             set_region(call, name, asked);
         }
@@ -91,31 +106,21 @@ fn of_clip(prefix: &CStr, clip: &CStr) -> CString {
     CString::new([prefix.to_bytes(), clip.to_bytes()].concat()).unwrap_or_default()
 }
 
-/// An optional clip with something at its other end.
-pub(super) fn connected<'a>(call: Call<'a>, name: &'static CStr) -> Option<Clip<'a>> {
-    let is_there = call.kind == Kind::PinWarp;
-    let clip = is_there.then(|| call.effect.clip(name)).flatten()?;
-    (clip.props().int(image::CLIP_CONNECTED) == Some(1)).then_some(clip)
-}
-
-/// The project's picture.
-fn frame(canvas: &Canvas) -> [f64; 4] {
-    canvas.region(canvas.frame.window())
-}
-
 fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 /// Whether the source may be passed on.
 pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
-    if call.kind == Kind::StMap || connected(call, BACKGROUND_CLIP).is_some() {
+    if call.kind == PluginKind::StMap || connected(call, BACKGROUND_CLIP).is_some() {
         return Ok(Status::REPLY_DEFAULT);
     }
-    let (time, canvas, settings) = at_arguments(call)?;
-    let rests = settings.is_at_rest()
-        || matches!(settings.shape, ShapeChoice::Shot(_)) && settings.warp(&canvas, None)?.is_identity();
-    if !rests {
+    let (time, host_frame, exposed) = at_arguments(call)?;
+    let rests = |settings: &Settings| {
+        let is_shot = matches!(settings.shape, ShapeChoice::Shot(_));
+        Ok::<_, Fault>(settings.is_at_rest() || is_shot && settings.warp(call.effect, &host_frame, None)?.is_identity())
+    };
+    if !exposed.iter().map(rests).try_fold(true, |all, rests| rests.map(|rests| all && rests))? {
         return Ok(Status::REPLY_DEFAULT);
     }
     call.out.set_names(prop::NAME, &[image::SOURCE_CLIP]);
@@ -126,9 +131,9 @@ pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
 /// Premultiplication follows the source: an opaque one gets holes where it is pulled away.
 pub(super) fn clip_preferences(call: Call) -> Result<Status, Fault> {
     // The model of a shot is animated, even where neither the source nor a parameter is.
-    let is_shot = Moment::of(call.effect, 0.0)?.choice("shape", &SHAPES) == ShapeFrom::Shot;
+    let is_shot = ParamValues::of(call.effect, 0.0)?.choice("shape", &SHAPES) == ShapeFrom::Shot;
     call.out.set_int(image::FRAME_VARYING, i32::from(is_shot));
-    if call.kind == Kind::StMap {
+    if call.kind == PluginKind::StMap {
         let output = image::OUTPUT_CLIP;
         call.out.set_names(&of_clip(image::CLIP_DEPTH_PREFIX, output), &[image::DEPTH_FLOAT]);
         call.out.set_names(&of_clip(image::CLIP_COMPONENTS_PREFIX, output), &[image::COMPONENT_RGBA]);

@@ -1,25 +1,30 @@
 //! Parameters as the engine wants them.
 //!
-//! In: the parameters of an instance at a time, and the canvas. Out: [`Settings`]. What a host leaves out has its default.
+//! In: the parameters of an instance at a time, and the frame they are measured in. Out: [`Settings`]. What a host leaves out has its default.
 
 use super::api::names::prop;
-use super::canvas::canvas_of;
-use super::describe::MASK_CLIP;
-use super::entry::Call;
+use super::call::{Call, PluginKind};
+use super::clips::{MASK_CLIP, connected};
 use super::fault::Fault;
-use super::host::{Effect, Params};
-use super::params::{self, BASES, FILTERS, Kind, Options, PINS, SHAPES, ShapeFrom, pin_id};
-use super::regions::connected;
-use crate::live::{self, Basis, Canvas, Controls, Coverage, Moved, OwnPins, Pin, Shape, ShotShape, Warp};
+use super::host::Effect;
+use super::host_frame::host_frame_of;
+use super::params::{BASES, FILTERS, PINS, SHAPES, ShapeFrom, pin_id};
+use super::values::ParamValues;
+use crate::live::{
+    self, Controls, Coverage, Guard, HostFrame, LiveError, Moved, OwnPins, ShapeSource, ShotShape, Warp,
+};
 use crate::plate::Filter;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// All that a moment of an instance is set to.
+/// What an instance is set to at a time.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Settings {
     pub(super) controls: Controls,
     pub(super) shape: ShapeChoice,
     pub(super) filter: Filter,
+    /// How much of the warped picture is seen, 0 to 1.
+    pub(super) mix: f32,
     /// Numbers of the pins that act, as users count them less one, in the order of the controls.
     pub(super) pins: Vec<usize>,
 }
@@ -33,69 +38,7 @@ pub(super) enum ShapeChoice {
     Shot(ShotShape),
 }
 
-/// Parameters at a time.
-#[derive(Clone, Copy)]
-pub(super) struct Moment<'a> {
-    pub(super) params: Params<'a>,
-    pub(super) time: f64,
-}
-
-impl<'a> Moment<'a> {
-    /// The parameters of an effect at a time.
-    pub(super) fn of(effect: Effect<'a>, time: f64) -> Result<Self, Fault> {
-        Ok(Self { params: effect.params()?, time })
-    }
-
-    /// A whole number, choice or toggle, within its range.
-    pub(super) fn int(self, id: &str) -> i32 {
-        let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
-        let (default, [least, most]) = match kind {
-            Some(Kind::Integer(default, range, _)) => (*default, *range),
-            Some(Kind::Toggle(default)) => (*default, [0, 1]),
-            Some(Kind::Choice(options)) => (0, [0, options.len() as i32 - 1]),
-            _ => (0, [i32::MIN, i32::MAX]),
-        };
-        self.params.int(id, self.time).unwrap_or(default).clamp(least, most)
-    }
-
-    /// What a choice is set to.
-    pub(super) fn choice<T: Copy, const N: usize>(self, id: &str, options: &Options<T, N>) -> T {
-        options[self.int(id) as usize].1
-    }
-
-    fn double(self, id: &str) -> f64 {
-        let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
-        let Some(Kind::Double(default, [least, most], ..)) = kind else { return 0.0 };
-        self.params.double(id, self.time).unwrap_or(*default).clamp(*least, *most)
-    }
-
-    /// A text without blanks at its ends; `None`: empty.
-    pub(super) fn text(self, id: &str) -> Option<String> {
-        let text = self.params.text(id, self.time)?;
-        let text = text.trim();
-        (!text.is_empty()).then(|| text.to_owned())
-    }
-
-    fn is_on(self, id: &str) -> bool {
-        self.int(id) != 0
-    }
-
-    /// A pin, on or off.
-    pub(super) fn pin(self, index: usize, canvas: &Canvas) -> Option<Pin> {
-        let [rest, target] = ["Rest", "Target"].map(|end| self.params.point(&pin_id(index, end), self.time));
-        let turns = self.is_on(&pin_id(index, "Turns"));
-        let rotation = turns.then(|| self.double(&pin_id(index, "Angle")).to_radians());
-        Some(Pin { rotation, ..Pin::new(canvas.screen(rest?), canvas.screen(target?)) })
-    }
-
-    /// Whether a pin was ever put anywhere. One that was not has no keys, and lies in the corner with both ends.
-    pub(super) fn is_placed(self, index: usize) -> bool {
-        ["Rest", "Target"].map(|end| pin_id(index, end)).iter().any(|id| {
-            let is_elsewhere = self.params.point(id, self.time).is_some_and(|at| at != [0.0, 0.0]);
-            is_elsewhere || !self.params.keys(id).is_empty()
-        })
-    }
-
+impl ParamValues<'_> {
     fn shape(self) -> Result<ShapeChoice, Fault> {
         Ok(match self.choice("shape", &SHAPES) {
             ShapeFrom::Frame => ShapeChoice::Frame,
@@ -117,24 +60,26 @@ impl<'a> Moment<'a> {
     }
 
     /// Everything, in the engine's words.
-    pub(super) fn settings(self, canvas: &Canvas) -> Result<Settings, Fault> {
+    pub(super) fn settings(self, host_frame: &HostFrame) -> Result<Settings, Fault> {
         let basis = self.choice("basis", &BASES);
-        let least = if basis == Basis::Bspline { 4 } else { 2 };
+        let least = basis.min_handles() as i32;
         let shape = self.shape()?;
         let is_held = self.is_on("holdBorder") && shape != ShapeChoice::Alpha;
         let on = (0..PINS).filter(|pin| self.is_on(&pin_id(*pin, "On")) && self.is_placed(*pin));
-        let (pins, placed) = on.filter_map(|pin| Some((pin, self.pin(pin, canvas)?))).unzip();
+        let (pins, placed) = on.filter_map(|pin| Some((pin, self.pin(pin, host_frame)?))).unzip();
         Ok(Settings {
             controls: Controls {
                 dims: ["columns", "rows"].map(|id| self.int(id).max(least) as usize),
                 basis,
-                stiffness: self.double("stiffness"),
+                smoothness: self.double("smoothness"),
                 strength: self.double("strength"),
+                guard: if self.is_on("guard") { Guard::Limit } else { Guard::Report },
                 moved: if is_held { Moved::Picture } else { Moved::Masked },
                 pins: placed,
             },
             shape,
             filter: self.choice("filter", &FILTERS),
+            mix: self.double("mix") as f32,
             pins,
         })
     }
@@ -145,41 +90,70 @@ impl Settings {
     pub(super) fn is_at_rest(&self) -> bool {
         // A shot moves by pins and handles of its own, too.
         let is_shot = matches!(self.shape, ShapeChoice::Shot(_));
-        self.controls.strength == 0.0 || !is_shot && self.controls.is_at_rest()
+        self.mix == 0.0 || self.controls.strength == 0.0 || !is_shot && self.controls.is_at_rest()
     }
 
     /// The warp; a shape from alpha that is not at hand is taken for the whole frame.
-    pub(super) fn warp(&self, canvas: &Canvas, alpha: Option<Coverage>) -> Result<Arc<Warp>, Fault> {
+    pub(super) fn warp(
+        &self,
+        effect: Effect,
+        host_frame: &HostFrame,
+        alpha: Option<Coverage>,
+    ) -> Result<Arc<Warp>, Fault> {
         let shape = match (&self.shape, alpha) {
-            (ShapeChoice::Alpha, Some(coverage)) => Shape::Coverage(coverage),
-            (ShapeChoice::Shot(shot), _) => Shape::Shot(shot.clone()),
-            _ => Shape::Frame,
+            (ShapeChoice::Alpha, Some(coverage)) => ShapeSource::Coverage(coverage),
+            (ShapeChoice::Shot(shot), _) => ShapeSource::Shot(shot.clone()),
+            _ => ShapeSource::Frame,
         };
-        Ok(live::warp(&self.controls, &shape, canvas.frame)?)
+        live::warp_until(&self.controls, &shape, host_frame.frame, &|| effect.is_aborted()).map_err(|error| match error
+        {
+            LiveError::FarPin { pin, rest, target } => Fault::FarPin {
+                number: self.pins.get(pin).map_or(pin, |number| *number) + 1,
+                ends: [rest, target].map(|end| host_frame.canonical(end)),
+            },
+            error => error.into(),
+        })
     }
 
     /// The warp as it is drawn over the viewer, where there are no pixels: over a picture's alpha the last one that was
     /// rendered. `None`: nothing can be shown.
-    pub(super) fn shown(&self, canvas: &Canvas) -> Option<Arc<Warp>> {
+    pub(super) fn shown(&self, effect: Effect, host_frame: &HostFrame) -> Option<Arc<Warp>> {
         if self.shape == ShapeChoice::Alpha {
             return live::last_of_alpha(&self.controls);
         }
-        self.warp(canvas, None).ok()
+        self.warp(effect, host_frame, None).ok()
     }
 }
 
 /// The settings of an instance at a time; what a mask selects is free to leave the frame.
-pub(super) fn settings_of(call: Call, time: f64, canvas: &Canvas) -> Result<Settings, Fault> {
-    let mut settings = Moment::of(call.effect, time)?.settings(canvas)?;
+pub(super) fn settings_of(call: Call, time: f64, host_frame: &HostFrame) -> Result<Settings, Fault> {
+    let mut settings = ParamValues::of(call.effect, time)?.settings(host_frame)?;
     if connected(call, MASK_CLIP).is_some() {
         settings.controls.moved = Moved::Masked;
     }
     Ok(settings)
 }
 
-/// Time, canvas and settings of an action's arguments. Regions are canonical: they do not depend on the scale.
-pub(super) fn at_arguments(call: Call) -> Result<(f64, Canvas, Settings), Fault> {
+/// The settings at the times that a frame with motion blur shows; one where nothing moves while the shutter is open.
+pub(super) fn exposed_settings(call: Call, time: f64, host_frame: &HostFrame) -> Result<Vec<Settings>, Fault> {
+    let values = ParamValues::of(call.effect, time)?;
+    let samples = values.int("blurSamples");
+    if samples <= 1 || call.kind == PluginKind::StMap {
+        return Ok(vec![settings_of(call, time, host_frame)?]);
+    }
+    let [open, angle] = ["shutterPhase", "shutter"].map(|id| values.double(id) / 360.0);
+    let at = |sample: i32| time + open + angle * (f64::from(sample) + 0.5) / f64::from(samples);
+    let mut exposed: Vec<Settings> =
+        (0..samples).map(|sample| settings_of(call, at(sample), host_frame)).collect::<Result<_, _>>()?;
+    if exposed.iter().all(|settings| *settings == exposed[0]) {
+        exposed.truncate(1);
+    }
+    Ok(exposed)
+}
+
+/// Time, frame and settings of an action's arguments. Regions are canonical: they do not depend on the scale.
+pub(super) fn at_arguments(call: Call) -> Result<(f64, HostFrame, Vec<Settings>), Fault> {
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
-    let canvas = canvas_of(call.effect, time);
-    Ok((time, canvas, settings_of(call, time, &canvas)?))
+    let host_frame = host_frame_of(call.effect, time);
+    Ok((time, host_frame, exposed_settings(call, time, &host_frame)?))
 }

@@ -61,7 +61,7 @@ impl Setup {
             tell(frame);
         }
         let times_secs = frames.iter().map(|&frame| self.file_secs(frame, &frames, times)).collect();
-        let (clip, camera, motion) = (self.clip.clip, self.added_camera(), self.motion(&frames, times));
+        let (clip, camera, motion) = (self.clip.clip, self.added_camera(&frames), self.motion(&frames, times));
         Ok(BakedScene { scene: &self.scene, clip, frames, times_secs, motion, nodes, camera })
     }
 
@@ -132,11 +132,20 @@ impl Setup {
         NodeMotion::Sampled(moving.into_iter().map(|node| sampled(node, &poses)).collect())
     }
 
-    /// The camera, where the file has none.
-    fn added_camera(&self) -> Option<AddedCamera> {
-        let camera = self.automatic_camera()?;
-        let scene_from_camera = camera.scene_from_view().as_mat4();
-        Some(AddedCamera { scene_from_camera, lens: camera.lens(), near: camera.near() as f32 })
+    /// The camera, where it is none of the file's.
+    fn added_camera(&self, frames: &[i32]) -> Option<AddedCamera> {
+        if self.camera_node().is_some() {
+            return None;
+        }
+        let at = |frame: i32| self.view(f64::from(frame)).1;
+        let camera = at(frames.first().copied().unwrap_or(self.shot.frames.first));
+        let moving = if self.has_moving_camera() { frames } else { &[] };
+        Some(AddedCamera {
+            scene_from_camera: camera.scene_from_view().as_mat4(),
+            lens: camera.lens(),
+            near: camera.near() as f32,
+            motion: moving.iter().map(|&frame| at(frame).scene_from_view().as_mat4()).collect(),
+        })
     }
 }
 
@@ -192,9 +201,8 @@ fn shape(
     let mut baked = in_node(&moment.pose.parts[part], node_from_scene);
     if let (Some(lattice), Some(node_from_scene)) = (lattice, node_from_scene) {
         let scene_points = &moment.pose.parts[part].positions;
-        let seen = &moment.mesh.parts[part].vertices;
         baked.positions.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(vertex, position)| {
-            let by = across(&moment.camera, lattice, seen[vertex]);
+            let by = across(&moment.camera, lattice, moment.camera.project(scene_points[vertex]));
             let moved = scene_points[vertex].0.as_dvec3() + by;
             *position = node_from_scene.transform_point3(moved).as_vec3();
         });

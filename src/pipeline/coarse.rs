@@ -34,7 +34,7 @@ impl Setup {
         let cells = |from: u32, to: u32| {
             let [from, to] = [from, to].map(|corner| part.positions[corner as usize].0.as_dvec3());
             let edge = frame.axes().transpose() * (to - from);
-            (0..3).map(|axis| edge[axis].abs() / grid.pitch(axis)).fold(0.0, f64::max)
+            (0..3).map(|axis| edge[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max)
         };
         let source = primitive(&self.scene, part);
         let edges = source.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);

@@ -1,6 +1,6 @@
 //! Second stage of a render: draws jobs, tile by tile.
 //!
-//! In: [`Job`]s. Out: [`Drawn`] frames, whole, data window = what is covered.
+//! In: [`Job`]s. Out: [`Drawn`] frames whose data window is the covered part.
 
 use super::produce::{BuiltPass, Facts, Job, Producer};
 use super::write::Drawn;
@@ -20,7 +20,7 @@ pub(super) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
     window.tiles(max_side.min(MAX_TILE_SIDE))
 }
 
-/// Draws all jobs; returns for how long the raster was busy, milliseconds.
+/// Draws all jobs. Returns how long the raster was busy, milliseconds.
 pub(super) fn draw_all(
     device: &mut dyn Raster,
     setup: &Setup,
@@ -28,12 +28,12 @@ pub(super) fn draw_all(
     (jobs, drawn): (Receiver<Job>, SyncSender<Drawn>),
 ) -> f64 {
     let plan = plan_passes(setup.shot.samples, setup.shot.shutter);
-    let mut artist = Artist { device, setup, plan, busy_ms: 0.0 };
+    let mut renderer = FrameRenderer { device, setup, plan, busy_ms: 0.0 };
     for job in jobs {
-        let before_ms = artist.busy_ms;
-        let done = match artist.draw(&job, tiles) {
+        let before_ms = renderer.busy_ms;
+        let done = match renderer.draw(&job, tiles) {
             Ok((frame, mut facts)) => {
-                facts.report.raster_ms = artist.busy_ms - before_ms;
+                facts.report.raster_ms = renderer.busy_ms - before_ms;
                 Drawn::Frame(Box::new(frame), Box::new(facts))
             }
             Err(error) => Drawn::Failed(job.frame, error),
@@ -42,7 +42,7 @@ pub(super) fn draw_all(
             break;
         }
     }
-    artist.busy_ms
+    renderer.busy_ms
 }
 
 /// Draws one frame by itself.
@@ -64,15 +64,15 @@ pub(super) fn draw_frame(device: &mut dyn Raster, setup: &Setup, frame: i32) -> 
     })
 }
 
-/// A raster at work.
-struct Artist<'a> {
+/// Draws the frames of a shot on one device.
+struct FrameRenderer<'a> {
     device: &'a mut dyn Raster,
     setup: &'a Setup,
     plan: Vec<PassPlan>,
     busy_ms: f64,
 }
 
-impl Artist<'_> {
+impl FrameRenderer<'_> {
     /// Draws a frame.
     fn draw(&mut self, job: &Job, tiles: &[PixelRect]) -> Result<(Frame, Facts), PipelineError> {
         let mut whole: Option<Frame> = None;

@@ -95,6 +95,20 @@ pub enum PipelineError {
         /// The first of them.
         first: PathBuf,
     },
+    /// Another run is making the same frames.
+    #[error(
+        "process {process} is writing frame {frame} into {} too; wait for it, choose other frames (--frames) or another \
+         output path (-o)",
+        folder.display()
+    )]
+    Busy {
+        /// Its process.
+        process: u32,
+        /// A frame that both make.
+        frame: i32,
+        /// Where.
+        folder: PathBuf,
+    },
     /// A frame was given up in the middle.
     #[error("frame {frame} was given up before all its passes were drawn")]
     Interrupted {

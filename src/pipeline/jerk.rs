@@ -1,6 +1,6 @@
 //! Jerk: how unevenly a layer moves over four frames, before the warp and by it.
 //!
-//! In: the solved frames of a run, as they pass. Out: third differences in pixels, and a warning where the warp jerks and
+//! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks and
 //! nothing that it follows does. It looks and never changes a picture.
 
 use super::{FrameReport, Moment, Setup};
@@ -8,7 +8,7 @@ use crate::lattice::ScreenLattice;
 use crate::shot::Rotation;
 use crate::space::{ScreenPoint, ScreenVector};
 use serde::Serialize;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Points of a layer's surface that are looked at, beside its pins.
 const SURFACE_POINTS: usize = 64;
@@ -31,7 +31,7 @@ pub struct Jerk {
     pub input_px: f64,
 }
 
-/// Watches the frames of a run.
+/// Measures frames; what it knows of the last ones is kept, what it does not know is solved.
 #[derive(Debug, Default)]
 pub struct JerkMeter {
     /// The last frames, at most three, each the one after the other.
@@ -50,15 +50,11 @@ struct Places {
 }
 
 impl JerkMeter {
-    /// Adds the jerk of every layer to a frame's report, and a warning where it is bad. A frame whose three predecessors
-    /// did not pass right before it has none.
+    /// Adds the jerk of every layer to a frame's report, and a warning where it is bad: the same for a frame alone as in a
+    /// sequence. The first three frames of a shot have none.
     pub fn watch(&mut self, setup: &Setup, moment: &Moment, report: &mut FrameReport) {
-        let follows = |&(frame, _): &(i32, _)| frame + 1 == report.frame;
-        if !self.past.back().is_some_and(follows) {
-            self.past.clear();
-        }
-        let now: Vec<Option<Places>> =
-            (0..setup.shot.layers.len()).map(|layer| Places::of(setup, moment, layer)).collect();
+        self.look_back(setup, report.frame);
+        let now = places(setup, moment);
         for (index, layer) in setup.shot.layers.iter().enumerate() {
             let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(setup.shot.size.height)) else { continue };
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
@@ -75,6 +71,24 @@ impl JerkMeter {
         self.past.push_back((report.frame, now));
         if self.past.len() > 3 {
             self.past.pop_front();
+        }
+    }
+
+    /// Makes `past` the frames right before one, as far as the shot has them; it stays empty where one cannot be solved.
+    fn look_back(&mut self, setup: &Setup, frame: i32) {
+        let wanted = frame.saturating_sub(3)..frame;
+        if wanted.start < setup.shot.frames.first || setup.shot.layers.is_empty() {
+            // Too early to be measured; what is known may serve the next frame.
+            self.past.retain(|&(past, _)| wanted.contains(&past));
+            return;
+        }
+        let mut known: BTreeMap<i32, Vec<Option<Places>>> = self.past.drain(..).collect();
+        for past in wanted {
+            let found = known.remove(&past).or_else(|| Some(places(setup, &*setup.exposed(past).ok()?)));
+            match found {
+                Some(found) => self.past.push_back((past, found)),
+                None => self.past.clear(),
+            }
         }
     }
 
@@ -107,6 +121,11 @@ fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
     bends.fold([0.0_f64; 2], |[jerk, unrest], [first, second]| {
         [jerk.max((second - first).length()), unrest.max(first.length() + second.length())]
     })
+}
+
+/// All layers in one frame.
+fn places(setup: &Setup, moment: &Moment) -> Vec<Option<Places>> {
+    (0..setup.shot.layers.len()).map(|layer| Places::of(setup, moment, layer)).collect()
 }
 
 impl Places {
@@ -151,9 +170,10 @@ impl Setup {
         moment: &'a Moment,
         layer: usize,
     ) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
-        let parts = || self.parts_of_layer[layer].iter().map(|&part| &moment.mesh.parts[part].vertices);
+        let parts = || self.parts_of_layer[layer].iter().map(|&part| &moment.pose.parts[part].positions);
         let step = parts().map(Vec::len).sum::<usize>().div_ceil(SURFACE_POINTS).max(1);
-        parts().flatten().step_by(step).map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
+        let projected = parts().flatten().step_by(step).map(|&point| moment.camera.project(point));
+        projected.map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
     }
 }
 

@@ -41,10 +41,7 @@ impl Setup {
     /// The node of the shot's camera.
     #[must_use]
     pub fn blender_camera(&self) -> CameraNode {
-        match self.scene.find_camera(self.shot.camera.as_deref()) {
-            Ok(node) => CameraNode::OfScene(node),
-            Err(_) => CameraNode::Added,
-        }
+        self.camera_node().map_or(CameraNode::Added, CameraNode::OfScene)
     }
 
     fn lattice_object(&self, index: usize, frames: &[i32]) -> Result<Result<LatticeObject, Reason>, PipelineError> {
@@ -113,9 +110,9 @@ impl Setup {
             let posed = &moment.pose.parts[part];
             let source = primitive(&self.scene, posed);
             let corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
-            let places = corners
-                .map(|&corner| corner as usize)
-                .map(move |corner| (posed.positions[corner].0.as_dvec3(), moment.mesh.parts[part].vertices[corner]));
+            let places = corners.map(|&corner| corner as usize).map(move |corner| {
+                (posed.positions[corner].0.as_dvec3(), moment.camera.project(posed.positions[corner]))
+            });
             places.collect::<Vec<_>>()
         };
         self.parts_of_layer[index].iter().flat_map(of_part).collect()
@@ -180,10 +177,7 @@ fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reas
 /// From the outermost handle of an axis to the other, in sizes of the box: the first and last handle of a B-spline rest
 /// one span outside.
 fn reach(basis: Basis, count: usize) -> f64 {
-    match basis {
-        Basis::Bspline => (count - 1) as f64 / (count - 3) as f64,
-        _ => 1.0,
-    }
+    (count - 1) as f64 / basis.spans(count) as f64
 }
 
 fn extents<const D: usize>(grid: &Grid<D>) -> [f64; D] {

@@ -3,9 +3,9 @@
 //!
 //! In: pins, keys and solutions. Out: regions, weights, handles; solutions nearer to rest, and what their reports claim.
 
-use crate::lattice::{Basis, Grid};
+use crate::lattice::Grid;
 use crate::shot::{HandleTrack, Layer, OffsetUnit, Pin, PinTargets};
-use crate::solve::{HandlePin, MissReason, PinMiss, PointPin, Region, Solution, SolveReport, Solver};
+use crate::solve::{HandlePin, PinResidual, PointPin, Region, ResidualReason, Solution, SolveReport, Solver};
 
 /// A pin that fades has ten to this power of its weight at the end.
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
@@ -16,7 +16,11 @@ pub(super) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
         OffsetUnit::Frame => 1.0,
         OffsetUnit::Box => diagonal,
     };
-    pin.region.map(|region| Region { radius: region.radius * unit, grip: region.grip, starch: region.starch })
+    pin.region.map(|region| Region {
+        radius: region.radius * unit,
+        rigidity: region.rigidity,
+        stiffness: region.stiffness,
+    })
 }
 
 /// Weight of a pin that fades: in powers of ten, down to where the shape holds the pin and not the pin the shape.
@@ -37,9 +41,9 @@ pub(super) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targe
 /// Handles at the border of a whole picture, held at rest unless keys move them, so that its edge stays where it is: as
 /// many rings as act there (on B-splines with their slope and curvature, on others the value alone).
 pub(super) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandlePin<2>> {
-    let rings = if grid.basis == Basis::Bspline { 3 } else { 1 };
+    let rings = grid.basis.border_rings();
     let is_outer = |index: usize| {
-        let place = grid.place(index);
+        let place = grid.handle_coords(index);
         (0..2).any(|axis| place[axis] < rings || place[axis] + rings >= grid.dims[axis])
     };
     let is_free = |index: &usize| moved.iter().all(|handle| handle.index != *index);
@@ -60,28 +64,29 @@ pub(super) fn fade<const D: usize>(
         *handle = std::array::from_fn(|axis| rest[axis] + (handle[axis] - rest[axis]) * presence);
     }
     let off_by = |pin: &PointPin<D>| {
-        let image = lattice.displace(pin.at);
+        let image = lattice.deform(pin.at);
         (0..D).map(|axis| (image[axis] - pin.target[axis]).powi(2)).sum::<f64>().sqrt()
     };
     report.pin_errors = pins.iter().map(off_by).collect();
     let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
-    let miss = |(pin, &distance): (usize, &f64)| PinMiss { pin, distance, reason: MissReason::Fading };
-    report.pin_misses = off.map(miss).collect();
+    let miss = |(pin, &distance): (usize, &f64)| PinResidual { pin, distance, reason: ResidualReason::Fading };
+    report.pin_residuals = off.map(miss).collect();
     let folds = solver.folds(lattice);
     report.folded_cells = folds.cells.len();
-    report.folded_model_cells = folds.occupied_count;
-    report.least_cell_det = folds.least_det;
+    report.folded_model_cells = folds.active_count;
+    report.min_cell_det = folds.min_det;
     *report = unmeasured(std::mem::take(report));
 }
 
 /// A report whose distortion says "not measured", not "none".
 pub(super) fn unmeasured(report: SolveReport) -> SolveReport {
-    SolveReport { least_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
+    SolveReport { min_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Basis;
     use crate::space::ScreenPoint;
 
     /// How far the border moves at most when every handle that is not held moves.

@@ -6,10 +6,11 @@ use super::passes::mid_shutter;
 use super::{PipelineError, Setup, WorldSolution};
 use crate::lattice::ScreenLattice;
 use crate::pose::Pose;
-use crate::screen::{Camera, ScreenMesh};
+use crate::screen::{Camera, ScreenMesh, project};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{Solution, SolveReport};
 use crate::space::ScreenPoint;
+use std::borrow::Cow;
 
 /// The scene at one time.
 #[derive(Clone, Debug)]
@@ -20,8 +21,8 @@ pub struct Moment {
     pub pose: Pose,
     /// The camera.
     pub camera: Camera,
-    /// The pose on the screen, before the layers of the screen warp it.
-    pub mesh: ScreenMesh,
+    /// The pose on the screen, while layers are solved: moments that are kept are lean.
+    mesh: Option<ScreenMesh>,
     /// One a layer of the shot.
     pub layers: Vec<LayerState>,
 }
@@ -62,6 +63,12 @@ impl LayerState {
 }
 
 impl Moment {
+    /// The pose on the screen, before the layers of the screen warp it. Solved moments project it anew.
+    #[must_use]
+    pub fn mesh(&self) -> Cow<'_, ScreenMesh> {
+        self.mesh.as_ref().map_or_else(|| Cow::Owned(project(&self.pose, &self.camera)), Cow::Borrowed)
+    }
+
     /// The lattice that warps a part, one a part.
     pub(super) fn lattices(&self, owners: &[Option<usize>]) -> Vec<Option<&ScreenLattice>> {
         let lattice = |layer: usize| self.layers[layer].solution.as_ref().map(|solution| &solution.lattice);
@@ -81,6 +88,7 @@ impl Setup {
                 moment.layers[index] = self.solve_layer(&moment, index, bounds)?;
             }
         }
+        moment.mesh = None;
         Ok(moment)
     }
 
@@ -92,7 +100,7 @@ impl Setup {
         let (mut pose, camera) = self.view(frame);
         let layers = self.solve_worlds(frame, &pose, &camera)?;
         self.move_meshes(&mut pose, &layers);
-        let mesh = crate::screen::project(&pose, &camera);
+        let mesh = Some(project(&pose, &camera));
         Ok(Moment { frame, pose, camera, mesh, layers })
     }
 

@@ -1,10 +1,14 @@
-//! What a render is asked to do, and what it tells while it does.
+//! What a render is asked to do, and what it reports on the way.
+//!
+//! In: what a front end asks for. Out: events, reports and a summary, as they are printed with `--json`.
 
-use super::Jerk;
+use super::{Jerk, Redone};
+use crate::image::Durability;
+pub use crate::image::Existing;
 use crate::raster::DeviceChoice;
 use crate::solve::SolveReport;
-use serde::Serialize;
-use std::path::PathBuf;
+use serde::{Serialize, Serializer};
+use std::path::{Path, PathBuf};
 
 /// How a shot is rendered.
 #[derive(Clone, Debug, Default)]
@@ -19,21 +23,16 @@ pub struct RenderOptions {
     pub has_preview: bool,
     /// The preview carries lattice, pins, targets and folded cells.
     pub has_overlay: bool,
+    /// When a frame counts as written.
+    pub durability: Durability,
 }
 
-/// What happens to frames that are already there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Existing {
-    /// Nothing is rendered.
-    #[default]
-    Refuse,
-    /// They are replaced.
-    Overwrite,
-    /// Complete ones are kept, broken and missing ones are rendered.
-    Resume,
+/// A path as text; bytes that are not Unicode are replaced, so that JSON can hold it.
+pub(super) fn lossy<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&path.to_string_lossy())
 }
 
-/// What a render tells while it runs.
+/// What a render reports while it runs.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {
@@ -51,6 +50,8 @@ pub enum Event {
         /// In words.
         text: String,
     },
+    /// A frame is there, but not as this run would write it: it is made again. One event for each, before `started`.
+    FrameRedone(Redone),
     /// A frame is on disk.
     FrameDone(FrameReport),
     /// A frame could not be made; the others go on.
@@ -70,6 +71,7 @@ pub struct FrameReport {
     /// Frame number.
     pub frame: i32,
     /// The file.
+    #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// Milliseconds spent in posing, solving and building geometry.
     pub geometry_ms: f64,
@@ -77,7 +79,7 @@ pub struct FrameReport {
     pub raster_ms: f64,
     /// Milliseconds spent in encoding and writing.
     pub write_ms: f64,
-    /// One a layer.
+    /// One for each layer.
     pub layers: Vec<LayerReport>,
     /// What the user should know about this frame.
     pub warnings: Vec<String>,
@@ -93,9 +95,9 @@ pub struct LayerReport {
     /// The same in scene space, metres; world layers only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pin_error_metres: Option<f64>,
-    /// How unevenly it moves, of layers on the screen; `None` in the first three frames of a run, and after gaps.
+    /// How unevenly it moves, of layers on the screen; `None` in the first three frames of a shot.
     pub jerk: Option<Jerk>,
-    /// The solver's own report. `angular`, `area` and `least_det` are NaN (in JSON null) where they are not measured: in
+    /// The solver's own report. `angular`, `area` and `min_det` are NaN (in JSON null) where they are not measured: in
     /// lattices from a file, and while the last pin of a layer fades out.
     pub solve: SolveReport,
 }
@@ -107,6 +109,8 @@ pub struct Summary {
     pub rendered: usize,
     /// Frames kept from an earlier run.
     pub kept: usize,
+    /// Frames that were there and were made again.
+    pub redone: usize,
     /// Frames that failed.
     pub failed: usize,
     /// The user stopped it.

@@ -3,23 +3,17 @@
 //! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
 use super::layer_pins::region;
+use super::overlay_legend::{self, FOLDED, FOLDED_EMPTY, GRID, HANDLE, Mark, NAME, REGION, REST, TARGET, outline};
 use super::{LayerState, Moment, PinState, Setup};
-use crate::image::{Canvas, Preview, Rgba8};
-use crate::lattice::{Basis, SceneLattice, ScreenLattice};
+use crate::image::{Canvas, Preview};
+use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::screen::Camera;
+use crate::solve::{Shape, active_cells};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use glam::{DVec2, DVec3};
 
 /// Line pieces a span.
 const PIECES: usize = 8;
-
-const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
-const HANDLE: Rgba8 = Rgba8([64, 200, 255, 220]);
-const FOLDED: Rgba8 = Rgba8([255, 40, 40, 110]);
-const REGION: Rgba8 = Rgba8([255, 200, 40, 90]);
-const REST: Rgba8 = Rgba8([255, 255, 255, 230]);
-const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
-const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 
 /// What is drawn over one frame.
 #[derive(Clone, Debug)]
@@ -32,7 +26,18 @@ pub(super) struct Picture {
 #[derive(Clone, Debug)]
 struct LayerPicture {
     lattice: SolvedLattice,
+    /// Cells that fold, by column and row.
+    folds: Vec<([usize; 2], Fold)>,
     pins: Vec<PinPicture>,
+}
+
+/// Where a cell folds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fold {
+    /// Some of the model is in it.
+    Model,
+    /// Nothing is in it: nobody sees the fold.
+    Empty,
 }
 
 #[derive(Clone, Debug)]
@@ -60,7 +65,7 @@ impl Picture {
     /// What a moment's solves did.
     #[must_use]
     pub(super) fn of(setup: &Setup, moment: &Moment) -> Self {
-        let layers = setup.shot.layers.iter().zip(&moment.layers).filter_map(|(layer, state)| {
+        let layers = setup.shot.layers.iter().zip(&moment.layers).enumerate().filter_map(|(index, (layer, state))| {
             let lattice = SolvedLattice::of(state)?;
             let diagonal = state.solution.as_ref().map(|solution| solution.lattice.grid.diagonal());
             let named = |pin: &PinState| PinPicture {
@@ -69,7 +74,11 @@ impl Picture {
                 radius: diagonal.and_then(|diagonal| region(&layer.pins[pin.pin], diagonal)).map(|one| one.radius),
             };
             let seen = state.pins.iter().filter(|pin| pin.is_in_view);
-            Some(LayerPicture { lattice, pins: seen.map(named).collect() })
+            let folds = match &lattice {
+                SolvedLattice::Screen(lattice) => folds(lattice, || setup.shape(moment, index)),
+                SolvedLattice::World(_) => Vec::new(),
+            };
+            Some(LayerPicture { lattice, folds, pins: seen.map(named).collect() })
         });
         Self { frame: setup.shot.size, camera: moment.camera, layers: layers.collect() }
     }
@@ -81,7 +90,7 @@ impl Picture {
         let mut canvas = Canvas::new(preview);
         for layer in &self.layers {
             match &layer.lattice {
-                SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, lattice, unit_px),
+                SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, (lattice, &layer.folds), unit_px),
                 SolvedLattice::World(lattice) => self.draw_scene_lattice(&mut canvas, lattice, unit_px),
             }
             for pin in &layer.pins {
@@ -91,6 +100,23 @@ impl Picture {
                 self.draw_pin(&mut canvas, (&pin.state, &pin.name), unit_px);
             }
         }
+        overlay_legend::draw(&mut canvas, self.frame, (&self.marks(), unit_px));
+    }
+
+    /// The marks that are in the picture.
+    fn marks(&self) -> Vec<Mark> {
+        let has_fold = |fold: Fold| self.layers.iter().any(|layer| layer.folds.iter().any(|(_, other)| *other == fold));
+        let has_pin =
+            |is_wanted: fn(&PinPicture) -> bool| self.layers.iter().any(|layer| layer.pins.iter().any(is_wanted));
+        let marks = [
+            (Mark::Grid, !self.layers.is_empty()),
+            (Mark::Rest, has_pin(|_| true)),
+            (Mark::Target, has_pin(|_| true)),
+            (Mark::Region, has_pin(|pin| pin.radius.is_some())),
+            (Mark::Folded, has_fold(Fold::Model)),
+            (Mark::FoldedEmpty, has_fold(Fold::Empty)),
+        ];
+        marks.into_iter().filter(|(_, is_there)| *is_there).map(|(mark, _)| mark).collect()
     }
 
     fn px(&self, point: ScreenPoint) -> ImagePoint {
@@ -98,9 +124,14 @@ impl Picture {
     }
 
     /// The warped grid of the rest box, one cell a span, and the handles themselves.
-    fn draw_lattice(&self, canvas: &mut Canvas, lattice: &ScreenLattice, unit_px: f64) {
+    fn draw_lattice(
+        &self,
+        canvas: &mut Canvas,
+        (lattice, folds): (&ScreenLattice, &[([usize; 2], Fold)]),
+        unit_px: f64,
+    ) {
         // Handles of a B-spline lie outside the box, too: the box is one span smaller on each side.
-        let margin = usize::from(lattice.grid.basis == Basis::Bspline);
+        let margin = lattice.grid.basis.margin();
         let [nx, ny] = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
         let warped = |i: f64, j: f64| {
             let share = [i / nx as f64, j / ny as f64];
@@ -108,12 +139,15 @@ impl Picture {
             self.px(lattice.warp(ScreenPoint::new(at(0), at(1))))
         };
         let along = |k: usize| k as f64 / PIECES as f64;
-        for [i, j] in lattice.folded_cells() {
+        for &([i, j], fold) in folds {
             let (i, j) = ((i - margin) as f64, (j - margin) as f64);
-            canvas.fill_polygon(
-                &[warped(i, j), warped(i + 1.0, j), warped(i + 1.0, j + 1.0), warped(i, j + 1.0)],
-                FOLDED,
-            );
+            let sides = [|t: f64| [t, 0.0], |t: f64| [1.0, t], |t: f64| [1.0 - t, 1.0], |t: f64| [0.0, 1.0 - t]];
+            let rim = sides.iter().flat_map(|side| (0..PIECES).map(move |k| side(along(k))));
+            let rim: Vec<ImagePoint> = rim.map(|[x, y]| warped(i + x, j + y)).collect();
+            match fold {
+                Fold::Model => canvas.fill_polygon(&rim, FOLDED),
+                Fold::Empty => outline(canvas, &rim, (unit_px, FOLDED_EMPTY)),
+            }
         }
         for j in 0..=ny {
             for k in 0..nx * PIECES {
@@ -187,7 +221,31 @@ impl Picture {
         canvas.line(rest, target, 1.5 * unit_px, TARGET);
         canvas.ring(rest, 5.0 * unit_px, 1.5 * unit_px, REST);
         canvas.disc(target, 4.0 * unit_px, TARGET);
-        let beside = ImagePoint(target.0 + DVec2::new(7.0, -4.0) * unit_px);
-        canvas.text(beside, name, unit_px.round() as u32, NAME);
+        canvas.text(self.name_place(target, name, unit_px), name, unit_px.round() as u32, NAME);
     }
+
+    /// Beside the target, and inside the frame as far as the name fits into it.
+    fn name_place(&self, target: ImagePoint, name: &str, unit_px: f64) -> ImagePoint {
+        let size = DVec2::new(6.0 * name.chars().count() as f64, 9.0) * unit_px.round();
+        let frame = DVec2::new(f64::from(self.frame.width), f64::from(self.frame.height));
+        let beside = target.0 + DVec2::new(7.0, -4.0) * unit_px;
+        let last = (frame - size - 2.0).max(DVec2::splat(2.0));
+        ImagePoint(beside.clamp(DVec2::splat(2.0), last))
+    }
+}
+
+/// The folded cells of a lattice. The shape is asked for where there are any.
+fn folds(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<([usize; 2], Fold)> {
+    let folded = lattice.folded_cells();
+    if folded.is_empty() {
+        return Vec::new();
+    }
+    let is_occupied = active_cells(&lattice.grid, &shape());
+    let margin = lattice.grid.basis.margin();
+    let columns = lattice.grid.basis.spans(lattice.grid.dims[0]);
+    let fold = |[i, j]: [usize; 2]| match is_occupied[(j - margin) * columns + i - margin] {
+        true => ([i, j], Fold::Model),
+        false => ([i, j], Fold::Empty),
+    };
+    folded.into_iter().map(fold).collect()
 }

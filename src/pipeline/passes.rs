@@ -12,9 +12,6 @@ use glam::{DVec2, Vec2};
 /// Radius of the Blackman-Harris reconstruction filter, pixels.
 const FILTER_RADIUS_PX: f64 = 1.5;
 
-/// With motion blur, data channels get this many passes of their own at mid-shutter (or fewer, if beauty has fewer).
-const DATA_PASSES: u32 = 8;
-
 /// The plastic number's powers: steps of the R2 sequence (Roberts, "The Unreasonable Effectiveness of
 /// Quasirandom Sequences", 2018).
 const R2_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
@@ -37,29 +34,29 @@ pub(super) fn mid_shutter(shutter: Shutter) -> f64 {
 }
 
 /// The passes of a frame, in time order; the same for every frame, so that nothing flickers.
+///
+/// One pass draws data: at mid-shutter and at the pixel centres, whatever the number of samples. Without motion blur that
+/// is the first beauty pass, which has no jitter; with motion blur it is a pass of its own.
 #[must_use]
 pub fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
     let samples = samples.max(1);
     let middle = mid_shutter(shutter);
-    let jitter = |index: u32, of: u32| if of > 1 { filter_offset(index) } else { Vec2::ZERO };
-    if shutter.angle <= 0.0 {
-        let still =
-            |index| PassPlan { time_frames: middle, jitter_px: jitter(index, samples), role: PassRole::BeautyAndData };
-        return (0..samples).map(still).collect();
-    }
-    let beauty = |index: u32| PassPlan {
-        time_frames: (shutter.phase + shutter.angle * (f64::from(index) + 0.5) / f64::from(samples)) / 360.0,
-        jitter_px: jitter(index, samples),
-        role: PassRole::Beauty,
+    let is_blurred = shutter.angle > 0.0 && samples > 1;
+    let time = |index: u32| {
+        let opened = (f64::from(index) + 0.5) / f64::from(samples);
+        if is_blurred { (shutter.phase + shutter.angle * opened) / 360.0 } else { middle }
     };
-    let data_passes = samples.min(DATA_PASSES);
-    let data =
-        |index: u32| PassPlan { time_frames: middle, jitter_px: jitter(index, data_passes), role: PassRole::Data };
-    (0..samples).map(beauty).chain((0..data_passes).map(data)).collect()
+    let role = |index: u32| if index == 0 && !is_blurred { PassRole::BeautyAndData } else { PassRole::Beauty };
+    let beauty = |index| PassPlan { time_frames: time(index), jitter_px: filter_offset(index), role: role(index) };
+    let data = PassPlan { time_frames: middle, jitter_px: Vec2::ZERO, role: PassRole::Data };
+    (0..samples).map(beauty).chain(is_blurred.then_some(data)).collect()
 }
 
-/// The `index`-th offset of a sequence whose density is the reconstruction filter.
+/// The `index`-th offset of a sequence whose density is the reconstruction filter; the first is 0.
 fn filter_offset(index: u32) -> Vec2 {
+    if index == 0 {
+        return Vec2::ZERO;
+    }
     let uniform = (DVec2::splat(0.5) + R2_STEP * f64::from(index)).fract();
     Vec2::new(inverse_filter(uniform.x) as f32, inverse_filter(uniform.y) as f32)
 }
@@ -96,14 +93,25 @@ mod tests {
     }
 
     #[test]
-    fn shutter_times_fill_the_opening_and_data_sits_at_its_middle() {
+    fn shutter_times_fill_the_opening() {
         let plan = plan_passes(16, Shutter { angle: 180.0, phase: 0.0 });
         let times: Vec<f64> = plan.iter().filter(|p| p.role == PassRole::Beauty).map(|p| p.time_frames).collect();
         assert_eq!((times.len(), times[0], times[15]), (16, 0.5 / 32.0, 15.5 / 32.0));
-        let data: Vec<_> = plan.iter().filter(|p| p.role == PassRole::Data).collect();
-        assert_eq!(data.len(), 8);
-        assert!(data.iter().all(|pass| pass.time_frames == 0.25));
         assert_eq!(mid_shutter(OPEN), 0.0);
+    }
+
+    #[test]
+    fn one_pass_draws_data_in_the_middle_of_shutter_and_pixel() {
+        for shutter in [OPEN, CLOSED, Shutter { angle: 90.0, phase: 30.0 }] {
+            for samples in [1, 2, 4, 11, 16] {
+                let plan = plan_passes(samples, shutter);
+                let data: Vec<_> = plan.iter().filter(|pass| pass.role != PassRole::Beauty).collect();
+                assert_eq!(data.len(), 1, "{samples} samples, {shutter:?}");
+                assert_eq!((data[0].time_frames, data[0].jitter_px), (mid_shutter(shutter), Vec2::ZERO));
+                let beauty = plan.iter().filter(|pass| pass.role != PassRole::Data).count();
+                assert_eq!(beauty, samples as usize);
+            }
+        }
     }
 
     #[test]

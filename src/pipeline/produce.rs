@@ -1,6 +1,6 @@
 //! First thread of a render: poses, solves and builds the geometry of every pass.
 //!
-//! In: frame numbers. Out: a [`Job`] a frame, whose passes arrive while it is drawn.
+//! In: frame numbers. Out: a [`Job`] for each frame, whose passes arrive while it is drawn.
 
 use super::{FrameReport, JerkMeter, Moment, PipelineError, Setup, lighting, overlay, plan_passes, report};
 use crate::image::CameraMatrices;
@@ -16,6 +16,9 @@ use std::time::Instant;
 /// Passes that may wait to be drawn.
 const QUEUED_PASSES: usize = 2;
 
+/// Scenes with more triangles than this hand their passes over one by one: every pass that waits holds its geometry.
+const MANY_TRIANGLES: usize = 500_000;
+
 /// Width of lines, frame heights: two pixels at 1080 lines; proxies draw them a pixel wide.
 const LINE_WIDTH: f64 = 1.0 / 540.0;
 
@@ -25,7 +28,7 @@ pub(super) struct Job {
     pub(super) frame: i32,
     /// All passes, once a tile, in the order of the plan; or the reason why there are none.
     pub(super) passes: Receiver<Result<BuiltPass, PipelineError>>,
-    /// What the frame's file and the user are told; arrives after the last pass.
+    /// For the frame's file and the user; arrives after the last pass.
     pub(super) facts: Receiver<Facts>,
 }
 
@@ -43,6 +46,14 @@ pub(super) struct BuiltPass {
     pub(super) role: PassRole,
 }
 
+/// The geometry made last.
+struct Built {
+    /// Frames after the frame's own.
+    time: f64,
+    has_motion: bool,
+    geometry: Arc<Geometry>,
+}
+
 /// Makes jobs.
 pub(super) struct Producer<'a> {
     pub(super) setup: &'a Setup,
@@ -53,16 +64,16 @@ pub(super) struct Producer<'a> {
 }
 
 impl Producer<'_> {
-    /// Makes the jobs of all frames; ends early when cancelled or when nobody draws any more.
+    /// Makes the jobs of all frames; ends early when cancelled or when drawing has ended.
     pub(super) fn run(&mut self, frames: &[i32], jobs: &SyncSender<Job>) {
         for &frame in frames {
-            let (pass, passes) = sync_channel(QUEUED_PASSES);
+            let (pass, passes) = sync_channel(self.queued_passes());
             let (fact, facts) = sync_channel(1);
             let is_over = self.cancel.load(Ordering::Relaxed) || jobs.send(Job { frame, passes, facts }).is_err();
             if is_over {
                 return;
             }
-            // A frame that the raster gave up is no reason to give up the next.
+            // The receiver is gone where the raster failed; the next frame may succeed.
             if let Err(error) = self.frame(frame, (&pass, &fact)) {
                 let _ = pass.send(Err(error));
             }
@@ -81,25 +92,38 @@ impl Producer<'_> {
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
         let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
-        let mut last: Option<((f64, bool), Arc<Geometry>)> = None;
+        let mut last: Option<Built> = None;
         for planned in (0..self.tile_count).flat_map(|_| &plan) {
-            let key = (planned.time_frames, planned.role != PassRole::Beauty && has_motion);
+            let time = planned.time_frames;
+            let needs_motion = planned.role != PassRole::Beauty && has_motion;
             let begun = Instant::now();
-            let geometry = match last.take() {
-                Some((kept, geometry)) if kept == key => geometry,
-                _ => Arc::new(self.geometry(f64::from(frame) + key.0, key.1)?),
+            // What does not fit goes before anything is made in its place.
+            last = last.filter(|built| built.time == time && (built.has_motion || !needs_motion));
+            let built = match last.take() {
+                Some(built) => built,
+                None => {
+                    let geometry = Arc::new(self.geometry(f64::from(frame) + time, needs_motion)?);
+                    Built { time, has_motion: needs_motion, geometry }
+                }
             };
             busy += begun.elapsed();
-            last = Some((key, Arc::clone(&geometry)));
+            let geometry = Arc::clone(&last.insert(built).geometry);
             let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
             if pass.send(Ok(built)).is_err() {
-                // The raster has given the frame up and tells why.
+                // The raster failed and reports the reason itself.
                 return Ok(());
             }
         }
         facts.report.geometry_ms = busy.as_secs_f64() * 1e3;
         let _ = fact.send(facts);
         Ok(())
+    }
+
+    /// Passes of a frame that may wait.
+    fn queued_passes(&self) -> usize {
+        let primitives = self.setup.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let triangles: usize = primitives.map(|primitive| primitive.triangles.len()).sum();
+        if triangles > MANY_TRIANGLES { 0 } else { QUEUED_PASSES }
     }
 
     /// The geometry of one time, with the neighbours' places where motion is wanted.
@@ -145,5 +169,5 @@ pub(super) fn facts(setup: &Setup, (frame, middle): (i32, &Moment), has_overlay:
 
 /// A moment as the geometry stage wants it.
 fn view_of<'a>(moment: &'a Moment, lattices: &'a [Option<&'a ScreenLattice>]) -> geometry::Moment<'a> {
-    geometry::Moment { pose: &moment.pose, mesh: &moment.mesh, camera: &moment.camera, lattices }
+    geometry::Moment { pose: &moment.pose, camera: &moment.camera, lattices }
 }

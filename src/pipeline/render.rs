@@ -6,15 +6,16 @@
 //! The channels are short, so memory does not grow with the length of the sequence.
 
 use super::draw::{draw_all, tiles};
-use super::output::{frames_to_do, prepare_folder, stale_note};
 use super::pictures::{Wanted, render_pictures};
 use super::produce::Producer;
-use super::write::Writer;
-use super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{ImageError, PictureKind, SequencePath, is_complete};
-use crate::raster::{self, Raster};
-use crate::shot::Source;
-use std::path::{Path, PathBuf};
+use super::resume::{Todo, refuse_existing};
+use super::write::{Writer, preview_hash};
+use super::{Event, Existing, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
+use crate::image::{Depth, Expected, ImageError, PictureKind, Redo, SequencePath, check_kept};
+use crate::memory;
+use crate::raster::{self, ChannelGroup, DeviceClass, Raster};
+use crate::shot::{Shot, Source};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
@@ -36,13 +37,15 @@ pub fn render(
 ) -> Result<Summary, PipelineError> {
     let work = Work::plan(setup, options)?;
     if setup.gallery.is_some() {
-        return Ok(work.paint(cancel, tell));
+        let todo = work.todo(DeviceClass::Cpu)?;
+        return Ok(work.paint(todo, cancel, tell));
     }
     let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
     if let Some(reason) = fallback {
         tell(Event::Note { text: format!("the CPU draws: {reason}") });
     }
-    Ok(work.run(device.as_mut(), cancel, tell))
+    let todo = work.todo(device.class())?;
+    Ok(work.run(todo, device.as_mut(), (cancel, tell)))
 }
 
 /// As [`render`], on a device that the caller opened for the setup's scene; `options.device` is not looked at.
@@ -56,7 +59,9 @@ pub fn render_on(
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
-    Ok(Work::plan(setup, options)?.run(device, cancel, tell))
+    let work = Work::plan(setup, options)?;
+    let todo = work.todo(device.class())?;
+    Ok(work.run(todo, device, (cancel, tell)))
 }
 
 /// What is to be done.
@@ -65,9 +70,7 @@ struct Work<'a> {
     setup: &'a Setup,
     options: &'a RenderOptions,
     output: SequencePath,
-    frames: Vec<i32>,
-    /// Frames that stay as they are.
-    kept: Vec<PathBuf>,
+    wanted: Vec<i32>,
 }
 
 impl<'a> Work<'a> {
@@ -78,48 +81,62 @@ impl<'a> Work<'a> {
             let what = "there is no scene to render: this shot warps finished frames";
             return Err(PipelineError::mismatch(&setup.shot, "plate", what, "run `pinwarp warp --shot` on it"));
         }
+        check_memory(&setup.shot)?;
         let output = SequencePath::parse(&setup.shot.output.path)?;
         let wanted = if options.frames.is_empty() {
             (setup.shot.frames.first..=setup.shot.frames.last).collect()
         } else {
             options.frames.clone()
         };
-        output.check_frame_count(wanted.len())?;
         check_extension(&setup.shot.output.path)?;
+        output.check_frame_count(wanted.len())?;
         let inputs = setup.inputs()?;
-        for path in wanted.iter().map(|&frame| output.path_of(frame)) {
-            inputs.refuse(&path)?;
+        let files: Vec<_> = wanted.iter().flat_map(|&frame| files_of(&output, options, frame)).collect();
+        files.iter().try_for_each(|path| inputs.refuse(path))?;
+        if options.existing == Existing::Refuse {
+            refuse_existing(files)?;
+        }
+        Ok(Self { begun, setup, options, output, wanted })
+    }
+
+    /// The frames to make on a device of that class.
+    fn todo(&self, device: DeviceClass) -> Result<Todo, PipelineError> {
+        let device = &device.to_string();
+        let (shot_hash, options) = (self.setup.shot.hash(), self.options);
+        let depth = if options.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
+        let preview_hash = preview_hash(&shot_hash, options);
+        let todo = Todo::of(self.wanted.clone(), &self.output, options.existing, |frame| {
+            let expected = Expected { frame, shot_hash: &shot_hash, size: Some(self.setup.shot.size), device };
+            let path = self.output.path_of(frame);
+            check_kept(&path, &expected, depth)?;
             if options.has_preview || options.has_overlay {
-                inputs.refuse(&path.with_extension("png"))?;
+                let expected = Expected { shot_hash: &preview_hash, ..expected };
+                check_kept(&path.with_extension("png"), &expected, depth).map_err(|_| Redo::Preview)?;
             }
-        }
-        let has_preview =
-            |path: &Path| !(options.has_preview || options.has_overlay) || path.with_extension("png").exists();
-        let is_done = |path: &Path| is_complete(path) && has_preview(path);
-        let (frames, kept) = frames_to_do(wanted, &output, (options.existing, &is_done))?;
-        if let Some(&first) = frames.first() {
-            prepare_folder(&output.path_of(first))?;
-        }
-        let kept = kept.into_iter().map(|frame| output.path_of(frame)).collect();
-        Ok(Self { begun, setup, options, output, frames, kept })
+            Ok(())
+        });
+        todo.begin(&self.output)
     }
 
     /// Pictures are warped as pictures; no device draws them.
-    fn paint(self, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
-        let Self { begun, setup, options, output, frames, kept } = self;
-        tell_notes(setup, &kept, tell);
-        let count = frames.len();
-        let wanted = Wanted { options, output, frames, kept: kept.len() };
+    fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
+        let Self { begun, setup, options, output, .. } = self;
+        tell_notes(setup, &todo, tell);
+        let wanted = Wanted { options, output, frames: todo.frames.clone(), kept: todo.kept };
         let summary = render_pictures(setup, wanted, cancel, tell);
-        finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, count, (cancel, tell))
+        finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, tell))
     }
 
-    fn run(self, device: &mut dyn Raster, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
-        let Self { begun, setup, options, output, frames, kept } = self;
-        tell_notes(setup, &kept, tell);
-        let (wanted, kept) = (frames.len(), kept.len());
-        tell(Event::Started { device: device.name(), frames: wanted, kept });
-        let mut writer = Writer::new(setup, options, output, device.name());
+    fn run(
+        self,
+        todo: Todo,
+        device: &mut dyn Raster,
+        (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
+    ) -> Summary {
+        let Self { begun, setup, options, output, .. } = self;
+        tell_notes(setup, &todo, tell);
+        tell(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
+        let mut writer = Writer::new(setup, options, output, device.class());
         let tiles = tiles(setup.shot.size.window(), device.max_side());
         let mut raster_ms = 0.0;
         std::thread::scope(|scope| {
@@ -127,28 +144,35 @@ impl<'a> Work<'a> {
             let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
             let (tile_count, has_overlay) = (tiles.len(), options.has_overlay);
             let mut producer = Producer { setup, tile_count, has_overlay, cancel, jerk: JerkMeter::default() };
-            scope.spawn(move || producer.run(&frames, &job));
+            let frames = &todo.frames;
+            scope.spawn(move || producer.run(frames, &job));
             let writing = scope.spawn(|| writer.run(drawns, tell));
             raster_ms = draw_all(device, setup, &tiles, (jobs, drawn));
             // A panic in the writer is passed on, not swallowed.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
-        let summary = Summary { kept, raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
-        finished(summary, wanted, (cancel, tell))
+        let summary = Summary { raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
+        finished(summary, &todo, (cancel, tell))
     }
+}
+
+/// A frame, and the preview beside it.
+fn files_of(output: &SequencePath, options: &RenderOptions, frame: i32) -> impl Iterator<Item = std::path::PathBuf> {
+    let path = output.path_of(frame);
+    let preview = (options.has_preview || options.has_overlay).then(|| path.with_extension("png"));
+    std::iter::once(path).chain(preview)
 }
 
 /// What the user should know before it begins.
-fn tell_notes(setup: &Setup, kept: &[PathBuf], tell: &(dyn Fn(Event) + Sync)) {
-    for text in setup.notes.iter().cloned().chain(stale_note(kept, &setup.shot.hash())) {
-        tell(Event::Note { text });
-    }
+fn tell_notes(setup: &Setup, todo: &Todo, tell: &(dyn Fn(Event) + Sync)) {
+    setup.notes.iter().cloned().chain(todo.notes()).for_each(|text| tell(Event::Note { text }));
+    todo.redone.iter().cloned().for_each(|redone| tell(Event::FrameRedone(redone)));
 }
 
-/// Tells the end of a render of `wanted` frames.
-fn finished(summary: Summary, wanted: usize, (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
-    let is_cancelled = summary.rendered + summary.failed < wanted && cancel.load(Ordering::Relaxed);
-    let summary = Summary { is_cancelled, ..summary };
+/// Completes the summary of a render and reports it.
+fn finished(summary: Summary, todo: &Todo, (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
+    let is_cancelled = summary.rendered + summary.failed < todo.frames.len() && cancel.load(Ordering::Relaxed);
+    let summary = Summary { is_cancelled, kept: todo.kept, redone: todo.redone.len(), ..summary };
     tell(Event::Finished(summary.clone()));
     summary
 }
@@ -158,6 +182,29 @@ fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     if PictureKind::of(pattern) == Some(PictureKind::Exr) {
         return Ok(());
     }
-    let what = "is not the name of an EXR file; let it end in .exr (--preview writes PNG files beside it)";
-    Err(ImageError::Pattern { pattern: pattern.to_owned(), what: what.into() })
+    let exr = pattern.with_extension("exr");
+    let what = format!(
+        "is not the name of an EXR file; write -o {}, and --preview for a PNG picture beside every frame",
+        exr.display()
+    );
+    Err(ImageError::Pattern { pattern: pattern.to_owned(), what })
+}
+
+/// A frame is drawn, gathered from its passes, and encoded while the next is drawn: each sample is held four times.
+fn check_memory(shot: &Shot) -> Result<(), PipelineError> {
+    let pixels = u128::from(shot.size.width) * u128::from(shot.size.height);
+    let channels: u128 = shot.output.channels.iter().map(|group| group_channels(*group)).sum();
+    memory::check(pixels * channels.max(4) * 16).map_err(|source| {
+        let what = format!("a frame of {} x {} pixels {source}", shot.size.width, shot.size.height);
+        PipelineError::mismatch(shot, "size", what, "or render it smaller (--scale)")
+    })
+}
+
+/// How many channels a group has.
+fn group_channels(group: ChannelGroup) -> u128 {
+    match group {
+        // Six ranks of three Cryptomattes, an id and a coverage each.
+        ChannelGroup::Cryptomatte => 36,
+        planar => planar.channels().len() as u128,
+    }
 }

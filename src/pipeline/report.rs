@@ -1,13 +1,13 @@
-//! Tells what the solves of a frame amount to.
+//! Reports the solves of a frame.
 //!
-//! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry a solved layer and warnings in words.
+//! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry for each solved layer, and warnings in words.
 
 use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
 use crate::shot::{Layer, LayerSpace};
-use crate::solve::{MissReason, SolveReport};
+use crate::solve::{ResidualReason, SolveReport};
 use crate::spelling::counted;
 
-/// A pin further than this from its target is told to the user, pixels.
+/// A pin farther than this from its target is reported, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
 
 /// What the solves of a frame say.
@@ -15,8 +15,9 @@ const PIN_TOLERANCE_PX: f64 = 0.05;
 pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
     let height_px = f64::from(setup.shot.size.height);
+    let mesh = moment.mesh();
     for (index, (layer, state)) in setup.shot.layers.iter().zip(&moment.layers).enumerate() {
-        let is_in_sight = setup.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).is_some();
+        let is_in_sight = setup.bounds_of(index, &moment.pose, &mesh, &moment.camera).is_some();
         if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame)";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
@@ -28,6 +29,7 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
         let errors_px = pin_errors_px(moment, state, height_px);
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
+        report.warnings.extend(fold_warning(layer, &solve));
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
@@ -72,10 +74,10 @@ fn pin_warnings(
         )
     };
     let is_told = |index: usize| solve.conflicts.iter().flatten().any(|&other| other == index);
-    let missed = solve.pin_misses.iter().filter(|miss| errors_px[miss.pin] > PIN_TOLERANCE_PX);
+    let missed = solve.pin_residuals.iter().filter(|miss| errors_px[miss.pin] > PIN_TOLERANCE_PX);
     let missed = missed.filter(|miss| !is_told(miss.pin)).map(|miss| {
         let (name, off_px) = (name_of(miss.pin), errors_px[miss.pin]);
-        if miss.reason == MissReason::Guard {
+        if miss.reason == ResidualReason::Guard {
             return guarded(layer, solve, &format!("pin '{name}'"), &format!("{off_px:.1} px"));
         }
         let why = miss.reason.words(|pin| format!("'{}'", name_of(pin)));
@@ -102,6 +104,19 @@ fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<St
     };
     let handles = layer.handles.iter().map(|track| &track.index);
     handles.zip(solve.handle_errors.iter().copied()).filter_map(told).collect()
+}
+
+/// Folds that show: the model lies over itself there. The guard's own warnings name them already.
+fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
+    if solve.folded_model_cells == 0 || solve.stopped_at.is_some() {
+        return None;
+    }
+    let cells = counted(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
+    Some(format!(
+        "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
+         lies between, or let `solve = {{ guard = \"limit\" }}` stop them before (--overlay shows the cells in red)",
+        layer.name
+    ))
 }
 
 /// What the guard held back, and how far from its target.

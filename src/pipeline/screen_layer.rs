@@ -9,7 +9,7 @@ use crate::lattice::Grid;
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
-use crate::solve::{PointPin, Problem, Shape, SolveError, Solver, Waypoint};
+use crate::solve::{Cancel, PointPin, Problem, Shape, SolveError, Solver, Targets};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 
 /// A lattice box is never thinner than this, in frame heights.
@@ -24,6 +24,8 @@ pub struct LayerTask<'a> {
     pub layer: &'a Layer,
     /// One a pin of that layer.
     pub anchors: &'a [Pinned],
+    /// Weights of its pins, 0..=1, in their order; those that are missing weigh 1.
+    pub weights: &'a [f64],
 }
 
 /// A layer of the screen at one moment, all but solved: what does not depend on where pins and handles go.
@@ -34,6 +36,8 @@ pub struct Prepared {
     grid: Grid<2>,
     /// One a pin of the layer.
     rests: Vec<Rest>,
+    /// Weights of the first pins of the layer; of the others 1.
+    weights: Vec<f64>,
     border: Border,
     /// `None`: neither pins nor handles act.
     solver: Option<Solver<2>>,
@@ -65,8 +69,8 @@ impl Setup {
         }
         // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
         let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
-        let task = LayerTask { index, layer, anchors: &self.anchors[index] };
-        match self.prepare(moment, &task, &path)? {
+        let task = LayerTask { index, layer, anchors: &self.anchors[index], weights: &[] };
+        match self.prepare(moment, &task, &path, &Cancel::never())? {
             Some(prepared) => prepared.solve(layer, &path),
             None => Ok(LayerState::default()),
         }
@@ -76,32 +80,35 @@ impl Setup {
     /// [`Shot::pin_path`](crate::shot::Shot::pin_path) does. `None` where nothing of the layer is in reach, and for layers of the scene.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where the problem is malformed.
+    /// [`PipelineError::Solve`] where the problem is malformed, or the solve is cancelled.
     pub fn prepare(
         &self,
         moment: &Moment,
         task: &LayerTask,
         path: &[PinTargets],
+        cancel: &Cancel,
     ) -> Result<Option<Prepared>, PipelineError> {
-        let LayerTask { index, layer, anchors } = *task;
+        let LayerTask { index, layer, anchors, weights } = *task;
         let LayerSpace::Screen { dims, bounds } = layer.space else { return Ok(None) };
         let Some(rest_box) = self.lattice_box(moment, index, bounds) else { return Ok(None) };
+        let mesh = moment.mesh();
         let mut prepared = Prepared {
             frame: moment.frame,
             rest_box,
             grid: Grid::over(rest_box, dims, layer.basis),
-            rests: anchors.iter().map(|pinned| pinned.rest(&moment.mesh, &moment.camera)).collect(),
+            rests: anchors.iter().map(|pinned| pinned.rest(&mesh, &moment.camera)).collect(),
+            weights: weights.to_vec(),
             border: self.border(layer, bounds),
             solver: None,
         };
-        let Some((_, goal)) = path.last().map(|targets| prepared.waypoint(layer, targets)) else {
+        let Some((_, goal)) = path.last().map(|targets| prepared.targets(layer, targets)) else {
             return Ok(Some(prepared));
         };
         if !(goal.pins.is_empty() && goal.handles.is_empty()) {
             let shape = self.shape(moment, index);
-            let Waypoint { pins, handles } = &goal;
+            let Targets { pins, handles } = &goal;
             let problem = Problem { grid: &prepared.grid, shape: &shape, pins, handles, settings: &layer.settings };
-            let solver = Solver::new(&problem).map_err(|source| prepared.fault(layer, source))?;
+            let solver = Solver::build(&problem, cancel).map_err(|source| prepared.fault(layer, source))?;
             prepared.solver = Some(solver);
         }
         Ok(Some(prepared))
@@ -118,10 +125,10 @@ impl Setup {
 
     /// The layer's triangles and lines on the screen, cut at the near plane.
     pub(super) fn shape(&self, moment: &Moment, index: usize) -> Shape<2> {
-        let near = moment.camera.near();
+        let (mesh, near) = (moment.mesh(), moment.camera.near());
         let mut shape = Shape::default();
         for &part in &self.parts_of_layer[index] {
-            let vertices = &moment.mesh.parts[part].vertices;
+            let vertices = &mesh.parts[part].vertices;
             let base = shape.points.len() as u32;
             // Hidden vertices keep their index; no triangle that is left uses them.
             let place =
@@ -158,7 +165,7 @@ impl Setup {
                 Some(ScreenBox::new(ScreenPoint::default(), ScreenPoint::new(self.shot.size.aspect(), 1.0)))
             }
             BoxRule::Follow => {
-                let now = self.bounds_of(index, &moment.pose, &moment.mesh, &moment.camera).map(corners);
+                let now = self.bounds_of(index, &moment.pose, &moment.mesh(), &moment.camera).map(corners);
                 let window = FollowWindow::new(moment.frame);
                 let neighbours: Vec<_> = window.frames().map(|frame| (frame, self.bounds_at(index, frame))).collect();
                 let [min, max] = thickened(window.smooth(&neighbours, now)?, MIN_SIDE);
@@ -193,12 +200,25 @@ impl Prepared {
     /// # Errors
     /// [`PipelineError::Solve`] where pins or handles are not those that were prepared, or no numbers.
     pub fn solve(&self, layer: &Layer, path: &[PinTargets]) -> Result<LayerState, PipelineError> {
+        self.solve_cancellable(layer, path, &Cancel::never())
+    }
+
+    /// Like [`Self::solve`], unless it is cancelled.
+    ///
+    /// # Errors
+    /// As [`Self::solve`], and [`SolveError::Cancelled`] as the source.
+    pub fn solve_cancellable(
+        &self,
+        layer: &Layer,
+        path: &[PinTargets],
+        cancel: &Cancel,
+    ) -> Result<LayerState, PipelineError> {
         let Some(solver) = &self.solver else { return Ok(LayerState::default()) };
-        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(|targets| self.waypoint(layer, targets)).unzip();
-        let (Some(pins), Some(Waypoint { pins: points, handles })) = (states.pop(), way.last()) else {
+        let (mut states, way): (Vec<_>, Vec<_>) = path.iter().map(|targets| self.targets(layer, targets)).unzip();
+        let (Some(pins), Some(Targets { pins: points, handles })) = (states.pop(), way.last()) else {
             return Ok(LayerState::default());
         };
-        let mut solution = solver.follow(&way).map_err(|source| self.fault(layer, source))?;
+        let mut solution = solver.with_cancel(cancel).follow(&way).map_err(|source| self.fault(layer, source))?;
         let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
         if handles.is_empty() && presence < 1.0 {
             fade(&mut solution, (solver, points), presence);
@@ -207,13 +227,13 @@ impl Prepared {
     }
 
     /// The pins that act, and everything the solver is told, for one place of the path.
-    fn waypoint(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Waypoint<2>) {
+    fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
         let (states, pins) = self.point_pins(layer, targets);
         let mut handles = moved_handles(layer, &self.grid, targets);
         if self.border == Border::Held {
             handles.extend(held_border(&self.grid, &handles));
         }
-        (states, Waypoint { pins, handles })
+        (states, Targets { pins, handles })
     }
 
     fn fault(&self, layer: &Layer, source: SolveError) -> PipelineError {
@@ -250,7 +270,7 @@ impl Prepared {
             points.push(PointPin {
                 at: rest.point.0.to_array(),
                 target: goal.0.to_array(),
-                weight: faded_weight(rest.presence),
+                weight: faded_weight(rest.presence * self.weights.get(pin).copied().unwrap_or(1.0)),
                 gradient,
                 region: region(&layer.pins[pin], self.rest_box.size().length()),
             });

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: a [`Setup`] that gives the [`Moment`] of any frame; notes on what was chosen for the user.
 
+use super::cameras::{self, CameraContext, CameraSource};
 use super::claims::Claims;
 use super::follow::{Bounds, KeptBounds};
 use super::mattes::Mattes;
@@ -9,11 +10,11 @@ use super::passes::mid_shutter;
 use super::pictures::Gallery;
 use super::screen_layer::corners;
 use super::transfer::{self, Loaded};
-use super::{Moment, Pinned, PipelineError, Rest, anchors, claims, lighting, stiffness};
+use super::{Moment, Pinned, PipelineError, Rest, anchors, claims, lighting, missing, stiffness, visibility};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
-use crate::scene::{self, FindError, Scene};
+use crate::scene::{self, FileAccess, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
-use crate::shot::{Anchor, ClipName, Layer, LayerSpace, Shot, Source};
+use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
 use crate::space::ScreenPoint;
 use crate::spelling;
 use std::collections::{HashMap, VecDeque};
@@ -24,15 +25,6 @@ const KEPT_MOMENTS: usize = 4;
 
 /// The greatest number of pixels of a frame: 16384 x 16384.
 const MAX_PIXELS: u64 = 1 << 28;
-
-/// Where the camera comes from.
-#[derive(Clone, Copy, Debug)]
-enum CameraSource {
-    /// A node of the scene.
-    Node(usize),
-    /// Framed by us.
-    Automatic(Camera),
-}
 
 /// A shot ready to be rendered.
 #[derive(Debug)]
@@ -63,6 +55,8 @@ pub struct Setup {
     pub(super) mattes: Mattes,
     /// Layers whose parts are not drawn, though they keep their places, ids and names.
     pub(super) hidden: Vec<usize>,
+    /// Nodes whose meshes the shot hides.
+    pub(super) hidden_nodes: Vec<usize>,
     /// The pictures that the scene stands for.
     pub(super) gallery: Option<Gallery>,
     camera: CameraSource,
@@ -80,6 +74,7 @@ impl Setup {
     /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
         check_size(&shot)?;
+        missing::check(&shot)?;
         let (scene, gallery) = load(&shot)?;
         let setup = Self::with_scene(shot, scene)?;
         Ok(Self { gallery, ..setup })
@@ -89,16 +84,27 @@ impl Setup {
     ///
     /// # Errors
     /// [`PipelineError`] where the scene does not fit the shot.
-    pub fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
+    pub fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
+        let hidden_nodes = visibility::hide(&shot, &mut scene)?;
         let mut notes = scene.warnings.clone();
+        notes.extend(shot.range_notes());
         let clip = choose_clip(&shot, &scene, &mut notes)?;
         let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        if first.parts.is_empty() && !hidden_nodes.is_empty() {
+            let hint = "hide fewer nodes, or name in `show` what stays";
+            return Err(PipelineError::mismatch(&shot, "hide", "nothing is left to draw", hint));
+        }
         if first.parts.is_empty() {
             let what = "the scene has no triangles and no lines";
             return Err(PipelineError::mismatch(&shot, "scene", what, "export meshes with it"));
         }
-        let camera = choose_camera(&shot, &scene, clip, &mut notes)?;
         let Claims { owners, parts_of_layer } = claims::claim(&shot, &scene, &first.parts)?;
+        let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &parts_of_layer };
+        let camera = cameras::choose(&context, &mut notes)?;
+        if let CameraSource::Own { camera, .. } = &camera {
+            // Shots that are made of this one for other scenes see them from the same place.
+            shot.camera = CameraRule::Own(camera.clone());
+        }
         let loaded = transfer::load(&shot, &mut notes)?;
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &parts_of_layer))?;
         let carriers = parts_of_layer.iter().map(|parts| claims::carrier(&scene, &first.parts, parts)).collect();
@@ -117,6 +123,7 @@ impl Setup {
             loaded,
             mattes,
             hidden: Vec::new(),
+            hidden_nodes,
             gallery: None,
             camera,
             clip,
@@ -151,19 +158,21 @@ impl Setup {
     #[must_use]
     pub fn view(&self, frame: f64) -> (Pose, Camera) {
         let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
-        let camera = match self.camera {
-            CameraSource::Node(node) => camera_of(&self.shot, &self.scene, &pose, node),
-            CameraSource::Automatic(camera) => camera,
-        };
+        let camera = self.camera.at((&self.shot, &self.scene), frame, &pose);
         (pose, camera)
     }
 
-    /// The camera that was framed for the shot, where the scene brings none.
-    pub(super) const fn automatic_camera(&self) -> Option<Camera> {
+    /// The node of the camera, where it is one of the scene's.
+    pub(super) const fn camera_node(&self) -> Option<usize> {
         match self.camera {
-            CameraSource::Automatic(camera) => Some(camera),
-            CameraSource::Node(_) => None,
+            CameraSource::Node(node) => Some(node),
+            CameraSource::Automatic(_) | CameraSource::Own { .. } => None,
         }
+    }
+
+    /// The shot's own camera moves.
+    pub(super) fn has_moving_camera(&self) -> bool {
+        matches!(&self.camera, CameraSource::Own { camera, .. } if camera.keys.len() > 1)
     }
 
     /// The solved scene in the middle of a frame's exposure: what its data channels show.
@@ -299,7 +308,10 @@ fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
 /// What the shot is about, as a scene; and the pictures that it stands for.
 fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
     match &shot.source {
-        Source::Scene(path) => Ok((scene::load(path)?, None)),
+        Source::Scene(path) => {
+            let access = if shot.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder };
+            Ok((scene::load_with(path, access)?, None))
+        }
         Source::Frame => Ok((scene::frame_card(shot.size.aspect()), None)),
         Source::Images(paths) => {
             let (gallery, scene) = Gallery::hang(shot, paths)?;
@@ -316,33 +328,6 @@ fn check_size(shot: &Shot) -> Result<(), PipelineError> {
     }
     let what = format!("a frame of {} x {} pixels is too large", shot.size.width, shot.size.height);
     Err(PipelineError::mismatch(shot, "size", what, "stay within 268 million pixels (16384 x 16384)"))
-}
-
-fn camera_of(shot: &Shot, scene: &Scene, pose: &Pose, node: usize) -> Camera {
-    let camera = scene.nodes[node].camera.map(|camera| &scene.cameras[camera]);
-    let camera = camera.expect("camera nodes are chosen among nodes that carry one");
-    Camera::new(pose.scene_from_node[node], camera.lens, camera.near, shot.size)
-}
-
-/// The camera the shot names, else the scene's first, else one that shows everything.
-fn choose_camera(
-    shot: &Shot,
-    scene: &Scene,
-    clip: ClipChoice,
-    notes: &mut Vec<String>,
-) -> Result<CameraSource, PipelineError> {
-    match scene.find_camera(shot.camera.as_deref()) {
-        Ok(node) => return Ok(CameraSource::Node(node)),
-        Err(FindError::NoCamera) if shot.camera.is_none() => {}
-        Err(source) => return Err(PipelineError::find(shot, "camera", source)),
-    }
-    notes.push("the scene has no camera: one that shows the whole scene is used".into());
-    let frames = shot.frames;
-    let times = [frames.first, frames.first.midpoint(frames.last), frames.last];
-    let poses = times.map(|frame| pose(scene, clip, frames.seconds(f64::from(frame))));
-    let framed = screen::automatic(&poses, shot.size).map(CameraSource::Automatic);
-    let what = "the scene has no vertices to frame";
-    framed.ok_or_else(|| PipelineError::mismatch(shot, "scene", what, "add a camera to the scene"))
 }
 
 /// The clip the shot names, else the scene's first, if any.

@@ -5,7 +5,7 @@
 use super::layer_pins::unmeasured;
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
-use crate::lattice::{BoxFrame, Fit, Lattice};
+use crate::lattice::{BoxFrame, Lattice, LatticeFit};
 use crate::shot::{BoxRule, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
 use crate::spelling;
@@ -73,10 +73,10 @@ impl Setup {
         let layer = &self.shot.layers[index];
         let source = lattice_at(&from.lattices, self.key_frame(layer, moment.frame));
         let fit = match layer.transfer.as_ref().map(|transfer| &transfer.fit) {
-            Some(TransferFit::AsIs) => Fit::AsIs,
-            Some(TransferFit::Landmarks(pairs)) => Fit::Landmarks(pairs.clone()),
+            Some(TransferFit::AsIs) => LatticeFit::AsIs,
+            Some(TransferFit::Landmarks(pairs)) => LatticeFit::Landmarks(pairs.clone()),
             Some(TransferFit::Box) | None => match self.lattice_box(moment, index, bounds) {
-                Some(target) => Fit::Box(target),
+                Some(target) => LatticeFit::Box(target),
                 None => return LayerState::default(),
             },
         };
@@ -98,8 +98,8 @@ fn report_of(lattice: &Lattice<2>) -> SolveReport {
     let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
     SolveReport {
         folded_cells: folds.cells.len(),
-        folded_model_cells: folds.occupied_count,
-        least_cell_det: folds.least_det,
+        folded_model_cells: folds.active_count,
+        min_cell_det: folds.min_det,
         is_converged: true,
         ..unmeasured(SolveReport::default())
     }

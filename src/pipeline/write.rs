@@ -4,8 +4,8 @@
 
 use super::produce::Facts;
 use super::{Event, PipelineError, RenderOptions, Setup, Summary};
-use crate::image::{Frame, FrameMetadata, SequencePath, preview, write_exr, write_png};
-use crate::raster::ChannelGroup;
+use crate::image::{Destination, Frame, FrameMetadata, SequencePath, preview, write_exr, write_frame_preview};
+use crate::raster::{ChannelGroup, DeviceClass};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -22,13 +22,13 @@ pub(super) struct Writer<'a> {
     setup: &'a Setup,
     options: &'a RenderOptions,
     output: SequencePath,
-    device: String,
+    device: DeviceClass,
     shot_hash: String,
     summary: Summary,
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(setup: &'a Setup, options: &'a RenderOptions, output: SequencePath, device: String) -> Self {
+    pub(super) fn new(setup: &'a Setup, options: &'a RenderOptions, output: SequencePath, device: DeviceClass) -> Self {
         let shot_hash = setup.shot.hash();
         Self { setup, options, output, device, shot_hash, summary: Summary::default() }
     }
@@ -68,24 +68,33 @@ impl<'a> Writer<'a> {
             frame: report.frame,
             frames_per_second: self.setup.shot.frames.rate,
             shot_hash: self.shot_hash.clone(),
-            device: self.device.clone(),
+            device: self.device.to_string(),
             camera: Some(camera),
             mattes: if has_mattes { self.setup.mattes.headers.clone() } else { Vec::new() },
         };
         if frame.data_window.area() == 0 {
             report.warnings.push("the picture is empty: the camera sees nothing".into());
         }
-        write_exr(&report.path, frame, &metadata, self.setup.shot.output.compression)?;
+        let to = |path| Destination { path, durability: self.options.durability };
+        write_exr(to(&report.path), frame, &metadata, self.setup.shot.output.compression)?;
         if self.options.has_preview || picture.is_some() {
             let mut shown = preview(frame);
             if let Some(picture) = picture {
                 picture.draw(&mut shown);
             }
-            write_png(&report.path.with_extension("png"), &shown)?;
+            let shot_hash = preview_hash(&self.shot_hash, self.options);
+            let metadata = FrameMetadata { shot_hash, ..metadata };
+            write_frame_preview(to(&report.path.with_extension("png")), &shown, &metadata)?;
         }
         report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
         self.summary.geometry_ms += report.geometry_ms;
         self.summary.write_ms += report.write_ms;
         Ok(Event::FrameDone(report))
     }
+}
+
+/// Digest of a preview: with and without the overlay it is not the same picture.
+pub(super) fn preview_hash(shot_hash: &str, options: &RenderOptions) -> String {
+    let overlay = if options.has_overlay { "+overlay" } else { "" };
+    format!("{shot_hash}{overlay}")
 }

@@ -3,7 +3,7 @@
 //! In: a lattice of the screen. Out: displacement and its gradient at any point, in frame heights. Handles count as
 //! displacements, so that what does not move gets exactly 0.
 
-use crate::lattice::{AxisTerms, Basis, Grid, MAX_HANDLES, ScreenLattice};
+use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
 use glam::{DMat2, DVec2};
 
 /// Samples of the border a span, to find out how far it moves.
@@ -82,9 +82,9 @@ impl Link {
         let mut link = Self::held(lattice);
         let grid = &link.grid;
         let side = DVec2::new(grid.size(0), grid.size(1));
-        let pitch = DVec2::new(grid.pitch(0), grid.pitch(1));
+        let pitch = DVec2::new(grid.spacing(0), grid.spacing(1));
         // Slopes of barycentric cells jump along the border; going on with them would tear the picture.
-        let bend = if grid.basis == Basis::Barytri { DVec2::ZERO } else { pitch.min(side * 0.25) };
+        let bend = if grid.basis.support() == Support::Simplex { DVec2::ZERO } else { pitch.min(side * 0.25) };
         // f falls by 1.5/margin at most: a quarter of the swell a margin keeps the fold away, see docs/PLATES.md.
         let margin = 0.25 * side.min_element() + 4.0 * link.swell(bend);
         link.around = Around::Fade { bend, margin };
@@ -130,14 +130,14 @@ impl Link {
 
     /// Distance of two rest handles, an axis.
     pub(super) fn pitch(&self) -> DVec2 {
-        DVec2::new(self.grid.pitch(0), self.grid.pitch(1))
+        DVec2::new(self.grid.spacing(0), self.grid.spacing(1))
     }
 
     /// Whether the displacement is smooth within a box that is less than half a cell wide: no crease of the basis and
     /// no border that creases runs through it.
     pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
         let is_small = (hi - lo).cmple(self.pitch() * 0.5).all();
-        let has_cells = matches!(self.grid.basis, Basis::Bilinear | Basis::Barytri);
+        let has_cells = self.grid.basis.is_piecewise_linear();
         if !is_small || (self.around != Around::Nearest && !has_cells) {
             return is_small;
         }
@@ -147,7 +147,7 @@ impl Link {
             (ends[end][axis] * spans).floor().clamp(-1.0, spans)
         };
         let is_one_cell = (0..2).all(|axis| cell(0, axis) == cell(1, axis));
-        is_one_cell && (self.grid.basis != Basis::Barytri || self.is_off_diagonal(ends))
+        is_one_cell && (self.grid.basis.support() != Support::Simplex || self.is_off_diagonal(ends))
     }
 
     /// Whether a box within a cell keeps off the diagonal that cuts the cell.
@@ -194,10 +194,10 @@ impl Link {
 
     /// Displacement and derivatives at a place of the box, 0 to 1 an axis.
     fn jet(&self, unit: DVec2) -> Jet {
-        match self.grid.basis {
-            Basis::Barytri => self.simplex_jet(unit),
-            Basis::Bspline | Basis::Bilinear => self.tensor_jet::<4>(unit),
-            Basis::Bernstein => self.tensor_jet::<MAX_HANDLES>(unit),
+        match self.grid.basis.support() {
+            Support::Simplex => self.simplex_jet(unit),
+            Support::Tensor { .. } => self.tensor_jet::<4>(unit),
+            Support::Global => self.tensor_jet::<MAX_HANDLES>(unit),
         }
     }
 
@@ -225,7 +225,7 @@ impl Link {
     fn simplex_jet(&self, unit: DVec2) -> Jet {
         let point = [0, 1].map(|axis| self.grid.lo[axis] + unit[axis] * self.grid.size(axis));
         let mut jet = Jet::default();
-        self.grid.visit(point, |term| {
+        self.grid.for_each_weight(point, |term| {
             let moved = self.moved[term.handle];
             jet.d += moved * term.weight;
             jet.dx += moved * term.gradient[0];

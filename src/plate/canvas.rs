@@ -11,6 +11,7 @@ use super::{Field, Matte, PlateError, PlateJob, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use crate::spelling::counted;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Something that moves as one: what stays behind, or a layer.
@@ -20,6 +21,8 @@ pub(super) struct Mover<'a> {
     pub(super) name: &'a str,
     /// What it takes along; `None`: what no layer takes.
     pub(super) matte: Option<&'a Matte>,
+    /// Name and field of each layer that bends it.
+    pub(super) bent_by: Vec<(&'a str, &'a Field)>,
     /// Which way it takes the picture: forward along its fields, or back against them.
     pub(super) course: Direction,
     pub(super) now: Field,
@@ -68,6 +71,7 @@ impl<'a> Mover<'a> {
         let previous = |layer: &super::LayerJob| layer.previous.clone().unwrap_or_else(|| layer.field.clone());
         let next = |layer: &super::LayerJob| layer.next.clone().unwrap_or_else(|| layer.field.clone());
         let of = |layer: Option<&'a super::LayerJob>| Self {
+            bent_by: layer.into_iter().chain(whole.iter().copied()).map(|layer| (&*layer.name, &layer.field)).collect(),
             name: layer.map_or("", |layer| layer.name.as_str()),
             matte: layer.and_then(|layer| layer.matte.as_ref()),
             course: Direction::Forward,
@@ -76,6 +80,31 @@ impl<'a> Mover<'a> {
             next: chain(layer.map(next).as_ref(), &next),
         };
         std::iter::once(of(None)).chain(matted.map(|layer| of(Some(layer)))).collect()
+    }
+}
+
+impl Mover<'_> {
+    /// Says that it lies over itself, which layers fold it, and what to do.
+    pub(super) fn fold_warning(&self, pixels: usize, (frame, window): (FrameSize, PixelRect)) -> String {
+        let folding: Vec<&str> = match &self.bent_by[..] {
+            [(only, _)] => vec![only],
+            layers => layers.iter().filter(|(_, field)| field.folds_in(frame, window)).map(|(name, _)| *name).collect(),
+        };
+        let folding = if folding.is_empty() { self.bent_by.iter().map(|(name, _)| *name).collect() } else { folding };
+        let names: Vec<String> = folding.iter().map(|name| format!("\"{name}\"")).collect();
+        let subject = match &names[..] {
+            [only] => format!("the warp of layer {only} folds"),
+            names => format!("the warps of the layers {} fold", names.join(" and ")),
+        };
+        let pixels = counted(pixels, "pixel", "pixels");
+        let remedy = match (self.course, self.matte) {
+            (Direction::Backward, _) => "which cannot be undone there",
+            (Direction::Forward, Some(_)) => "move its pins less far, or hold what folds with more pins",
+            (Direction::Forward, None) => {
+                "move its pins less far, hold what folds with more pins, or give the layer a matte of what it moves"
+            }
+        };
+        format!("{subject}: the picture lies over itself in {pixels}; {remedy}")
     }
 }
 
@@ -144,26 +173,39 @@ impl<'a> Canvas<'a> {
         seen.intersection(map.frame.window().union(self.source))
     }
 
-    /// Pixels that show a layer where it lies over itself.
-    pub(super) fn folded_pixels(&self) -> usize {
-        let mut is_folded = vec![false; self.window.area()];
-        for sheet in &self.sheets {
+    /// Pixels, as places in the window, at which a mover lies over itself and something of it is visible. `alpha`:
+    /// #pixels of the source.
+    pub(super) fn folded_pixels(&self, mover: usize, alpha: Option<&[f32]>) -> BTreeSet<usize> {
+        let of_sheet = |sheet: &Sheet| -> Vec<usize> {
             let folded = sheet.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
-            let pixels = folded.map(|index| sheet.window.pixel_at(index)).filter(|&pixel| self.has(sheet, pixel));
-            pixels.filter_map(|pixel| self.window.place_of(pixel)).for_each(|index| is_folded[index] = true);
-        }
-        is_folded.into_iter().filter(|is_folded| *is_folded).count()
+            let pixels = folded.map(|index| sheet.window.pixel_at(index));
+            let shown = pixels.filter(|&pixel| self.is_visible(sheet, pixel, alpha));
+            shown.filter_map(|pixel| self.window.place_of(pixel)).collect()
+        };
+        self.sheets.iter().filter(|sheet| sheet.mover == mover).flat_map(of_sheet).collect()
     }
 
-    /// Whether a sheet has anything of the picture at a pixel.
-    fn has(&self, sheet: &Sheet, pixel: [i32; 2]) -> bool {
-        let share = |source: usize| sheet.share.pixels.as_ref().map_or(1.0, |share| share[source]);
-        self.source_of(sheet, pixel).is_some_and(|source| share(source) > 0.0)
+    /// Whether a sheet has anything of the picture at a pixel that can be seen.
+    fn is_visible(&self, sheet: &Sheet, pixel: [i32; 2], alpha: Option<&[f32]>) -> bool {
+        let of = |plane: Option<&[f32]>, source: usize| plane.map_or(1.0, |plane| plane[source]);
+        self.source_of(sheet, pixel)
+            .is_some_and(|source| of(sheet.share.pixels.as_deref(), source) * of(alpha, source) > HOLE)
     }
 
-    /// What lies at the bottom, wherever it comes from.
+    /// What no layer takes, in front where it lies over itself: it is as large as the window.
     pub(super) fn base(&self) -> &Sheet {
-        &self.sheets[0]
+        &self.sheets[self.folded_base().len()]
+    }
+
+    /// What lies behind the base where that lies over itself, from the back.
+    pub(super) fn folded_base(&self) -> &[Sheet] {
+        let count = self.sheets.iter().take_while(|sheet| sheet.mover == 0).count();
+        &self.sheets[..count.saturating_sub(1)]
+    }
+
+    /// The sheets of layers with a matte, from back to front.
+    pub(super) fn matted_sheets(&self) -> &[Sheet] {
+        &self.sheets[self.folded_base().len() + 1..]
     }
 }
 
@@ -208,17 +250,13 @@ pub(super) fn find_maps(canvases: &mut [Canvas], frame: FrameSize, movers: &[Mov
         if mover.now.reach() == 0.0 || window.area() == 0 {
             continue;
         }
-        if mover.matte.is_none() {
-            give_map(canvases, index, &Arc::new(WarpMap::backward(&mover.now, frame, window)));
-            continue;
-        }
         let mut maps = WarpMap::backward_sheets(&mover.now, frame, window).into_iter();
         give_map(canvases, index, &Arc::new(maps.next().expect("one sheet is always in front")));
         maps.for_each(|folded| lay_behind(canvases, index, &folded));
     }
 }
 
-/// Adds what a layer shows behind itself, where it lies over itself.
+/// Adds what a mover shows behind itself, where it lies over itself.
 fn lay_behind(canvases: &mut [Canvas], mover: usize, map: &WarpMap) {
     let seen: Vec<f32> = map.offsets.iter().map(|offset| f32::from(u8::from(!offset[0].is_nan()))).collect();
     let folded = bounds(&seen, map.window);

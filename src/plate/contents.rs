@@ -143,7 +143,7 @@ impl<'a> Contents<'a> {
 }
 
 impl Entry {
-    fn report(&self, plate: &Plate) -> ChannelReport {
+    pub(super) fn report(&self, plate: &Plate) -> ChannelReport {
         ChannelReport {
             part: plate.parts[self.place.part].name.clone(),
             channel: self.name.full.clone(),

@@ -148,7 +148,7 @@ impl Ranks<'_> {
         if sheet.mover > 0 {
             return holds(sheet).map(|holds| f32::from(u8::from(holds)));
         }
-        let layers = &canvas.sheets[1..];
+        let layers = canvas.matted_sheets();
         let taken: Option<Vec<bool>> = layers.iter().map(holds).collect();
         taken.filter(|taken| !taken.is_empty()).map(|taken| f32::from(u8::from(!taken.contains(&true))))
     }

@@ -12,7 +12,7 @@ use super::resampler::{Resampling, Tools};
 use super::{Filter, Meaning, Planes, PlateReport, WarpRules};
 use crate::image::{Channel, EMPTY_DEPTH, Plate};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A share of a pixel that counts, as a hole or taken twice: half a step of an 8-bit picture.
 pub(super) const HOLE: f32 = 0.5 / 255.0;
@@ -47,11 +47,11 @@ impl Drawing<'_> {
             let shares = canvas.sheets.iter().filter_map(|sheet| sheet.share.warning.clone());
             report.warnings.extend(shares);
             if report.folded_pixels == 0 {
-                report.folded_pixels = canvas.folded_pixels();
+                self.report_folds(canvas, report);
             }
             self.draw_canvas(canvas, &mut planes, report);
         }
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         report.warnings.retain(|warning| seen.insert(warning.clone()));
         self.put_together(canvases, planes)
     }
@@ -64,7 +64,7 @@ impl Drawing<'_> {
             by_alpha.entry(alpha).or_default().push(entry);
         }
         for (place, entries) in by_alpha {
-            let alpha = place.map(|place| self.contents.over(place, canvas.source, 0.0));
+            let alpha = place.and_then(|place| self.alpha(place, canvas));
             let is_copied = |entry: &&Entry| !matches!(entry.known.meaning, Meaning::Color | Meaning::Alpha);
             let picks = if entries.iter().any(is_copied) { canvas.picks(alpha.as_deref()) } else { Vec::new() };
             let overlay = canvas.overlay(alpha.as_deref(), self.by(self.rules.filter));
@@ -75,6 +75,29 @@ impl Drawing<'_> {
             self.draw_mattes(canvas, &shared, planes);
             self.draw_vectors(canvas, &shared, planes, report);
         }
+    }
+
+    /// The coverage of a canvas's colour. One that is 0 everywhere tells nothing where nothing but the picture moves.
+    fn alpha(&self, place: Place, canvas: &Canvas) -> Option<Cow<'_, [f32]>> {
+        let alpha = self.contents.over(place, canvas.source, 0.0);
+        let has_mattes = !canvas.matted_sheets().is_empty();
+        (has_mattes || alpha.iter().any(|alpha| *alpha > 0.0)).then_some(alpha)
+    }
+
+    /// Counts the pixels of visible folds, and says which layers fold.
+    fn report_folds(&self, canvas: &Canvas, report: &mut PlateReport) {
+        let alpha = canvas.entries.iter().find_map(|entry| entry.alpha).and_then(|place| self.alpha(place, canvas));
+        let Some(movers) = self.movers else { return };
+        let mut all = BTreeSet::new();
+        for (index, mover) in movers.iter().enumerate() {
+            let folded = canvas.folded_pixels(index, alpha.as_deref());
+            if !folded.is_empty() {
+                let frame = self.contents.plate.frame_size();
+                report.warnings.push(mover.fold_warning(folded.len(), (frame, canvas.window)));
+            }
+            all.extend(folded);
+        }
+        report.folded_pixels = all.len();
     }
 
     /// Counts the holes of the first view that has some, and tells which channels nothing fills.

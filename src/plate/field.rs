@@ -70,7 +70,7 @@ impl Field {
 
     /// Where a point goes, and the gradient there (column = derivative along x, y).
     #[must_use]
-    pub fn carry_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
+    pub fn evaluate_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
         let (moved, gradient) = self.displace(point.0);
         (ScreenPoint(point.0 + moved), gradient)
     }

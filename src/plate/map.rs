@@ -8,9 +8,11 @@ use super::map_folds::{FOLDED, Folds, Sheet};
 use super::map_mesh::Net;
 use super::map_patch::LARGEST;
 use super::map_view::{Direction, View, center, corner, extent};
+use super::nearest::{HALF, nearest_source};
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Where every pixel of a window comes from (or goes to).
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +47,38 @@ impl WarpMap {
     pub fn backward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let (mut map, folds) = Self::without_folds(field, frame, window);
         folds.first_sheets().for_each(|sheet| map.set(sheet));
+        map
+    }
+
+    /// As [`Self::backward`], but what is transparent hides nothing: where the picture lies over itself, the first sheet
+    /// that is covered by half, or else the one that is covered most. `coverage`: how much of a pixel of the unwarped picture,
+    /// from the upper left corner of the display window, can be seen, 0 to 1. Folds in which nothing can be seen do not count.
+    #[must_use]
+    pub fn backward_showing(
+        field: &Field,
+        (frame, window): (FrameSize, PixelRect),
+        coverage: impl Fn([i32; 2]) -> f32,
+    ) -> Self {
+        let (mut map, folds) = Self::without_folds(field, frame, window);
+        let of = |sheet: &Sheet| {
+            let pixel = window.pixel_at(sheet.pixel as usize);
+            nearest_source(pixel, sheet.offset.as_vec2().to_array()).map_or(0.0, &coverage)
+        };
+        let mut unseen = BTreeSet::new();
+        for group in folds.sheets.chunk_by(|a, b| a.pixel == b.pixel) {
+            let (mut best, mut most) = (&group[0], of(&group[0]));
+            for sheet in &group[1..] {
+                let covered = of(sheet);
+                if most < HALF && covered > most {
+                    (best, most) = (sheet, covered);
+                }
+            }
+            map.set(best);
+            if most <= 0.0 {
+                unseen.insert(best.pixel);
+            }
+        }
+        map.folded_pixels.retain(|pixel| !unseen.contains(pixel));
         map
     }
 

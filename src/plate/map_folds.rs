@@ -5,9 +5,10 @@
 //! Far away nothing turns over, so sheets that are turned over and sheets that are not come in pairs but for one: a
 //! pixel is covered more than once exactly where the image of a turned-over part lies.
 
+use super::Field;
 use super::map_mesh::{Net, Triangle, halves};
-use super::map_view::{View, center, corner};
-use crate::space::PixelRect;
+use super::map_view::{Direction, View, center, corner};
+use crate::space::{FrameSize, PixelRect};
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
@@ -48,6 +49,14 @@ struct FineCell {
     places: Vec<DVec2>,
     /// #lines: offsets back to the source.
     offsets: Vec<DVec2>,
+}
+
+impl Field {
+    /// Whether any of a window of the warped picture is folded.
+    pub(super) fn folds_in(&self, frame: FrameSize, window: PixelRect) -> bool {
+        let view = View { field: self, frame, direction: Direction::Backward };
+        !self.is_identity() && window.area() > 0 && !flags(view, &Net::behind(view, window), window).is_empty()
+    }
 }
 
 impl Folds {

@@ -48,5 +48,6 @@ pub use resampler::Resampler;
 pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
 pub use stmap::{check_stmap, map_of_stmap, stmap_of};
 pub use warp::{
-    LayerJob, PlateJob, Warper, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate,
+    LayerJob, PlateJob, Warper, channel_meanings, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate,
+    warp_plate,
 };

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const TILE: usize = 64;
 
 /// A sheet has a pixel if it covers at least this much of it.
-const HALF: f32 = 0.5;
+pub(super) const HALF: f32 = 0.5;
 
 /// Where a pixel's data come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,14 +84,16 @@ impl Canvas<'_> {
             return self.candidate(0, only, at, None).map_or(Pick::Nothing, |candidate| candidate.pick);
         }
         let mut sum = 0.0;
-        let mut best: Option<Candidate> = None;
+        let (mut best, mut base): (Option<Candidate>, Option<Pick>) = (None, None);
         // From the front to the back.
         for (index, sheet) in self.sheets.iter().enumerate().rev() {
             let Some(candidate) = self.candidate(index, sheet, at, alpha) else { continue };
-            // What lies at the back has no coverage of its own to ask for: its samples tell what nothing is.
-            let weight = if sheet.mover == 0 { candidate.share } else { candidate.cover };
-            if weight >= HALF {
+            if candidate.cover >= HALF {
                 return candidate.pick;
+            }
+            // The background needs no coverage: its samples say what is there where nothing is.
+            if sheet.mover == 0 && candidate.share >= HALF {
+                base = base.or(Some(candidate.pick));
             }
             sum += candidate.share;
             if best.as_ref().is_none_or(|best| candidate.share > best.share) {
@@ -99,6 +101,7 @@ impl Canvas<'_> {
             }
         }
         match best {
+            _ if let Some(base) = base => base,
             Some(best) if sum >= HALF => best.pick,
             _ if self.is_carved_at(at) => Pick::Hole,
             _ => Pick::Nothing,

@@ -15,6 +15,9 @@ use std::borrow::Cow;
 /// Pixels that a task takes.
 pub(super) const BATCH: usize = 1 << 14;
 
+/// Coverage above this is whole: weights of a filter sum to 1 but for rounding.
+const WHOLE: f32 = 1.0 - 1e-5;
+
 /// Planes that are weighted and filtered together.
 const GROUP: usize = 8;
 
@@ -36,7 +39,15 @@ impl Canvas<'_> {
         let left = self.seen_from(self.base(), &[Cow::Borrowed(carved)], by).swap_remove(0);
         let mut filled: Vec<f32> = left.par_iter().map(|left| 1.0 - left.clamp(0.0, 1.0)).collect();
         let mut below = vec![Vec::new()];
-        below.extend(self.sheets[1..].iter().map(|sheet| {
+        for (index, sheet) in self.folded_base().iter().enumerate() {
+            let [mut share, cover] = self.coverage(sheet, alpha, by);
+            self.each_row(sheet, &mut filled, &mut share, |_, filled, share| *filled = (*filled + *share).min(1.0));
+            below.extend((index > 0).then(|| uncovered(cover)));
+        }
+        if below.len() <= self.folded_base().len() {
+            below.push(uncovered(self.coverage(self.base(), alpha, by)[1].clone()));
+        }
+        below.extend(self.matted_sheets().iter().map(|sheet| {
             let [share, cover] = self.coverage(sheet, alpha, by);
             let mut factors = vec![1.0; sheet.window.area()];
             self.each_row(sheet, &mut filled, &mut factors, |at, filled, factor| {
@@ -53,7 +64,7 @@ impl Canvas<'_> {
         let above = self.sheets.iter().skip(1);
         let factors = above.map(|sheet| {
             let [_, cover] = self.coverage(sheet, alpha, by);
-            cover.into_iter().map(|cover| 1.0 - cover).collect()
+            uncovered(cover)
         });
         Overlay { below: std::iter::once(Vec::new()).chain(factors).collect(), holes: None }
     }
@@ -138,6 +149,13 @@ impl Canvas<'_> {
             }
         });
     }
+}
+
+/// What coverage lets through; rounding of what covers wholly lets nothing through.
+fn uncovered(mut cover: Vec<f32>) -> Vec<f32> {
+    let left = |cover: f32| if cover > WHOLE { 0.0 } else { 1.0 - cover };
+    cover.par_iter_mut().with_min_len(BATCH).for_each(|cover| *cover = left(*cover));
+    cover
 }
 
 /// What is left to see of a pixel that is filled by `filled`, below a sheet that has `share` of it and covers `cover`.

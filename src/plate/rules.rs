@@ -41,7 +41,7 @@ impl WarpRules {
 }
 
 /// How colour is resampled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Filter {
     /// Catmull-Rom over the ellipse that a pixel covers: no aliasing where the warp shrinks, no ringing.

@@ -8,7 +8,7 @@ use super::draw::Drawing;
 use super::fill::Filling;
 use super::map_view::Direction;
 use super::resampler::{Resampler, Tools};
-use super::{Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
+use super::{ChannelReport, Field, Matte, Meaning, PlateError, PlateReport, WarpMap, WarpRules};
 use crate::image::Plate;
 use crate::space::PixelRect;
 use crate::spelling;
@@ -71,6 +71,12 @@ pub fn check_plate(head: &Plate, mattes: &[(&str, &Matte)], rules: &WarpRules) -
         format!("[[warp.channels]]: no channel of the plate fits '{pattern}'; {hint}")
     };
     Ok(contents.idle_patterns(&rules.meanings).into_iter().map(note).collect())
+}
+
+/// What every channel of a plate is taken for, in the order of parts and channels. No samples are needed.
+#[must_use]
+pub fn channel_meanings(head: &Plate, rules: &WarpRules) -> Vec<ChannelReport> {
+    Contents::of(head, &rules.meanings).entries.iter().map(|entry| entry.report(head)).collect()
 }
 
 /// Warps plates one after the other, and uses memory again.

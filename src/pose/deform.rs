@@ -1,7 +1,7 @@
 //! Morphing and skinning.
 //!
-//! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex is a function of its own data, so the
-//! result does not depend on the number of threads.
+//! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex depends on its own data alone (flat
+//! normals: on its triangle's), so the result does not depend on the number of threads.
 
 use super::PosedPart;
 use super::sample::Moved;
@@ -84,7 +84,7 @@ fn jobs<'a>(scene: &'a Scene, node: usize, moved: &'a Moved, scene_from_node: &[
     visible.map(job).collect()
 }
 
-/// scene_from_mesh of every joint; multiplied in f64, because both factors may be far from the origin.
+/// scene_from_mesh per joint; multiplied in f64, because both factors may be far from the origin.
 fn joint_matrices(skin: &Skin, scene_from_node: &[DMat4]) -> Vec<Mat4> {
     let pairs = skin.joints.iter().zip(&skin.joint_from_mesh);
     pairs.map(|(&joint, joint_from_mesh)| (scene_from_node[joint] * joint_from_mesh.as_dmat4()).as_mat4()).collect()
@@ -96,17 +96,23 @@ struct Vertex {
     position: Vec3,
     normal: Vec3,
     tangent: Vec4,
+    /// −1 where its placement mirrors, else 1.
+    side: f32,
 }
 
 impl Job<'_> {
     fn run(&self) -> PosedPart {
         let count = self.primitive.positions.len();
         let active = self.active_targets();
-        let vertices: Vec<Vertex> = if count >= PARALLEL_VERTICES {
+        let mut vertices: Vec<Vertex> = if count >= PARALLEL_VERTICES {
             (0..count).into_par_iter().with_min_len(CHUNK).map(|index| self.vertex(index, &active)).collect()
         } else {
             (0..count).map(|index| self.vertex(index, &active)).collect()
         };
+        let is_bent = matches!(self.placing, Placing::Skinned(_)) || !active.is_empty();
+        if self.primitive.has_flat_normals && is_bent {
+            flatten(&self.primitive.triangles, &mut vertices);
+        }
         let has_tangents = !self.primitive.tangents.is_empty();
         PosedPart {
             node: self.node,
@@ -150,6 +156,7 @@ fn morph(primitive: &Primitive, index: usize, active: &[(f32, &MorphTarget)]) ->
         position: primitive.positions[index],
         normal: primitive.normals[index],
         tangent: primitive.tangents.get(index).copied().unwrap_or_default(),
+        side: 1.0,
     };
     for (weight, target) in active {
         // Each list may be empty: nothing moves.
@@ -179,7 +186,23 @@ fn place(frame: &Frame, vertex: Vertex) -> Vertex {
         position: frame.scene_from_mesh.transform_point3(vertex.position),
         normal: direction(normal).or_else(|| direction(vertex.normal)).unwrap_or(Vec3::Z),
         tangent: direction(tangent).unwrap_or(Vec3::X).extend(vertex.tangent.w * frame.side),
+        side: frame.side,
     }
+}
+
+/// Gives the corners of every triangle its normal; triangles without area keep theirs.
+fn flatten(triangles: &[[u32; 3]], vertices: &mut [Vertex]) {
+    for triangle in triangles {
+        let corners = triangle.map(|corner| vertices[corner as usize]);
+        let Some(normal) = face_normal(corners.map(|corner| corner.position)) else { continue };
+        triangle.iter().for_each(|&corner| vertices[corner as usize].normal = normal * corners[0].side);
+    }
+}
+
+/// Unit normal of a triangle, counter-clockwise from the front; `None` where it has no area.
+fn face_normal(corners: [Vec3; 3]) -> Option<Vec3> {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a).cross(c - a).try_normalize().map(|normal| normal.as_vec3())
 }
 
 /// Unit length; `None` where there is no direction. Scaled first: cofactors of small scales are tiny.

@@ -3,7 +3,7 @@
 //! In: the scene, a clip and seconds. Out: positions, normals and lights in scene space.
 
 mod deform;
-mod place;
+mod hierarchy;
 mod sample;
 
 use crate::scene::{Clip, LightKind, Scene};
@@ -13,9 +13,9 @@ use glam::{DMat4, Mat4, Vec3, Vec4};
 /// The scene at one time. Everything is in scene space.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
-    /// scene_from_node, one a scene node.
+    /// #nodes of the scene: scene_from_node.
     pub scene_from_node: Vec<Mat4>,
-    /// One a (node, primitive) that has triangles or lines, in node order then primitive order: the same list at every time.
+    /// One part per (node, primitive) with triangles or lines, in node order, then primitive order: the same list at every time.
     pub parts: Vec<PosedPart>,
     /// The scene's lights, placed.
     pub lights: Vec<PosedLight>,
@@ -76,10 +76,10 @@ pub struct ClipChoice {
 pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
     let clip = choice.clip.and_then(|index| scene.clips.get(index));
     let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
-    let scene_from_node = place::scene_from_nodes(scene, &moved);
+    let scene_from_node = hierarchy::scene_from_nodes(scene, &moved);
     Pose {
         parts: deform::parts(scene, &moved, &scene_from_node),
-        lights: place::lights(scene, &scene_from_node),
+        lights: hierarchy::lights(scene, &scene_from_node),
         scene_from_node: scene_from_node.iter().map(DMat4::as_mat4).collect(),
     }
 }
@@ -87,9 +87,9 @@ pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
 /// The nodes of a scene at one time, relative to their parents.
 #[derive(Clone, Debug, Default)]
 pub struct LocalPose {
-    /// parent_from_node, one a node.
+    /// #nodes: parent_from_node.
     pub parent_from_node: Vec<DMat4>,
-    /// Morph weights, one list a node.
+    /// #nodes: morph weights.
     pub weights: Vec<Vec<f64>>,
 }
 

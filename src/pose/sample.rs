@@ -7,9 +7,9 @@ use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
 
 /// The nodes of a scene at one time.
 pub(super) struct Moved {
-    /// parent_from_node, one a node.
+    /// #nodes: parent_from_node.
     pub(super) parent_from_node: Vec<DMat4>,
-    /// Morph weights, one list a node.
+    /// #nodes: morph weights.
     pub(super) weights: Vec<Vec<f64>>,
 }
 

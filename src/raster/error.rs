@@ -1,4 +1,6 @@
-//! What can go wrong while drawing.
+//! Errors of drawing.
+//!
+//! In: failed calls of devices and allocators, wrong use. Out: [`RasterError`], which says what to do.
 
 /// A frame that cannot be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +35,20 @@ pub enum RasterError {
     OutOfMemory {
         /// For what.
         what: String,
+    },
+    /// The device stopped working: a driver reset, a hang, a card that was removed.
+    #[error("the Vulkan device was lost in {call}; render the frame again, or use --device cpu")]
+    DeviceLost {
+        /// The call that reported it.
+        call: &'static str,
+    },
+    /// The device cannot address that many vertices.
+    #[error("the scene has {vertices} vertices on the screen, and the device draws {limit} at most; use --device cpu")]
+    TooManyVertices {
+        /// How many there are.
+        vertices: usize,
+        /// How many may be drawn.
+        limit: u64,
     },
     /// `start`, `draw` and `finish` were called out of order, or the target is larger than the device allows.
     #[error("raster: {0}")]

@@ -1,6 +1,6 @@
 //! Stage 7: warped geometry becomes a [`Frame`].
 //!
-//! A [`Raster`] is opened once for a scene's materials, then draws frames: `start`, one `draw` a sample pass, `finish`.
+//! A [`Raster`] is opened once for a scene's materials, then draws frames: `start`, `draw` for every sample pass, `finish`.
 //! [`cpu`] is the reference in safe Rust; [`vulkan`] draws the same picture on a device. Functions of the same name
 //! in `shaders/` and `raster/cpu/` compute the same thing.
 
@@ -10,7 +10,9 @@ pub mod vulkan;
 
 mod error;
 mod open;
+mod window;
 
+pub use crate::image::ChannelGroup;
 pub use error::RasterError;
 pub use open::{open, resampler};
 
@@ -73,12 +75,12 @@ pub struct Draw {
 pub struct Geometry {
     /// Shared vertices.
     pub vertices: Vec<RasterVertex>,
-    /// Corner indices. Facing is judged on the screen, so whoever warps lists a triangle that the warp turned over with
-    /// two corners swapped: what was a front face stays one.
+    /// Corner indices. Facing is judged on the screen, so the caller swaps two corners of a triangle that the warp turned
+    /// over: a front face stays one.
     pub indices: Vec<u32>,
     /// Opaque and masked draws first, then blended triangles from back to front over all objects.
     pub draws: Vec<Draw>,
-    /// Where the camera stands (perspective).
+    /// Position of the camera (perspective).
     pub eye: ScenePoint,
     /// Set for an orthographic camera: unit scene vector towards the viewer, used instead of `eye`.
     pub parallel_view: Option<glam::Vec3>,
@@ -93,7 +95,7 @@ pub struct Geometry {
 pub enum PassRole {
     /// Filtered colour only (another time than mid-shutter).
     Beauty,
-    /// Depth, normal, motion, ids only (mid-shutter); no shading.
+    /// Depth, normal, motion, ids only (mid-shutter, not jittered); no shading. One pass of a frame draws data.
     Data,
     /// Both.
     BeautyAndData,
@@ -108,23 +110,6 @@ pub struct Pass<'a> {
     pub jitter_px: Vec2,
     /// What it contributes to.
     pub role: PassRole,
-}
-
-/// Which groups of channels a frame gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChannelGroup {
-    /// R G B A: half, scene-linear, associated alpha.
-    Beauty,
-    /// `depth.Z`: float, distance along the view axis; 1e10 where nothing is.
-    Depth,
-    /// `forward.u` `forward.v` `backward.u` `backward.v`: float, pixels, x right, y up; 0 where nothing is.
-    Motion,
-    /// `N.X` `N.Y` `N.Z`: float, scene space, unit, shading normal facing the viewer; 0 where nothing is.
-    Normal,
-    /// `id.layer` and `id.object`: float; 0 where nothing is.
-    Id,
-    /// Six ranks of each of [`MATTE_LAYERS`]: float; filtered as beauty is, so coverage sums to its alpha.
-    Cryptomatte,
 }
 
 /// What a frame is drawn into.
@@ -142,12 +127,15 @@ pub struct Target {
 
 /// Something that draws frames.
 ///
-/// Data channels keep, per pixel, the nearest surface (greatest reversed z) over all data passes; blended surfaces
-/// count as soon as their alpha is 0.5 or more. Beauty is the mean over its passes, and so is the coverage of mattes: the
-/// share of each pass's alpha that an id has.
+/// Data channels are one exact sample at each pixel centre: the nearest surface (greatest reversed z; the first drawn where
+/// two are equal) whose alpha is at least 0.5, of the one pass that draws data. Beauty is the mean over its passes, and so
+/// is the coverage of mattes: the part of each pass's alpha that an id has.
 pub trait Raster {
-    /// What draws, for messages and metadata: `CPU (2 threads)`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// What draws, for messages: `CPU`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
     fn name(&self) -> String;
+
+    /// What draws, for files: it does not depend on the machine.
+    fn class(&self) -> DeviceClass;
 
     /// The largest width or height of a target, pixels.
     fn max_side(&self) -> u32;
@@ -171,14 +159,37 @@ pub trait Raster {
     fn finish(&mut self) -> Result<Frame, RasterError>;
 }
 
+/// The message where a second pass draws data into a frame.
+const SECOND_DATA_PASS: &str = "a frame's data come from one pass, and it has been drawn";
+
+/// The kind of raster that drew a frame; frames of one class have the same bytes on one driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceClass {
+    /// [`cpu::CpuRaster`].
+    Cpu,
+    /// [`vulkan::VulkanRaster`].
+    Vulkan,
+}
+
+impl std::fmt::Display for DeviceClass {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(match self {
+            Self::Cpu => "CPU",
+            Self::Vulkan => "Vulkan",
+        })
+    }
+}
+
 /// Which device draws (`--device`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// The best Vulkan device there is (discrete, integrated, virtual, software), else the CPU twin.
+    /// A graphics card (discrete, integrated or virtual), else the CPU; never a software driver.
     #[default]
     Auto,
-    /// The CPU twin.
+    /// The CPU.
     Cpu,
+    /// The best Vulkan device there is, be it a software driver.
+    Vulkan,
     /// A Vulkan device by index or part of its name.
     Named(String),
 }

@@ -4,7 +4,7 @@
 //! the buffers before the first byte is read, so nothing here can panic or allocate more than the file justifies.
 
 use super::SceneError;
-use super::file::{File, View, slice};
+use super::file::{File, ViewBytes, slice};
 use crate::spelling::counted;
 use gltf::json::accessor::{ComponentType, Type, sparse};
 use gltf::json::validation::Checked;
@@ -212,7 +212,7 @@ impl Source<'_> {
 }
 
 /// The bytes of `count` elements of `size` bytes in `view`, up to the end of the last one.
-fn stored<'a>(view: &View<'a>, offset: u64, count: usize, size: usize) -> Result<Elements<'a>, String> {
+fn stored<'a>(view: &ViewBytes<'a>, offset: u64, count: usize, size: usize) -> Result<Elements<'a>, String> {
     let stride = if view.stride == 0 { size } else { view.stride };
     if stride < size {
         return Err(format!("has elements of {size} bytes in a buffer view of stride {stride}"));

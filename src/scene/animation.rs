@@ -52,14 +52,14 @@ struct Loader<'a> {
     taken: HashSet<(usize, u8)>,
 }
 
-/// Where a message belongs.
-struct Place<'a> {
+/// A channel by name, for messages.
+struct ChannelLabel<'a> {
     clip: &'a str,
     channel: usize,
     node: &'a str,
 }
 
-impl std::fmt::Display for Place<'_> {
+impl std::fmt::Display for ChannelLabel<'_> {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(out, "clip \"{}\", channel {} (node \"{}\")", self.clip, self.channel, self.node)
     }
@@ -78,24 +78,24 @@ impl Loader<'_> {
     fn track(&mut self, number: usize, channel: &Channel) -> Result<Option<Track>, SceneError> {
         let file_node = channel.target.node.value();
         let name = nodes::name(self.file, file_node);
-        let place = Place { clip: &self.clip, channel: number, node: &name };
+        let label = ChannelLabel { clip: &self.clip, channel: number, node: &name };
         let Some(node) = self.tree.scene_from_file.get(file_node) else {
-            return Err(self.file.invalid(format!("{place}: the node does not exist")));
+            return Err(self.file.invalid(format!("{label}: the node does not exist")));
         };
         let (Some(node), Checked::Valid(property)) = (*node, channel.target.path) else { return Ok(None) };
         if !self.taken.insert((node, property as u8)) {
-            self.warnings.push(format!("{place}: its {property:?} is moved twice, the second is ignored"));
+            self.warnings.push(format!("{label}: its {property:?} is moved twice, the second is ignored"));
             return Ok(None);
         }
         let Some(sampler) = self.animation.samplers.get(channel.sampler.value()) else {
-            return Err(self.file.invalid(format!("{place}: its sampler does not exist")));
+            return Err(self.file.invalid(format!("{label}: its sampler does not exist")));
         };
         let targets = self.nodes[node].weights.len();
         if property == Property::MorphTargetWeights && targets == 0 {
-            self.warnings.push(format!("{place} moves morph weights, but there are no morph targets"));
+            self.warnings.push(format!("{label} moves morph weights, but there are no morph targets"));
             return Ok(None);
         }
-        let keys = Keys { file: self.file, place: &place, sampler, targets };
+        let keys = Keys { file: self.file, label: &label, sampler, targets };
         let track = keys.read(node, property, self.warnings)?;
         if property != Property::MorphTargetWeights {
             decompose(&mut self.nodes[node]);
@@ -115,7 +115,7 @@ fn decompose(node: &mut Node) {
 /// Reads the keys of one channel.
 struct Keys<'a> {
     file: &'a File,
-    place: &'a Place<'a>,
+    label: &'a ChannelLabel<'a>,
     sampler: &'a Sampler,
     /// Morph targets of the node.
     targets: usize,
@@ -148,7 +148,7 @@ impl Keys<'_> {
         if kept.len() < times.len() {
             warnings.push(format!(
                 "{}: {} not later than the one before",
-                self.place,
+                self.label,
                 counted(times.len() - kept.len(), "key is", "keys are")
             ));
             times = kept.iter().map(|&key| times[key]).collect();
@@ -179,7 +179,7 @@ impl Keys<'_> {
     }
 
     fn floats(&self, accessor: Index<Accessor>, kind: Type, integers: Integers) -> Result<Vec<f32>, SceneError> {
-        let values = self.file.floats(accessor, &[kind], integers, format_args!("{}", self.place))?.values;
+        let values = self.file.floats(accessor, &[kind], integers, format_args!("{}", self.label))?.values;
         match values.iter().position(|value| !value.is_finite()) {
             Some(_) => Err(self.fault("a value that is not a finite number")),
             None => Ok(values),
@@ -187,7 +187,7 @@ impl Keys<'_> {
     }
 
     fn fault(&self, what: &str) -> SceneError {
-        self.file.invalid(format!("{} has {what}", self.place))
+        self.file.invalid(format!("{} has {what}", self.label))
     }
 }
 

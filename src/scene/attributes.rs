@@ -70,7 +70,7 @@ impl Attributes<'_> {
         Ok(floats.map(|floats| floats.map(Vec4::from_array)))
     }
 
-    /// JOINTS_0 and JOINTS_1 with their weights, which sum to 1 a vertex; empty where there are none.
+    /// JOINTS_0 and JOINTS_1 with their weights, which sum to 1 per vertex; empty where there are none.
     pub(super) fn influences(&self, warnings: &mut Vec<String>) -> Result<Vec<[Influence; 8]>, SceneError> {
         let mut influences = Vec::new();
         for set in 0..2 {
@@ -84,7 +84,7 @@ impl Attributes<'_> {
             }
         }
         if self.attribute(Semantic::Joints(2)).is_some() {
-            warnings.push(format!("{}: more than eight joints a vertex, the rest is left out", self.label));
+            warnings.push(format!("{}: more than eight joints per vertex, the rest is ignored", self.label));
         }
         let orphans = influences.iter_mut().filter_map(normalize).count();
         if orphans > 0 {
@@ -177,7 +177,7 @@ fn replace_broken<T: Copy>(values: &mut [T], is_good: impl Fn(&T) -> bool, inste
     values.iter_mut().filter(|value| !is_good(value)).for_each(|value| *value = instead);
 }
 
-/// Makes the weights of a vertex sum to 1; `Some` where there was nothing to share out.
+/// Makes the weights of a vertex sum to 1; `Some` where all of them are 0.
 fn normalize(vertex: &mut [Influence; 8]) -> Option<()> {
     let sum: f64 = vertex.iter().map(|one| f64::from(one.weight)).sum();
     if sum > 0.0 {

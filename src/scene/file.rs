@@ -1,8 +1,8 @@
 //! The file while it is being loaded: typed JSON, resolved buffers, and errors that name it.
 //!
-//! In: what `json` parsed. Out: bytes of buffers, views and URIs; every index and range is checked on the way.
+//! In: what `json` parsed. Out: bytes of buffers, views and URIs; every index and range is checked.
 
-use super::SceneError;
+use super::{FileAccess, SceneError, access};
 use crate::spelling::counted;
 use base64::Engine as _;
 use base64::engine::DecodePaddingMode;
@@ -23,16 +23,18 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 pub(super) struct File {
     /// Where it lies; relative URIs start from its folder.
     path: PathBuf,
+    /// Which files it may refer to.
+    access: FileAccess,
     /// Typed JSON.
     pub(super) root: Root,
-    /// One a buffer of the JSON, at least as long as the JSON says.
+    /// One per buffer of the JSON, at least as long as the JSON says.
     buffers: Vec<Vec<u8>>,
 }
 
 impl File {
     /// Resolves the buffers of `root`; `binary` is the place of the binary chunk in `bytes`, the whole file.
     pub(super) fn resolve(
-        path: &Path,
+        path: (&Path, FileAccess),
         root: Root,
         mut bytes: Vec<u8>,
         binary: Option<Range<usize>>,
@@ -50,8 +52,8 @@ impl File {
     }
 
     /// The JSON alone.
-    pub(super) fn unresolved(path: &Path, root: Root) -> Self {
-        Self { path: path.to_owned(), root, buffers: Vec::new() }
+    pub(super) fn unresolved((path, access): (&Path, FileAccess), root: Root) -> Self {
+        Self { path: path.to_owned(), access, root, buffers: Vec::new() }
     }
 
     /// The buffers of the JSON, in its order.
@@ -88,7 +90,7 @@ impl File {
     }
 
     /// The bytes of a buffer view.
-    pub(super) fn view(&self, index: Index<buffer::View>) -> Result<View<'_>, SceneError> {
+    pub(super) fn view(&self, index: Index<buffer::View>) -> Result<ViewBytes<'_>, SceneError> {
         let number = index.value();
         let view = self.root.get(index).ok_or_else(|| self.invalid(format!("bufferViews[{number}] does not exist")))?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(|| {
@@ -98,7 +100,7 @@ impl File {
         let bytes = bytes.ok_or_else(|| {
             self.invalid(format!("bufferViews[{number}] reaches past the end of buffers[{}]", view.buffer.value()))
         })?;
-        Ok(View { bytes, stride: view.byte_stride.map_or(0, |stride| stride.0) })
+        Ok(ViewBytes { bytes, stride: view.byte_stride.map_or(0, |stride| stride.0) })
     }
 
     /// The bytes that a data URI holds or a relative URI leads to.
@@ -107,7 +109,10 @@ impl File {
             return decode_data_uri(data);
         }
         let path = self.path_of(uri)?;
-        std::fs::read(&path).map_err(|source| UriFault::Io { path, source })
+        if self.access == FileAccess::SceneFolder && !access::is_inside(self.folder(), &path) {
+            return Err(UriFault::Outside(path));
+        }
+        access::read_file(&path).map_err(|source| UriFault::Io { path, source })
     }
 
     /// The files that buffers and images refer to.
@@ -129,17 +134,26 @@ impl File {
             _ => uri,
         };
         let decoded: Cow<'_, str> = percent_decode_str(relative).decode_utf8_lossy();
-        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let folder = self.folder();
         let plain = folder.join(relative);
         let path = folder.join(&*decoded);
         // Some exporters write a `%` of the name as it is.
         Ok(if !path.exists() && plain.exists() { plain } else { path })
     }
 
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
     fn uri_error(&self, fault: UriFault, what: &str) -> SceneError {
         match fault {
             UriFault::Io { path, source } => SceneError::Io { path, source },
             UriFault::Data(why) => self.invalid(format!("{what}: {why}")),
+            UriFault::Outside(path) => SceneError::Unsupported {
+                path: self.path.clone(),
+                what: format!("{what} from {}, outside the folder of the scene", path.display()),
+                hint: ALLOW_OUTSIDE.to_owned(),
+            },
             UriFault::Scheme(scheme) => SceneError::Unsupported {
                 path: self.path.clone(),
                 what: format!("{what} from a {scheme}: address"),
@@ -150,12 +164,15 @@ impl File {
 }
 
 /// The bytes of a buffer view.
-pub(super) struct View<'a> {
+pub(super) struct ViewBytes<'a> {
     /// Exactly the view's range.
     pub(super) bytes: &'a [u8],
     /// Distance between elements in bytes; 0: tightly packed.
     pub(super) stride: usize,
 }
+
+/// What to do about files outside the scene's folder.
+const ALLOW_OUTSIDE: &str = "move it below that folder, or use --allow-outside if you trust the scene";
 
 /// Why a URI gave no bytes.
 #[derive(Debug, thiserror::Error)]
@@ -168,6 +185,9 @@ pub(super) enum UriFault {
         /// Why.
         source: std::io::Error,
     },
+    /// A file outside the folder of the scene.
+    #[error("{path} lies outside the folder of the scene; {ALLOW_OUTSIDE}", path = .0.display())]
+    Outside(PathBuf),
     /// A damaged data URI.
     #[error("{0}")]
     Data(String),

@@ -1,9 +1,9 @@
 //! The container and its JSON, checked before anything is read from it.
 //!
-//! In: the bytes of a .gltf or .glb file. Out: the JSON as typed data and the place of the binary chunk. Here
-//! extensions are judged and what the typed reader would refuse, though it is harmless, is taken out with a warning.
+//! In: the bytes of a .gltf or .glb file. Out: the JSON as typed data and the range of the binary chunk. Required
+//! extensions are checked; harmless content that the typed reader would refuse is removed with a warning.
 
-use super::SceneError;
+use super::{SceneError, approximate, instances};
 use crate::spelling::counted;
 use gltf::json::{self, Root};
 use serde_json::Value;
@@ -11,7 +11,8 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Extensions whose meaning this program follows.
-const SUPPORTED: [&str; 5] = [
+const SUPPORTED: [&str; 6] = [
+    instances::EXTENSION,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
@@ -38,6 +39,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Re
     let mut value = object(path, text)?;
     check_version(path, &value)?;
     check_extensions(path, &value, warnings)?;
+    approximate::materials(&mut value);
     strip_foreign(&mut value);
     mend(&mut value, warnings);
     let root = json::deserialize::from_value(value.clone()).map_err(|error| invalid(locate(&value, &error)))?;
@@ -132,18 +134,26 @@ fn check_version(path: &Path, value: &Value) -> Result<(), SceneError> {
 }
 
 fn check_extensions(path: &Path, value: &Value, warnings: &mut Vec<String>) -> Result<(), SceneError> {
-    let required = names(&value["extensionsRequired"]);
-    if let Some(name) = required.iter().find(|name| !SUPPORTED.contains(name)) {
+    let is_unknown = |name: &&str| !SUPPORTED.contains(name);
+    let required: Vec<&str> = names(&value["extensionsRequired"]).into_iter().filter(is_unknown).collect();
+    if let Some(name) = required.iter().find(|name| !approximate::only_changes_shading(name)) {
         return Err(SceneError::Unsupported {
             path: path.to_owned(),
             what: format!("the glTF extension {name}"),
             hint: hint(name).to_owned(),
         });
     }
-    for name in names(&value["extensionsUsed"]) {
-        if !SUPPORTED.contains(&name) {
-            warnings.push(format!("the optional glTF extension {name} is not supported and is ignored"));
-        }
+    let used = names(&value["extensionsUsed"]).into_iter().filter(is_unknown);
+    let (mut approximated, ignored): (Vec<&str>, Vec<&str>) =
+        used.chain(required).partition(|name| approximate::only_changes_shading(name));
+    for name in ignored {
+        warnings.push(format!("the optional glTF extension {name} is not supported and is ignored"));
+    }
+    approximated.sort_unstable();
+    approximated.dedup();
+    if !approximated.is_empty() {
+        let names = approximated.join(", ");
+        warnings.push(format!("materials and lights are approximated: {names} is beyond what is shaded here"));
     }
     Ok(())
 }
@@ -161,12 +171,11 @@ fn hint(name: &str) -> &'static str {
             "export the textures as PNG or JPEG"
         }
         "KHR_animation_pointer" => "bake the animation to nodes before exporting",
-        "EXT_mesh_gpu_instancing" => "make the instances real before exporting",
         _ => "export the scene again without it",
     }
 }
 
-/// Takes out `extras` and the bodies of unsupported extensions, whose contents nobody here vouches for.
+/// Removes `extras` and the bodies of unsupported extensions, which may hold anything.
 fn strip_foreign(value: &mut Value) {
     match value {
         Value::Object(map) => {

@@ -46,7 +46,7 @@ fn joined(segments: &[[u32; 2]]) -> Vec<Vec<u32>> {
     lines
 }
 
-/// Segments on the way into lines.
+/// The segments that are left while lines are joined.
 struct Walk<'a> {
     segments: &'a [[u32; 2]],
     /// Segments at every vertex.

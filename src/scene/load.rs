@@ -1,14 +1,16 @@
-//! Loading: reads a file and puts the scene together.
+//! Loads a scene: reads the file and assembles what the other modules make of its parts.
 //!
 //! In: the path of a .gltf or .glb file. Out: a [`Scene`] with everything resolved, or an error that says what is wrong
-//! and where; what can be passed over becomes a warning in the scene.
+//! and where; what can be left out becomes a warning in the scene.
 
 use super::file::File;
 use super::nodes::References;
-use super::{Mesh, Primitive, Scene, SceneError, animation, json, material, mesh, nodes, skin};
+use super::{
+    FileAccess, Mesh, Primitive, Scene, SceneError, access, animation, instances, json, materials, mesh, nodes, skin,
+};
 use std::path::{Path, PathBuf};
 
-/// Loads a glTF 2.0 file with all buffers and images it refers to.
+/// Loads a glTF 2.0 file with all buffers and images it refers to, which have to lie in its folder or below.
 ///
 /// # Errors
 /// [`SceneError`] where the file or a buffer cannot be read, breaks the format, or needs an unsupported extension.
@@ -19,10 +21,20 @@ use std::path::{Path, PathBuf};
 /// # Ok::<(), pinwarp::scene::SceneError>(())
 /// ```
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    load_with(path, FileAccess::default())
+}
+
+/// As [`load`], with a choice of the files that the scene may refer to.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
+    let bytes = access::read_scene_file(path)?;
     let mut warnings = Vec::new();
     let parsed = json::parse(path, &bytes, &mut warnings)?;
-    let file = File::resolve(path, parsed.root, bytes, parsed.binary)?;
+    let mut file = File::resolve((path, access), parsed.root, bytes, parsed.binary)?;
+    let instances = instances::read(&file, &mut warnings)?;
+    instances::add_nodes(&mut file.root, &instances);
     let mut scene = build(&file, &mut warnings)?;
     scene.path = path.to_owned();
     scene.files_beside = file.beside();
@@ -39,16 +51,16 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError`] where the file itself cannot be read.
 pub fn files_beside(path: &Path) -> Result<Vec<PathBuf>, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
-    Ok(File::unresolved(path, parsed.root).beside())
+    Ok(File::unresolved((path, FileAccess::default()), parsed.root).beside())
 }
 
 fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {
     let tree = nodes::tree(file)?;
     let mut used = References::default();
     let mut nodes = nodes::load(file, &tree, &mut used)?;
-    let (mut materials, textures) = material::load(file, warnings)?;
+    let (mut materials, textures) = materials::load(file, warnings)?;
     let loaded = mesh::load(file, &used.meshes, &mut materials, warnings)?;
     for node in &mut nodes {
         complete_weights(node, &loaded);
@@ -71,7 +83,7 @@ fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// One weight a morph target: the node's own, else the mesh's, else zero.
+/// One weight per morph target: the node's own, else the mesh's, else zero.
 fn complete_weights(node: &mut super::Node, meshes: &[mesh::Loaded]) {
     let Some(loaded) = node.mesh.map(|mesh| &meshes[mesh]) else {
         node.weights.clear();
@@ -88,7 +100,7 @@ fn target_count(mesh: &Mesh) -> usize {
     mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
 }
 
-/// A mesh without joint weights stands where its node stands, whatever skin the node names.
+/// A mesh without joint weights is placed by its node alone: its skin is removed.
 fn drop_idle_skins(scene: &mut Scene) {
     for node in &mut scene.nodes {
         let is_skinned = |mesh: usize| scene.meshes[mesh].primitives.iter().any(|one| !one.influences.is_empty());

@@ -1,162 +1,136 @@
-//! Materials.
+//! Materials, textures and images as plain data.
 //!
-//! In: the JSON. Out: metallic-roughness and unlit materials whose textures are resolved; `materials[i]` is the file's
-//! i-th, and glTF's default material stands behind them where a primitive asks for it.
+//! In: nothing; `materials` and `texture` fill these types. Out: what the renderers read.
 
-use super::file::File;
-use super::texture::{self, Textures, Use};
-use super::{AlphaMode, Material, SceneError, TextureRef};
-use glam::{Vec2, Vec3, Vec4};
-use gltf::json::extensions::texture::TextureTransform;
-use gltf::json::material::AlphaMode as JsonAlpha;
-use gltf::json::validation::Checked;
-use gltf::json::{self, texture::Info};
-use std::collections::BTreeSet;
+use glam::{Vec3, Vec4};
 
-/// Name of the extension that moves texture coordinates.
-const TRANSFORM: &str = "KHR_texture_transform";
-
-/// A texture slot of a material before its texture is resolved.
-struct Slot {
-    one: Use,
-    uv_set: usize,
-    texture_from_uv: [Vec3; 2],
+/// A metallic-roughness or unlit material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in the file (may be empty).
+    pub name: String,
+    /// Linear RGBA factor.
+    pub base_color: Vec4,
+    /// sRGB texture.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0..1.
+    pub metallic: f32,
+    /// 0..1.
+    pub roughness: f32,
+    /// Linear texture: g = roughness, b = metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the normal map's x and y.
+    pub normal_scale: f32,
+    /// Linear texture: r = occlusion.
+    pub occlusion_texture: Option<TextureRef>,
+    /// Strength of the occlusion, 0..1.
+    pub occlusion_strength: f32,
+    /// Linear RGB, emissive strength included.
+    pub emissive: Vec3,
+    /// sRGB texture.
+    pub emissive_texture: Option<TextureRef>,
+    /// How alpha is meant.
+    pub alpha: AlphaMode,
+    /// Faces show from both sides.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: base colour only, no shading.
+    pub unlit: bool,
 }
 
-/// The five slots of a material.
-struct Slots {
-    base_color: Option<Slot>,
-    metallic_roughness: Option<Slot>,
-    normal: Option<Slot>,
-    occlusion: Option<Slot>,
-    emissive: Option<Slot>,
-}
-
-impl Slots {
-    fn all(&self) -> impl Iterator<Item = &Slot> {
-        let all = [&self.base_color, &self.metallic_roughness, &self.normal, &self.occlusion, &self.emissive];
-        all.into_iter().flatten()
-    }
-}
-
-/// All materials of the file with the textures they show.
-pub(super) fn load(file: &File, warnings: &mut Vec<String>) -> Result<(Vec<Material>, Textures), SceneError> {
-    let mut slots = Vec::new();
-    for (index, material) in file.root.materials.iter().enumerate() {
-        slots.push(read_slots(file, material, index, warnings)?);
-    }
-    let uses: BTreeSet<Use> = slots.iter().flat_map(Slots::all).map(|slot| slot.one).collect();
-    let textures = texture::load(file, &uses, warnings)?;
-    let materials = file.root.materials.iter().zip(&slots);
-    Ok((materials.map(|(material, slots)| resolve(material, slots, &textures)).collect(), textures))
-}
-
-fn read_slots(
-    file: &File,
-    material: &json::Material,
-    index: usize,
-    warnings: &mut Vec<String>,
-) -> Result<Slots, SceneError> {
-    let pbr = &material.pbr_metallic_roughness;
-    let mut take = |slot: Option<Slot>, kind: &str| -> Result<Option<Slot>, SceneError> {
-        let Some(slot) = slot else { return Ok(None) };
-        let texture = slot.one.texture;
-        if texture >= file.root.textures.len() {
-            let what = format!("materials[{index}] names textures[{texture}] ({kind}), which does not exist");
-            return Err(file.invalid(what));
+impl Default for Material {
+    /// glTF's default material: white, fully metallic and rough, opaque.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
         }
-        if slot.uv_set > 1 {
-            let set = slot.uv_set;
-            warnings.push(format!("materials[{index}]: its {kind} texture uses TEXCOORD_{set}, only 0 and 1 are read"));
-            return Ok(None);
-        }
-        Ok(Some(slot))
-    };
-    Ok(Slots {
-        base_color: take(pbr.base_color_texture.as_ref().map(|info| slot(info, true)), "base colour")?,
-        metallic_roughness: take(
-            pbr.metallic_roughness_texture.as_ref().map(|info| slot(info, false)),
-            "metallic-roughness",
-        )?,
-        normal: take(material.normal_texture.as_ref().map(normal_slot), "normal")?,
-        occlusion: take(material.occlusion_texture.as_ref().map(occlusion_slot), "occlusion")?,
-        emissive: take(material.emissive_texture.as_ref().map(|info| slot(info, true)), "emissive")?,
-    })
-}
-
-fn slot(info: &Info, is_srgb: bool) -> Slot {
-    let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.clone());
-    build_slot(Use { texture: info.index.value(), is_srgb }, info.tex_coord, transform)
-}
-
-fn normal_slot(info: &json::material::NormalTexture) -> Slot {
-    let transform = info.extensions.as_ref().and_then(|extensions| foreign_transform(&extensions.others));
-    build_slot(Use { texture: info.index.value(), is_srgb: false }, info.tex_coord, transform)
-}
-
-fn occlusion_slot(info: &json::material::OcclusionTexture) -> Slot {
-    let transform = info.extensions.as_ref().and_then(|extensions| foreign_transform(&extensions.others));
-    build_slot(Use { texture: info.index.value(), is_srgb: false }, info.tex_coord, transform)
-}
-
-/// The crate types the transform of plain slots only; elsewhere it is left as JSON.
-fn foreign_transform(others: &serde_json::Map<String, json::Value>) -> Option<TextureTransform> {
-    serde_json::from_value(others.get(TRANSFORM)?.clone()).ok()
-}
-
-fn build_slot(one: Use, tex_coord: u32, transform: Option<TextureTransform>) -> Slot {
-    let transform = transform.unwrap_or_default();
-    let uv_set = transform.tex_coord.unwrap_or(tex_coord) as usize;
-    Slot { one, uv_set, texture_from_uv: texture_from_uv(&transform) }
-}
-
-/// Scale, then rotate, then move. The angle runs counter-clockwise as seen in the image, whose v points down:
-///
-/// ```text
-/// u' =  cos·sx·u + sin·sy·v + tx
-/// v' = −sin·sx·u + cos·sy·v + ty
-/// ```
-fn texture_from_uv(transform: &TextureTransform) -> [Vec3; 2] {
-    let (sin, cos) = transform.rotation.0.sin_cos();
-    let scale = Vec2::from(transform.scale.0);
-    let offset = Vec2::from(transform.offset.0);
-    let rows = [Vec3::new(cos * scale.x, sin * scale.y, offset.x), Vec3::new(-sin * scale.x, cos * scale.y, offset.y)];
-    if rows.iter().all(|row| row.is_finite()) { rows } else { [Vec3::X, Vec3::Y] }
-}
-
-fn resolve(material: &json::Material, slots: &Slots, textures: &Textures) -> Material {
-    let pbr = &material.pbr_metallic_roughness;
-    let find = |slot: &Option<Slot>| {
-        let slot = slot.as_ref()?;
-        let texture = *textures.scene_from_use.get(&slot.one)?;
-        Some(TextureRef { texture, uv_set: slot.uv_set, texture_from_uv: slot.texture_from_uv })
-    };
-    let extensions = material.extensions.as_ref();
-    let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
-    let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-    Material {
-        name: material.name.clone().unwrap_or_default(),
-        base_color: Vec4::from(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::MAX),
-        base_color_texture: find(&slots.base_color),
-        metallic: pbr.metallic_factor.0.clamp(0.0, 1.0),
-        roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
-        metallic_roughness_texture: find(&slots.metallic_roughness),
-        normal_texture: find(&slots.normal),
-        normal_scale: material.normal_texture.as_ref().map_or(1.0, |texture| texture.scale),
-        occlusion_texture: find(&slots.occlusion),
-        occlusion_strength: material.occlusion_texture.as_ref().map_or(1.0, |texture| texture.strength.0),
-        emissive: (Vec3::from(material.emissive_factor.0) * strength).clamp(Vec3::ZERO, Vec3::MAX),
-        emissive_texture: find(&slots.emissive),
-        alpha: alpha(material),
-        double_sided: material.double_sided,
-        unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
     }
 }
 
-fn alpha(material: &json::Material) -> AlphaMode {
-    match material.alpha_mode {
-        Checked::Valid(JsonAlpha::Mask) => AlphaMode::Mask { cutoff: material.alpha_cutoff.unwrap_or_default().0 },
-        Checked::Valid(JsonAlpha::Blend) => AlphaMode::Blend,
-        _ => AlphaMode::Opaque,
-    }
+/// glTF's alpha modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// Alpha below the cutoff is not there, above it is fully there.
+    Mask {
+        /// Threshold.
+        cutoff: f32,
+    },
+    /// Over, sorted from back to front.
+    Blend,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`super::Scene::textures`].
+    pub texture: usize,
+    /// 0 or 1: which of [`super::Primitive::uvs`].
+    pub uv_set: usize,
+    /// KHR_texture_transform as rows of a 2x3 matrix: u' = `rows[0]`·(u, v, 1), v' = `rows[1]`·(u, v, 1).
+    pub texture_from_uv: [Vec3; 2],
+}
+
+/// An image with its sampler.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texture {
+    /// Index into [`super::Scene::images`].
+    pub image: usize,
+    /// How it repeats across and down.
+    pub wrap: [Wrap; 2],
+    /// Magnification: true = linear, false = nearest.
+    pub magnify: Filter,
+    /// Minification within a level.
+    pub minify: Filter,
+    /// Between levels; `None`: only level 0 is used.
+    pub mipmap: Option<Filter>,
+}
+
+/// Sampler repeat modes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// Tile.
+    Repeat,
+    /// Tile, every second one mirrored.
+    Mirror,
+    /// Hold the border.
+    Clamp,
+}
+
+/// Sampler filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// One texel.
+    Nearest,
+    /// Blend of the neighbours.
+    Linear,
+}
+
+/// A decoded image: RGBA8, rows from the top, as stored (colour images are sRGB-encoded).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Image {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+    /// RGBA, 4 * width * height bytes.
+    pub rgba: Vec<u8>,
+    /// Colour (base colour, emissive: sRGB-encoded, decode before filtering) or data (linear).
+    pub is_srgb: bool,
 }

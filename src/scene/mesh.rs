@@ -1,4 +1,4 @@
-//! Meshes: triangles and lines of every mode, and what is made of their attributes.
+//! Reads meshes: triangles and lines of every mode, with their attributes completed.
 //!
 //! In: the JSON's meshes and the materials. Out: primitives with normals (and tangents where a normal map needs them).
 //! A primitive keeps its number in the file; points leave an empty one behind, with a warning.
@@ -7,7 +7,7 @@ use super::accessor::Integers;
 use super::attributes::{Attributes, Label};
 use super::file::File;
 use super::nodes::Used;
-use super::{Material, Mesh, MorphTarget, Primitive, SceneError, geometry, lines};
+use super::{Material, Mesh, Primitive, SceneError, geometry, lines, tangents, vertices};
 use crate::spelling::counted;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
@@ -41,7 +41,7 @@ pub(super) fn load(
     used.file_from_scene.iter().map(|&index| loader.mesh(index)).collect()
 }
 
-/// Adds to `materials` the look of every line: base colour only, from all sides. Gives its index by that of the file.
+/// Adds to `materials` the material of every line: base colour only, double-sided. Its index by that of the file's.
 fn line_materials(file: &File, used: &Used, materials: &mut Vec<Material>, of_file: usize) -> HashMap<usize, usize> {
     let meshes = used.file_from_scene.iter().map(|&index| &file.root.meshes[index]);
     let mut unlit = HashMap::new();
@@ -61,7 +61,7 @@ fn is_line(mode: Checked<Mode>) -> bool {
 struct Loader<'a> {
     file: &'a File,
     materials: &'a [Material],
-    /// Index of the look of lines by the index of their material.
+    /// Index of the material of lines by the index of the file's material.
     unlit: HashMap<usize, usize>,
     /// Number of materials in the file; the default one stands behind them.
     of_file: usize,
@@ -96,7 +96,8 @@ impl Loader<'_> {
         let positions = positions(self.file, position, label)?;
         let corners = corners(self.file, json, positions.len(), label)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
-            let corners = counted(corners.len(), "corner is no whole triangle", "corners are not whole triangles");
+            let corners =
+                counted(corners.len(), "corner is not a multiple of three", "corners are not a multiple of three");
             self.warnings.push(format!("{label}: {corners}, the rest is left out"));
         }
         let attributes = Attributes { file: self.file, json, count: positions.len(), label };
@@ -149,17 +150,14 @@ impl Loader<'_> {
 
     fn complete_tangents(&self, primitive: &mut Primitive, stored: Option<Vec<Vec4>>) {
         let Some(texture) = self.materials[primitive.material].normal_texture else { return };
-        primitive.tangents = match stored {
-            // Unshared vertices (flat normals) void stored tangents, as the format says.
-            Some(mut tangents) if tangents.len() == primitive.normals.len() => {
-                geometry::repair_tangents(&primitive.normals, &mut tangents);
-                tangents
+        match stored {
+            // Without normals a file's tangents do not count, as the format says.
+            Some(mut stored) if !primitive.has_flat_normals => {
+                geometry::repair_tangents(&primitive.normals, &mut stored);
+                primitive.tangents = stored;
             }
-            _ => {
-                let uvs = &primitive.uvs[texture.uv_set];
-                geometry::tangents(&primitive.positions, &primitive.normals, uvs, &primitive.triangles)
-            }
-        };
+            _ => tangents::generate(primitive, &texture),
+        }
     }
 }
 
@@ -213,42 +211,9 @@ fn complete_normals(primitive: &mut Primitive, stored: Option<Vec<Vec3>>) {
         primitive.normals = vec![Vec3::Z; primitive.positions.len()];
         return;
     }
-    unshare(primitive);
+    vertices::unshare_vertices(primitive);
     primitive.normals = geometry::flat_normals(&primitive.positions);
-    for target in &mut primitive.targets {
-        complete_target_normals(target, &primitive.positions, &primitive.normals);
-    }
-}
-
-/// Flat normals turn with a morph target: their displacement is exact where the target's weight is 0 or 1.
-fn complete_target_normals(target: &mut MorphTarget, positions: &[Vec3], normals: &[Vec3]) {
-    target.normals.clear();
-    if target.positions.is_empty() {
-        return;
-    }
-    let moved: Vec<Vec3> = positions.iter().zip(&target.positions).map(|(at, by)| at + by).collect();
-    target.normals = geometry::flat_normals(&moved).iter().zip(normals).map(|(to, from)| to - from).collect();
-}
-
-/// Gives every triangle vertices of its own; the order of triangles stays.
-fn unshare(primitive: &mut Primitive) {
-    let order: Vec<u32> = primitive.triangles.iter().flatten().copied().collect();
-    gather(&mut primitive.positions, &order);
-    gather(&mut primitive.colors, &order);
-    gather(&mut primitive.influences, &order);
-    primitive.uvs.iter_mut().for_each(|uvs| gather(uvs, &order));
-    for target in &mut primitive.targets {
-        gather(&mut target.positions, &order);
-        gather(&mut target.normals, &order);
-        gather(&mut target.tangents, &order);
-    }
-    // The caller's corners are u32, so three a triangle may pass that limit only with more memory than there is.
-    let count = order.len() as u32;
-    primitive.triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-}
-
-fn gather<T: Copy>(array: &mut Vec<T>, order: &[u32]) {
-    if !array.is_empty() {
-        *array = order.iter().map(|&vertex| array[vertex as usize]).collect();
-    }
+    primitive.has_flat_normals = true;
+    // Posing computes flat normals anew; stored displacements belong to normals that the file does not have.
+    primitive.targets.iter_mut().for_each(|target| target.normals.clear());
 }

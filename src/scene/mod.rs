@@ -3,32 +3,38 @@
 //! In: a path. Out: plain data without indices into buffers, accessors, sparse parts or extensions.
 //! Later stages never see the file format.
 
+mod access;
 mod accessor;
 mod animation;
+mod approximate;
 mod attributes;
 mod card;
 mod error;
 mod file;
 mod find;
 mod geometry;
+mod instances;
 mod json;
 mod lines;
 mod load;
-mod look;
 mod material;
+mod materials;
 mod mesh;
 mod nodes;
 mod outline;
 mod pack;
 mod pictures;
 mod skin;
+mod tangents;
 mod texture;
+mod vertices;
 
+pub use access::FileAccess;
 pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;
-pub use load::{files_beside, load};
-pub use look::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
+pub use load::{files_beside, load, load_with};
+pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
 pub use pack::{Packed, pack};
 pub use pictures::{Picture, picture_cards};
 
@@ -42,9 +48,10 @@ pub struct Scene {
     pub path: PathBuf,
     /// Files with buffers and images that it refers to.
     pub files_beside: Vec<PathBuf>,
-    /// All nodes of the scene; a parent has a smaller index than its children.
+    /// All nodes of the scene; a parent has a smaller index than its children. Instances of EXT_mesh_gpu_instancing are
+    /// children of their node, named `<node>[0]`, `<node>[1]`, ...
     pub nodes: Vec<Node>,
-    /// One a node: its place among the nodes of the file; of scenes that came from no file, its own.
+    /// #nodes: index among the nodes of the file, where instances follow all others; without a file: the node's own.
     pub file_from_scene: Vec<usize>,
     /// Meshes that nodes refer to.
     pub meshes: Vec<Mesh>,
@@ -99,7 +106,7 @@ pub enum Placement {
         /// Factor per axis.
         scale: Vec3,
     },
-    /// Any affine matrix (a shear cannot be told as TRS); never animated.
+    /// Any affine matrix (TRS cannot express shear); never animated.
     Matrix(Mat4),
 }
 
@@ -119,13 +126,16 @@ pub struct Primitive {
     pub positions: Vec<Vec3>,
     /// #vertices, always present: the file's, or flat normals (vertices then are not shared between triangles).
     pub normals: Vec<Vec3>,
-    /// #vertices where the material has a normal map (the file's, or computed from the UVs); else empty. w = handedness.
+    /// The file has no normals: `normals` are those of the triangles, and posing computes them anew after it moved vertices.
+    pub has_flat_normals: bool,
+    /// #vertices where the material has a normal map (the file's, else MikkTSpace's); else empty. The bitangent
+    /// w · cross(normal, tangent) points up in the image.
     pub tangents: Vec<Vec4>,
     /// TEXCOORD_0 and TEXCOORD_1; each empty or #vertices.
     pub uvs: [Vec<Vec2>; 2],
     /// COLOR_0, linear RGBA; empty means white.
     pub colors: Vec<Vec4>,
-    /// Joint influences, #vertices; empty where not skinned. Up to eight a vertex (JOINTS_0 and JOINTS_1).
+    /// Joint influences, #vertices; empty where not skinned. Up to eight per vertex (JOINTS_0 and JOINTS_1).
     pub influences: Vec<[Influence; 8]>,
     /// Morph targets.
     pub targets: Vec<MorphTarget>,
@@ -150,12 +160,12 @@ impl Primitive {
     }
 }
 
-/// A joint's share in a vertex.
+/// The influence of a joint on a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Influence {
     /// Index into the skin's joints.
     pub joint: u16,
-    /// Share; the shares of a vertex sum to 1.
+    /// Weight; the weights of a vertex sum to 1.
     pub weight: f32,
 }
 
@@ -175,7 +185,7 @@ pub struct MorphTarget {
 pub struct Skin {
     /// Indices into [`Scene::nodes`].
     pub joints: Vec<usize>,
-    /// joint_from_mesh at rest, one a joint.
+    /// #joints: joint_from_mesh at rest, the inverse bind matrices.
     pub joint_from_mesh: Vec<Mat4>,
 }
 
@@ -252,7 +262,7 @@ pub struct Track {
     pub interpolation: Interpolation,
     /// Key times, seconds, strictly increasing, never empty.
     pub times: Vec<f32>,
-    /// Values: one a key, for cubic splines three (in-tangent, value, out-tangent).
+    /// Values: one per key, three for cubic splines (in-tangent, value, out-tangent).
     pub values: TrackValues,
 }
 

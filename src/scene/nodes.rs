@@ -13,18 +13,18 @@ use std::collections::HashMap;
 
 /// Which nodes of the file the scene has, and where.
 pub(super) struct Tree {
-    /// Index in the file, one a scene node; parents first.
+    /// #nodes of the scene: index in the file; parents first.
     pub(super) file_from_scene: Vec<usize>,
     /// Index of the parent among the scene's nodes.
     parents: Vec<Option<usize>>,
-    /// Index in the scene, one a node of the file.
+    /// #nodes of the file: index in the scene.
     pub(super) scene_from_file: Vec<Option<usize>>,
 }
 
 /// Elements of one kind that are in use, numbered in the order in which they were met.
 #[derive(Default)]
 pub(super) struct Used {
-    /// Index in the file, one a scene element.
+    /// Index in the file per scene element.
     pub(super) file_from_scene: Vec<usize>,
     scene_from_file: HashMap<usize, usize>,
 }

@@ -4,7 +4,7 @@
 //! buffer and picture moved into the one buffer.
 
 use super::file::File;
-use super::{SceneError, json};
+use super::{FileAccess, SceneError, access, instances, json};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -17,15 +17,17 @@ pub struct Packed {
     pub binary: Vec<u8>,
 }
 
-/// Reads a glTF 2.0 file with all buffers and pictures it refers to. A picture that cannot be read stays a reference.
+/// Reads a glTF 2.0 file with all buffers and pictures it refers to. A picture that cannot be read stays a reference;
+/// GPU instances become nodes.
 ///
 /// # Errors
 /// [`SceneError`] where the file or a buffer cannot be read, breaks the format, or needs an unsupported extension.
-pub fn pack(path: &Path) -> Result<Packed, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+pub fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
+    let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
     let mut packed = Packed { json: json::untouched(path, &bytes)?, binary: Vec::new() };
-    let file = File::resolve(path, parsed.root, bytes, parsed.binary)?;
+    let file = File::resolve((path, access), parsed.root, bytes, parsed.binary)?;
+    instances::add_json_nodes(&mut packed.json, &instances::read(&file, &mut Vec::new())?);
     let starts: Vec<usize> = file.buffers().iter().map(|buffer| append(&mut packed.binary, buffer)).collect();
     for view in list(&mut packed.json, "bufferViews") {
         let start = view["buffer"].as_u64().and_then(|buffer| starts.get(buffer as usize));

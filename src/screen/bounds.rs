@@ -2,7 +2,8 @@
 //!
 //! In: projected parts. Out: boxes in frame heights.
 
-use super::{ScreenMesh, clip_near, primitive};
+use super::clip::{Corner, clip_near};
+use super::mesh::{ScreenMesh, primitive};
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::space::{FrameSize, ScreenBox, ScreenPoint};
@@ -45,8 +46,7 @@ pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> 
         ScreenBox::around(source.triangles.iter().copied().chain(segments).flat_map(|corners| {
             let corners = corners.map(|corner| vertices[corner as usize]);
             let (cut, count) = clip_near(corners, near);
-            let place =
-                move |corner: super::Corner| corners[corner.from].lerp(corners[corner.to], corner.share).point();
+            let place = move |corner: Corner| corners[corner.from].lerp(corners[corner.to], corner.share).point();
             cut.into_iter().take(count).flatten().map(place)
         }))
     };

@@ -13,6 +13,9 @@ const AUTOMATIC_YFOV_DEGREES: f64 = 30.0;
 /// From the middle of the scene towards the automatic camera: in front, a little to the right and above.
 const AUTOMATIC_DIRECTION: DVec3 = DVec3::new(0.35, 0.22, 1.0);
 
+/// Size of the frame by the size of what a fitted camera shows.
+const FIT_AIR: f64 = 1.05;
+
 /// A camera at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -69,6 +72,12 @@ impl Camera {
             Lens::Orthographic { .. } => f64::from(near),
         };
         Self { view_from_scene: rigid.inverse(), lens, near, aspect: frame.aspect() }
+    }
+
+    /// A camera at a placement. `near`: distance of the near plane, metres, > 0 for a perspective lens.
+    #[must_use]
+    pub fn placed(placement: &CameraPlacement, lens: Lens, near: f64, frame: FrameSize) -> Self {
+        Self { view_from_scene: placement.scene_from_view.inverse(), lens, near, aspect: frame.aspect() }
     }
 
     /// Where a scene point lies on the screen.
@@ -170,6 +179,65 @@ impl Camera {
     }
 }
 
+/// Where a camera stands and how it is turned; it looks along its −z, y up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraPlacement {
+    /// Rigid: no scale, no reflection.
+    scene_from_view: DMat4,
+}
+
+impl CameraPlacement {
+    /// At `distance` from `target`, which it looks at. Yaw, pitch and roll in degrees: yaw 0 stands at +z of the target, 90
+    /// at +x; pitch 90 looks straight down; roll turns the camera counter-clockwise about its view axis.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use pinwarp::screen::CameraPlacement;
+    /// let side = CameraPlacement::orbit(DVec3::Y, 2.0, [90.0, 0.0, 0.0]);
+    /// assert!(side.position().abs_diff_eq(DVec3::new(2.0, 1.0, 0.0), 1e-12));
+    /// ```
+    #[must_use]
+    pub fn orbit(target: DVec3, distance: f64, angles: [f64; 3]) -> Self {
+        let [yaw, pitch, roll] = angles.map(f64::to_radians);
+        let turn = DMat4::from_rotation_y(yaw) * DMat4::from_rotation_x(-pitch) * DMat4::from_rotation_z(roll);
+        let position = target + turn.z_axis.truncate() * distance;
+        Self { scene_from_view: DMat4::from_translation(position) * turn }
+    }
+
+    /// At `position`, looking at `target`; the scene's y is up in the frame. Roll in degrees, as in [`Self::orbit`].
+    #[must_use]
+    pub fn towards(position: DVec3, target: DVec3, roll: f64) -> Self {
+        let back = (position - target).try_normalize().unwrap_or(DVec3::Z);
+        let yaw = back.x.atan2(back.z).to_degrees();
+        let pitch = back.y.clamp(-1.0, 1.0).asin().to_degrees();
+        Self::orbit(position, 0.0, [yaw, pitch, roll])
+    }
+
+    /// Where it stands, metres.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
+        self.scene_from_view.w_axis.truncate()
+    }
+}
+
+/// The least distance from the target of an orbiting camera at which it shows all of `points` with a little air, metres.
+/// `at_one`: the camera at a distance of 1.
+#[must_use]
+pub fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (Lens, FrameSize)) -> f64 {
+    let view_from_scene = at_one.scene_from_view.inverse();
+    let in_view = || points.iter().map(|&point| view_from_scene.transform_point3(point) + DVec3::Z);
+    let distance = match lens {
+        Lens::Perspective { yfov } => {
+            let up = (f64::from(yfov) * 0.5).tan() / FIT_AIR;
+            let right = up * frame.aspect();
+            in_view().map(|at| at.z + (at.x.abs() / right).max(at.y.abs() / up)).fold(0.0, f64::max)
+        }
+        // The size in the frame does not depend on the distance: far enough to stand in front of everything.
+        Lens::Orthographic { .. } => in_view().map(|at| 2.0 * at.length()).fold(0.0, f64::max),
+    };
+    distance.max(1e-3)
+}
+
 /// A camera that shows all of `poses`, for scenes that bring none; `None` where nothing can be seen.
 #[must_use]
 pub fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
@@ -221,6 +289,47 @@ mod tests {
             let projected = camera.project(ScenePoint(point));
             assert!((homogeneous.truncate().truncate() - projected.h).length() < 1e-9, "{lens:?}");
             assert!((homogeneous.w - projected.w).abs() < 1e-9, "{lens:?}");
+        }
+    }
+
+    #[test]
+    fn orbits_look_at_their_target_from_where_they_stand() {
+        let target = DVec3::new(0.3, 1.0, -2.0);
+        for (angles, from, up) in [
+            ([0.0, 0.0, 0.0], DVec3::Z, DVec3::Y),
+            ([90.0, 0.0, 0.0], DVec3::X, DVec3::Y),
+            ([180.0, 0.0, 0.0], DVec3::NEG_Z, DVec3::Y),
+            ([0.0, 90.0, 0.0], DVec3::Y, DVec3::NEG_Z),
+            ([0.0, 0.0, 90.0], DVec3::Z, DVec3::NEG_X),
+        ] {
+            let placed = CameraPlacement::orbit(target, 3.0, angles);
+            assert!((placed.position() - target - from * 3.0).length() < 1e-12, "{angles:?}");
+            let camera = Camera::placed(&placed, Lens::Perspective { yfov: 0.5 }, 0.1, FrameSize::new(160, 90));
+            let middle = ScreenPoint::new(8.0 / 9.0, 0.5);
+            assert!((camera.project_exact(target).point() - middle).0.length() < 1e-12, "{angles:?}");
+            assert!((camera.project_exact(target + up * 0.1).point() - middle).0.y > 0.01, "{angles:?}");
+            if angles[2] == 0.0 {
+                let same = CameraPlacement::towards(placed.position(), target, 0.0);
+                assert!(same.scene_from_view.abs_diff_eq(placed.scene_from_view, 1e-9), "{angles:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn fitted_cameras_show_everything_and_little_more() {
+        let points = [DVec3::new(-1.0, 0.0, 0.5), DVec3::new(1.0, 2.0, -0.5), DVec3::new(0.2, -0.7, 0.9)];
+        for (frame, angles) in
+            [(FrameSize::new(160, 90), [30.0, 10.0, 0.0]), (FrameSize::new(50, 200), [0.0, 60.0, 20.0])]
+        {
+            let lens = Lens::Perspective { yfov: 0.6 };
+            let middle = DVec3::new(0.0, 0.65, 0.2);
+            let distance = fit_distance(&points, &CameraPlacement::orbit(middle, 1.0, angles), (lens, frame));
+            let camera = Camera::placed(&CameraPlacement::orbit(middle, distance, angles), lens, 0.01, frame);
+            let places =
+                points.map(|point| camera.project_exact(point).point().0 - DVec2::new(frame.aspect(), 1.0) * 0.5);
+            let share = places.map(|place| (2.0 * place.x.abs() / frame.aspect()).max(2.0 * place.y.abs()));
+            let largest = share.into_iter().fold(0.0, f64::max);
+            assert!((largest - 1.0 / FIT_AIR).abs() < 1e-9, "{largest}");
         }
     }
 

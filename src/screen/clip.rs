@@ -2,7 +2,7 @@
 //!
 //! In: three projected corners. Out: no, one or two triangles whose corners are shares of the given ones.
 
-use super::Projected;
+use super::camera::Projected;
 
 /// A corner of a cut triangle: a point on the edge from corner `from` to corner `to` of the triangle that was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Stage 3: a [`Pose`] seen through a camera becomes a [`ScreenMesh`]: where every vertex lies on the screen.
+//! Stage 3: a [`Pose`](crate::pose::Pose) seen through a camera becomes a [`ScreenMesh`]: where every vertex lies on the screen.
 //!
 //! Near-plane policy: nothing in front of the near plane exists. Triangles that cross it are cut there before anything
 //! else happens ([`clip_near`]), so every later stage divides by a w that is greater than zero. There is no far plane.
@@ -6,42 +6,11 @@
 mod bounds;
 mod camera;
 mod clip;
+mod mesh;
 mod pick;
 
 pub use bounds::{Extent, bounds, reach_of_frame};
-pub use camera::{Camera, Projected, automatic};
+pub use camera::{Camera, CameraPlacement, Projected, automatic, fit_distance};
 pub use clip::{Corner, clip_near};
+pub use mesh::{ScreenMesh, ScreenPart, primitive, project};
 pub use pick::{Hit, pick};
-
-use crate::pose::{Pose, PosedPart};
-use crate::scene::{Primitive, Scene};
-use rayon::prelude::*;
-
-/// A pose on the screen: one part for each of [`Pose::parts`], in that order.
-#[derive(Clone, Debug, Default)]
-pub struct ScreenMesh {
-    /// As many as the pose's parts.
-    pub parts: Vec<ScreenPart>,
-}
-
-/// The projected vertices of one posed part.
-#[derive(Clone, Debug, Default)]
-pub struct ScreenPart {
-    /// #vertices; those nearer than the near plane are valid only as input of [`clip_near`].
-    pub vertices: Vec<Projected>,
-}
-
-/// Projects every vertex of a pose.
-#[must_use]
-pub fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
-    let part = |part: &PosedPart| ScreenPart {
-        vertices: part.positions.par_iter().with_min_len(4096).map(|&point| camera.project(point)).collect(),
-    };
-    ScreenMesh { parts: pose.parts.iter().map(part).collect() }
-}
-
-/// The primitive that a posed part was made from.
-#[must_use]
-pub fn primitive<'a>(scene: &'a Scene, part: &PosedPart) -> &'a Primitive {
-    &scene.meshes[part.mesh].primitives[part.primitive]
-}

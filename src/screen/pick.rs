@@ -2,7 +2,9 @@
 //!
 //! In: a projected pose and a screen point. Out: part, triangle, barycentric coordinates.
 
-use super::{Projected, ScreenMesh, clip_near, primitive};
+use super::camera::Projected;
+use super::clip::clip_near;
+use super::mesh::{ScreenMesh, primitive};
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::space::ScreenPoint;

@@ -28,7 +28,7 @@ impl<'a> Document<'a> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, path, &error))?;
         let root = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
         let mut lines = KeyLines::default();
-        collect_lines(text, &root, "", &mut lines);
+        collect_lines(&LineStarts::of(text), &root, "", &mut lines);
         Ok(Self { path, text, root, lines })
     }
 
@@ -67,20 +67,35 @@ pub(super) fn child(parent: &str, key: &str) -> String {
     if parent.is_empty() { key } else { format!("{parent}.{key}") }
 }
 
-fn collect_lines(text: &str, node: &Spanned<DeValue>, path: &str, lines: &mut KeyLines) {
+/// Byte offsets at which the lines of a text start, so that finding a line does not count all before it.
+struct LineStarts(Vec<usize>);
+
+impl LineStarts {
+    fn of(text: &str) -> Self {
+        let newlines = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n');
+        Self(std::iter::once(0).chain(newlines.map(|(at, _)| at + 1)).collect())
+    }
+
+    /// The line of a byte offset, from 1.
+    fn line(&self, offset: usize) -> usize {
+        self.0.partition_point(|&start| start <= offset)
+    }
+}
+
+fn collect_lines(starts: &LineStarts, node: &Spanned<DeValue>, path: &str, lines: &mut KeyLines) {
     match node.get_ref() {
         DeValue::Table(table) => {
             for (key, value) in table {
                 let path = child(path, key.get_ref());
-                collect_lines(text, value, &path, lines);
-                lines.insert(path, line_column(text, key.span().start).0);
+                collect_lines(starts, value, &path, lines);
+                lines.insert(path, starts.line(key.span().start));
             }
         }
         DeValue::Array(items) => {
             for (index, item) in items.iter().enumerate() {
                 let path = format!("{path}[{index}]");
-                collect_lines(text, item, &path, lines);
-                lines.insert(path, line_column(text, item.span().start).0);
+                collect_lines(starts, item, &path, lines);
+                lines.insert(path, starts.line(item.span().start));
             }
         }
         _ => {}

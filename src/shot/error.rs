@@ -83,6 +83,7 @@ impl ShotError {
 fn remedy(kind: std::io::ErrorKind) -> &'static str {
     match kind {
         std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+        std::io::ErrorKind::InvalidInput | std::io::ErrorKind::FileTooLarge => "give a shot file (.toml)",
         _ => "check the path and its permissions",
     }
 }

@@ -8,8 +8,15 @@ use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
 
 /// Values that go by another name here.
-const FOREIGN_NAMES: &[(&str, &str)] =
-    &[("rgba", "R, G, B and A are called \"beauty\""), ("velocity", "motion vectors are called \"motion\"")];
+const FOREIGN_NAMES: &[(&str, &str)] = &[
+    ("rgba", "R, G, B and A are called \"beauty\""),
+    ("velocity", "motion vectors are called \"motion\""),
+    ("rims", "it is called \"spokes-and-rims\""),
+];
+
+/// Former names of keys: the table (without its number) that holds the key, the former name, the present one.
+const FORMER_KEYS: &[(&str, &str, &str)] =
+    &[("region", "grip", "rigidity"), ("region", "starch", "stiffness"), ("solve", "stiffness", "smoothness")];
 
 /// Keys that belong elsewhere, or to nothing yet.
 const FOREIGN_KEYS: &[(&str, &str)] = &[
@@ -19,6 +26,10 @@ const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("rate", "it belongs into frames: frames = { first = 1, last = 48, rate = 24 }"),
     ("pin", "pins belong to a layer: [[layer]], then [[layer.pin]]"),
     ("handle", "handles belong to a layer: [[layer]], then [[layer.handle]]"),
+    ("fov", "it belongs into camera: camera = { yaw = 30, fov = 30 }"),
+    ("look_at", "it belongs into camera: camera = { look_at = \"Head\", distance = 3 }"),
+    ("yaw", "it belongs into camera: camera = { yaw = 30 }"),
+    ("visible", "use hide = [\"*Sword*\"] or show = [..] of the shot"),
     ("space", "it belongs into lattice: lattice = { space = \"world\", dims = [5, 5, 5] }"),
     ("dims", "it belongs into lattice: lattice = { dims = [10, 10] }"),
     ("basis", "it belongs into lattice: lattice = { basis = \"bspline\" }"),
@@ -28,9 +39,9 @@ const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("preset", "it belongs into solve: solve = { preset = \"paper\" }"),
     ("channels", "it belongs into [output]"),
     ("compression", "it belongs into [output]"),
-    ("region", "it belongs to a pin: region = { radius = 0.1, grip = 1.0 }"),
-    ("starch", "it belongs into region of a pin: region = { radius = 0.1, starch = 5.0 }"),
-    ("grip", "it belongs into region of a pin: region = { radius = 0.1, grip = 1.0 }"),
+    ("region", "it belongs to a pin: region = { radius = 0.1, rigidity = 1.0 }"),
+    ("rigidity", "it belongs into region of a pin: region = { radius = 0.1, rigidity = 1.0 }"),
+    ("smoothness", "it belongs into solve: solve = { smoothness = 2.0 }"),
     ("stiffness", "it belongs to a layer: [[layer]], then [[layer.stiffness]]"),
     ("weight", "pins have no weight; `strength` of the layer scales them all"),
 ];
@@ -146,7 +157,9 @@ pub(super) fn unknown_key(key: &str, known: &Map<String, Rules>, path: &str) -> 
     let what = "is not a key".to_owned() + if path.is_empty() { " of a shot" } else { " of this table" };
     let keys: Vec<&str> = known.keys().map(String::as_str).collect();
     let allowed = format!("keys here: {}", keys.join(", "));
-    let remedy = foreign(FOREIGN_KEYS, key).map(str::to_owned);
+    let former = FORMER_KEYS.iter().find(|(table, former, _)| *former == key && table_name(path) == *table);
+    let former = former.map(|(_, _, present)| format!("it is called `{present}`"));
+    let remedy = former.or_else(|| foreign(FOREIGN_KEYS, key).map(str::to_owned));
     let meant = nearest(key, keys.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
     // A word of another table is known exactly; a near miss is only a guess.
     match remedy.or(meant) {
@@ -160,6 +173,12 @@ pub(super) fn stands_for(table: &DeTable, missing: &str, known: &Map<String, Rul
     let unknown = table.keys().map(|key| key.get_ref().as_ref()).filter(|key| !known.contains_key(*key));
     let mut meant = unknown.map(|key| nearest(key, known.keys().map(String::as_str)) == Some(missing));
     meant.any(|is_meant| is_meant)
+}
+
+/// The key of the table at `path`, without its number: `pin` for `layer[0].pin[2]`.
+fn table_name(path: &str) -> &str {
+    let last = path.rsplit('.').next().unwrap_or(path);
+    last.split('[').next().unwrap_or(last)
 }
 
 fn foreign(table: &'static [(&str, &str)], word: &str) -> Option<&'static str> {

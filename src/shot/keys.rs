@@ -103,17 +103,15 @@ fn held_frame(frames: &FrameRange, step: u32, frame: f64) -> f64 {
 }
 
 fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
-    let Some(place) = Place::of(&pin.keys, frame, |key| (key.frame, key.ease)) else {
+    let Some(span) = Span::of(&pin.keys, frame, |key| (key.frame, key.ease)) else {
         return PinTarget { goal: Goal::Offset(ScreenVector::default()), rotation: None, log_scale: None };
     };
-    let goal = match (place.from.goal, place.to.goal) {
-        (Goal::Target(from), Goal::Target(to)) => Goal::Target(ScreenPoint(from.0.lerp(to.0, place.weight))),
-        (Goal::Offset(from), Goal::Offset(to)) => {
-            Goal::Offset(ScreenVector(from.0.lerp(to.0, place.weight) * strength))
-        }
-        (Goal::SceneTarget(from), Goal::SceneTarget(to)) => Goal::SceneTarget(mix_all(from, to, place.weight)),
+    let goal = match (span.from.goal, span.to.goal) {
+        (Goal::Target(from), Goal::Target(to)) => Goal::Target(ScreenPoint(from.0.lerp(to.0, span.weight))),
+        (Goal::Offset(from), Goal::Offset(to)) => Goal::Offset(ScreenVector(from.0.lerp(to.0, span.weight) * strength)),
+        (Goal::SceneTarget(from), Goal::SceneTarget(to)) => Goal::SceneTarget(mix_all(from, to, span.weight)),
         (Goal::SceneOffset(from), Goal::SceneOffset(to)) => {
-            Goal::SceneOffset(mix_all(from, to, place.weight).map(|x| x * strength))
+            Goal::SceneOffset(mix_all(from, to, span.weight).map(|x| x * strength))
         }
         // No pin mixes kinds: the checks refuse it.
         (from, _) => from,
@@ -121,19 +119,19 @@ fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
     // Rotation and scale are held as soon as one key of the pin says so; a key that is silent means 0 and 1.
     let log_scale = |key: &PinKey| key.scale.map(f64::ln);
     let is_scaled = pin.keys.iter().any(|key| key.scale.is_some());
-    let mixed = mix(log_scale(place.from).unwrap_or(0.0), log_scale(place.to).unwrap_or(0.0), place.weight);
-    PinTarget { goal, rotation: rotation_at(pin, &place, strength), log_scale: is_scaled.then_some(mixed * strength) }
+    let mixed = mix(log_scale(span.from).unwrap_or(0.0), log_scale(span.to).unwrap_or(0.0), span.weight);
+    PinTarget { goal, rotation: rotation_at(pin, &span, strength), log_scale: is_scaled.then_some(mixed * strength) }
 }
 
 /// Each angle on its own, radians.
-fn rotation_at(pin: &Pin, place: &Place<PinKey>, strength: f64) -> Option<Rotation> {
+fn rotation_at(pin: &Pin, span: &Span<PinKey>, strength: f64) -> Option<Rotation> {
     let kind = pin.keys.iter().find_map(|key| key.rotate_degrees)?;
     let angles = |key: &PinKey| match key.rotate_degrees {
         None => [0.0; 3],
         Some(Rotation::InView(angle)) => [angle, 0.0, 0.0],
         Some(Rotation::Axes(angles)) => angles,
     };
-    let mixed = mix_all(angles(place.from), angles(place.to), place.weight).map(|angle| angle.to_radians() * strength);
+    let mixed = mix_all(angles(span.from), angles(span.to), span.weight).map(|angle| angle.to_radians() * strength);
     Some(match kind {
         Rotation::InView(_) => Rotation::InView(mixed[0]),
         Rotation::Axes(_) => Rotation::Axes(mixed),
@@ -141,8 +139,8 @@ fn rotation_at(pin: &Pin, place: &Place<PinKey>, strength: f64) -> Option<Rotati
 }
 
 fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 3] {
-    let Some(place) = Place::of(&handle.keys, frame, |key| (key.frame, key.ease)) else { return [0.0; 3] };
-    mix_all(place.from.offset, place.to.offset, place.weight).map(|x| x * layer.strength)
+    let Some(span) = Span::of(&handle.keys, frame, |key| (key.frame, key.ease)) else { return [0.0; 3] };
+    mix_all(span.from.offset, span.to.offset, span.weight).map(|x| x * layer.strength)
 }
 
 /// Exact at both ends.
@@ -154,17 +152,17 @@ fn mix_all(from: [f64; 3], to: [f64; 3], weight: f64) -> [f64; 3] {
     std::array::from_fn(|axis| mix(from[axis], to[axis], weight))
 }
 
-/// Where a time lies among keys.
-struct Place<'a, K> {
-    from: &'a K,
-    to: &'a K,
+/// The keys around a time.
+pub(super) struct Span<'a, K> {
+    pub(super) from: &'a K,
+    pub(super) to: &'a K,
     /// 0: all `from`, 1: all `to`; an ease may overshoot.
-    weight: f64,
+    pub(super) weight: f64,
 }
 
-impl<'a, K> Place<'a, K> {
+impl<'a, K> Span<'a, K> {
     /// Before the first and after the last key the value holds. `None` without keys.
-    fn of(keys: &'a [K], frame: f64, timing: impl Fn(&K) -> (f64, Ease)) -> Option<Self> {
+    pub(super) fn of(keys: &'a [K], frame: f64, timing: impl Fn(&K) -> (f64, Ease)) -> Option<Self> {
         let after = keys.partition_point(|key| timing(key).0 <= frame);
         let Some(from) = after.checked_sub(1).and_then(|index| keys.get(index)) else {
             return keys.first().map(|key| Self { from: key, to: key, weight: 0.0 });

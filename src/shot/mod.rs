@@ -6,6 +6,7 @@
 //! text ─document─▶ tree with lines ─structure (the schema)─▶ raw ─check─▶ Shot ─keys─▶ PinTargets
 //! ```
 
+mod camera;
 mod check;
 mod document;
 mod ease;
@@ -16,17 +17,20 @@ mod hints;
 mod keys;
 mod lines;
 mod model;
+mod range;
 mod raw;
 mod schema;
 mod structure;
 pub mod template;
 
+pub use camera::*;
 pub use error::ShotError;
 pub use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
 pub use schema::schema;
 
+use crate::files::{SHOT_BYTES, read_text};
 use document::Document;
 use std::path::Path;
 
@@ -36,7 +40,7 @@ impl Shot {
     /// # Errors
     /// [`ShotError`] with file, line, key and the nearest right spelling; [`ShotError::Many`] where there are several.
     pub fn read(path: &Path) -> Result<Self, ShotError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ShotError::Io { path: path.to_owned(), source })?;
+        let text = read_text(path, SHOT_BYTES).map_err(|source| ShotError::Io { path: path.to_owned(), source })?;
         Self::parse(&text, path)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
-use super::KeyLines;
+use super::{CameraRule, KeyLines, Visibility};
 use crate::image::Compression;
 use crate::lattice::Basis;
 use crate::plate::{Matte, WarpRules};
@@ -26,8 +26,12 @@ pub struct Shot {
     pub plate: Option<PathBuf>,
     /// How they are warped.
     pub warp: WarpRules,
-    /// Name of the camera node (or camera); `None`: the scene's first.
-    pub camera: Option<String>,
+    /// Which camera sees it.
+    pub camera: CameraRule,
+    /// Which nodes of the scene are drawn.
+    pub visibility: Visibility,
+    /// The scene may refer to files outside its folder. No key of the file: whoever runs the program decides.
+    pub allow_outside: bool,
     /// Name or index of the clip; `None`: the scene's first, if it has any.
     pub clip: Option<ClipName>,
     /// The clip repeats.
@@ -252,9 +256,9 @@ pub struct PinRegion {
     /// lattice's box.
     pub radius: f64,
     /// How firmly it moves as one piece, 0..=1.
-    pub grip: f64,
-    /// How stiff it is at the pin; 1 at the rim.
-    pub starch: f64,
+    pub rigidity: f64,
+    /// Multiplier of the stiffness at the pin; 1 at the rim.
+    pub stiffness: f64,
 }
 
 /// An entry of `[[layer.stiffness]]`; entries that meet multiply.

@@ -18,6 +18,8 @@ pub struct TemplateFacts {
     pub clips: Vec<ClipFact>,
     /// Names of the nodes that carry meshes.
     pub mesh_nodes: Vec<String>,
+    /// Names of nodes of which a character pack has several in one place, such as weapons: candidates for `hide`.
+    pub spare_nodes: Vec<String>,
     /// First and last frame.
     pub frames: [i32; 2],
     /// Frames a second.
@@ -44,6 +46,9 @@ pub struct ClipFact {
     pub secs: f64,
 }
 
+/// Clips on a line of a comment.
+const CLIPS_PER_LINE: usize = 5;
+
 /// At most this many names are listed in a comment.
 const LISTED_NAMES: usize = 12;
 
@@ -63,6 +68,7 @@ fn head(scene_file: &str, facts: &TemplateFacts) -> String {
     let scene = quoted(scene_file);
     let camera = camera(facts);
     let clips = clips(facts);
+    let hide = hide(facts);
     let rate = facts.rate;
     format!(
         "## A shot of pinwarp: a scene, its frames, and layers whose pins bend what the camera sees.
@@ -71,7 +77,7 @@ fn head(scene_file: &str, facts: &TemplateFacts) -> String {
 version = 1
 scene   = {scene}
 {camera}
-{clips}
+{hide}{clips}
 frames  = {{ first = {first}, last = {last}, rate = {rate} }}
 size    = [{width}, {height}]
 {pixel_aspect}samples = 16                              # more: smoother edges and blur, slower
@@ -110,13 +116,32 @@ frames  = {{ first = {first}, last = {last}, rate = {rate} }}
     )
 }
 
+/// What a shot of a scene without cameras can say.
+const NO_CAMERA: &str = "## The scene has no camera: one that shows the whole scene is used. Others:
+##        camera = \"front\", or back, left, right, top, bottom, three-quarter
+# camera = { look_at = [0.0, 1.0, 0.0], distance = 4.0, yaw = 30, pitch = 10, fov = 30 }";
+
 fn camera(facts: &TemplateFacts) -> String {
     match facts.cameras.as_slice() {
         [] if facts.has_camera => "## The scene's first camera is used.".to_owned(),
-        [] => "## The scene has no camera: it is framed automatically.".to_owned(),
+        [] => NO_CAMERA.to_owned(),
         [only] => format!("camera  = {}", quoted(only)),
         [first, ..] => format!("## Cameras: {}\ncamera  = {}", listed(&facts.cameras), quoted(first)),
     }
+}
+
+/// What of a pack could be hidden; nothing where there is nothing to choose.
+fn hide(facts: &TemplateFacts) -> String {
+    if facts.spare_nodes.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = facts.spare_nodes.iter().map(|name| quoted(name)).collect();
+    format!(
+        "## Several things hang in one place, as in packs of characters; those listed here are not drawn. `show` brings back:\n\
+         # hide = [{}]\n# show = [{}]\n",
+        names.join(", "),
+        names[0]
+    )
 }
 
 fn clips(facts: &TemplateFacts) -> String {
@@ -124,13 +149,12 @@ fn clips(facts: &TemplateFacts) -> String {
         return "## The scene has no animation; pins can move all the same.".to_owned();
     }
     let clip = |clip: &ClipFact| format!("{} ({:.2} s)", quoted(&clip.name), clip.secs);
-    let mut clips: Vec<String> = facts.clips.iter().take(LISTED_NAMES).map(clip).collect();
-    if facts.clips.len() > LISTED_NAMES {
-        clips.push("...".to_owned());
-    }
+    let clips: Vec<String> = facts.clips.iter().map(clip).collect();
+    // All of them: they are what a shot is chosen from.
+    let lines: Vec<String> = clips.chunks(CLIPS_PER_LINE).map(|clips| clips.join(", ")).collect();
     format!(
         "## Clips: {}; the first is used.\n## In frames: clip = \"..\", clip_start = 1, loop = true.",
-        clips.join(", ")
+        lines.join(",\n##        ")
     )
 }
 
@@ -164,7 +188,7 @@ lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
   # name   = \"pin1\"
   # anchor = {{ screen = [{center:?}, 0.5], frame = {first} }}      # follows the surface seen there in frame {first}
   # unit   = \"frame\"                         # or \"box\": offsets in sizes of the lattice's box
-  # region = {{ radius = 0.1, grip = 1.0, starch = 1.0 }}          # takes what is around it along as one piece, stiffens it
+  # region = {{ radius = 0.1, rigidity = 1.0, stiffness = 1.0 }}   # takes what is around it along as one piece, stiffens it
   # keys   = [ {{ frame = {first}, offset = [0.0, 0.0], ease = {{ bezier = [0.4, 0.0, 0.2, 1.0] }} }},{later} ]
 
   ## Parts that keep their shape more than the rest: nodes, a material, or a channel of the vertex colours (\"r\").

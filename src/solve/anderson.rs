@@ -1,12 +1,12 @@
 //! Anderson acceleration of a fixed-point iteration (Y. Peng et al., "Anderson Acceleration for Geometry Optimization
 //! and Physics Simulation", 2018).
 //!
-//! In: a state and its plain successor. Out: a better successor, from the last few steps.
+//! In: a state and its plain successor. Out: an accelerated successor, from the last few steps.
 
-/// Most steps remembered.
-const MOST: usize = 12;
+/// Maximum number of stored steps.
+const MAX_WINDOW: usize = 12;
 
-/// Remembers steps; all vectors are flat and as long as the state.
+/// History of steps; all vectors are flat and as long as the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Anderson {
     window: usize,
@@ -16,23 +16,23 @@ pub(crate) struct Anderson {
 }
 
 impl Anderson {
-    /// Remembers up to `window` steps (at most twelve); 0 accelerates nothing.
+    /// Stores up to `window` steps (at most twelve); 0 disables acceleration.
     pub(crate) fn new(window: usize) -> Self {
-        Self { window: window.min(MOST), differences: Vec::new(), last: None }
+        Self { window: window.min(MAX_WINDOW), differences: Vec::new(), last: None }
     }
 
-    /// Whether a next step is another than the plain one.
-    pub(crate) fn knows_steps(&self) -> bool {
+    /// Whether the next step will differ from the plain one.
+    pub(crate) fn has_history(&self) -> bool {
         self.window > 0 && self.last.is_some()
     }
 
-    /// Forgets all steps.
+    /// Clears the history.
     pub(crate) fn reset(&mut self) {
         self.differences.clear();
         self.last = None;
     }
 
-    /// Overwrites `successor`, the plain one of `state`, by the accelerated one.
+    /// Replaces `successor`, the plain one of `state`, by the accelerated one.
     pub(crate) fn step<const D: usize>(&mut self, state: &[[f64; D]], successor: &mut [[f64; D]]) {
         if self.window == 0 {
             return;
@@ -46,30 +46,30 @@ impl Anderson {
             let difference = |now: &[f64], before: &[f64]| now.iter().zip(before).map(|(a, b)| a - b).collect();
             self.differences.push([difference(&residual, &last_residual), difference(&plain, &last_plain)]);
         }
-        let shares = self.shares(&residual);
-        for ([_, step], share) in self.differences.iter().zip(shares) {
+        let coefficients = self.coefficients(&residual);
+        for ([_, step], share) in self.differences.iter().zip(coefficients) {
             successor.as_flattened_mut().iter_mut().zip(step).for_each(|(x, dx)| *x -= share * dx);
         }
         self.last = Some([residual, plain]);
     }
 
     /// θ that minimises ‖F − Σ θ_k ΔF_k‖: normal equations of unit columns, by Cholesky from the newest column on;
-    /// a column that depends on newer ones gets no share.
-    fn shares(&self, residual: &[f64]) -> [f64; MOST] {
+    /// a column that depends linearly on newer ones gets the coefficient 0.
+    fn coefficients(&self, residual: &[f64]) -> [f64; MAX_WINDOW] {
         let count = self.differences.len();
         let column = |k: usize| &self.differences[count - 1 - k][0];
-        let mut lower = [[0.0; MOST]; MOST];
-        let (mut units, mut shares) = ([0.0; MOST], [0.0; MOST]);
+        let mut lower = [[0.0; MAX_WINDOW]; MAX_WINDOW];
+        let (mut units, mut shares) = ([0.0; MAX_WINDOW], [0.0; MAX_WINDOW]);
         for k in 0..count {
-            let length = product(column(k), column(k)).sqrt();
+            let length = dot(column(k), column(k)).sqrt();
             units[k] = if length > 0.0 { 1.0 / length } else { 0.0 };
             for j in 0..=k {
                 let known: f64 = (0..j).map(|m| lower[k][m] * lower[j][m]).sum();
-                let left = product(column(k), column(j)) * units[k] * units[j] - known;
+                let left = dot(column(k), column(j)) * units[k] * units[j] - known;
                 lower[k][j] = if j < k { left * lower[j][j] } else { inverse_root(left) };
             }
             let known: f64 = (0..k).map(|m| lower[k][m] * shares[m]).sum();
-            shares[k] = (product(column(k), residual) * units[k] - known) * lower[k][k];
+            shares[k] = (dot(column(k), residual) * units[k] - known) * lower[k][k];
         }
         for k in (0..count).rev() {
             let known: f64 = (k + 1..count).map(|m| lower[m][k] * shares[m]).sum();
@@ -79,13 +79,13 @@ impl Anderson {
     }
 }
 
-/// 1/√x, or 0 where a unit column has nothing left of its own.
+/// 1/√x, or 0 where a unit column is linearly dependent.
 fn inverse_root(x: f64) -> f64 {
     if x > 1e-10 { 1.0 / x.sqrt() } else { 0.0 }
 }
 
-/// a·b, eight numbers side by side.
-fn product(a: &[f64], b: &[f64]) -> f64 {
+/// a·b with eight partial sums.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
     for (a, b) in a.iter().zip(b) {

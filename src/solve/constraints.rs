@@ -1,118 +1,164 @@
-//! Hard pins: rows that hold exactly, whatever the rest of the energy says.
+//! Hard constraints: rows of pins and moved handles that hold exactly.
 //!
 //! In: the factored matrix A, and C, the rows of full weight of pins and moved handles.
 //! Out: after every linear solve P ← P + A⁻¹Cᵀ (C A⁻¹ Cᵀ)⁺ (d − C P), the solution of the KKT system
 //! (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 16.2, the Schur-complement method).
 
-use super::matrix::{Factor, pseudo_inverse};
-use super::solver::Terms;
-use super::{PinHold, PointPin, Settings};
+use super::cancel::{Cancel, Cancelled};
+use super::linalg::factorization::Factorization;
+use super::linalg::normal_matrix::NormalMatrix;
+use super::linalg::pseudo_inverse::PseudoInverse;
+use super::overdetermined::{Limits, Overdetermined};
+use super::problem::PointPin;
+use super::settings::{PinHold, Settings};
+use super::terms::Terms;
 
-/// Directions of C A⁻¹ Cᵀ below this part of its largest are not forced. A holds the rows at the weight of the pins
-/// already, so only what would cost the shape ten thousand times as much as a pin pays falls below: pins closer than
+/// Directions of C A⁻¹ Cᵀ below this part of the largest eigenvalue are not enforced. A contains the rows at the weight of the pins
+/// already, so only directions that cost ten thousand times as much shape energy as pin energy fall below: pins closer than
 /// about 1e-5 of the box, and more pins in a cell than it has handles.
 const CUTOFF: f64 = 1e-4;
 
-/// Part of a row's direction that must be left out before the row is told to be in conflict.
-const SHARE: f64 = 1e-3;
+/// Part of a row's direction that must be left out before the row counts as in conflict.
+const MIN_CONFLICT: f64 = 1e-3;
 
-/// A row that holds exactly.
+/// A row that is enforced exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Held {
-    /// Row of the pins' terms, and the pin it belongs to.
+enum ConstraintRow {
+    /// Row of the pin terms, and the pin it belongs to.
     Pin { row: usize, pin: usize },
     /// Entry of the moved handles.
     Handle { row: usize },
 }
 
-/// Who holds a row that another row contradicts.
+/// The pin or moved handle that a constraint row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Holder {
+pub enum ConstraintOwner {
     /// A pin, by index.
     Pin(usize),
     /// An entry of the moved handles.
     Handle(usize),
 }
 
-/// All rows that hold exactly, with what enforces them.
+/// All rows that are enforced exactly, and the operator that does it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Constraints {
-    held: Vec<Held>,
-    /// A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺, #rows times #handles: how the handles answer to a miss of 1.
-    answers: Vec<f64>,
-    /// The row of another pin or handle that a row depends on most, where they cannot all hold; its own number where only
-    /// rows of its own pin stand against it.
-    partners: Vec<Option<usize>>,
+    held: Vec<ConstraintRow>,
+    correction: Correction,
+    /// For a row in conflict, the row of another pin or handle that it depends on most; its own index where only
+    /// rows of the same pin contradict it.
+    rivals: Vec<Option<usize>>,
+}
+
+/// Correction of the handles for given residuals of the rows.
+#[derive(Clone, Debug)]
+enum Correction {
+    /// A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺, #rows times #handles.
+    ByRow(Vec<f64>),
+    /// For many rows the factors (C A⁻¹ Cᵀ)⁺ and A⁻¹Cᵀ: forming their product would cost more than it saves.
+    Factored { inverse: Vec<f64>, responses: Vec<f64> },
+    /// For more rows than handles: #handles², acts on Cᵀ times the residuals, see [`Overdetermined`].
+    ByHandle(Vec<f64>),
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self::ByRow(Vec::new())
+    }
 }
 
 impl Constraints {
-    /// The rows of full weight, eliminated once.
+    /// Eliminates the rows of full weight.
     pub(crate) fn new<const D: usize>(
-        factor: &Factor,
-        (terms, handle_count): (&Terms<D>, usize),
+        (normal, factor): (&NormalMatrix, &Factorization),
+        terms: &Terms<D>,
         pins: &[PointPin<D>],
         settings: &Settings,
-    ) -> Self {
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let held = match settings.pin_hold {
             PinHold::Soft => Vec::new(),
-            PinHold::Hard => held_rows(pins, terms.handles.len()),
+            PinHold::Hard => constraint_rows(pins, terms.handles.len()),
         };
         if held.is_empty() {
-            return Self::default();
+            return Ok(Self::default());
         }
-        let mut responses = vec![0.0; held.len() * handle_count];
-        for (rows, columns) in held.chunks(D).zip(responses.chunks_mut(D * handle_count)) {
-            respond(factor, terms, rows, columns);
-        }
-        let schur: Vec<f64> = responses
-            .chunks_exact(handle_count)
-            .flat_map(|column| held.iter().map(|row| row.entries(terms).iter().map(|&(h, c)| c * column[h]).sum()))
-            .collect();
-        let (inverse, dropped) = pseudo_inverse(&schur, held.len(), CUTOFF);
-        let mut answers = vec![0.0; responses.len()];
-        for (answer, factors) in answers.chunks_exact_mut(handle_count).zip(inverse.chunks_exact(held.len())) {
-            for (factor, response) in factors.iter().zip(responses.chunks_exact(handle_count)) {
-                answer.iter_mut().zip(response).for_each(|(slot, x)| *slot += factor * x);
+        if held.len() > normal.size {
+            let rows: Vec<&[(usize, f64)]> = held.iter().map(|row| row.entries(terms)).collect();
+            let owner = |row: usize| match held[row] {
+                ConstraintRow::Pin { pin, .. } => pin,
+                ConstraintRow::Handle { row } => pins.len() + row,
+            };
+            let limits = Limits { cutoff: CUTOFF, conflict: MIN_CONFLICT };
+            if let Some(Overdetermined { correction, rivals }) =
+                Overdetermined::new(normal, (&rows, &owner), limits, cancel)?
+            {
+                return Ok(Self { held, correction: Correction::ByHandle(correction), rivals });
             }
         }
-        Self { partners: partners(&dropped, &held), held, answers }
+        let responses = responses(factor, terms, (&held, normal.size), cancel)?;
+        let schur: Vec<f64> = responses
+            .chunks_exact(normal.size)
+            .flat_map(|column| held.iter().map(|row| row.entries(terms).iter().map(|&(h, c)| c * column[h]).sum()))
+            .collect();
+        let PseudoInverse { inverse, dropped } = PseudoInverse::new(&schur, held.len(), CUTOFF, cancel)?;
+        let correction = if held.len() > MAX_MULTIPLIED {
+            Correction::Factored { inverse, responses }
+        } else {
+            Correction::ByRow(product(&inverse, &responses, held.len()))
+        };
+        Ok(Self { rivals: rivals(&dropped, &held), held, correction })
     }
 
-    /// Brings the handles of a linear solve onto all rows. `misses` is scratch space.
+    /// Corrects the handles of a linear solve so that all rows hold. `residuals` is scratch space.
     pub(crate) fn enforce<const D: usize>(
         &self,
         terms: &Terms<D>,
-        misses: &mut Vec<[f64; D]>,
+        residuals: &mut Vec<[f64; D]>,
         handles: &mut [[f64; D]],
     ) {
-        misses.clear();
-        misses.extend(self.held.iter().map(|row| row.miss(terms, handles)));
-        for (answer, miss) in self.answers.chunks_exact(handles.len().max(1)).zip(misses) {
-            for (handle, factor) in handles.iter_mut().zip(answer) {
-                (0..D).for_each(|d| handle[d] -= factor * miss[d]);
+        residuals.clear();
+        residuals.extend(self.held.iter().map(|row| row.residual(terms, handles)));
+        match &self.correction {
+            Correction::ByRow(rows) => subtract_product(rows, residuals, handles),
+            Correction::Factored { inverse, responses } => {
+                let mut weights = vec![[0.0; D]; residuals.len()];
+                subtract_product(inverse, residuals, &mut weights);
+                weights.iter_mut().for_each(|weight| *weight = weight.map(|x| -x));
+                subtract_product(responses, &weights, handles);
+            }
+            Correction::ByHandle(rows) => {
+                let mut gathered = vec![[0.0; D]; handles.len()];
+                for (row, residual) in self.held.iter().zip(residuals) {
+                    for &(handle, coefficient) in row.entries(terms) {
+                        (0..D).for_each(|d| gathered[handle][d] += coefficient * residual[d]);
+                    }
+                }
+                subtract_product(rows, &gathered, handles);
             }
         }
     }
 
-    /// The other pin or handle that keeps a pin from its target; the pin itself where its own rows do.
-    pub(crate) fn rival(&self, pin: usize) -> Option<Holder> {
-        let mut rivals = self.rows_of(pin).filter_map(|row| Some(self.held[self.partners[row]?].holder()));
-        let first = rivals.next()?;
-        Some(std::iter::once(first).chain(rivals).find(|rival| *rival != Holder::Pin(pin)).unwrap_or(first))
+    /// The pin or handle that contradicts a pin; the pin itself where its own rows contradict each other.
+    pub(crate) fn rival(&self, pin: usize) -> Option<ConstraintOwner> {
+        let mut owners = self.rows_of(pin).filter_map(|row| Some(self.held[(*self.rivals.get(row)?)?].owner()));
+        let first = owners.next()?;
+        Some(std::iter::once(first).chain(owners).find(|owner| *owner != ConstraintOwner::Pin(pin)).unwrap_or(first))
     }
 
-    fn rows_of(&self, wanted: usize) -> impl Iterator<Item = usize> + '_ {
-        let is_of = move |held: &Held| matches!(held, Held::Pin { pin, .. } if *pin == wanted);
-        (0..self.held.len()).filter(move |&row| is_of(&self.held[row]))
+    /// The rows of a pin: they are contiguous and in the order of the pins.
+    fn rows_of(&self, wanted: usize) -> std::ops::Range<usize> {
+        let is_before = |row: &ConstraintRow, last: usize| matches!(row, ConstraintRow::Pin { pin, .. } if *pin < last);
+        let start = self.held.partition_point(|row| is_before(row, wanted));
+        start..self.held.partition_point(|row| is_before(row, wanted + 1))
     }
 }
 
-impl Held {
-    fn holder(self) -> Holder {
+impl ConstraintRow {
+    fn owner(self) -> ConstraintOwner {
         match self {
-            Self::Pin { pin, .. } => Holder::Pin(pin),
-            Self::Handle { row } => Holder::Handle(row),
+            Self::Pin { pin, .. } => ConstraintOwner::Pin(pin),
+            Self::Handle { row } => ConstraintOwner::Handle(row),
         }
     }
 
@@ -123,7 +169,7 @@ impl Held {
         }
     }
 
-    fn miss<const D: usize>(self, terms: &Terms<D>, handles: &[[f64; D]]) -> [f64; D] {
+    fn residual<const D: usize>(self, terms: &Terms<D>, handles: &[[f64; D]]) -> [f64; D] {
         match self {
             Self::Pin { row, .. } => terms.pins.miss(row, handles),
             Self::Handle { row } => terms.handles.miss(row, handles),
@@ -132,42 +178,79 @@ impl Held {
 }
 
 /// Rows of the pins that have not begun to fade, and of all moved handles.
-fn held_rows<const D: usize>(pins: &[PointPin<D>], handles: usize) -> Vec<Held> {
+fn constraint_rows<const D: usize>(pins: &[PointPin<D>], handles: usize) -> Vec<ConstraintRow> {
     let mut held = Vec::new();
     let mut row = 0;
     for (pin, point) in pins.iter().enumerate() {
-        // A pin that wants a gradient has one row an axis after its own.
+        // A pin that holds a gradient has one additional row per axis.
         let count = 1 + point.gradient.map_or(0, |_| D);
         if point.weight >= 1.0 {
-            held.extend((row..row + count).map(|row| Held::Pin { row, pin }));
+            held.extend((row..row + count).map(|row| ConstraintRow::Pin { row, pin }));
         }
         row += count;
     }
-    held.extend((0..handles).map(|row| Held::Handle { row }));
+    held.extend((0..handles).map(|row| ConstraintRow::Handle { row }));
     held
 }
 
-/// A⁻¹ times up to D rows at once; `columns`: one after the other, #handles each.
-fn respond<const D: usize>(factor: &Factor, terms: &Terms<D>, rows: &[Held], columns: &mut [f64]) {
-    let handle_count = columns.len() / rows.len();
-    let mut right_side = vec![[0.0; D]; handle_count];
-    for (d, row) in rows.iter().enumerate() {
-        row.entries(terms).iter().for_each(|&(handle, coefficient)| right_side[handle][d] += coefficient);
+/// Rows that are solved for together.
+const BATCH: usize = 8;
+
+/// A⁻¹Cᵀ: one column of #handles after the other.
+fn responses<const D: usize>(
+    factor: &Factorization,
+    terms: &Terms<D>,
+    (held, handle_count): (&[ConstraintRow], usize),
+    cancel: &Cancel,
+) -> Result<Vec<f64>, Cancelled> {
+    let mut responses = vec![0.0; held.len() * handle_count];
+    let mut right_side = vec![[0.0; BATCH]; handle_count];
+    for (rows, columns) in held.chunks(BATCH).zip(responses.chunks_mut(BATCH * handle_count)) {
+        right_side.fill([0.0; BATCH]);
+        for (k, row) in rows.iter().enumerate() {
+            row.entries(terms).iter().for_each(|&(handle, coefficient)| right_side[handle][k] += coefficient);
+        }
+        factor.solve(&mut right_side);
+        for (k, column) in columns.chunks_exact_mut(handle_count).enumerate() {
+            column.iter_mut().zip(&right_side).for_each(|(slot, x)| *slot = x[k]);
+        }
+        cancel.check()?;
     }
-    factor.solve(&mut right_side);
-    for (d, column) in columns.chunks_exact_mut(handle_count).enumerate() {
-        column.iter_mut().zip(&right_side).for_each(|(slot, x)| *slot = x[d]);
+    Ok(responses)
+}
+
+/// Maximum number of rows for which the product of inverse and responses is formed.
+const MAX_MULTIPLIED: usize = 128;
+
+/// A square matrix of #rows times a matrix of #rows × #columns, row by row.
+fn product(square: &[f64], other: &[f64], rows: usize) -> Vec<f64> {
+    let columns = other.len() / rows;
+    let mut product = vec![0.0; other.len()];
+    for (sums, factors) in product.chunks_exact_mut(columns).zip(square.chunks_exact(rows)) {
+        for (factor, row) in factors.iter().zip(other.chunks_exact(columns)) {
+            sums.iter_mut().zip(row).for_each(|(slot, x)| *slot += factor * x);
+        }
+    }
+    product
+}
+
+/// Subtracts Σ row · value from the handles; rows are #handles.
+fn subtract_product<const D: usize>(rows: &[f64], values: &[[f64; D]], handles: &mut [[f64; D]]) {
+    for (row, value) in rows.chunks_exact(handles.len().max(1)).zip(values) {
+        for (handle, factor) in handles.iter_mut().zip(row) {
+            (0..D).for_each(|d| handle[d] -= factor * value[d]);
+        }
     }
 }
 
-/// For each row that has a share in the directions left out, the row of another pin or handle it shares most with, or
+/// For each row with a component in the dropped directions, the row of another pin or handle with the largest common component, or
 /// itself where there is none.
-fn partners(dropped: &[f64], held: &[Held]) -> Vec<Option<usize>> {
+fn rivals(dropped: &[f64], held: &[ConstraintRow]) -> Vec<Option<usize>> {
     let of = |(row, shares): (usize, &[f64])| {
-        let others = (0..held.len()).filter(|&other| held[other].holder() != held[row].holder());
-        let others = others.filter(|&other| shares[other].abs() > SHARE);
+        let others = (0..held.len()).filter(|&other| held[other].owner() != held[row].owner());
+        let others = others.filter(|&other| shares[other].abs() > MIN_CONFLICT);
         let nearest = others.reduce(|best, other| if shares[other].abs() > shares[best].abs() { other } else { best });
-        (shares[row] > SHARE).then(|| nearest.unwrap_or(row))
+        (shares[row] > MIN_CONFLICT).then(|| nearest.unwrap_or(row))
     };
     dropped.chunks_exact(held.len().max(1)).enumerate().map(of).collect()
 }
@@ -178,20 +261,24 @@ mod tests {
 
     #[test]
     fn a_pin_is_its_own_rival_only_where_nobody_else_is() {
-        let row = |row: usize, pin: usize| Held::Pin { row, pin };
+        let row = |row: usize, pin: usize| ConstraintRow::Pin { row, pin };
         // Two pins with a place and two axes each; rows along the diagonal share with those named.
-        let held: Vec<Held> = (0..6).map(|k| row(k, k / 3)).collect();
+        let held: Vec<ConstraintRow> = (0..6).map(|k| row(k, k / 3)).collect();
         let mut dropped = vec![0.0; 36];
         let mut share = |a: usize, b: usize, x: f64| [6 * a + b, 6 * b + a].into_iter().for_each(|k| dropped[k] = x);
         [(0, 0, 0.5), (0, 1, 0.4), (0, 4, 0.1), (1, 1, 0.5), (4, 4, 0.1)]
             .into_iter()
             .for_each(|(a, b, x)| share(a, b, x));
-        let constraints = Constraints { partners: partners(&dropped, &held), held: held.clone(), answers: Vec::new() };
-        assert_eq!(constraints.partners, [Some(4), Some(1), None, None, Some(0), None]);
-        assert_eq!([0, 1].map(|pin| constraints.rival(pin)), [Some(Holder::Pin(1)), Some(Holder::Pin(0))]);
+        let constraints =
+            Constraints { rivals: rivals(&dropped, &held), held: held.clone(), correction: Correction::default() };
+        assert_eq!(constraints.rivals, [Some(4), Some(1), None, None, Some(0), None]);
+        assert_eq!(
+            [0, 1].map(|pin| constraints.rival(pin)),
+            [Some(ConstraintOwner::Pin(1)), Some(ConstraintOwner::Pin(0))]
+        );
         let alone: Vec<f64> =
             dropped.iter().enumerate().map(|(k, x)| if k % 6 < 3 && k / 6 < 3 { *x } else { 0.0 }).collect();
-        let constraints = Constraints { partners: partners(&alone, &held), held, answers: Vec::new() };
-        assert_eq!([0, 1].map(|pin| constraints.rival(pin)), [Some(Holder::Pin(0)), None]);
+        let constraints = Constraints { rivals: rivals(&alone, &held), held, correction: Correction::default() };
+        assert_eq!([0, 1].map(|pin| constraints.rival(pin)), [Some(ConstraintOwner::Pin(0)), None]);
     }
 }

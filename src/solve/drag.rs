@@ -1,27 +1,33 @@
-//! Drags: the lattice follows pins from move to move, with the factor of a second derivative that serves for many of them.
+//! Drags: the lattice follows pins from move to move, reusing a factorised second derivative.
 //!
 //! In: a solver, a lattice to start from; then targets, move by move. Out: lattices, at the end a solution.
-//! A move is a step along the tangent of the last state and two or three corrections: each a triangular solve.
+//! A move is a step along the tangent of the last state and two or three corrections, one triangular solve each.
 
-use super::iterate::{Iteration, Run};
-use super::newton::{Finish, Kept};
-use super::solver::{Solver, Targets};
-use super::waypoint::Waypoint;
-use super::{Guard, HandlePin, PointPin, Settings, Solution, SolveError};
+use super::cancel::Cancel;
+use super::error::SolveError;
+use super::minimization::MinimizationResult;
+use super::minimization::{FinalPhase, Minimization};
+use super::newton::CachedFactor;
+use super::problem::{HandlePin, PointPin};
+use super::report::Solution;
+use super::settings::{Guard, Settings};
+use super::solver::{CancellableSolver, Solver};
+use super::targets::Targets;
+use super::terms::TargetTerms;
 use crate::lattice::Lattice;
 use crate::spelling::counted;
 
-/// Most steps of a move with a second derivative at hand.
+/// Maximum number of Newton steps per move.
 const STEPS: usize = 5;
 
-/// Most local-global steps of a move without one, so that it keeps pace with the hand.
+/// Maximum number of local-global steps per move where there is no Newton's method, to keep up with the hand.
 const LOCAL_GLOBAL_STEPS: usize = 14;
 
-/// A move also ends when no handle moves farther than this part of the box diagonal, and a tenth of it is left: a hundredth
+/// A move also ends when no handle moves farther than this part of the box diagonal and a tenth of it remains: a hundredth
 /// of a pixel at 1080 lines.
 const TOLERANCE: f64 = 3e-5;
 
-/// A drag under way. What it gives depends on the way of the pins, where there is more than one rest; a solve does not.
+/// A drag in progress. Where the energy has several minima its result depends on the path of the pins; that of a solve does not.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
@@ -36,7 +42,7 @@ const TOLERANCE: f64 = 3e-5;
 /// for step in 1..=10 {
 ///     pin.target[0] = 0.5 + 0.02 * f64::from(step);
 ///     let lattice = drag.follow(&[pin], &[])?;
-///     assert!((lattice.carry([0.5, 0.9])[0] - pin.target[0]).abs() < 1e-6);
+///     assert!((lattice.evaluate([0.5, 0.9])[0] - pin.target[0]).abs() < 1e-6);
 /// }
 /// assert!(drag.settle(&[pin], &[])?.report.is_converged);
 /// # Ok::<(), pinwarp::solve::SolveError>(())
@@ -45,38 +51,49 @@ const TOLERANCE: f64 = 3e-5;
 pub struct Drag<'a, const D: usize> {
     solver: &'a Solver<D>,
     handles: Vec<[f64; D]>,
-    kept: Kept,
+    factor: CachedFactor,
+    cancel: Option<&'a Cancel<'a>>,
 }
 
 impl<const D: usize> Solver<D> {
-    /// Begins a drag from a lattice, mostly the last solution.
+    /// Starts a drag from a lattice, usually the last solution.
     ///
     /// # Errors
     /// [`SolveError`] where the lattice has another number of handles.
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
-        let (found, wanted) = (from.handles.len(), self.grid().handle_count());
+        let (found, wanted) = (from.handles.len(), self.system().grid().handle_count());
         if found != wanted {
             return Err(SolveError::Invalid {
                 what: format!("the drag starts from {}, the grid has {wanted}", counted(found, "handle", "handles")),
                 hint: "start from a solution of the same solver".into(),
             });
         }
-        Ok(Drag { solver: self, handles: from.handles.clone(), kept: Kept::default() })
+        Ok(Drag { solver: self, handles: from.handles.clone(), factor: CachedFactor::default(), cancel: None })
+    }
+}
+
+impl<'a, const D: usize> CancellableSolver<'a, D> {
+    /// As [`Solver::drag`]. A move that is cancelled leaves the drag where it was.
+    ///
+    /// # Errors
+    /// As [`Solver::drag`].
+    pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'a, D>, SolveError> {
+        Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag(from)? })
     }
 }
 
 impl<const D: usize> Drag<'_, D> {
-    /// Follows the pins of the problem to new targets in a few steps, without a report. Pins arrive at once; the shape
+    /// Follows the pins of the problem to new targets in a few steps, without a report. Pins reach their targets at once; the shape
     /// follows in the same move or, after a jump, within a few (docs/METHOD.md, "Convergence", has how far it lags).
     ///
     /// # Errors
     /// As [`Solver::update`].
     pub fn follow(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Lattice<D>, SolveError> {
-        let settings = Settings { tolerance: TOLERANCE, ..self.solver.settings().clone() };
-        // A factor is made at the beginning of a move or not at all, so that no move takes much longer than others.
-        let factors = usize::from(!self.kept.is_some());
+        let settings = Settings { tolerance: TOLERANCE, ..self.solver.system().settings().clone() };
+        // At most one factorisation per move, at its beginning, so that no move takes much longer than others.
+        let factors = usize::from(!self.factor.is_some());
         self.run(pins, handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
-        Ok(Lattice { grid: self.solver.grid().clone(), handles: self.handles.clone() })
+        Ok(Lattice { grid: self.solver.system().grid().clone(), handles: self.handles.clone() })
     }
 
     /// Follows to the tolerance of the settings, with a report: the end of a drag, or every move of one.
@@ -84,35 +101,42 @@ impl<const D: usize> Drag<'_, D> {
     /// # Errors
     /// As [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
-        let settings = self.solver.settings().clone();
+        let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
         let run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
-        if is_held && (settings.guard == Guard::Report || self.solver.is_safe(&self.handles)) {
-            let goal = Waypoint { pins: pins.to_vec(), handles: handles.to_vec() };
-            return Ok(self.solver.finish(&goal, run, None));
+        if is_held && (settings.guard == Guard::Report || self.solver.system().is_safe(&self.handles)) {
+            let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
+            return Ok(self.solver.system().finish(&goal, run, None));
         }
-        let solution = self.solver.update(pins, handles)?;
+        let never = Cancel::never();
+        let solution = self.solver.with_cancel(self.cancel.unwrap_or(&never)).update(pins, handles)?;
         self.handles.clone_from(&solution.lattice.handles);
         Ok(solution)
     }
 
-    /// Moves on; limits of steps with and without a second derivative, and of new factors.
+    /// One move; limits of the steps with and without Newton's method, and of new factorisations.
     fn run(
         &mut self,
         pins: &[PointPin<D>],
         handles: &[HandlePin<D>],
         (settings, limits, factors): (&Settings, [usize; 2], usize),
-    ) -> Result<Run<D>, SolveError> {
-        let terms = self.solver.retargeted(pins, handles)?;
-        let iteration = self.solver.iteration(&Targets { pins, handles, terms: &terms });
-        let knows_newton = iteration.knows_newton();
-        let settings = Settings { iteration_limit: limits[usize::from(!knows_newton)], ..settings.clone() };
-        let run = if knows_newton {
-            Iteration { settings: &settings, ..iteration }.descend(self.handles.clone(), &mut self.kept, factors)
+    ) -> Result<MinimizationResult<D>, SolveError> {
+        let terms = self.solver.system().retargeted(pins, handles)?;
+        let never = Cancel::never();
+        let targets = TargetTerms { pins, handles, terms: &terms };
+        let minimization = self.solver.system().minimization(&targets, self.cancel.unwrap_or(&never));
+        let has_newton = minimization.has_newton();
+        let settings = Settings { iteration_limit: limits[usize::from(!has_newton)], ..settings.clone() };
+        let run = if has_newton {
+            Minimization { settings: &settings, ..minimization }.newton_from(
+                self.handles.clone(),
+                &mut self.factor,
+                factors,
+            )?
         } else {
-            let finish = if factors > 1 { Finish::Newton } else { Finish::LocalGlobal };
-            Iteration { first: Some(&self.handles), settings: &settings, finish, ..iteration }.run(None)
+            let final_phase = if factors > 1 { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
+            Minimization { initial: Some(&self.handles), settings: &settings, final_phase, ..minimization }.run(None)?
         };
         self.handles.clone_from(&run.handles);
         Ok(run)

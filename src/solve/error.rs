@@ -1,5 +1,6 @@
-//! What can go wrong in a solve.
+//! Errors of the solver.
 
+use super::cancel::Cancelled;
 use crate::lattice::LatticeError;
 
 /// A problem that cannot be solved.
@@ -17,7 +18,7 @@ pub enum SolveError {
     /// The lattice cannot be built.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// Nothing decides where some handles go.
+    /// The matrix is singular: some handles are not constrained.
     #[error("the equations of {what} have no single solution; {hint}")]
     Singular {
         /// Energy and regulariser.
@@ -25,4 +26,13 @@ pub enum SolveError {
         /// How to fix it.
         hint: String,
     },
+    /// The caller asked to stop, see [`super::Cancel`].
+    #[error("the solve was cancelled")]
+    Cancelled,
+}
+
+impl From<Cancelled> for SolveError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

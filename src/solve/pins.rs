@@ -1,21 +1,23 @@
-//! Pins and moved handles as least-squares rows, the rigid motion that fits them best, and what is odd about them.
+//! Pins and moved handles as least-squares rows, the rigid motion that fits them best, and conflicts among them.
 //!
 //! In: pins, handles, settings. Out: rows, a rigid motion, warnings.
 
-use super::rows::RowSet;
-use super::small::{Square, apply, best_rotation, distance, identity, minus};
-use super::{HandlePin, OutsidePins, PointPin, Settings};
+use super::least_squares::LeastSquaresRows;
+use super::linalg::small_matrix::{SquareMatrix, apply, best_rotation, distance, identity, minus};
+use super::problem::{HandlePin, PointPin};
+use super::settings::{OutsidePins, Settings};
 use crate::lattice::Grid;
+use std::collections::BTreeMap;
 
 /// x ↦ R (x − from) + to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rigid<const D: usize> {
-    rotation: Square<D>,
+pub(crate) struct RigidMotion<const D: usize> {
+    rotation: SquareMatrix<D>,
     from: [f64; D],
     to: [f64; D],
 }
 
-impl<const D: usize> Rigid<D> {
+impl<const D: usize> RigidMotion<D> {
     /// Where a point goes.
     pub(crate) fn image(&self, point: &[f64; D]) -> [f64; D] {
         let turned = apply(&self.rotation, &minus(point, &self.from));
@@ -23,11 +25,11 @@ impl<const D: usize> Rigid<D> {
     }
 
     /// Its rotation.
-    pub(crate) fn rotation(&self) -> Square<D> {
+    pub(crate) fn rotation(&self) -> SquareMatrix<D> {
         self.rotation
     }
 
-    /// The motion that brings pins and moved handles nearest to their targets.
+    /// The motion that fits pins and moved handles to their targets best.
     pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
         let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
         let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
@@ -47,7 +49,7 @@ impl<const D: usize> Rigid<D> {
             }
         };
         pairs.iter().for_each(|(rest, now, weight)| add(weight / total, minus(rest, &from), minus(now, &to)));
-        // A wanted gradient says where the axes go, with a lever of a tenth of the box.
+        // A wanted gradient contributes the images of the axes, with a lever of a tenth of the box.
         let lever = 0.01 * grid.diagonal().powi(2);
         for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
             for (axis, image) in gradient.into_iter().enumerate() {
@@ -56,28 +58,37 @@ impl<const D: usize> Rigid<D> {
             }
         }
         let spread: f64 = (0..D).map(|d| s[d].iter().map(|x| x.abs()).sum::<f64>()).sum();
-        // Rounding alone must not choose a direction; and where many are best, the one nearest to no turn is taken.
+        // Rounding must not choose a direction; where many rotations are best, the smallest one is taken.
         let noise = 1e-13 * grid.diagonal().powi(2);
         (0..D).for_each(|d| s[d][d] += 1e-12 * spread + noise);
         Self { rotation: best_rotation(&s), from, to }
     }
 }
 
-/// Rows of the pins, λmp = 1 (paper, equation 6); pins that want a gradient add one row an axis after their own.
-pub(crate) fn pin_rows<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], settings: &Settings) -> RowSet<D> {
-    let mut rows = RowSet::new();
+/// Rows of the pins, λmp = 1 (paper, equation 6); pins that hold a gradient add one row per axis.
+pub(crate) fn pin_rows<const D: usize>(
+    grid: &Grid<D>,
+    pins: &[PointPin<D>],
+    settings: &Settings,
+) -> LeastSquaresRows<D> {
+    let mut rows = LeastSquaresRows::new();
     pins.iter().for_each(|pin| push_pin(&mut rows, grid, pin, settings));
     rows
 }
 
 /// Adds the rows of one pin.
-pub(crate) fn push_pin<const D: usize>(rows: &mut RowSet<D>, grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) {
+pub(crate) fn push_pin<const D: usize>(
+    rows: &mut LeastSquaresRows<D>,
+    grid: &Grid<D>,
+    pin: &PointPin<D>,
+    settings: &Settings,
+) {
     let at = held_point(grid, pin, settings);
     rows.push(pin.weight, grid.weights(at), held_target(grid, pin, settings));
     for (axis, image) in pin.gradient.iter().flatten().enumerate() {
         let mut row = Vec::new();
-        // Times the box diagonal, which makes the miss of a gradient a length like the miss of a pin.
-        grid.visit(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
+        // Times the box diagonal, so that residuals of gradients are lengths like those of pins.
+        grid.for_each_weight(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
         rows.push(pin.weight, row, image.map(|x| x * grid.diagonal()));
     }
 }
@@ -85,20 +96,20 @@ pub(crate) fn push_pin<const D: usize>(rows: &mut RowSet<D>, grid: &Grid<D>, pin
 /// Where the row of a pin is evaluated.
 pub(crate) fn held_point<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
     match settings.outside_pins {
-        OutsidePins::Nearest => grid.nearest_in_box(pin.at),
+        OutsidePins::Nearest => grid.clamp_to_box(pin.at),
         OutsidePins::Extended => pin.at,
     }
 }
 
-/// Target of a pin's row: outside the box the nearest box point has to make the same displacement.
+/// Target of a pin's row: outside the box the nearest box point gets the same displacement.
 pub(crate) fn held_target<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
     let held = held_point(grid, pin, settings);
     std::array::from_fn(|d| pin.target[d] + (held[d] - pin.at[d]))
 }
 
-/// Sets the targets of [`pin_rows`] anew.
+/// Updates the targets of [`pin_rows`].
 pub(crate) fn retarget<const D: usize>(
-    rows: &mut RowSet<D>,
+    rows: &mut LeastSquaresRows<D>,
     grid: &Grid<D>,
     pins: &[PointPin<D>],
     settings: &Settings,
@@ -115,42 +126,55 @@ pub(crate) fn retarget<const D: usize>(
 }
 
 /// Rows of the moved handles, λgp = 1 (paper, equation 7).
-pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> RowSet<D> {
-    let mut rows = RowSet::new();
+pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> LeastSquaresRows<D> {
+    let mut rows = LeastSquaresRows::new();
     for handle in handles {
         rows.push(1.0, [(handle.index, 1.0)], handle.target);
     }
     rows
 }
 
-/// Pairs of pins on one point with different targets.
+/// Pairs of pins on one point with different targets, by the later pin. Pins are compared along the first axis only with
+/// those that lie within reach, so that many cost little more than few.
 pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>]) -> Vec<[usize; 2]> {
-    let pairs = (0..pins.len()).flat_map(|later| (0..later).map(move |first| [first, later]));
+    let mut order: Vec<usize> = (0..pins.len()).collect();
+    order.sort_by(|&a, &b| pins[a].at[0].total_cmp(&pins[b].at[0]));
+    let mut pairs = Vec::new();
+    for (position, &first) in order.iter().enumerate() {
+        let a = &pins[first];
+        let within = |later: &&usize| pins[**later].at[0] - a.at[0] <= NEAR * grid.diagonal();
+        for &later in order[position + 1..].iter().take_while(within) {
+            let b = &pins[later];
+            if is_near(grid, &a.at, &b.at) && !is_near(grid, &a.target, &b.target) {
+                pairs.push([first.min(later), first.max(later)]);
+            }
+        }
+    }
+    pairs.sort_unstable_by_key(|&[first, later]| [later, first]);
     pairs
-        .filter(|pair| {
-            let [a, b] = pair.map(|index| &pins[index]);
-            is_near(grid, &a.at, &b.at) && !is_near(grid, &a.target, &b.target)
-        })
-        .collect()
 }
 
+/// Points nearer than this part of the box diagonal are one.
+const NEAR: f64 = 1e-9;
+
 fn is_near<const D: usize>(grid: &Grid<D>, a: &[f64; D], b: &[f64; D]) -> bool {
-    distance(a, b) <= 1e-9 * grid.diagonal()
+    distance(a, b) <= NEAR * grid.diagonal()
 }
 
 /// Handles that cannot all be satisfied, in words.
 pub(crate) fn handle_conflicts<const D: usize>(grid: &Grid<D>, handles: &[HandlePin<D>]) -> Vec<String> {
     let mut warnings = Vec::new();
+    let mut entries: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (later, b) in handles.iter().enumerate() {
-        for (first, a) in handles[..later].iter().enumerate() {
-            if a.index == b.index && !is_near(grid, &a.target, &b.target) {
-                warnings.push(format!(
-                    "handle {} is moved twice, to different targets (entries {first} and {later}); \
-                     it goes between them (least squares); remove one of them",
-                    a.index
-                ));
-            }
+        let same = entries.entry(b.index).or_default();
+        for &first in same.iter().filter(|&&first| !is_near(grid, &handles[first].target, &b.target)) {
+            warnings.push(format!(
+                "handle {} is moved twice, to different targets (entries {first} and {later}); it is placed between them \
+                 (least squares); remove one of them",
+                b.index
+            ));
         }
+        same.push(later);
     }
     warnings
 }

@@ -1,18 +1,19 @@
-//! Regularisers: what holds handles that neither pins nor the shape hold.
+//! Regularisers, which determine handles that neither pins nor the shape constrain.
 //!
-//! In: the grid and the handles that are moved by hand. Out: least-squares rows, and for `affine` a projector.
+//! In: the grid and the moved handles. Out: least-squares rows, and for `affine` a projector.
 
-use super::bend::bend;
-use super::matrix::Normal;
-use super::rows::RowSet;
-use super::{Regularizer, Scaling};
+use super::cancel::Cancel;
+use super::least_squares::LeastSquaresRows;
+use super::linalg::normal_matrix::NormalMatrix;
+use super::second_differences::bend;
+use super::settings::{Regularizer, Scaling};
 use crate::lattice::Grid;
 
 /// A regulariser with λgr = 1: least-squares rows, or the distance from the affine images of the rest handles.
 #[derive(Clone, Debug)]
-pub(crate) enum Hold<const D: usize> {
+pub(crate) enum RegularizerTerm<const D: usize> {
     /// Rows.
-    Rows(RowSet<D>),
+    Rows(LeastSquaresRows<D>),
     /// Distance from the affine images.
     Affine(Affine),
 }
@@ -21,14 +22,14 @@ pub(crate) enum Hold<const D: usize> {
 #[derive(Clone, Debug)]
 pub(crate) struct Affine {
     weight: f64,
-    /// Handles not moved by hand.
+    /// Handles that are not moved explicitly.
     free: Vec<usize>,
     /// Orthonormal columns of Q: up to D + 1, #handles each, zero at moved handles.
     columns: Vec<Vec<f64>>,
 }
 
-impl<const D: usize> Hold<D> {
-    /// The regulariser of a grid; `moved` marks handles that are moved by hand.
+impl<const D: usize> RegularizerTerm<D> {
+    /// The regulariser of a grid; `moved` marks handles that are moved explicitly.
     pub(crate) fn new(kind: Regularizer, grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
         match kind {
             Regularizer::Rest => Self::Rows(rest(grid, moved, scaling)),
@@ -38,22 +39,22 @@ impl<const D: usize> Hold<D> {
         }
     }
 
-    /// How far apart handles are, by index, that meet in the matrix; the projector is no part of the band.
-    pub(crate) fn reach(&self) -> usize {
+    /// Largest difference of handle indices that meet in the matrix; the projector is not part of the band.
+    pub(crate) fn bandwidth(&self) -> usize {
         match self {
-            Self::Rows(rows) => rows.reach(),
+            Self::Rows(rows) => rows.bandwidth(),
             Self::Affine(_) => 0,
         }
     }
 
     /// Adds the constant matrix.
-    pub(crate) fn add_normal(&self, scale: f64, normal: &mut Normal) {
+    pub(crate) fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
         match self {
-            Self::Rows(rows) => rows.add_normal(scale, normal),
+            Self::Rows(rows) => rows.add_normal(scale, normal, cancel),
             Self::Affine(affine) => {
                 let weight = scale * affine.weight;
                 affine.free.iter().for_each(|&handle| normal.add(handle, handle, weight));
-                normal.subtract_squares(weight, &affine.columns);
+                normal.downdate(weight, &affine.columns);
             }
         }
     }
@@ -79,8 +80,8 @@ impl Affine {
     fn new<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
         let free: Vec<usize> = (0..moved.len()).filter(|&index| !moved[index]).collect();
         let coordinate = |axis: usize| {
-            // Steps along an axis span the same as coordinates, and are exact wherever the box is.
-            let value = |index: usize| grid.place(index)[axis] as f64;
+            // Indices span the same space as coordinates, and are exact wherever the box is.
+            let value = |index: usize| grid.handle_coords(index)[axis] as f64;
             (0..moved.len()).map(|index| if moved[index] { 0.0 } else { value(index) }).collect::<Vec<f64>>()
         };
         let one = moved.iter().map(|&is_moved| f64::from(u8::from(!is_moved))).collect();
@@ -106,7 +107,7 @@ impl Affine {
     }
 }
 
-/// Adds the part of `column` that is orthogonal to the others (Gram and Schmidt, twice), unless nothing of it is left.
+/// Adds the part of `column` that is orthogonal to the others (Gram-Schmidt, twice), unless it is linearly dependent.
 fn push_orthonormal(columns: &mut Vec<Vec<f64>>, mut column: Vec<f64>) {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let before = product(&column, &column);
@@ -124,7 +125,7 @@ fn push_orthonormal(columns: &mut Vec<Vec<f64>>, mut column: Vec<f64>) {
     }
 }
 
-/// What makes a plain sum of squared distances the mean over `count`, in box diagonals.
+/// Weight that turns a plain sum of squared distances into the mean over `count`, in box diagonals.
 fn weight_of_mean(scaling: Scaling, count: usize, diagonal: f64) -> f64 {
     match scaling {
         Scaling::Plain => 1.0,
@@ -132,11 +133,11 @@ fn weight_of_mean(scaling: Scaling, count: usize, diagonal: f64) -> f64 {
     }
 }
 
-/// Σ ‖P'_i − P⁰_i‖² over handles not moved by hand (paper, equation 8); dimensionless: the mean, in box diagonals.
-fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> RowSet<D> {
+/// Σ ‖P'_i − P⁰_i‖² over handles that are not moved explicitly (paper, equation 8); dimensionless: the mean, in box diagonals.
+fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> LeastSquaresRows<D> {
     let free = moved.iter().filter(|&&is_moved| !is_moved).count();
     let weight = weight_of_mean(scaling, free, grid.diagonal());
-    let mut rows = RowSet::new();
+    let mut rows = LeastSquaresRows::new();
     for index in (0..moved.len()).filter(|&index| !moved[index]) {
         rows.push(weight, [(index, 1.0)], grid.rest_handle(index));
     }
@@ -146,15 +147,15 @@ fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Row
 /// Neighbour offsets of handles: Σ ‖(P'_a − P'_b) − (P⁰_a − P⁰_b)‖² over all grid edges.
 ///
 /// Dimensionless: the mean over edges, each in units of its rest length, which tends to the mean of ‖J − I‖²/D.
-pub(crate) fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> RowSet<D> {
+pub(crate) fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> LeastSquaresRows<D> {
     let counts = (0..D).map(|axis| grid.handle_count() / grid.dims[axis] * (grid.dims[axis] - 1));
     let edges: usize = counts.sum();
-    let mut rows = RowSet::new();
+    let mut rows = LeastSquaresRows::new();
     for axis in 0..D {
-        let (stride, pitch) = (grid.stride(axis), grid.pitch(axis));
+        let (stride, pitch) = (grid.stride(axis), grid.spacing(axis));
         let weight = weight_of_mean(scaling, edges, pitch);
         let offset = std::array::from_fn(|d| if d == axis { pitch } else { 0.0 });
-        for start in (0..grid.handle_count()).filter(|&index| grid.place(index)[axis] + 1 < grid.dims[axis]) {
+        for start in (0..grid.handle_count()).filter(|&index| grid.handle_coords(index)[axis] + 1 < grid.dims[axis]) {
             rows.push(weight, [(start, -1.0), (start + stride, 1.0)], offset);
         }
     }

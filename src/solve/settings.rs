@@ -1,8 +1,60 @@
 //! Settings of a solve: what is minimised, in which units, and when to stop.
 
-use super::{EdgeWeights, Energy, Regularizer};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+
+/// Distortion measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Energy {
+    /// The gradient of the lattice at samples of the model (default); `stroke` for shapes of lines only.
+    Area,
+    /// One rotation per vertex over its one-ring (the paper's).
+    Edge,
+    /// Differential coordinates of the vertices, the paper's equation taken literally; no rigidity inside flat meshes.
+    Vertex,
+    /// One rotation per triangle.
+    Element,
+    /// One rotation per vertex over all edges of its triangles.
+    SpokesAndRims,
+    /// One rotation per point of a line over its neighbours along the line.
+    Stroke,
+}
+
+impl Energy {
+    /// Whether [`EdgeWeights`] apply.
+    #[must_use]
+    pub const fn has_edge_weights(self) -> bool {
+        match self {
+            Self::Edge | Self::Vertex => true,
+            Self::Area | Self::Element | Self::SpokesAndRims | Self::Stroke => false,
+        }
+    }
+}
+
+/// Term that determines handles which nothing else constrains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Regularizer {
+    /// Distance from the rest handles (the paper's E_gr).
+    Rest,
+    /// Offsets of neighbouring handles.
+    Noh,
+    /// Distance from the affine images of the rest handles.
+    Affine,
+    /// Second differences of the handles (default).
+    Bend,
+}
+
+/// Weights of the edges in [`Energy::Edge`] and [`Energy::Vertex`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum EdgeWeights {
+    /// 1 per mesh edge.
+    Uniform,
+    /// Cotangents.
+    Cot,
+}
 
 /// Units of the four terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,16 +65,16 @@ pub enum Scaling {
     Dimensionless,
 }
 
-/// Where [`Energy::Area`] looks at the gradient, and [`Energy::Stroke`] at lines.
+/// Where [`Energy::Area`] samples the gradient, and [`Energy::Stroke`] lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Points that match the model's area, centroid and covariance in every sub-cell; on lines points at even distances.
+    /// Points that match the model's area, centroid and covariance in every sub-cell; on lines evenly spaced points.
     Subcells,
-    /// One point a triangle; on lines their own points. A shape that has none of what the energy looks at has no energy.
+    /// One point per triangle; on lines their own points. A shape without triangles, or lines, has no energy.
     Centroids,
 }
 
-/// The state the iteration starts from.
+/// Initial state of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     /// The rigid motion that brings the pins nearest to their targets.
@@ -31,51 +83,51 @@ pub enum Start {
     Rest,
 }
 
-/// What a pin outside the box holds.
+/// Treatment of pins outside the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutsidePins {
-    /// The nearest box point, moved by the same displacement, as [`crate::lattice::Lattice::warp`] does.
+    /// They hold the nearest box point, with the same displacement, like [`crate::lattice::Lattice::warp`].
     Nearest,
-    /// The polynomial, extended.
+    /// They hold the extended polynomial.
     Extended,
 }
 
-/// How firmly pins of full weight and moved handles hold.
+/// Enforcement of pins of full weight and moved handles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PinHold {
-    /// By their weight: the shape pulls them back a little (the paper's).
+    /// By their weight: the shape pulls them back slightly (the paper's).
     Soft,
-    /// Exactly, wherever they do not contradict each other.
+    /// Exactly, unless they contradict each other.
     Hard,
 }
 
 /// The disc around every pin that stays smooth, so that a pin pulls a bulge and not a spike.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
-    /// Radius as a part of the box diagonal; 0: pins act on their points alone.
+pub struct SmoothingDisc {
+    /// Radius as a fraction of the box diagonal; 0: pins act on their points alone.
     pub radius: f64,
-    /// How firmly the disc keeps its shape, as a multiple of the model's own firmness.
+    /// Weight of the disc, as a multiple of that of the model.
     pub weight: f64,
 }
 
-/// What happens where a lattice would fold.
+/// Handling of folds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Guard {
-    /// The report tells.
+    /// Folds are reported.
     #[default]
     Report,
-    /// Pins and handles stop on their way, before a cell that holds some of the shape folds.
+    /// Pins and handles stop on their path before an active cell folds.
     Limit,
 }
 
-/// Treatment of vertices at equal places, in energies that look at the edges of a mesh.
+/// Treatment of duplicate vertices, in energies over the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EqualVertices {
-    /// One neighbourhood: seams of texture coordinates do not tear.
-    Welded,
+pub enum DuplicateVertices {
+    /// They are merged, so that seams of texture coordinates do not tear.
+    Merged,
     /// The mesh as it is given.
-    Apart,
+    Separate,
 }
 
 /// Weights of the terms (paper, equation 9: λml, λmp, λgp, λgr).
@@ -91,7 +143,7 @@ pub struct Lambdas {
     pub regularizer: f64,
 }
 
-/// Settings of a solve; [`Settings::default`] is the house default, [`Settings::paper`] the paper's preset.
+/// Settings of a solve; [`Settings::default`] is the default of this program, [`Settings::paper`] the paper's preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Distortion measure.
@@ -106,24 +158,24 @@ pub struct Settings {
     pub scaling: Scaling,
     /// Samples of [`Energy::Area`] and [`Energy::Stroke`].
     pub sampling: Sampling,
-    /// First state.
+    /// Initial state.
     pub start: Start,
-    /// How firmly pins and moved handles hold.
+    /// Enforcement of pins and moved handles.
     pub pin_hold: PinHold,
-    /// What stays smooth around a pin.
-    pub disc: Disc,
+    /// The smooth disc around a pin.
+    pub disc: SmoothingDisc,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
     /// Folds.
     pub guard: Guard,
-    /// Vertices at equal places.
-    pub equal_vertices: EqualVertices,
-    /// Most linear solves.
+    /// Duplicate vertices.
+    pub duplicate_vertices: DuplicateVertices,
+    /// Maximum number of linear solves.
     pub iteration_limit: usize,
-    /// Stop when no handle moves farther than this part of the box diagonal; 0 runs to the limit.
+    /// Stop when no handle moves farther than this fraction of the box diagonal; 0 runs to the limit.
     pub tolerance: f64,
-    /// Previous steps that Anderson acceleration looks at, up to the Newton steps at the end (docs/METHOD.md, "Convergence");
-    /// 0: the plain local-global iteration, without either.
+    /// Window of the Anderson acceleration, which precedes Newton steps (docs/METHOD.md, "Convergence");
+    /// 0: the plain local-global iteration without either.
     pub acceleration: usize,
 }
 
@@ -147,13 +199,13 @@ impl Settings {
             scaling: Scaling::Plain,
             start: Start::Rest,
             pin_hold: PinHold::Soft,
-            disc: Disc { radius: 0.0, weight: 0.0 },
+            disc: SmoothingDisc { radius: 0.0, weight: 0.0 },
             acceleration: 0,
             ..Self::default()
         }
     }
 
-    /// The same settings with another regulariser, at the weight that suits it.
+    /// The same settings with another regulariser at its default weight.
     #[must_use]
     pub fn with_regularizer(mut self, regularizer: Regularizer) -> Self {
         self.lambdas.regularizer = match (self.scaling, regularizer) {
@@ -168,11 +220,11 @@ impl Settings {
         self
     }
 
-    /// The same settings with a lattice that resists bending more (above 1) or less: the regulariser's weight times the
-    /// cube of `stiffness`, so that 1 to 10 leads from shapes that follow each pin to one smooth sweep.
+    /// The same settings with a smoother warp (above 1) or a less smooth one: the weight of the regulariser is multiplied by
+    /// the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one smooth deformation.
     #[must_use]
-    pub fn with_stiffness(mut self, stiffness: f64) -> Self {
-        self.lambdas.regularizer *= stiffness.powi(3);
+    pub fn with_smoothness(mut self, smoothness: f64) -> Self {
+        self.lambdas.regularizer *= smoothness.powi(3);
         self
     }
 }
@@ -189,10 +241,10 @@ impl Default for Settings {
             sampling: Sampling::Subcells,
             start: Start::RigidFit,
             pin_hold: PinHold::Hard,
-            disc: Disc { radius: 0.05, weight: 100.0 },
+            disc: SmoothingDisc { radius: 0.05, weight: 100.0 },
             outside_pins: OutsidePins::Nearest,
             guard: Guard::Report,
-            equal_vertices: EqualVertices::Welded,
+            duplicate_vertices: DuplicateVertices::Merged,
             iteration_limit: 200,
             tolerance: 1e-6,
             acceleration: 5,

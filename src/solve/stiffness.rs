@@ -1,10 +1,10 @@
-//! How stiff the shape is where: painted on its triangles, and starched around pins.
+//! Local stiffness of the shape: painted on its triangles, and multiplied by regions of pins.
 //!
-//! In: a shape, pins with regions. Out: multiples of the stiffness 1 that everything has by itself.
+//! In: a shape, pins with regions. Out: stiffness relative to the default of 1.
 
-use super::bend::fade;
-use super::small::{area_of, dot, minus};
-use super::{PointPin, Shape};
+use super::linalg::small_matrix::{area_of, dot, minus};
+use super::problem::{PointPin, Shape};
+use super::second_differences::fade;
 
 impl<const D: usize> Shape<D> {
     /// Stiffness of a triangle.
@@ -12,9 +12,9 @@ impl<const D: usize> Shape<D> {
         self.stiffness.get(triangle).copied().unwrap_or(1.0)
     }
 
-    /// The same shape with the starch of the pins painted on, at the middle of each triangle.
-    pub(crate) fn starched(&self, pins: &[PointPin<D>]) -> Self {
-        if !is_starched(pins) {
+    /// The same shape with the stiffness of the regions of pins multiplied in, at the centroid of each triangle.
+    pub(crate) fn with_region_stiffness(&self, pins: &[PointPin<D>]) -> Self {
+        if !has_stiff_regions(pins) {
             return self.clone();
         }
         let middle = |corners: &[u32; 3]| {
@@ -22,7 +22,7 @@ impl<const D: usize> Shape<D> {
             std::array::from_fn(|d| corners.iter().map(|corner| corner[d]).sum::<f64>() / 3.0)
         };
         let triangles = self.triangles.iter().enumerate();
-        let stiffness = triangles.map(|(k, corners)| self.stiffness_of(k) * starch_at(pins, middle(corners)));
+        let stiffness = triangles.map(|(k, corners)| self.stiffness_of(k) * region_stiffness_at(pins, middle(corners)));
         Self { stiffness: stiffness.collect(), ..self.clone() }
     }
 
@@ -41,18 +41,18 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// Some pin starches its region.
-fn is_starched<const D: usize>(pins: &[PointPin<D>]) -> bool {
-    pins.iter().any(|pin| pin.region.is_some_and(|region| region.starch != 1.0))
+/// Some pin changes the stiffness of its region.
+fn has_stiff_regions<const D: usize>(pins: &[PointPin<D>]) -> bool {
+    pins.iter().any(|pin| pin.region.is_some_and(|region| region.stiffness != 1.0))
 }
 
-/// What the pins multiply the stiffness by at a point: full at a pin, fading to 1 at the rim of its region, and fading
-/// with the pin. Where regions overlap, both count.
-pub(crate) fn starch_at<const D: usize>(pins: &[PointPin<D>], point: [f64; D]) -> f64 {
+/// Product of the stiffness multipliers of all regions at a point: full at a pin, fading to 1 at the rim of its region, and fading
+/// with the pin.
+pub(crate) fn region_stiffness_at<const D: usize>(pins: &[PointPin<D>], point: [f64; D]) -> f64 {
     let regions = pins.iter().filter_map(|pin| Some((pin, pin.region?)));
     let factors = regions.map(|(pin, region)| {
         let away = minus(&point, &pin.at);
-        1.0 + (region.starch - 1.0) * pin.weight.min(1.0) * fade(dot(&away, &away).sqrt() / region.radius)
+        1.0 + (region.stiffness - 1.0) * pin.weight.min(1.0) * fade(dot(&away, &away).sqrt() / region.radius)
     });
     factors.product()
 }

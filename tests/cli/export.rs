@@ -33,7 +33,7 @@ fn warped(setup: &Setup, frame: i32) -> Corners {
     let moment: &Moment = &setup.moment(f64::from(frame)).expect("solved");
     corners_of(&setup.scene, &moment.pose, |part, vertex| {
         let (place, seen) =
-            (moment.pose.parts[part].positions[vertex].0.as_dvec3(), moment.mesh.parts[part].vertices[vertex]);
+            (moment.pose.parts[part].positions[vertex].0.as_dvec3(), moment.mesh().parts[part].vertices[vertex]);
         let solution = setup.owners[part].and_then(|layer| moment.layers[layer].solution.as_ref());
         let by = |lattice: &pinwarp::lattice::ScreenLattice| {
             moment.camera.scene_from_screen_vector(lattice.warp(seen.point()) - seen.point(), seen.w)
@@ -172,7 +172,8 @@ fn the_exported_scene_renders_like_the_warped_one() {
 const BLENDER: &str = r#"
 import bpy, json, runpy, sys
 source, frames, later, out = sys.argv[1], [int(f) for f in sys.argv[2].split(",")], int(sys.argv[3]), sys.argv[4]
-bpy.ops.wm.read_factory_settings(use_empty=True)
+# Scripts meet the cube, light and camera of a new file, and take them out.
+bpy.ops.wm.read_factory_settings(use_empty=not source.endswith(".py"))
 if source.endswith(".py"):
     runpy.run_path(source, run_name="__main__")
 else:
@@ -192,7 +193,8 @@ for frame in frames:
         seen.to_mesh_clear()
 modifiers = sum(modifier.type == "LATTICE" for thing in bpy.data.objects for modifier in thing.modifiers)
 scene = bpy.context.scene
-facts = {"frames": told, "modifiers": modifiers, "camera": scene.camera and scene.camera.name, "end": scene.frame_end}
+default = [thing.name for thing in bpy.data.objects if thing.name in ("Cube", "Light", "Camera")]
+facts = {"default": default, "frames": told, "modifiers": modifiers, "camera": scene.camera and scene.camera.name, "end": scene.frame_end}
 json.dump(facts, open(out, "w"))
 "#;
 
@@ -202,7 +204,9 @@ fn in_blender(bench: &Bench, source: &str, frames: &str, later: i32) -> Option<V
     let later = later.to_string();
     let arguments = [source.as_os_str(), frames.as_ref(), later.as_ref(), out.as_os_str()];
     python::run(&["bpy"], BLENDER, &arguments)?;
-    Some(serde_json::from_slice(&bench.read("blender.json")).expect("JSON"))
+    let facts: Value = serde_json::from_slice(&bench.read("blender.json")).expect("JSON");
+    assert_eq!(facts["default"], serde_json::json!([]), "Blender's default objects are gone");
+    Some(facts)
 }
 
 fn corners_in(told: &Value, frame: i32) -> Corners {

@@ -81,7 +81,10 @@ fn swapped_and_contradicting_landmarks_are_told() {
     assert!(told.contains("cells fold over what is seen"), "{told}");
     bench.write("rivals.csv", b"one,64,36,120,72\nother,64,36,136,72\n");
     let told = bench.run("fit a.png b.png --pairs rivals.csv --overwrite").says(0, &[]).stdout;
-    assert!(told.contains("4.000 px off") && told.contains("landmark 'one' is off: it and 'other' ask"), "{told}");
+    assert!(
+        told.contains("4.000 px off") && told.contains("landmark 'one' is off: it and 'other' over-constrain"),
+        "{told}"
+    );
 }
 
 #[test]

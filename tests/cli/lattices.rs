@@ -76,7 +76,7 @@ fn a_resized_lattice_keeps_the_edit() {
     for k in 0..100 {
         let at = [f64::from(k % 10), f64::from(k / 10)].map(|x| x / 9.0);
         let at = [0, 1].map(|axis| before.grid.lo[axis] + at[axis] * before.grid.size(axis));
-        let (a, b) = (before.carry(at), after.carry(at));
+        let (a, b) = (before.evaluate(at), after.evaluate(at));
         assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12);
     }
     bench.run("resize a.json --dims 5,6,7 -o c.json").says(2, &["layer 'all'", "3 numbers", "2 axes"]);
@@ -94,7 +94,10 @@ fn transfers_that_cannot_be() {
     let still = Bench::with(&square().json(), &format!("{HEAD}{OUTPUT}"));
     still.run("export shot.toml --to lattice-json").says(2, &["no layer is warped", "add pins"]);
     let cases = [
-        (transferred("\"box\"").replace("shot.lattice.json", "gone.json"), &["cannot read", "gone.json"][..]),
+        (
+            transferred("\"box\"").replace("shot.lattice.json", "gone.json"),
+            &["there is no file gone.json", "gone.json"][..],
+        ),
         (transferred("\"bx\""), &["other.toml:11", "layer[0].transfer.fit", "allowed: \"box\", \"as-is\""]),
         (transferred("\"box\"").replace("fit =", "layer = \"al\", fit ="), &["has no layer 'al'", "did you mean"]),
         (

@@ -81,14 +81,12 @@ fn a_device_that_is_not_there() {
 }
 
 #[test]
-fn without_drivers_the_cpu_draws_and_says_so() {
+fn without_drivers_the_cpu_draws() {
     let bench = Bench::new();
     let mut command = bench.command(crate::support::PROGRAM);
     command.env("VK_ICD_FILENAMES", "/nowhere.json").env("VK_DRIVER_FILES", "/nowhere.json");
     let output = command.args(["render", "shot.toml"]).output().expect("the program starts");
-    bench
-        .checked(output)
-        .says(0, &["2 frames on CPU", "note: the CPU draws: no usable Vulkan device", "install a driver"]);
+    bench.checked(output).says(0, &["2 frames on CPU"]);
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn finite_frame(bench: &Bench, name: &str) -> Frame {
 fn missing_scene() {
     let bench = Bench::new();
     std::fs::remove_file(bench.path("tiny.gltf")).expect("it was there");
-    bench.render("").says(2, &["tiny.gltf", "cannot read", "check the path"]);
+    bench.render("").says(2, &["shot.toml:3: scene: there is no file tiny.gltf", "check the path"]);
     assert!(bench.frames().is_empty());
 }
 

@@ -1,6 +1,6 @@
 //! `pinwarp warp`: plates in, plates out, and everything that can be wrong with what it is given.
 
-use crate::support::{Bench, square};
+use crate::support::{Bench, OUTPUT, square};
 use pinwarp::image::{Channel, Frame, Plate, Storage, read_plate, write_picture, write_plate};
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
@@ -163,10 +163,11 @@ fn resume_keeps_what_is_whole() {
     bench.run("warp --shot shot.toml").says(2, &["2 of the frames exist already", "--resume"]);
     let [first, second] = ["out/w.0001.exr", "out/w.0002.exr"].map(|name| bench.read(name));
     bench.write("out/w.0002.exr", &second[..second.len() / 2]);
-    let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frame, 1 kept", "frame 2 ->"]);
+    let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frame, 1 kept", "frame 2 ->", "cut off"]);
     assert!(!ended.stderr.contains("another state"), "{}", ended.stderr);
     assert_eq!([bench.read("out/w.0001.exr"), bench.read("out/w.0002.exr")], [first, second], "the same bytes");
-    bench.run("warp --shot shot.toml --resume --filter nearest").says(0, &["2 of the kept frames", "another state"]);
+    let again = "2 frames are made again (1 to 2): it was made from another state of the shot";
+    bench.run("warp --shot shot.toml --resume --filter nearest").says(0, &["2 frames", again]);
 }
 
 #[test]
@@ -195,9 +196,12 @@ fn what_cannot_be_warped_is_refused() {
         ("warp in/b.####.exr --lattice nowhere.json -o a.####.exr", &["cannot read nowhere.json"]),
         (
             "warp in/b.####.exr --shot shot.toml -o in/b.####.exr --overwrite",
-            &["written over what it is made of", "-o"],
+            &["is read by this job and would be written over", "-o"],
         ),
-        ("warp in/b.####.exr --shot shot.toml -o in/../in/b.%04d.exr", &["written over what it is made of"]),
+        (
+            "warp in/b.####.exr --shot shot.toml -o in/../in/b.%04d.exr",
+            &["is read by this job and would be written over"],
+        ),
         ("warp in/b.####.exr --shot shot.toml -o w.exr", &["no frame counter for 2 frames", "w.####.exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.png", &["cannot hold the channels", ".exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.jpg", &["lose its alpha"]),
@@ -351,4 +355,70 @@ fn a_warp_can_be_undone() {
     let back = columns(&bench.path("back/b.0002.exr"), "depth.Z", |depth| depth == 2.0);
     assert!(back.first().is_some_and(|&first| (27..=29).contains(&first)), "{back:?}");
     assert!(back.last().is_some_and(|&last| (35..=37).contains(&last)), "{back:?}");
+}
+
+/// A PNG of one colour: as small as a file of its size gets.
+fn bomb(path: &Path, size: FrameSize) {
+    let window = size.window();
+    let channel =
+        |name: &str| Channel { name: name.into(), storage: Storage::Half, samples: vec![0.25; window.area()] };
+    let channels = ["R", "G", "B"].map(channel).into();
+    let frame = Frame { display: window, data_window: window, pixel_aspect: 1.0, channels };
+    write_picture(path, &Plate::from_frame(frame)).expect("written");
+}
+
+#[test]
+fn a_frame_that_needs_too_much_memory_fails_alone() {
+    let bench = bench(&SHOT.replace("last = 2", "last = 3"));
+    let large = FrameSize::new(1280, 720);
+    std::fs::copy(bench.path("in/b.0001.exr"), bench.path("in/b.0003.exr")).expect("copied");
+    write_plate(&bench.path("in/b.0002.exr"), &Plate::from_frame(frame(large))).expect("written");
+    let command = "warp --shot shot.toml --max-memory 32M";
+    let words = ["error: frame 2", "b.0002.exr needs about", "32 MB may be used", "--max-memory", "1 FAILED"];
+    bench.run(command).says(1, &words);
+    assert_eq!(bench.frames(), ["w.0001.exr", "w.0003.exr"]);
+    // A clean plate counts too, and so does an STMap.
+    let small = "warp in/b.0001.exr --shot shot.toml --frames 1 -o c.exr --max-memory 16M --overwrite";
+    bench.run(small).says(0, &[]);
+    bench.run(&format!("{small} --clean in/b.0002.exr")).says(1, &["error: frame 1", "needs about"]);
+    bench.run("warp in/b.0001.exr --stmap in/b.0002.exr -o s.exr --max-memory 16M").says(2, &[]);
+    bench.run("warp --shot shot.toml --max-memory much").says(2, &["8G, 512M, 50%"]);
+    // With room for all it goes through.
+    bench.run("warp --shot shot.toml --overwrite --max-memory 2G").says(0, &[]);
+}
+
+#[test]
+fn pictures_that_unpack_to_too_much_are_refused_before_they_are_decoded() {
+    let bench = bench(SHOT);
+    bomb(&bench.path("bomb.png"), FrameSize::new(2560, 1440));
+    let length = std::fs::metadata(bench.path("bomb.png")).expect("written").len();
+    assert!(length < 200_000, "{length}");
+    let of = |image: &str| {
+        format!("version = 1\nimage = {image}\nframes = {{ first = 1, last = 1 }}\n[[layer]]\nname = \"all\"\n{OUTPUT}")
+    };
+    bench.write("bomb.toml", of("\"bomb.png\"").as_bytes());
+    let words = ["bomb.png needs about", "32 MB may be used", "--max-memory"];
+    for command in ["render bomb.toml", "check bomb.toml", "export bomb.toml --to stmap"] {
+        bench.run(&format!("{command} --max-memory 32M")).says(2, &words);
+    }
+    // Each of three would fit alone.
+    for name in ["a", "b", "c"] {
+        bomb(&bench.path(&format!("{name}.png")), FrameSize::new(320, 180));
+    }
+    bench.write("three.toml", of("[\"a.png\", \"b.png\", \"c.png\"]").as_bytes());
+    bench.run("check three.toml --max-memory 10M").says(2, &["c.png needs about"]);
+    bench.run("check three.toml --max-memory 200M").says(0, &[]);
+    // A frame that is too large to be drawn.
+    let huge = square_shot("size = [16384, 16384]");
+    bench.write("huge.toml", huge.as_bytes());
+    bench
+        .run("render huge.toml --device cpu --max-memory 1G")
+        .says(2, &["huge.toml", "size", "16384 x 16384", "may be used"]);
+}
+
+/// A shot of the square, of that size.
+fn square_shot(size: &str) -> String {
+    format!(
+        "version = 1\nscene = \"tiny.gltf\"\nframes = {{ first = 1, last = 1 }}\n{size}\n[[layer]]\nname = \"all\"\n{OUTPUT}"
+    )
 }

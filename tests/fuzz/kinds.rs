@@ -6,7 +6,7 @@ use pinwarp::image::{is_complete, picture_size, read_any, read_any_head, read_me
 use pinwarp::plate::map_of_stmap;
 use pinwarp::pose::{ClipChoice, pose};
 use pinwarp::shot::Shot;
-use pinwarp::solve::problem::{read_figure, run_file};
+use pinwarp::solve::problem_file::{read_figure, run_file};
 use std::path::Path;
 
 /// A kind of file.
@@ -90,8 +90,8 @@ pub(crate) fn lattices() -> Kind {
         let Ok(file) = LatticeFile::read(path) else { return false };
         for layer in &file.layers {
             match &layer.track {
-                Track::Screen(lattices) => _ = lattice_at(lattices, 2.5).displace([0.3, 9.0]),
-                Track::World(lattices) => _ = lattice_at(lattices, 2.5).displace([0.3, 9.0, -4.0]),
+                Track::Screen(lattices) => _ = lattice_at(lattices, 2.5).deform([0.3, 9.0]),
+                Track::World(lattices) => _ = lattice_at(lattices, 2.5).deform([0.3, 9.0, -4.0]),
             }
         }
         true

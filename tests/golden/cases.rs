@@ -67,7 +67,7 @@ fn drawn(mut shot: Shot, frame: i32, device: DeviceChoice) -> Result<Frame, Pipe
     let folder = tempfile::tempdir().expect("a temporary folder");
     shot.output.path = folder.path().join("frame.####.exr");
     let existing = Existing::Refuse;
-    let options = RenderOptions { frames: vec![frame], device, existing, has_preview: false, has_overlay: false };
+    let options = RenderOptions { frames: vec![frame], device, existing, ..RenderOptions::default() };
     let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &|_| {})?;
     assert_eq!((summary.rendered, summary.failed), (1, 0));
     Ok(read_exr(&folder.path().join(format!("frame.{frame:04}.exr"))).expect("the frame is readable"))

@@ -2,8 +2,8 @@
 
 use crate::support::{ALL, metadata, names_in, rect, sample_frame, write};
 use pinwarp::image::{
-    Channel, Compression, Frame, ImageError, Preview, Storage, is_complete, read_exr, read_metadata, write_exr,
-    write_png,
+    Channel, Compression, Frame, ImageError, Plate, PlatePart, Preview, Storage, is_complete, picture_size, read_exr,
+    read_metadata, read_plate, write_exr, write_plate, write_png,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -224,4 +224,49 @@ fn others_may_read_the_frames() {
     write(&path, &sample_frame());
     let mode = |path: &Path| fs::metadata(path).expect("there").permissions().mode();
     assert_eq!(mode(&path), mode(&plain), "the umask decides, as for any file");
+}
+
+#[test]
+fn compressions_that_are_not_read_are_named_and_not_called_damage() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("new.exr");
+    let of = |name: &str| {
+        let channel = Channel { name: "R".into(), storage: Storage::Half, samples: vec![0.5; 64] };
+        let mut part = PlatePart::new(rect(0, 0, 8, 8), vec![channel]);
+        part.name = Some(name.into());
+        part
+    };
+    for parts in [vec![of("one")], vec![of("one"), of("two")]] {
+        write_plate(&path, &Plate::new(rect(0, 0, 8, 8), 1.0, parts)).expect("written");
+        let whole = fs::read(&path).expect("just written");
+        let key = b"compression\0compression\0\x01\0\0\0";
+        let last = whole.windows(key.len()).rposition(|bytes| bytes == key).expect("a compression") + key.len();
+        for (code, name) in [(10, "HTJ2K256"), (11, "HTJ2K32"), (12, "LJ2K"), (13, "ZSTD"), (99, "number 99")] {
+            let mut file = whole.clone();
+            file[last] = code;
+            fs::write(&path, file).expect("written");
+            let error = read_plate(&path).expect_err("not read").to_string();
+            let is_told = error.contains(&format!("its compression ({name}) is not supported yet"));
+            assert!(is_told && error.contains("save it again with ZIP") && !error.contains("damaged"), "{error}");
+            assert!(!is_complete(&path) || code < 12, "{name}");
+            if let Err(error) = picture_size(&path) {
+                assert!(error.to_string().contains(name), "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn dwa_chunks_that_are_stored_as_they_are_are_sound() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("noise.exr");
+    let mut frame =
+        Frame::blank(rect(0, 0, 50, 40), rect(0, 0, 50, 40), &["R", "G", "B"].map(|name| (name, Storage::Half)));
+    let noise = |k: usize| (k as u32).wrapping_mul(0x9E37_79B9) ^ ((k as u32) << 7);
+    for (channel, seed) in frame.channels.iter_mut().zip([1, 5000, 90_000]) {
+        let samples = channel.samples.iter_mut().enumerate();
+        samples.for_each(|(k, sample)| *sample = (noise(k * 31 + seed) >> 16) as f32 / 65536.0);
+    }
+    write_exr(&path, &frame, &metadata(), Compression::Dwaa).expect("written");
+    assert_eq!(read_exr(&path).expect("sound").channels.len(), 3);
 }

@@ -7,7 +7,7 @@ mod formulas;
 mod problem;
 
 use formulas::{Terms, rotations_at, terms};
-use pinwarp::solve::problem::{ResultFile, run_text};
+use pinwarp::solve::problem_file::{ResultFile, run_text};
 use problem::{Problem, points};
 use serde_json::{Value, json};
 

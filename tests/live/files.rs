@@ -3,8 +3,8 @@
 use crate::shots::{SIZE, legs};
 use crate::support::{HD, eight_pins};
 use pinwarp::live::{
-    Controls, LiveError, NewShot, OwnPins, Pin, PinTrack, Shape, ShotShape, Subject, TrackKey, WriteShot, read_shot,
-    warp, write_shot,
+    Controls, LiveError, NewShot, OwnPins, Pin, PinTrack, ShapeSource, ShotShape, Subject, TrackKey, WriteShot,
+    read_shot, warp, write_shot,
 };
 use pinwarp::pipeline::Setup;
 use pinwarp::shot::{Ease, Shot};
@@ -26,6 +26,7 @@ fn tracks(controls: &Controls) -> Vec<PinTrack> {
             name: format!("pin{}", k + 1),
             rest: pin.rest,
             keys: vec![key(1.0, pin, 0.0), key(9.0, pin, 1.0)],
+            region: None,
         })
         .collect()
 }
@@ -52,7 +53,7 @@ fn new_shot(size: FrameSize) -> NewShot<'static> {
 fn a_new_file_solves_to_the_same_lattice() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("new.toml");
-    let mut controls = Controls { stiffness: 2.0, strength: 0.75, dims: [11, 9], ..eight_pins() };
+    let mut controls = Controls { smoothness: 2.0, strength: 0.75, dims: [11, 9], ..eight_pins() };
     controls.pins[1].rotation = Some(-0.4);
     controls.pins[5].scale = Some(1.2);
     let tracks = tracks(&controls);
@@ -70,7 +71,7 @@ fn a_new_file_solves_to_the_same_lattice() {
     let text = std::fs::read_to_string(&path).expect("there");
     write_shot(&job).expect("written again");
     assert_eq!(text, std::fs::read_to_string(&path).expect("there"), "the same is written again");
-    let live = warp(&controls, &Shape::Frame, HD).expect("solves");
+    let live = warp(&controls, &ShapeSource::Frame, HD).expect("solves");
     check_same(&solved(&path, 9), &live.lattice.as_ref().expect("a lattice").handles);
 
     let shape = ShotShape { path, camera: None, layer: None, frame: 9.0, pin_frame: 1, own_pins: OwnPins::LeftOut };
@@ -80,7 +81,7 @@ fn a_new_file_solves_to_the_same_lattice() {
         assert!((read.rest.0 - track.rest.0).length() < 1e-12 && read.keys.len() == 2);
         assert!((read.keys[1].target.0 - track.keys[1].target.0).length() < 1e-12);
     }
-    let again = warp(&read.controls, &Shape::Shot(shape), HD).expect("solves");
+    let again = warp(&read.controls, &ShapeSource::Shot(shape), HD).expect("solves");
     check_same(&again.lattice.as_ref().expect("a lattice").handles, &live.lattice.as_ref().expect("a lattice").handles);
 }
 

@@ -9,6 +9,6 @@ mod warps;
 
 /// A warp that moves nothing.
 fn live_warp_at_rest() -> std::sync::Arc<pinwarp::live::Warp> {
-    use pinwarp::live::{Controls, Shape, warp};
-    warp(&Controls::default(), &Shape::Frame, support::WIDE).expect("solves")
+    use pinwarp::live::{Controls, ShapeSource, warp};
+    warp(&Controls::default(), &ShapeSource::Frame, support::WIDE).expect("solves")
 }

@@ -1,9 +1,10 @@
 //! Pixels of warped pictures: tiles, threads, masks, backgrounds, alpha.
 
 use crate::support::{WIDE, bent, job, noise, picture};
-use pinwarp::live::{Alpha, Controls, LiveError, Render, Shape, render, render_pieces, warp};
+use glam::DVec2;
+use pinwarp::live::{Alpha, Controls, LiveError, Pin, Render, ShapeSource, render, render_pieces, warp};
 use pinwarp::plate::Filter;
-use pinwarp::space::PixelRect;
+use pinwarp::space::{ImagePoint, PixelRect, ScreenPoint};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Samples of a window out of those of a larger one.
@@ -12,7 +13,7 @@ fn cut(plane: &[f32], from: PixelRect, to: PixelRect) -> Vec<f32> {
     (0..to.height as i32).flat_map(|row| plane[start(row)..][..to.width as usize].to_vec()).collect()
 }
 
-/// Windows that cross pages, leave the frame, or are a single pixel.
+/// Windows that cross map_tiles, leave the frame, or are a single pixel.
 const TILES: [PixelRect; 5] = [
     PixelRect { x: 0, y: 0, width: 64, height: 64 },
     PixelRect { x: 600, y: 220, width: 90, height: 60 },
@@ -92,7 +93,7 @@ fn a_picture_can_be_given_up() {
     let job = Render { abort: &abort, ..job(&source, window) };
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let outcome = alone.install(|| render_pieces(&bent(), &job, |_| _ = finished.fetch_add(1, Ordering::Relaxed)));
-    // A thread draws two pages before it asks again.
+    // A thread draws two map_tiles before it asks again.
     let pieces = finished.into_inner();
     assert!(matches!(outcome, Err(LiveError::Aborted)) && pieces == 2, "{outcome:?} after {pieces} pieces");
 }
@@ -167,5 +168,46 @@ fn planes_that_do_not_fit_are_refused() {
     let source = picture(WIDE.window(), &planes, Alpha::Opaque);
     let fault = render(&bent(), &job(&source, WIDE.window())).expect_err("too short");
     assert!(fault.to_string().contains("12 samples"), "{fault}");
-    let _ = warp(&Controls::default(), &Shape::Frame, WIDE).expect("solves");
+    let _ = warp(&Controls::default(), &ShapeSource::Frame, WIDE).expect("solves");
+}
+
+#[test]
+fn what_is_transparent_in_front_of_a_fold_hides_nothing() {
+    // Two pins that change places: the transparent right half comes to lie over the opaque left one.
+    let pins = [[0.8, 0.5, 0.9, 0.0], [1.7, 0.5, -1.1, 0.0], [0.1, 0.5, 0.0, 0.0], [2.3, 0.5, 0.0, 0.0]];
+    let pin = |[x, y, dx, dy]: [f64; 4]| Pin::new(ScreenPoint::new(x, y), ScreenPoint::new(x + dx, y + dy));
+    let controls = Controls { dims: [12, 10], pins: pins.map(pin).to_vec(), ..Controls::default() };
+    let (warp, window) = (warp(&controls, &ShapeSource::Frame, WIDE).expect("solves"), WIDE.window());
+    let is_left = |k: usize| k % 700 < 300;
+    let alpha: Vec<f32> = (0..window.area()).map(|k| f32::from(u8::from(is_left(k)))).collect();
+    let color: Vec<f32> = alpha.iter().map(|alpha| 0.5 * alpha).collect();
+    // Where every fourth point of either half lands, turned-over parts left out.
+    let mut landed = [vec![false; window.area()], vec![false; window.area()]];
+    for k in (0..window.area()).step_by(4).filter(|k| (k % 700).abs_diff(300) > 4) {
+        let at = ImagePoint(DVec2::new((k % 700) as f64 + 0.5, (k / 700) as f64 + 0.5));
+        let (to, gradient) = warp.field.evaluate_with_gradient(WIDE.screen_from_image(at));
+        let to = WIDE.image_from_screen(to).0;
+        if gradient.determinant() > 0.05
+            && to.cmpge(DVec2::splat(2.0)).all()
+            && to.cmplt(DVec2::new(698.0, 288.0)).all()
+        {
+            landed[usize::from(!is_left(k))][to.y as usize * 700 + to.x as usize] = true;
+        }
+    }
+    let both = landed[0].iter().zip(&landed[1]).filter(|(left, right)| **left && **right).count();
+    assert!(both > 100, "the warp folds: {both}");
+    for (kind, filter) in
+        [(Alpha::Premultiplied, Filter::Ewa), (Alpha::Straight, Filter::Ewa), (Alpha::Straight, Filter::Nearest)]
+    {
+        let planes = if kind == Alpha::Straight {
+            [vec![0.5; window.area()], alpha.clone()]
+        } else {
+            [color.clone(), alpha.clone()]
+        };
+        let source = picture(window, &planes, kind);
+        let drawn = render(&warp, &Render { filter, ..job(&source, window) }).expect("rendered");
+        let lost = landed[0].iter().zip(&drawn[1]).filter(|(left, alpha)| **left && **alpha < 0.5).count();
+        let all = landed[0].iter().filter(|left| **left).count();
+        assert!(lost * 200 <= all, "{kind:?} {filter:?}: {lost} of {all} pixels are lost");
+    }
 }

@@ -1,6 +1,6 @@
 //! Shapes from shot files: lattices follow the model, pins stick to it, the shot's own pins act.
 
-use pinwarp::live::{Controls, LiveError, OwnPins, Pin, Shape, ShotShape, warp};
+use pinwarp::live::{Controls, LiveError, OwnPins, Pin, ShapeSource, ShotShape, Warning, warp};
 use pinwarp::pipeline::Setup;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, ScreenPoint};
@@ -21,14 +21,14 @@ fn a_shots_own_pins_act_as_in_the_program() {
     let cold = setup.exposed(7).expect("solves");
     let cold = &cold.layers[0].solution.as_ref().expect("pins act").lattice;
     let controls = Controls { dims: [10, 8], ..Controls::default() };
-    let live = warp(&controls, &Shape::Shot(shape.clone()), SIZE).expect("solves");
+    let live = warp(&controls, &ShapeSource::Shot(shape.clone()), SIZE).expect("solves");
     let live = live.lattice.as_ref().expect("a lattice");
     assert_eq!(cold.grid, live.grid);
     for (a, b) in cold.handles.iter().zip(&live.handles) {
         assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
     }
     let without = ShotShape { own_pins: OwnPins::LeftOut, ..shape };
-    assert!(warp(&controls, &Shape::Shot(without), SIZE).expect("solves").is_identity());
+    assert!(warp(&controls, &ShapeSource::Shot(without), SIZE).expect("solves").is_identity());
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn a_pin_follows_the_animated_surface() {
     let controls = Controls { dims: [10, 8], pins: vec![pin], ..Controls::default() };
     let at = |frame: f64| {
         let shape = ShotShape { own_pins: OwnPins::LeftOut, ..legs(frame) };
-        warp(&controls, &Shape::Shot(shape), SIZE).expect("solves")
+        warp(&controls, &ShapeSource::Shot(shape), SIZE).expect("solves")
     };
     let mut places = Vec::new();
     for frame in [1.0, 9.0, 20.5, 33.0] {
@@ -65,9 +65,9 @@ fn a_pin_follows_the_animated_surface() {
 fn pins_beside_the_model_stay_on_the_screen() {
     let sky = ScreenPoint::new(20.0, 20.0);
     let controls = Controls { dims: [10, 8], pins: vec![Pin::new(sky, sky)], ..Controls::default() };
-    let warp = warp(&controls, &Shape::Shot(legs(9.0)), SIZE).expect("solves");
+    let warp = warp(&controls, &ShapeSource::Shot(legs(9.0)), SIZE).expect("solves");
     assert_eq!(warp.pins[0].rest, sky);
-    assert!(warp.warnings.iter().any(|warning| warning.contains("pin 1: there is no surface")), "{:?}", warp.warnings);
+    assert_eq!(warp.warnings, [Warning::OffModel { pin: 0, at: sky, frame: 1 }]);
 }
 
 /// A triangle whose points lie in a file beside the scene.
@@ -85,7 +85,7 @@ fn a_buffer_that_is_saved_again_is_read_again() {
     save("shot.toml", b"version = 1\nscene = \"scene.gltf\"\nframes = { first = 1, last = 1 }\nsize = [1280, 720]\n");
     let shape = ShotShape { path: folder.path().join("shot.toml"), layer: None, ..legs(1.0) };
     let width = || {
-        let live = warp(&Controls::default(), &Shape::Shot(shape.clone()), SIZE).expect("solves");
+        let live = warp(&Controls::default(), &ShapeSource::Shot(shape.clone()), SIZE).expect("solves");
         let grid = &live.lattice.as_ref().expect("a lattice").grid;
         grid.size(0) / grid.size(1)
     };
@@ -99,8 +99,8 @@ fn a_buffer_that_is_saved_again_is_read_again() {
 
 #[test]
 fn shots_that_do_not_fit_are_refused() {
-    let of = |shape: ShotShape, size| warp(&Controls::default(), &Shape::Shot(shape), size).expect_err("a fault");
-    assert!(matches!(of(legs(1.0), FrameSize::new(720, 720)), LiveError::Shape { .. }));
+    let of = |shape: ShotShape, size| warp(&Controls::default(), &ShapeSource::Shot(shape), size).expect_err("a fault");
+    assert!(matches!(of(legs(1.0), FrameSize::new(720, 720)), LiveError::Aspect { .. }));
     let missing = of(ShotShape { layer: Some("wings".into()), ..legs(1.0) }, SIZE).to_string();
     assert!(missing.contains("'wings'") && missing.contains("legs, body, head"), "{missing}");
     let camera = of(ShotShape { camera: Some("Shotcam".into()), ..legs(1.0) }, SIZE).to_string();

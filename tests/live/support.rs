@@ -1,6 +1,6 @@
 //! What the tests of the core share.
 
-use pinwarp::live::{Alpha, Controls, Picture, Pin, Render, Shape, Warp, warp};
+use pinwarp::live::{Alpha, Controls, Mix, Picture, Pin, Render, ShapeSource, Warp, warp};
 use pinwarp::plate::Filter;
 use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(crate) fn eight_pins() -> Controls {
     Controls { pins: (0..8).map(|k| Pin::new(place(k), target(k))).collect(), ..Controls::default() }
 }
 
-/// A frame that spans several pages, and does not end where they do.
+/// A frame that spans several map_tiles, and does not end where they do.
 pub(crate) const WIDE: FrameSize = FrameSize::new(700, 290);
 
 /// Three pins that bend it.
@@ -25,7 +25,7 @@ pub(crate) fn bent() -> Arc<Warp> {
     let pins = [[0.6, 0.5, 0.15, 0.1], [1.8, 0.5, -0.2, -0.1], [1.2, 0.3, 0.0, 0.0]];
     let pin = |[x, y, dx, dy]: [f64; 4]| Pin::new(ScreenPoint::new(x, y), ScreenPoint::new(x + dx, y + dy));
     let controls = Controls { dims: [12, 10], pins: pins.map(pin).to_vec(), ..Controls::default() };
-    warp(&controls, &Shape::Frame, WIDE).expect("solves")
+    warp(&controls, &ShapeSource::Frame, WIDE).expect("solves")
 }
 
 /// Samples between 0 and 1 that no neighbour predicts.
@@ -39,7 +39,16 @@ pub(crate) fn noise(window: PixelRect, seed: u32) -> Vec<f32> {
 
 /// A job without mask and background.
 pub(crate) fn job<'a>(source: &'a Picture<'a>, window: PixelRect) -> Render<'a> {
-    Render { frame: WIDE, window, source, mask: None, background: None, filter: Filter::Cubic, abort: &|| false }
+    Render {
+        frame: WIDE,
+        window,
+        source,
+        mask: None,
+        background: None,
+        filter: Filter::Cubic,
+        mix: Mix::FULL,
+        abort: &|| false,
+    }
 }
 
 /// Planes as a picture.

@@ -1,7 +1,7 @@
 //! Warps from controls: pins arrive, the engine's own solve is met to the bit, what is kept is kept by content.
 
 use crate::support::{HD, eight_pins};
-use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, Shape, Warp, last_of_alpha, warp};
+use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, ShapeSource, Warning, Warp, last_of_alpha, warp};
 use pinwarp::pipeline::Setup;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
@@ -27,7 +27,7 @@ fn as_shot(controls: &Controls) -> String {
 #[test]
 fn pins_arrive_and_the_border_stays() {
     let controls = eight_pins();
-    let warp = warp(&controls, &Shape::Frame, HD).expect("solves");
+    let warp = warp(&controls, &ShapeSource::Frame, HD).expect("solves");
     for (pin, place) in controls.pins.iter().zip(&warp.pins) {
         assert!((place.moved.0 - pin.target.0).length() * 1080.0 < 0.05, "{pin:?} went to {:?}", place.moved);
         assert_eq!((place.rest, place.target), (pin.rest, pin.target));
@@ -49,8 +49,8 @@ fn a_shot_file_that_says_the_same_has_the_same_bits() {
     // Something else first: what was solved before must not matter.
     let mut other = controls.clone();
     other.pins.iter_mut().for_each(|pin| pin.target.0.x += 0.05);
-    warp(&other, &Shape::Frame, HD).expect("solves");
-    let live = warp(&controls, &Shape::Frame, HD).expect("solves");
+    warp(&other, &ShapeSource::Frame, HD).expect("solves");
+    let live = warp(&controls, &ShapeSource::Frame, HD).expect("solves");
     let live = live.lattice.as_ref().expect("a lattice");
     for (a, b) in cold.handles.iter().zip(&live.handles) {
         assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
@@ -66,7 +66,7 @@ fn nothing_moves_without_a_reason() {
     };
     let weak = Controls { strength: 0.0, ..eight_pins() };
     for controls in [Controls::default(), still, weak] {
-        let warp = warp(&controls, &Shape::Frame, HD).expect("solves");
+        let warp = warp(&controls, &ShapeSource::Frame, HD).expect("solves");
         assert!(warp.is_identity(), "{controls:?}");
         assert_eq!((warp.handles().len(), warp.grid_lines(4).len()), (100, 16));
     }
@@ -74,14 +74,14 @@ fn nothing_moves_without_a_reason() {
 
 #[test]
 fn equal_content_is_one_warp() {
-    let (controls, shape) = (eight_pins(), Shape::Frame);
+    let (controls, shape) = (eight_pins(), ShapeSource::Frame);
     let first = warp(&controls, &shape, HD).expect("solves");
     assert!(Arc::ptr_eq(&first, &warp(&controls.clone(), &shape, HD).expect("solves")));
     // A proxy of the same shape has the same warp.
     assert!(Arc::ptr_eq(&first, &warp(&controls, &shape, FrameSize::new(960, 540)).expect("solves")));
     for change in [
         |controls: &mut Controls| controls.pins[3].target.0.y += 1e-6,
-        |controls: &mut Controls| controls.stiffness = 2.0,
+        |controls: &mut Controls| controls.smoothness = 2.0,
         |controls: &mut Controls| controls.strength = 0.5,
         |controls: &mut Controls| controls.dims = [11, 10],
         |controls: &mut Controls| controls.moved = Moved::Masked,
@@ -108,9 +108,9 @@ fn bending(warp: &Warp) -> f64 {
 fn a_stiffer_lattice_bends_less() {
     let pins = [[0.5, 0.5, 0.0], [0.9, 0.5, 0.1], [1.3, 0.5, 0.0]];
     let pins = pins.map(|[x, y, up]| Pin::new(ScreenPoint::new(x, y), ScreenPoint::new(x, y + up)));
-    let bent = [0.1, 1.0, 3.0, 10.0].map(|stiffness| {
-        let controls = Controls { pins: pins.to_vec(), stiffness, moved: Moved::Masked, ..Controls::default() };
-        bending(&warp(&controls, &Shape::Frame, HD).expect("solves"))
+    let bent = [0.1, 1.0, 3.0, 10.0].map(|smoothness| {
+        let controls = Controls { pins: pins.to_vec(), smoothness, moved: Moved::Masked, ..Controls::default() };
+        bending(&warp(&controls, &ShapeSource::Frame, HD).expect("solves"))
     });
     println!("bending at 0.1, 1, 3, 10: {bent:?}");
     assert!(bent.windows(2).all(|pair| pair[0] >= 0.999 * pair[1]), "{bent:?}");
@@ -127,7 +127,8 @@ fn an_outline_follows_the_alpha() {
     };
     let (left, right) = (disc(100.0), disc(200.0));
     let controls = Controls { pins: eight_pins().pins[..2].to_vec(), ..Controls::default() };
-    let of = |alpha: &[f32]| warp(&controls, &Shape::Coverage(Coverage { window, alpha }), frame).expect("solves");
+    let of =
+        |alpha: &[f32]| warp(&controls, &ShapeSource::Coverage(Coverage { window, alpha }), frame).expect("solves");
     let center = |warp: &Warp| {
         let grid = &warp.lattice.as_ref().expect("a lattice").grid;
         0.5 * (grid.lo[0] + grid.hi[0]) * 180.0
@@ -135,9 +136,10 @@ fn an_outline_follows_the_alpha() {
     assert!((center(&of(&left)) - 100.0).abs() < 2.0 && (center(&of(&right)) - 200.0).abs() < 2.0);
     assert!(Arc::ptr_eq(&of(&left), &of(&left.clone())), "equal alpha in another place in memory");
     let nothing = of(&vec![0.0; window.area()]);
-    assert!(nothing.is_identity() && nothing.warnings[0].contains("alpha is 0"), "{:?}", nothing.warnings);
+    let is_told = |warning: &Warning| matches!(warning, Warning::Text(text) if text.contains("alpha is 0"));
+    assert!(nothing.is_identity() && nothing.warnings.iter().any(is_told), "{:?}", nothing.warnings);
     let short = Coverage { window: PixelRect { height: 100, ..window }, alpha: &left };
-    assert!(matches!(warp(&controls, &Shape::Coverage(short), frame), Err(LiveError::Planes { .. })));
+    assert!(matches!(warp(&controls, &ShapeSource::Coverage(short), frame), Err(LiveError::Planes { .. })));
 }
 
 #[test]
@@ -146,10 +148,10 @@ fn the_last_warp_over_an_alpha_can_be_shown_without_its_pixels() {
     let pin = Pin::new(ScreenPoint::new(0.61, 0.5), ScreenPoint::new(0.73, 0.5));
     let controls = Controls { pins: vec![pin], ..Controls::default() };
     assert!(last_of_alpha(&controls).is_none(), "nothing was solved yet");
-    warp(&controls, &Shape::Frame, frame).expect("solves");
+    warp(&controls, &ShapeSource::Frame, frame).expect("solves");
     assert!(last_of_alpha(&controls).is_none(), "only alpha is remembered");
     for samples in [&[1.0; 64 * 36], &[0.5; 64 * 36]] {
-        let shape = Shape::Coverage(Coverage { window: frame.window(), alpha: samples });
+        let shape = ShapeSource::Coverage(Coverage { window: frame.window(), alpha: samples });
         let solved = warp(&controls, &shape, frame).expect("solves");
         assert!(last_of_alpha(&controls).is_some_and(|last| Arc::ptr_eq(&last, &solved)), "the last one");
     }
@@ -162,9 +164,9 @@ fn faults_are_told() {
     let told = |change: fn(&mut Controls)| {
         let mut controls = eight_pins();
         change(&mut controls);
-        warp(&controls, &Shape::Frame, HD).expect_err("a fault").to_string()
+        warp(&controls, &ShapeSource::Frame, HD).expect_err("a fault").to_string()
     };
-    assert!(told(|c| c.stiffness = 0.0).contains("stiffness of 0"));
+    assert!(told(|c| c.smoothness = 0.0).contains("smoothness of 0"));
     assert!(told(|c| c.strength = f64::NAN).contains("strength"));
     assert!(told(|c| c.pins[4].target.0.x = f64::NAN).contains("pin 5"));
     assert!(told(|c| c.pins[4].scale = Some(0.0)).contains("pin 5"));

@@ -76,7 +76,7 @@ fn a_filter_is_taken_from_files_that_name_one_and_written_into_them() {
 fn buttons_without_a_path_say_what_is_missing() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
-    for (button, missing) in [("readShot", "Shot file"), ("writeShot", "Write to"), ("writeStmaps", "STMaps to")] {
+    for (button, missing) in [("readShot", "Shot file"), ("writeShot", "Write to"), ("writeStmaps", "STMaps folder")] {
         for _again in 0..2 {
             assert_ne!(host.press(node, button), Status::OK, "{button}");
             let said = host.said();
@@ -89,6 +89,45 @@ fn buttons_without_a_path_say_what_is_missing() {
     // A file is no folder.
     host.set(node, "writePath", file.path().join("shot.toml").to_str().expect("plain letters"));
     assert_ne!(host.press(node, "writeShot"), Status::OK);
+    host.finish();
+}
+
+/// Names of the files in a folder, sorted.
+fn names(folder: &std::path::Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder).expect("a folder").map(|file| file.expect("readable").file_name());
+    let mut names: Vec<String> = files.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn stmaps_go_into_a_folder_by_name_and_padding_or_along_a_pattern() {
+    for (values, expected) in [
+        (vec![], ["stmap.0000.exr", "stmap.0001.exr", "stmap.0002.exr"]),
+        (vec![("stmapName", "nose")], ["nose.0000.exr", "nose.0001.exr", "nose.0002.exr"]),
+        // What a host made of an older pattern does not matter then.
+        (vec![("stmapPath", "/nowhere/map.0001.exr")], ["stmap.0000.exr", "stmap.0001.exr", "stmap.0002.exr"]),
+    ] {
+        let folder = folder();
+        let mut host = Host::start(&BOOK, Which::PinWarp);
+        let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+        host.set(node, "stmapFolder", folder.path().to_str().expect("plain letters"));
+        values.iter().for_each(|(id, value)| host.set(node, id, *value));
+        assert_eq!(host.press(node, "writeStmaps"), Status::OK, "{:?}", host.said());
+        assert_eq!(names(folder.path()), expected, "{values:?}");
+        host.finish();
+    }
+    let folder = folder();
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    host.set(node, "stmapPath", folder.path().join("old.##.exr").to_str().expect("plain letters"));
+    assert_eq!(host.press(node, "writeStmaps"), Status::OK, "{:?}", host.said());
+    assert_eq!(names(folder.path()), ["old.00.exr", "old.01.exr", "old.02.exr"]);
+    host.set(node, "stmapFolder", folder.path().to_str().expect("plain letters"));
+    host.set(node, "stmapPadding", 6);
+    host.set(node, "stmapName", "deep/er");
+    assert_ne!(host.press(node, "writeStmaps"), Status::OK);
+    assert!(host.said().last().is_some_and(|said| said.text.contains("deep/er")), "{:?}", host.said());
     host.finish();
 }
 

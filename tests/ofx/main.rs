@@ -10,18 +10,23 @@
 
 mod actions;
 mod buttons;
+mod clicks;
+mod dying;
 mod host;
 mod life;
 mod maps;
 mod overlay;
 mod picture;
 mod pixels;
+mod plates;
 mod preferences;
 mod regions;
+mod rendering;
 mod scales;
 mod strangers;
 mod traps;
 mod unplaced;
+mod warnings;
 
 use host::{Host, Node, Pixels};
 

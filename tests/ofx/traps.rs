@@ -51,7 +51,7 @@ fn settings_out_of_range_are_brought_back_or_refused_in_words() {
             host.destroy(node);
         }
     }
-    for (id, values) in [("stiffness", [f64::NAN, -1.0, 0.0, 1e9]), ("strength", [f64::NAN, f64::INFINITY, 1e9, -1.0])]
+    for (id, values) in [("smoothness", [f64::NAN, -1.0, 0.0, 1e9]), ("strength", [f64::NAN, f64::INFINITY, 1e9, -1.0])]
     {
         for value in values {
             let node = pulled(&mut host, &pixels);

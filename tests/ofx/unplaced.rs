@@ -23,7 +23,7 @@ fn over_alpha_the_lattice_is_drawn_as_it_was_rendered() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
     host.set(node, "shape", 1);
-    host.set(node, "stiffness", 1.25);
+    host.set(node, "smoothness", 1.25);
     let overlay = host.overlay(node, 1.0).expect("there is one");
     let lines = |drawn: &[_]| drawn.len();
     let before = lines(&overlay.draw());

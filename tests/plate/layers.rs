@@ -1,10 +1,10 @@
 //! Layers over the rest: soft mattes, holes and what fills them, ids and depth of what is seen.
 
 use super::support::{channel, layer, plate, samples, shift, warped, window};
-use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, Storage};
+use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, PlatePart, Storage};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpMap, WarpRules, remap_plate, warp_plate};
-use pinwarp::space::PixelRect;
+use pinwarp::space::{FrameSize, PixelRect};
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 24, height: 16 };
 
@@ -265,4 +265,107 @@ fn each_view_of_one_part_has_its_own_mask() {
         let worst = expected.iter().zip(samples(&moved, name)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(worst < 1e-5, "{name}: {worst}");
     }
+}
+
+/// Columns 0, 8, 16 and 24 of the frame go to 0, 16, 8 and 24: the middle turns over, and from 8 to 16 the picture lies over
+/// itself. Left of 12 the right part moved further, so it lies in front.
+fn folded() -> Field {
+    let mut lattice = Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0] }.at_rest();
+    for handle in &mut lattice.handles {
+        handle[0] = [0.0, 1.0, 0.5, 1.5][(handle[0] * 2.0).round() as usize];
+    }
+    Field::of_layer(lattice)
+}
+
+/// Something on the left, nothing on the right, and passes of other layers and parts that have no alpha of their own.
+fn thing_on_the_left(alpha: impl Fn(u32, u32) -> f32) -> Plate {
+    let left = |x: u32, _: u32| f32::from(u8::from(x < 10));
+    let main = vec![
+        channel("A", Storage::Half, FRAME, alpha),
+        channel("R", Storage::Half, FRAME, |x, y| left(x, y) * 2.0),
+        channel("diffuse.R", Storage::Half, FRAME, left),
+        channel("Z", Storage::Float, FRAME, |x, _| if x < 10 { 3.0 } else { EMPTY_DEPTH }),
+        channel("id", Storage::Uint, FRAME, |x, _| f32::from_bits(if x < 10 { 7 } else { 0 })),
+    ];
+    let mut part = PlatePart::new(FRAME, vec![channel("specular.R", Storage::Half, FRAME, left)]);
+    part.name = Some("light".into());
+    Plate::new(FRAME, 1.0, vec![PlatePart::new(FRAME, main), part])
+}
+
+#[test]
+fn a_transparent_part_of_the_picture_hides_nothing_where_the_warp_folds() {
+    let picture = thing_on_the_left(|x, _| f32::from(u8::from(x < 10)));
+    let (moved, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default());
+    // 10 comes from 5 (the thing), from 14 (turned over) and from 17 (nothing, which moved further).
+    for x in [9, 10, 11, 14] {
+        for (name, wanted) in [("A", 1.0), ("R", 2.0), ("diffuse.R", 1.0), ("specular.R", 1.0), ("Z", 3.0)] {
+            assert!((at(&moved, name, x, 8) - wanted).abs() < 1e-3, "{name} at {x}: {}", at(&moved, name, x, 8));
+        }
+        assert_eq!(at(&moved, "id", x, 8).to_bits(), 7, "{x}");
+    }
+    assert!(at(&moved, "A", 22, 8) < 0.1 && at(&moved, "Z", 22, 8) == EMPTY_DEPTH);
+    assert!((80..=8 * 16).contains(&report.folded_pixels), "{}", report.folded_pixels);
+    let warning =
+        report.warnings.iter().find(|warning| warning.contains("folds")).expect("a fold that shows is warned of");
+    assert!(
+        warning.contains("layer \"all\"") && warning.contains(&format!("{} pixels", report.folded_pixels)),
+        "{warning}"
+    );
+}
+
+#[test]
+fn folds_of_what_cannot_be_seen_are_not_warned_of() {
+    let picture = thing_on_the_left(|x, _| f32::from(u8::from(x < 3)));
+    let (_, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default());
+    assert_eq!((report.folded_pixels, &report.warnings), (0, &Vec::new()));
+}
+
+#[test]
+fn light_is_not_doubled_in_folds_of_pictures_without_a_matte() {
+    let opaque = |_: u32, _: u32| 1.0;
+    let none = |_: u32, _: u32| 0.0;
+    let without = plate(FRAME, FRAME, vec![channel("R", Storage::Half, FRAME, |_, _| 0.5)]);
+    let mut pictures = vec![without];
+    for alpha in [opaque, none] {
+        let channels = vec![channel("A", Storage::Half, FRAME, alpha), channel("R", Storage::Half, FRAME, |_, _| 0.5)];
+        pictures.push(plate(FRAME, FRAME, channels));
+    }
+    for (index, picture) in pictures.iter().enumerate() {
+        let (moved, report) = warped(picture, vec![layer("all", folded(), None)], &WarpRules::default());
+        let off: Vec<_> = samples(&moved, "R").iter().enumerate().collect();
+        // The borders that the warp stretches are soft.
+        let off: Vec<_> =
+            off.into_iter().filter(|(at, light)| (1..23).contains(&(at % 24)) && (*light - 0.5).abs() > 1e-3).collect();
+        assert!(off.is_empty(), "{index}: {off:?}");
+        assert!(report.folded_pixels > 80 && report.warnings.len() == 1, "{index}: {:?}", report.warnings);
+    }
+}
+
+#[test]
+fn light_without_alpha_in_a_fold_is_added_to_what_lies_behind() {
+    // The right part glows: it lies in front of the thing on the left, and does not hide it.
+    let picture = plate(
+        FRAME,
+        FRAME,
+        vec![
+            channel("A", Storage::Half, FRAME, |x, _| f32::from(u8::from(x < 10))),
+            channel("R", Storage::Half, FRAME, |x, _| if x < 10 { 1.0 } else { 4.0 }),
+        ],
+    );
+    let moved = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default()).0;
+    assert!((at(&moved, "R", 10, 8) - 5.0).abs() < 1e-2 && (at(&moved, "A", 10, 8) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_map_shows_the_part_of_a_fold_that_can_be_seen() {
+    let frame = FrameSize::new(24, 16);
+    let coverage = |[x, _]: [i32; 2]| f32::from(u8::from((0..10).contains(&x)));
+    let plain = WarpMap::backward(&folded(), frame, FRAME);
+    let showing = WarpMap::backward_showing(&folded(), (frame, FRAME), coverage);
+    let source = |map: &WarpMap| map.source(10, 8).expect("it comes from somewhere")[0];
+    assert!(source(&plain) > 16.0, "nothing lies in front: {}", source(&plain));
+    assert!((source(&showing) - 5.25).abs() < 0.01, "{}", source(&showing));
+    assert!(!showing.folded_pixels.is_empty() && showing.folded_pixels.len() <= plain.folded_pixels.len());
+    let nothing = WarpMap::backward_showing(&folded(), (frame, FRAME), |_| 0.0);
+    assert_eq!((nothing.folded_pixels.len(), nothing.offsets == plain.offsets), (0, true));
 }

@@ -11,7 +11,7 @@ const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 }
 /// A lattice whose handles are moved by `amount` of a pitch.
 fn shaken(basis: Basis, amount: f64) -> Lattice<2> {
     let mut lattice = Grid { dims: [6, 7], basis, lo: [0.4, 0.2], hi: [1.3, 0.8] }.at_rest();
-    let pitch = [0, 1].map(|axis| lattice.grid.pitch(axis));
+    let pitch = [0, 1].map(|axis| lattice.grid.spacing(axis));
     for (k, handle) in lattice.handles.iter_mut().enumerate() {
         handle[0] += amount * pitch[0] * (12.9898 * k as f64).sin();
         handle[1] += amount * pitch[1] * (78.233 * k as f64 + 1.0).sin();
@@ -22,7 +22,7 @@ fn shaken(basis: Basis, amount: f64) -> Lattice<2> {
 /// A lattice whose handles are moved by up to `amount` of a pitch, at random.
 pub(super) fn random(basis: Basis, amount: f64, seed: u32) -> Lattice<2> {
     let mut lattice = Grid { dims: [7, 6], basis, lo: [0.4, 0.2], hi: [1.3, 0.8] }.at_rest();
-    let pitch = [0, 1].map(|axis| lattice.grid.pitch(axis));
+    let pitch = [0, 1].map(|axis| lattice.grid.spacing(axis));
     let mut state = 0x9E37_79B9_7F4A_7C15_u64 ^ u64::from(seed);
     for handle in &mut lattice.handles {
         for (x, pitch) in handle.iter_mut().zip(pitch) {
@@ -45,7 +45,7 @@ fn a_field_is_its_lattice_inside_the_box_and_a_layers_outside_too() {
         for point in places().map(ScreenPoint) {
             let wanted = lattice.warp(point).0;
             assert!((layer.carry(point).0 - wanted).length() < 1e-12);
-            let is_inside = lattice.grid.nearest_in_box(point.0.to_array()) == point.0.to_array();
+            let is_inside = lattice.grid.clamp_to_box(point.0.to_array()) == point.0.to_array();
             assert!(!is_inside || (picture.carry(point).0 - wanted).length() < 1e-12);
         }
     }
@@ -58,7 +58,7 @@ fn gradients_are_slopes_and_inverses_come_back() {
         let both = Field::chain(vec![picture.clone(), layer.clone()]);
         for field in [layer, picture, both, Field::identity()] {
             for point in places() {
-                let (image, gradient) = field.carry_with_gradient(ScreenPoint(point));
+                let (image, gradient) = field.evaluate_with_gradient(ScreenPoint(point));
                 for (axis, column) in [(DVec2::X, gradient.x_axis), (DVec2::Y, gradient.y_axis)] {
                     let [low, high] = [-1e-6, 1e-6].map(|step| field.carry(ScreenPoint(point + axis * step)).0);
                     assert!(((high - low) / 2e-6 - column).length() < 1e-5, "{basis:?} {point}");
@@ -77,12 +77,12 @@ fn around_the_box_of_a_picture_neither_values_nor_slopes_jump() {
         let mut worst: f64 = 0.0;
         for point in places() {
             for (from, to) in [(0.4 - 1e-7, 0.4 + 1e-7), (1.3 - 1e-7, 1.3 + 1e-7)] {
-                let [a, b] = [from, to].map(|x| field.carry_with_gradient(ScreenPoint::new(x, point.y)));
+                let [a, b] = [from, to].map(|x| field.evaluate_with_gradient(ScreenPoint::new(x, point.y)));
                 worst = worst.max((a.0.0 - b.0.0).length()).max((a.1.x_axis - b.1.x_axis).length());
                 worst = worst.max((a.1.y_axis - b.1.y_axis).length());
             }
             for (from, to) in [(0.2 - 1e-7, 0.2 + 1e-7), (0.8 - 1e-7, 0.8 + 1e-7)] {
-                let [a, b] = [from, to].map(|y| field.carry_with_gradient(ScreenPoint::new(point.x, y)));
+                let [a, b] = [from, to].map(|y| field.evaluate_with_gradient(ScreenPoint::new(point.x, y)));
                 worst = worst.max((a.1.x_axis - b.1.x_axis).length()).max((a.1.y_axis - b.1.y_axis).length());
             }
         }

@@ -28,7 +28,7 @@ fn misses(field: &Field, map: &WarpMap) -> Vec<f64> {
 fn is_turned_over(field: &Field, map: &WarpMap, index: u32) -> bool {
     let (x, y) = (map.window.x + (index % map.window.width) as i32, map.window.y + (index / map.window.width) as i32);
     let source = map.source(x, y).expect("it comes from somewhere");
-    field.carry_with_gradient(map.frame.screen_from_image(ImagePoint(DVec2::from(source)))).1.determinant() < -1e-3
+    field.evaluate_with_gradient(map.frame.screen_from_image(ImagePoint(DVec2::from(source)))).1.determinant() < -1e-3
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_map_that_is_a_pixel_off_is_noticed() {
 /// A lattice that is pulled over itself.
 fn pulled_over() -> Field {
     let mut lattice = random(Basis::Bspline, 0.0, 0);
-    let by = 2.6 * lattice.grid.pitch(0);
+    let by = 2.6 * lattice.grid.spacing(0);
     for handle in lattice.handles.iter_mut().filter(|handle| handle[0] < 0.9 && (0.3..0.7).contains(&handle[1])) {
         handle[0] += by;
     }
@@ -88,7 +88,7 @@ fn folds_are_told_where_turned_over_parts_land() {
     let mut landed = vec![false; WINDOW.area()];
     for k in 0..(1600 * 900) {
         let point = ImagePoint(DVec2::new(0.1 * f64::from(k % 1600), 0.1 * f64::from(k / 1600)));
-        let (image, gradient) = field.carry_with_gradient(FRAME.screen_from_image(point));
+        let (image, gradient) = field.evaluate_with_gradient(FRAME.screen_from_image(point));
         let at = FRAME.image_from_screen(image).0.floor() - DVec2::new(f64::from(WINDOW.x), f64::from(WINDOW.y));
         if gradient.determinant() < 0.0 && at.min_element() >= 0.0 && at.x < 201.0 && at.y < 117.0 {
             landed[at.y as usize * 201 + at.x as usize] = true;

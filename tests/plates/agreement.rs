@@ -77,6 +77,7 @@ fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
         frames: FRAMES.into(),
         existing: Existing::Overwrite,
         device: DeviceChoice::Cpu,
+        durability: pinwarp::image::Durability::Cached,
     };
     let tell = |event| {
         if std::env::var_os("SHOW").is_some() {

@@ -41,6 +41,7 @@ fn warp(plate: &Path, shot: Shot) -> (TempDir, Vec<WarpEvent>) {
         frames: Vec::new(),
         existing: Existing::Refuse,
         device: DeviceChoice::Cpu,
+        durability: pinwarp::image::Durability::Cached,
     };
     let events = Mutex::new(Vec::new());
     let tell = |event| events.lock().expect("no test panics while it tells").push(event);
@@ -58,6 +59,7 @@ fn inventory(plate: &Plate) -> Vec<String> {
         lines.extend(part.channels.iter().map(|channel| format!("  {} {:?}", channel.name, channel.storage)));
         let mut texts = part.texts("");
         texts.remove("pinwarp");
+        texts.remove("pinwarpChecksum");
         lines.extend(texts.iter().map(|(name, text)| format!("  {name}: {text}")));
     }
     lines

@@ -5,7 +5,7 @@ use crate::tiny::{Tiny, grid};
 use pinwarp::image::{Frame, is_complete};
 use pinwarp::pipeline::{Event, RenderOptions, Setup, Summary, render_on};
 use pinwarp::raster::cpu::CpuRaster;
-use pinwarp::raster::{Pass, Raster, RasterError, Target};
+use pinwarp::raster::{DeviceClass, Pass, Raster, RasterError, Target};
 use pinwarp::shot::Shutter;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,6 +38,10 @@ impl Faulty {
 impl Raster for Faulty {
     fn name(&self) -> String {
         "faulty".into()
+    }
+
+    fn class(&self) -> DeviceClass {
+        DeviceClass::Cpu
     }
 
     fn max_side(&self) -> u32 {
@@ -95,7 +99,7 @@ fn told(device: &mut dyn Raster, setup: &Setup, cancel_after: usize) -> (Vec<i32
 
 #[test]
 fn a_frame_that_fails_does_not_stop_the_others() {
-    for fails_at in [Step::Start, Step::Draw(1), Step::Draw(4), Step::Draw(12), Step::Finish] {
+    for fails_at in [Step::Start, Step::Draw(1), Step::Draw(4), Step::Draw(7), Step::Finish] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let (_studio, setup) = setup(folder.path());
         let mut device = Faulty { inner: CpuRaster::new(&setup.scene), fails_at, frames: 0, passes: 0 };

@@ -1,6 +1,8 @@
 //! Whole renders through the library: the same bytes whatever the order, pins that move what they should and no more,
 //! motion vectors that point where things go.
 
+#[path = "../support/assets.rs"]
+mod assets;
 #[path = "../support/python.rs"]
 mod python;
 #[path = "../support/tiny.rs"]
@@ -8,11 +10,15 @@ mod tiny;
 
 mod boxes;
 mod cameras;
+mod data;
 mod faults;
 mod layers;
 mod lines;
 mod mattes;
+mod memory;
 mod motion;
+mod normal_maps;
+mod own_cameras;
 mod pictures;
 mod pins;
 mod repeat;

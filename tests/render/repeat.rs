@@ -4,7 +4,7 @@ use crate::support::Studio;
 use pinwarp::image::{Channel, Frame, Storage, read_exr};
 use pinwarp::pipeline::Setup;
 use pinwarp::raster::cpu::CpuRaster;
-use pinwarp::raster::{Pass, Raster, RasterError, Target};
+use pinwarp::raster::{DeviceClass, Pass, Raster, RasterError, Target};
 use pinwarp::shot::Shutter;
 use std::path::PathBuf;
 
@@ -44,6 +44,10 @@ struct Small {
 impl Raster for Small {
     fn name(&self) -> String {
         self.inner.name()
+    }
+
+    fn class(&self) -> DeviceClass {
+        DeviceClass::Cpu
     }
 
     fn max_side(&self) -> u32 {

@@ -49,9 +49,9 @@ fn a_region_keeps_its_shape_and_goes_with_its_pin() {
     let mut studio = sheets();
     let at = [0.47, 0.38];
     let plain = stretch(&studio.setup(), at);
-    studio.shot.layers[0].pins[0].region = Some(PinRegion { radius: 0.45, grip: 1.0, starch: 1.0 });
-    let gripped = stretch(&studio.setup(), at);
-    assert!(plain > 0.01 && gripped.abs() < 0.5 * plain, "{gripped} {plain}");
+    studio.shot.layers[0].pins[0].region = Some(PinRegion { radius: 0.45, rigidity: 1.0, stiffness: 1.0 });
+    let held = stretch(&studio.setup(), at);
+    assert!(plain > 0.01 && held.abs() < 0.5 * plain, "{held} {plain}");
 }
 
 fn refusal(part: StiffPart) -> String {

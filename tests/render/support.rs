@@ -56,6 +56,11 @@ impl Studio {
         Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
+    /// A shot that comes with the program, or is made by the test, in a temporary folder.
+    pub(crate) fn of_shot(shot: Shot) -> Self {
+        Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
     pub(crate) fn scene(&self) -> &Path {
         self.shot.scene().expect("the shots of these tests have scenes")
     }

@@ -47,7 +47,7 @@ fn moves(lattices: &[ScreenLattice]) -> Vec<f64> {
     let points: Vec<[f64; 2]> =
         (0..33).map(|k| [0.74 + 0.06 * f64::from(k % 3), 0.08 + 0.84 * f64::from(k / 3) / 10.0]).collect();
     let moved = |pair: &[ScreenLattice], at: &[f64; 2]| {
-        let [a, b] = [&pair[0], &pair[1]].map(|lattice| lattice.carry(*at));
+        let [a, b] = [&pair[0], &pair[1]].map(|lattice| lattice.evaluate(*at));
         (a[0] - b[0]).hypot(a[1] - b[1])
     };
     lattices.windows(2).map(|pair| points.iter().map(|at| moved(pair, at)).fold(0.0, f64::max)).collect()
@@ -64,7 +64,7 @@ fn a_whole_turn_does_not_jump() {
     }
     // Both ways end at the same targets and at mirrored loops.
     let [left, right] = [360.0, -360.0].map(|degrees| lattices(&strip(degrees, ""), 41..=41).remove(0));
-    let [a, b] = [left.carry([0.8, 0.5]), right.carry([0.8, 0.5])];
+    let [a, b] = [left.evaluate([0.8, 0.5]), right.evaluate([0.8, 0.5])];
     assert!((a[0] + b[0] - 2.0 * 0.8).abs() < 0.02 && (a[0] - b[0]).abs() > 0.05, "{a:?} {b:?}");
 }
 

@@ -87,11 +87,14 @@ fn a_dragged_pin_lands_on_its_pixel_at_its_depth() {
         assert!((state.target - (state.rest + ScreenVector::new(0.2, 0.1))).0.length() < 1e-12);
         // The vertex itself, as it is drawn at 1080 lines.
         let unwarped = moment.camera.project_exact(solved(&moment).pins[0].rest);
-        let corner = moment.mesh.parts[0].vertices[3 * 64];
+        let corner = moment.mesh().parts[0].vertices[3 * 64];
         assert!((corner.point() - state.target).0.length() * 1080.0 < 0.05, "{lens:?}: {:?}", corner.point());
         assert!((corner.depth - unwarped.depth).abs() < 1e-5, "{lens:?}");
         let report = report(&setup, 3, &moment);
-        assert!(report.layers[0].pin_error_px < 0.05 && report.warnings.is_empty(), "{:?}", report.warnings);
+        // A ball that is pulled this far folds, which is warned of; nothing else is.
+        let is_of_folds = |warning: &String| warning.contains("folds over itself");
+        assert!(report.layers[0].pin_error_px < 0.05, "{:?}", report.layers[0]);
+        assert!(report.warnings.iter().all(is_of_folds), "{:?}", report.warnings);
         assert!(report.layers[0].pin_error_metres.is_some_and(|error| error < 1e-5));
     }
 }
@@ -100,7 +103,7 @@ fn a_dragged_pin_lands_on_its_pixel_at_its_depth() {
 fn a_target_is_a_pixel_or_a_point_of_the_scene() {
     let on_screen = Studio::tiny(&seen(sheet(), NEAR), &world_layer(&pin("{ frame = 1, target = [0.3, 0.4] }")));
     let moment = on_screen.setup().moment(1.0).expect("the frame is solved");
-    let corner = moment.mesh.parts[0].vertices[0].point();
+    let corner = moment.mesh().parts[0].vertices[0].point();
     assert!((corner - ScreenPoint::new(0.3, 0.4)).0.length() < 1e-5, "{corner:?}");
     let in_scene = Studio::tiny(&seen(sheet(), NEAR), &world_layer(&pin("{ frame = 1, target = [0.1, 0.2, 0.3] }")));
     let moment = in_scene.setup().moment(1.0).expect("the frame is solved");

@@ -1,20 +1,16 @@
 //! Foreign files: the Khronos samples and a game character. Skipped, and said so, where they are not at hand.
 
+#[path = "../support/skip.rs"]
+mod skip;
+
 use glam::Vec3;
 use pinwarp::pose::{ClipChoice, Pose, pose};
 use pinwarp::scene::{Lens, Scene, load};
 use std::path::{Path, PathBuf};
 
-/// The folder of foreign files; tests that need it are skipped without it.
+/// A foreign file; tests that need it are skipped without it.
 pub(crate) fn shared(file: &str) -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
-    let folder = std::env::var_os("PINWARP_SHARED").map_or_else(|| PathBuf::from(beside), PathBuf::from);
-    let path = folder.join("assets").join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: {file} is not at hand (PINWARP_SHARED)");
-    None
+    skip::shared(&format!("assets/{file}"))
 }
 
 fn load_good(path: &Path) -> Scene {

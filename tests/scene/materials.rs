@@ -145,8 +145,8 @@ fn normal_maps_bring_tangents() {
     assert!(doc.scene().meshes[0].primitives[0].tangents.is_empty());
     doc.json["materials"][0]["normalTexture"] = json!({ "index": 0 });
     let scene = doc.scene();
-    // v falls as y rises in these UVs, so increasing v lies on the other side of the normal and tangent.
-    assert_eq!(scene.meshes[0].primitives[0].tangents, [Vec4::new(1.0, 0.0, 0.0, -1.0); 4]);
+    // v falls as y rises in these UVs, as in an upright image: the bitangent points along +y.
+    assert_eq!(scene.meshes[0].primitives[0].tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
     doc.attribute("TANGENT", "VEC4", &[0.0, 2.0, 0.0, 1.0].repeat(4));
     let scene = doc.scene();
     assert_eq!(scene.meshes[0].primitives[0].tangents, [Vec4::new(0.0, 1.0, 0.0, 1.0); 4]);

@@ -2,7 +2,7 @@
 
 use super::parse;
 use pinwarp::shot::template::{self, ClipFact, Subject, TemplateFacts};
-use pinwarp::shot::{OffsetUnit, Rotation, Shot, schema};
+use pinwarp::shot::{CameraRule, OffsetUnit, Rotation, Shot, schema};
 use pinwarp::space::FrameSize;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -58,6 +58,7 @@ fn facts() -> TemplateFacts {
         cameras: vec!["Cam \"A\"".to_owned(), "B".to_owned()],
         has_camera: true,
         clips: vec![ClipFact { name: "Walk\nfast".to_owned(), secs: 1.5 }],
+        spare_nodes: vec!["Sword".to_owned(), "Axe".to_owned()],
         mesh_nodes: (0..30).map(|i| format!("Mesh.{i}")).collect(),
         frames: [1, 48],
         rate: 29.97,
@@ -78,7 +79,7 @@ fn uncommented(text: &str) -> String {
 fn the_template_is_a_working_shot_without_pins() {
     let shot = parse(&template::write("my scene.glb", &facts())).unwrap();
     assert_eq!(shot.scene(), Some(std::path::Path::new("shots/my scene.glb")));
-    assert_eq!(shot.camera.as_deref(), Some("Cam \"A\""));
+    assert_eq!(shot.camera, CameraRule::Named("Cam \"A\"".to_owned()));
     assert_eq!((shot.frames.first, shot.frames.last, shot.frames.rate), (1, 48, 29.97));
     assert_eq!(shot.size, facts().size);
     assert!(shot.layers[0].pins.is_empty() && shot.layers[0].handles.is_empty());
@@ -104,13 +105,14 @@ fn the_template_suits_a_bare_scene_of_one_frame() {
         cameras: Vec::new(),
         has_camera: false,
         clips: Vec::new(),
+        spare_nodes: Vec::new(),
         mesh_nodes: Vec::new(),
         frames: [1, 1],
         rate: 24.0,
         size: FrameSize::new(64, 64),
     };
     let text = template::write("a.glb", &bare);
-    assert!(text.contains("no camera: it is framed automatically"), "{text}");
+    assert!(text.contains("no camera: one that shows the whole scene is used"), "{text}");
     assert_eq!(parse(&text).unwrap().frames.count(), 1);
     parse(&uncommented(&text)).unwrap();
 }
@@ -129,4 +131,19 @@ fn the_shots_that_come_with_the_program_are_valid() {
         let Some(scene) = shot.scene() else { continue };
         assert!(scene.exists(), "{}: {} is not there", path.display(), scene.display());
     }
+}
+
+/// Work that grows with the square of the number of keys takes ten minutes here.
+#[test]
+fn a_hundred_thousand_keys_are_read_and_their_lines_known() {
+    let keys: Vec<String> =
+        (1..=100_000).map(|frame| format!("    {{ frame = {frame}, offset = [0.0, 0.1] }},\n")).collect();
+    let head = "scene = 'pot.glb'\nframes = { first = 1, last = 100000 }\n[[layer]]\n[[layer.pin]]\n";
+    let text = format!("{head}anchor = {{ screen = [0.5, 0.5] }}\nkeys = [\n{}]\n", keys.concat());
+    let shot = Shot::parse(&text, std::path::Path::new("shot.toml")).expect("a good shot");
+    assert_eq!(shot.layers[0].pins[0].keys.len(), 100_000);
+    assert_eq!(shot.lines.of("layer[0].pin[0].keys[99999].frame"), 7 + 99_999);
+    let wrong = text.replace("{ frame = 99999, offset", "{ frame = 99999, ofset");
+    let error = Shot::parse(&wrong, std::path::Path::new("shot.toml")).expect_err("a misspelt key").to_string();
+    assert!(error.starts_with("shot.toml:100005: layer[0].pin[0].keys[99998].ofset"), "{error}");
 }

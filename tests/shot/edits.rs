@@ -115,3 +115,27 @@ fn a_printed_pin_can_be_pasted() {
         replaced(GOOD, "  [[layer.handle]]", &format!("{}\n  [[layer.handle]]", edit::pin_block("é\n", &surface())));
     assert_eq!(parse(&pasted).unwrap().layers[0].pins[2].name, "é\n");
 }
+
+/// A pin for each of two thousand names, then new keys for all of them: work that grows with the square of their number
+/// takes minutes.
+#[test]
+fn thousands_of_pins_are_written_and_edited() {
+    use pinwarp::lattice::Basis;
+    use pinwarp::shot::edit::{Factor, KeyedPin, LayerEdit, put_layer};
+    let names: Vec<String> = (0..4000).map(|k| format!("pin{k}")).collect();
+    let edit = |has_anchor: bool| -> Vec<KeyedPin> {
+        let anchor = Anchor::Screen { at: ScreenPoint::new(0.5, 0.5), frame: None };
+        names
+            .iter()
+            .map(|name| KeyedPin { name, anchor: has_anchor.then(|| anchor.clone()), keys: Vec::new() })
+            .collect()
+    };
+    let put = |text: &str, pins: &[KeyedPin]| {
+        let (strength, smoothness) = (Factor::Times(1.0), Factor::Times(1.0));
+        let layer = LayerEdit { dims: [10, 10], basis: Basis::Bspline, strength, smoothness, pins };
+        put_layer(text, None, &layer).expect("it can be edited")
+    };
+    let written = put("plate = 'a.exr'\n", &edit(true));
+    assert_eq!(written.matches("[[layer.pin]]").count(), names.len());
+    assert_eq!(put(&written, &edit(false)), written, "nothing is new");
+}

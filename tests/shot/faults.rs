@@ -151,19 +151,45 @@ fn stiff_parts() {
         case(
             ["name   = \"spout\"", "region = { radius = 0.1 }"],
             (19, "layer[0].pin[0].region"),
-            &["does nothing", "grip = 1.0", "starch = 5.0"],
+            &["does nothing", "rigidity = 1.0", "stiffness = 5.0"],
         ),
         case(
-            ["name   = \"spout\"", "region = { radius = 108, grip = 1 }"],
+            ["name   = \"spout\"", "region = { radius = 108, rigidity = 1 }"],
             (19, "layer[0].pin[0].region.radius"),
             &["look like pixels", "108 px of 1080 is 0.1"],
         ),
         case(
-            ["name   = \"spout\"", "region = { radius = 0.1, grip = 2 }"],
-            (19, "layer[0].pin[0].region.grip"),
+            ["name   = \"spout\"", "region = { radius = 0.1, rigidity = 2 }"],
+            (19, "layer[0].pin[0].region.rigidity"),
             &["from 0 to 1"],
         ),
-        case(["name   = \"spout\"", "starch = 5"], (19, "layer[0].pin[0].starch"), &["it belongs into region"]),
+        case(["name   = \"spout\"", "rigidity = 1"], (19, "layer[0].pin[0].rigidity"), &["it belongs into region"]),
+    ]);
+}
+
+#[test]
+fn former_keys() {
+    check(&[
+        case(
+            ["name   = \"spout\"", "region = { radius = 0.1, grip = 1 }"],
+            (19, "layer[0].pin[0].region.grip"),
+            &["is not a key", "it is called `rigidity`"],
+        ),
+        case(
+            ["name   = \"spout\"", "region = { radius = 0.1, starch = 5 }"],
+            (19, "layer[0].pin[0].region.starch"),
+            &["is not a key", "it is called `stiffness`"],
+        ),
+        case(
+            ["energy = \"edge\"", "stiffness = 2, energy = \"edge\""],
+            (14, "layer[0].solve.stiffness"),
+            &["is not a key", "it is called `smoothness`"],
+        ),
+        case(
+            ["energy = \"edge\"", "energy = \"rims\""],
+            (14, "layer[0].solve.energy"),
+            &["it is called \"spokes-and-rims\""],
+        ),
     ]);
 }
 

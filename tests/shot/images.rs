@@ -81,6 +81,7 @@ fn the_template_of_a_picture_is_a_working_shot() {
         cameras: Vec::new(),
         has_camera: true,
         clips: Vec::new(),
+        spare_nodes: Vec::new(),
         mesh_nodes: vec!["my girl".to_owned()],
         frames: [1, 24],
         rate: 24.0,

@@ -1,5 +1,9 @@
 //! The shot file as a user meets it: read in full, every rule broken once, edited, and documented.
 
+#[path = "../support/random.rs"]
+mod random;
+
+mod cameras;
 mod document;
 mod edits;
 mod faults;
@@ -10,7 +14,9 @@ mod plates;
 mod world;
 
 use pinwarp::raster::ChannelGroup;
-use pinwarp::shot::{Anchor, BoxRule, ClipName, Ease, Goal, LayerSpace, OffsetUnit, Rotation, Shot, ShotError};
+use pinwarp::shot::{
+    Anchor, BoxRule, CameraRule, ClipName, Ease, Goal, LayerSpace, OffsetUnit, Rotation, Shot, ShotError,
+};
 use pinwarp::solve::{Energy, Regularizer};
 use pinwarp::space::{FrameSize, ScreenBox, ScreenPoint, ScreenVector};
 use std::path::Path;
@@ -66,7 +72,10 @@ fn replaced(text: &str, from: &str, to: &str) -> String {
 fn a_good_shot_is_read_in_full() {
     let shot = parse(GOOD).unwrap();
     assert_eq!(shot.scene(), Some(std::path::Path::new("shots/teapot.glb")));
-    assert_eq!((shot.camera.as_deref(), &shot.clip), (Some("ShotCam"), &Some(ClipName::Name("Walk".to_owned()))));
+    assert_eq!(
+        (&shot.camera, &shot.clip),
+        (&CameraRule::Named("ShotCam".to_owned()), &Some(ClipName::Name("Walk".to_owned())))
+    );
     assert_eq!((shot.frames.first, shot.frames.last, shot.frames.clip_start, shot.is_looped), (1, 48, -3, true));
     assert_eq!((shot.frames.count(), shot.frames.seconds(21.0)), (48, 1.0));
     assert_eq!((shot.shutter.angle, shot.shutter.phase, shot.samples), (180.0, -90.0, 16));

@@ -2,6 +2,10 @@
 //!
 //! Shapes, grids and pins that the modules share.
 
+#[path = "../support/random.rs"]
+mod random;
+
+mod cancel;
 mod hard;
 mod regions;
 mod rigid;
@@ -12,7 +16,7 @@ use pinwarp::solve::{HandlePin, PointPin, Problem, Settings, Shape, Solution, so
 use proptest::prelude::*;
 
 pub(crate) fn few() -> ProptestConfig {
-    ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() }
+    random::config(24)
 }
 
 pub(crate) fn grid<const D: usize>(count: usize, basis: Basis) -> Grid<D> {

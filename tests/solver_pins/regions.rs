@@ -2,7 +2,7 @@
 
 use super::{distance, grid, run, sheet};
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{Disc, Energy, PointPin, Problem, Region, Settings, Shape, Solution, solve};
+use pinwarp::solve::{Energy, PointPin, Problem, Region, Settings, Shape, SmoothingDisc, Solution, solve};
 use std::f64::consts::{PI, TAU};
 
 /// Radius of the belly in the unit box; its height is twice that.
@@ -38,14 +38,14 @@ fn pulled(grid: &Grid<2>, settings: &Settings) -> Solution<2> {
 /// Curvature of the outline at its lowest point after a warp, as a multiple of the circle's own: that of the circle
 /// through the point and two others a twentieth of the height to each side.
 fn sharpness(lattice: &Lattice<2>) -> f64 {
-    let [a, b, c] = [-0.1, 0.0, 0.1].map(|turn| lattice.carry(outline(turn)));
+    let [a, b, c] = [-0.1, 0.0, 0.1].map(|turn| lattice.evaluate(outline(turn)));
     let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     2.0 * doubled / (distance(a, b) * distance(b, c) * distance(c, a)) * BELLY
 }
 
 #[test]
 fn a_pull_on_a_round_belly_bulges_it() {
-    let point = Settings { disc: Disc { radius: 0.0, weight: 0.0 }, ..Settings::default() };
+    let point = Settings { disc: SmoothingDisc { radius: 0.0, weight: 0.0 }, ..Settings::default() };
     for (dims, basis) in [(10, Basis::Bspline), (20, Basis::Bspline), (30, Basis::Bspline), (10, Basis::Bernstein)] {
         let grid = grid(dims, basis);
         let [with, without] = [&Settings::default(), &point].map(|settings| pulled(&grid, settings));
@@ -55,7 +55,7 @@ fn a_pull_on_a_round_belly_bulges_it() {
         let limit = if dims < 20 { 2.3 } else { 1.9 };
         assert!(bulge < limit, "{basis:?} {dims}: {bulge:.2} times the curvature of the belly");
         assert!(dims < 20 || spike > 2.0 * bulge, "{basis:?} {dims}: the measure sees no spike ({spike:.2})");
-        assert!(with.report.pin_misses.is_empty() && with.report.folded_cells == 0);
+        assert!(with.report.pin_residuals.is_empty() && with.report.folded_cells == 0);
     }
 }
 
@@ -65,7 +65,7 @@ fn unrest(lattice: &Lattice<2>, pin: &PointPin<2>, radius: f64) -> f64 {
         .map(|k| f64::from(k) / 12.0 * TAU)
         .map(|turn| [pin.at[0] + radius * turn.cos(), pin.at[1] + radius * turn.sin()])
         .collect();
-    let moved: Vec<[f64; 2]> = ring.iter().map(|&at| lattice.carry(at)).collect();
+    let moved: Vec<[f64; 2]> = ring.iter().map(|&at| lattice.evaluate(at)).collect();
     let pairs = (0..12).flat_map(|a| (0..a).map(move |b| (a, b)));
     pairs.map(|(a, b)| (distance(moved[a], moved[b]) - distance(ring[a], ring[b])).abs() / radius).fold(0.0, f64::max)
 }
@@ -77,14 +77,14 @@ fn a_model_within_one_cell_keeps_its_shape_in_a_region_as_wide_as_the_lattice() 
     let mut shape = sheet::<2>(6);
     shape.points.iter_mut().for_each(|point| *point = [0.2 + 0.5 * point[0], 0.05 + 0.4 * point[1]]);
     shape.strokes = vec![vec![0, 6, 48, 42, 0]];
-    let region = Region { radius: 3.0, grip: 0.5, starch: 2.0 };
+    let region = Region { radius: 3.0, rigidity: 0.5, stiffness: 2.0 };
     let turned = |[x, y]: [f64; 2]| [0.8 - y, 0.3 + x];
     let pins = [[0.3, 0.1], [0.6, 0.3]].map(|at| PointPin { region: Some(region), ..PointPin::new(at, turned(at)) });
-    for energy in [Energy::Area, Energy::Edge, Energy::Vertex, Energy::Element, Energy::Rims, Energy::Stroke] {
+    for energy in [Energy::Area, Energy::Edge, Energy::Vertex, Energy::Element, Energy::SpokesAndRims, Energy::Stroke] {
         let settings = Settings { energy, ..Settings::default() };
         let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
         let solution = solve(&problem).expect("a valid problem");
-        let misses = shape.points.iter().map(|&at| distance(solution.lattice.carry(at), turned(at)));
+        let misses = shape.points.iter().map(|&at| distance(solution.lattice.evaluate(at), turned(at)));
         let worst = misses.fold(0.0, f64::max);
         assert!(worst < 1e-6, "{energy:?}: {worst:e} {:?}", solution.report);
     }
@@ -93,11 +93,11 @@ fn a_model_within_one_cell_keeps_its_shape_in_a_region_as_wide_as_the_lattice() 
 #[test]
 fn a_gripped_region_moves_as_one_piece() {
     let held = [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]].map(|at| PointPin::new(at, at));
-    let unrest_at = |grip: f64| {
-        let region = (grip > 0.0).then_some(Region { radius: 0.2, grip, starch: 1.0 });
+    let unrest_at = |rigidity: f64| {
+        let region = (rigidity > 0.0).then_some(Region { radius: 0.2, rigidity, stiffness: 1.0 });
         let pulled = PointPin { region, ..PointPin::new([0.7, 0.6], [0.85, 0.75]) };
         let solution = run(&grid(12, Basis::Bspline), &sheet(20), &[held[0], held[1], held[2], pulled], &[]);
-        assert!(solution.report.is_converged && solution.report.pin_misses.is_empty(), "{:?}", solution.report);
+        assert!(solution.report.is_converged && solution.report.pin_residuals.is_empty(), "{:?}", solution.report);
         unrest(&solution.lattice, &pulled, 0.1)
     };
     let (free, half, whole) = (unrest_at(0.0), unrest_at(0.1), unrest_at(1.0));
@@ -109,7 +109,7 @@ fn a_gripped_region_moves_as_one_piece() {
 fn a_region_turns_and_grows_with_its_pin() {
     let (sin, cos) = 0.6_f64.sin_cos();
     let scale = 1.3;
-    let region = Some(Region { radius: 0.2, grip: 1.0, starch: 1.0 });
+    let region = Some(Region { radius: 0.2, rigidity: 1.0, stiffness: 1.0 });
     let gradient = Some([[scale * cos, scale * sin], [-scale * sin, scale * cos]]);
     let pin = PointPin { region, gradient, ..PointPin::new([0.5, 0.5], [0.52, 0.5]) };
     let held = [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9], [0.9, 0.9]].map(|at| PointPin::new(at, at));
@@ -117,7 +117,7 @@ fn a_region_turns_and_grows_with_its_pin() {
     for turn in (0..12).map(|k| f64::from(k) / 12.0 * TAU) {
         let away = [0.1 * turn.cos(), 0.1 * turn.sin()];
         let wanted = [0.52 + scale * (cos * away[0] - sin * away[1]), 0.5 + scale * (sin * away[0] + cos * away[1])];
-        let found = solution.lattice.carry([0.5 + away[0], 0.5 + away[1]]);
+        let found = solution.lattice.evaluate([0.5 + away[0], 0.5 + away[1]]);
         assert!(distance(found, wanted) < 0.006, "{found:?} {wanted:?} {:?}", solution.report);
     }
 }

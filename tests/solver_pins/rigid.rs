@@ -22,7 +22,7 @@ fn run<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, pins: &[PointPin<D>], s
 
 /// Every other pin takes a region along; the shape is painted in stripes.
 fn decorate<const D: usize>(pins: &mut [PointPin<D>], shape: &mut Shape<D>) {
-    let region = Region { radius: 0.2, grip: 0.7, starch: 4.0 };
+    let region = Region { radius: 0.2, rigidity: 0.7, stiffness: 4.0 };
     pins.iter_mut().step_by(2).for_each(|pin| pin.region = Some(region));
     shape.stiffness = (0..shape.triangles.len()).map(|k| if k % 6 < 3 { 0.3 } else { 5.0 }).collect();
 }

@@ -1,4 +1,4 @@
-//! Painted stiffness and starch: what is stiff keeps its shape, whatever measures the distortion.
+//! Painted stiffness and the stiffness of regions: what is stiff keeps its shape, whatever measures the distortion.
 
 use super::{grid, sheet};
 use pinwarp::lattice::{Basis, Lattice};
@@ -6,7 +6,7 @@ use pinwarp::solve::{EdgeWeights, Energy, PointPin, Problem, Region, Settings, S
 
 /// How much the diagonal and the sides of a small square at `at` change, relative to its size.
 fn strain(lattice: &Lattice<2>, at: [f64; 2]) -> f64 {
-    let gradient = lattice.carry_with_gradient(at).gradient;
+    let gradient = lattice.evaluate_with_gradient(at).gradient;
     let [a, b] = [0, 1].map(|k| gradient[0][k].hypot(gradient[1][k]));
     let shear = gradient[0][0] * gradient[0][1] + gradient[1][0] * gradient[1][1];
     (a - 1.0).abs() + (b - 1.0).abs() + shear.abs()
@@ -28,7 +28,7 @@ fn pulled(settings: &Settings, value: f64, region: Option<Region>) -> Lattice<2>
 
 #[test]
 fn a_stiff_half_stretches_less_in_every_measure() {
-    for energy in [Energy::Area, Energy::Edge, Energy::Vertex, Energy::Element, Energy::Rims] {
+    for energy in [Energy::Area, Energy::Edge, Energy::Vertex, Energy::Element, Energy::SpokesAndRims] {
         for weights in [EdgeWeights::Uniform, EdgeWeights::Cot] {
             let settings = Settings { energy, weights, ..Settings::default() };
             let share = |value: f64| {
@@ -44,8 +44,8 @@ fn a_stiff_half_stretches_less_in_every_measure() {
 #[test]
 fn starch_stiffens_the_surroundings_of_a_pin() {
     let settings = Settings::default();
-    let region = |starch: f64| Region { radius: 0.35, grip: 0.0, starch };
-    let near = |starch: f64| strain(&pulled(&settings, 1.0, Some(region(starch))), [0.8, 0.25]);
+    let region = |stiffness: f64| Region { radius: 0.35, rigidity: 0.0, stiffness };
+    let near = |stiffness: f64| strain(&pulled(&settings, 1.0, Some(region(stiffness))), [0.8, 0.25]);
     let (plain, soft, stiff) = (near(1.0), near(0.1), near(20.0));
     assert!(stiff < 0.5 * plain && plain < soft, "{stiff} {plain} {soft}");
 }
@@ -75,11 +75,11 @@ fn impossible_stiffness_and_regions_are_refused_in_words() {
     };
     assert!(refuse(vec![1.0; 3], None).contains("32 triangles and 3 stiffnesses"));
     assert!(refuse([vec![1.0; 31], vec![-1.0]].concat(), None).contains("stiffness of triangle 31 is -1"));
-    let region = Region { radius: 0.1, grip: 0.5, starch: 2.0 };
+    let region = Region { radius: 0.1, rigidity: 0.5, stiffness: 2.0 };
     for (bad, name) in [
         (Region { radius: 0.0, ..region }, "radius"),
-        (Region { grip: 1.5, ..region }, "grip"),
-        (Region { starch: f64::NAN, ..region }, "starch"),
+        (Region { rigidity: 1.5, ..region }, "rigidity"),
+        (Region { stiffness: f64::NAN, ..region }, "stiffness"),
     ] {
         assert!(refuse(Vec::new(), Some(bad)).contains(&format!("the {name} of the region of pin 0")));
     }

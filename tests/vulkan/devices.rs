@@ -3,7 +3,7 @@
 use super::stage::{self, everything};
 use super::support::{self, draw, target};
 use pinwarp::raster::vulkan::{VulkanRaster, devices};
-use pinwarp::raster::{self, DeviceChoice, Raster as _, RasterError};
+use pinwarp::raster::{self, DeviceChoice, DeviceClass, Raster as _, RasterError};
 use pinwarp::scene::Scene;
 use std::process::Command;
 
@@ -24,7 +24,7 @@ fn devices_are_found_by_index_and_by_part_of_their_name() {
             assert!(all.iter().any(|info| info.name == raster.name()));
         }
     }
-    let best = VulkanRaster::open(&DeviceChoice::Auto, &Scene::default()).unwrap().name();
+    let best = VulkanRaster::open(&DeviceChoice::Vulkan, &Scene::default()).unwrap().name();
     let least = all.iter().filter(|info| info.unusable.is_none()).map(|info| info.kind).min();
     assert!(all.iter().any(|info| info.name == best && Some(info.kind) == least));
 }
@@ -59,7 +59,8 @@ fn two_threads_open_and_draw_at_once() {
 #[test]
 #[ignore = "run by the tests below"]
 fn probe() {
-    let (raster, reason) = raster::open(&DeviceChoice::Auto, &Scene::default()).unwrap();
+    let (raster, _) = raster::open(&DeviceChoice::Auto, &Scene::default()).unwrap();
+    let reason = raster::open(&DeviceChoice::Vulkan, &Scene::default()).err().map(|error| error.to_string());
     println!("PROBE {} | {}", raster.name(), reason.unwrap_or_default());
 }
 
@@ -71,7 +72,7 @@ fn probe_with(drivers: &str) -> String {
 }
 
 #[test]
-fn without_a_driver_the_cpu_draws_and_the_reason_is_told() {
+fn without_a_driver_the_cpu_draws_and_vulkan_says_why_not() {
     let said = probe_with("/nonexistent/driver.json");
     assert!(said.contains("PROBE CPU") && said.contains("no usable Vulkan device"), "{said}");
 }
@@ -91,4 +92,19 @@ fn a_driver_without_its_hardware_is_no_device() {
     }
     let said = probe_with(driver);
     assert!(said.contains("PROBE CPU") && said.contains("hardware"), "{said}");
+}
+
+#[test]
+fn a_software_driver_draws_only_where_it_is_asked_for() {
+    if support::open(&Scene::default()).is_none() {
+        return;
+    }
+    let has_card = devices().unwrap().iter().any(|info| info.unusable.is_none() && info.kind.is_card());
+    let class = |choice| raster::open(&choice, &Scene::default()).unwrap().0.class();
+    let automatic = if has_card { DeviceClass::Vulkan } else { DeviceClass::Cpu };
+    assert_eq!(class(DeviceChoice::Auto), automatic);
+    assert_eq!(raster::resampler(&DeviceChoice::Auto).unwrap().is_some(), has_card);
+    assert_eq!(class(DeviceChoice::Vulkan), DeviceClass::Vulkan);
+    assert_eq!(class(DeviceChoice::Named("0".into())), DeviceClass::Vulkan);
+    assert_eq!(class(DeviceChoice::Cpu), DeviceClass::Cpu);
 }

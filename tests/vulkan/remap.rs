@@ -12,7 +12,7 @@ const FRAME: FrameSize = FrameSize::new(97, 65);
 /// Runs `work` with a device, validation on; fails on any message. Skips, and says so, where there is no device.
 fn with_device(work: impl FnOnce(VulkanRemap)) {
     let messages = Messages::default();
-    match VulkanRemap::open_validated(&DeviceChoice::Auto, &messages) {
+    match VulkanRemap::open_validated(&DeviceChoice::Vulkan, &messages) {
         Ok(remap) => work(remap),
         Err(error) => {
             let is_required = std::env::var_os("PINWARP_REQUIRE_VULKAN").is_some_and(|value| value == "1");

@@ -50,13 +50,13 @@ fn is_required() -> bool {
 /// The best device with validation on (off where only the layer is missing); `None`: no device, said so.
 pub(crate) fn open(scene: &Scene) -> Option<Checked> {
     let messages = Messages::default();
-    match VulkanRaster::open_validated(&DeviceChoice::Auto, scene, &messages) {
+    match VulkanRaster::open_validated(&DeviceChoice::Vulkan, scene, &messages) {
         Ok(raster) => return Some(Checked { raster: Some(raster), messages }),
         Err(error) if is_required() => panic!("PINWARP_REQUIRE_VULKAN is set, but {error}"),
         Err(error @ RasterError::NoDevice { .. }) => eprintln!("SKIPPED validation: {error}"),
         Err(error) => panic!("{error}"),
     }
-    match VulkanRaster::open(&DeviceChoice::Auto, scene) {
+    match VulkanRaster::open(&DeviceChoice::Vulkan, scene) {
         Ok(raster) => Some(Checked { raster: Some(raster), messages }),
         Err(error) => {
             eprintln!("SKIPPED: {error}");

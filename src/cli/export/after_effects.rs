@@ -2,10 +2,11 @@
 //! it, and the settings of the effect that applies them.
 
 use super::maps::{Maps, check_frames, write_frames};
+use super::source::{frames, is_on_screen, moved_layers};
 use super::stmap::told;
-use super::{check_text, frames, is_on_screen, moved_layers};
-use crate::cli::Outcome;
 use crate::cli::args::ExportArgs;
+use crate::cli::outcome::Outcome;
+use crate::cli::outputs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{SequencePath, replace_text, write_codes};
@@ -25,11 +26,11 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let (maps, setup) = Maps::open(args)?;
     let maps = maps.by_layer();
     // Everything is looked at before anything is written.
-    let warps = maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), maps));
+    let warps = maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), (maps, setup.as_deref())));
     let warps = warps.collect::<anyhow::Result<Vec<_>>>()?;
     // A lattice file has no pictures.
     let elements = setup.as_deref().map(|setup| Element::all_of(args, setup, &stem)).transpose()?;
-    warps.iter().try_for_each(|warp| warp.write(args))?;
+    warps.iter().try_for_each(|warp| warp.write(args, setup.as_deref()))?;
     let mut outcome = Outcome::Complete;
     for element in elements.into_iter().flatten() {
         if !element.write(args)? {
@@ -65,10 +66,14 @@ struct Displacement<'a> {
 
 impl<'a> Displacement<'a> {
     /// What will be written; refused where something is in the way.
-    fn of(args: &ExportArgs, stem: &Path, maps: &'a Maps) -> anyhow::Result<Self> {
+    fn of(args: &ExportArgs, stem: &Path, (maps, setup): (&'a Maps, Option<&Setup>)) -> anyhow::Result<Self> {
         let frames = maps.frames();
         // All frames share one scale, so the farthest way of all has to be known first.
-        let farthest = frames.iter().map(|&frame| greatest_offset(&maps.map(frame))).fold(0.0, f64::max);
+        let mut silhouette = setup.map(|setup| maps.silhouette(setup));
+        let mut farthest = 0.0_f64;
+        for &frame in &frames {
+            farthest = farthest.max(greatest_offset(&maps.map(frame, silhouette.as_mut())?));
+        }
         let reach_px = farthest.ceil().max(1.0) as u32;
         if reach_px > MOST_PX {
             bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
@@ -83,17 +88,21 @@ impl<'a> Displacement<'a> {
             state: digest(&frames.iter().map(|&frame| maps.digest(frame)).collect::<String>()),
         };
         let note_path = with_ending(stem, ".after-effects.txt");
-        maps.inputs.refuse(&note_path)?;
-        check_text(args, &note_path, &note.text())?;
+        outputs::allow_text(&maps.inputs, (&note_path, &note.text()), args.existing)?;
         let sequence = check_frames(args, (&pattern, &maps.inputs), &frames)?;
         Ok(Self { maps, pattern, sequence, note, note_path })
     }
 
-    fn write(&self, args: &ExportArgs) -> anyhow::Result<()> {
+    fn write(&self, args: &ExportArgs, setup: Option<&Setup>) -> anyhow::Result<()> {
+        let mut silhouette = setup.map(|setup| self.maps.silhouette(setup));
         let Self { maps, pattern, sequence, note, note_path } = self;
         let reach = f64::from(note.reach_px);
-        let written = write_frames(args, sequence, &maps.frames(), |frame, path| {
-            Ok(write_codes(path, maps.pixels(), &displacement(&maps.map(frame), reach))?)
+        let written = write_frames(args, (maps, sequence), |path, metadata| {
+            let map = maps.map(metadata.frame, silhouette.as_mut())?;
+            if let Some(note) = maps.fold_note(metadata.frame, &map) {
+                writeln!(io::stderr(), "warning: {note}")?;
+            }
+            Ok(write_codes(path, maps.pixels(), &displacement(&map, reach), metadata)?)
         })?;
         replace_text(note_path, &note.text())?;
         told(pattern, &written)?;
@@ -129,7 +138,7 @@ impl<'a> Element<'a> {
         Ok(elements)
     }
 
-    /// Renders it; tells whether all frames came out.
+    /// Renders it; `false` where a frame failed.
     fn write(self, args: &ExportArgs) -> anyhow::Result<bool> {
         let Self { setup, layer, pattern, frames } = self;
         let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
@@ -162,7 +171,7 @@ fn still_scene(
     let scene = folder.join("layer.glb");
     let mut packed = setup.packed()?;
     setup.hide_all_but(layer, &mut packed);
-    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is told frame by frame.
+    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is written frame by frame.
     let told = if setup.shot.is_looped { frames.to_vec() } else { vec![setup.shot.frames.clip_start] };
     let baked = setup.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
     crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;

@@ -1,8 +1,9 @@
 //! `pinwarp export --to blender`: a script that builds lattice objects, and the scene that it imports.
 
-use super::{Source, frames, moved_layers, output};
+use super::source::{Source, frames, moved_layers, output};
 use crate::cli::args::ExportArgs;
-use crate::cli::{Outcome, refuse_existing};
+use crate::cli::outcome::Outcome;
+use crate::cli::outputs;
 use crate::export::blender::{BlenderLayer, BlenderScene, BlenderWay, number_nodes, script};
 use crate::export::gltf::glb;
 use crate::image::{replace_bytes, replace_text};
@@ -14,7 +15,10 @@ use std::path::Path;
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "blender.py")?;
     let scene_path = output.with_extension("glb");
-    refuse_existing(&scene_path, args.existing)?;
+    if scene_path == output {
+        bail!("{}: the script needs another name than the scene beside it; let it end in .py", output.display());
+    }
+    outputs::allow(&outputs::inputs_of([&args.shot]), &scene_path, args.existing)?;
     let setup = Source::with_scene(args, "Blender needs the scene")?;
     let inputs = setup.inputs()?;
     [&output, &scene_path].into_iter().try_for_each(|path| inputs.refuse(path))?;

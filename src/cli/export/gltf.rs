@@ -1,8 +1,8 @@
 //! `pinwarp export --to gltf`: the warped scene as a .glb file with one morph target a frame.
 
-use super::{Source, frames, is_on_screen, moved_layers, output};
-use crate::cli::Outcome;
+use super::source::{Source, frames, is_on_screen, moved_layers, output};
 use crate::cli::args::ExportArgs;
+use crate::cli::outcome::Outcome;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
 use crate::pipeline::{BakeTimes, Setup};

@@ -1,8 +1,8 @@
 //! `pinwarp export --to lattice-json`: solved lattices in the program's own format.
 
-use super::{Source, output};
-use crate::cli::Outcome;
+use super::source::{Source, output};
 use crate::cli::args::ExportArgs;
+use crate::cli::outcome::Outcome;
 use crate::export::{LatticeTrack, Track};
 use crate::spelling::counted;
 use std::io::{self, Write};

@@ -2,22 +2,26 @@
 //!
 //! In: lattices and the flags of the command line. Out: the map of each frame; files written where they are missing.
 
-use super::Source;
+use super::source::Source;
 use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
-use crate::image::{SequencePath, is_whole};
+use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
-use crate::pipeline::{Existing, Inputs, Setup};
+use crate::pipeline::{Setup, Silhouette, Todo, refuse_existing};
 use crate::plate::{Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
+use crate::spelling::counted;
 use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Height of the maps of a lattice file, which knows no pixels.
 const DEFAULT_HEIGHT: f64 = 1080.0;
+
+/// What computes maps.
+const DEVICE: &str = "CPU";
 
 /// The maps of a shot or of a lattice file.
 pub(super) struct Maps {
@@ -25,7 +29,7 @@ pub(super) struct Maps {
     pub(super) lattices: LatticeFile,
     /// The display window.
     pub(super) size: FrameSize,
-    /// The pixels that are told of.
+    /// The pixels that the map covers.
     window: PixelRect,
     direction: Direction,
     reach: Reach,
@@ -106,17 +110,61 @@ impl Maps {
         digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?}"))
     }
 
-    /// The map of a frame: all layers, one after the other as they lie over each other in the shot.
-    pub(super) fn map(&self, frame: i32) -> WarpMap {
+    /// What the file of a frame says.
+    fn metadata(&self, frame: i32) -> FrameMetadata {
+        FrameMetadata {
+            frame,
+            frames_per_second: self.lattices.rate,
+            shot_hash: self.digest(frame),
+            device: DEVICE.into(),
+            ..FrameMetadata::default()
+        }
+    }
+
+    /// The map of a frame: all layers, one after the other as they lie over each other in the shot. Where it folds, what the
+    /// silhouette does not have hides nothing that it has.
+    pub(super) fn map(&self, frame: i32, silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
         let lattices = self.lattices.layers.iter().filter_map(|layer| screen(layer)?.get(&frame).cloned());
         let field = match self.reach {
             Reach::Picture => Field::chain(lattices.map(Field::of_picture).collect()),
             Reach::Layer => Field::chain(lattices.map(Field::of_layer).collect()),
         };
-        match self.direction {
+        let map = match self.direction {
             Direction::Backward => WarpMap::backward(&field, self.size, self.window),
-            Direction::Forward => WarpMap::forward(&field, self.size, self.window),
-        }
+            Direction::Forward => return Ok(WarpMap::forward(&field, self.size, self.window)),
+        };
+        let silhouette = silhouette.filter(|_| !map.folded_pixels.is_empty());
+        let Some(coverage) = silhouette.map(|silhouette| silhouette.at(frame)).transpose()?.flatten() else {
+            return Ok(map);
+        };
+        let covered = |pixel| coverage.at(pixel, self.size);
+        Ok(WarpMap::backward_showing(&field, (self.size, self.window), covered))
+    }
+
+    /// What of the shot's picture can be seen before the warp: of one layer alone where the maps are of one.
+    pub(super) fn silhouette<'a>(&self, setup: &'a Setup) -> Silhouette<'a> {
+        let only = match (self.reach, &self.lattices.layers[..]) {
+            (Reach::Layer, [only]) => Some(only.name.as_str()),
+            _ => None,
+        };
+        Silhouette::of(setup, only)
+    }
+
+    /// What a frame's map has to say of its folds; `None`: there are none.
+    pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
+        let pixels = counted(map.folded_pixels.len(), "pixel", "pixels");
+        let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
+        let layers =
+            if let [only] = &names[..] { format!("layer {only}") } else { format!("layers {}", names.join(", ")) };
+        let remedy = if self.direction == Direction::Forward {
+            "the warp cannot be undone there"
+        } else if names.len() == 1 {
+            "a map shows one part only; move the layer's pins less far, or hold what folds with more pins"
+        } else {
+            "a map shows one part only; move pins less far, hold what folds with more pins, or export one layer (--layer)"
+        };
+        (!map.folded_pixels.is_empty())
+            .then(|| format!("frame {frame}: the warp of {layers} lays the picture over itself in {pixels}: {remedy}"))
     }
 }
 
@@ -155,11 +203,10 @@ fn squared(size: FrameSize) -> FrameSize {
 }
 
 /// What became of a sequence.
-#[derive(Default)]
 pub(super) struct Written {
     pub(super) new: usize,
-    /// Frames that stay, and where they lie.
-    pub(super) kept: Vec<(i32, PathBuf)>,
+    /// Frames that stay.
+    pub(super) kept: usize,
 }
 
 /// The files of a sequence; refuses frames that would be written over what they are made of, or over what is there and may
@@ -172,31 +219,32 @@ pub(super) fn check_frames(
     let sequence = SequencePath::parse(pattern)?;
     sequence.check_frame_count(frames.len())?;
     frames.iter().try_for_each(|&frame| inputs.refuse(&sequence.path_of(frame)))?;
-    if let Some(there) = frames.iter().map(|&frame| sequence.path_of(frame)).find(|path| path.exists())
-        && Existing::from(args.existing) == Existing::Refuse
-    {
-        bail!("{} exists already; use --resume to keep or --overwrite to replace what is there", there.display());
+    if Existing::from(args.existing) == Existing::Refuse {
+        refuse_existing(frames.iter().map(|&frame| sequence.path_of(frame)))?;
     }
     Ok(sequence)
 }
 
-/// Writes the frames of a sequence that [`check_frames`] gave; with `--resume` complete ones stay.
+/// Writes the frames of a sequence that [`check_frames`] gave; with `--resume` those that would come out the same stay.
 pub(super) fn write_frames(
     args: &ExportArgs,
-    sequence: &SequencePath,
-    frames: &[i32],
-    mut write: impl FnMut(i32, &Path) -> anyhow::Result<()>,
+    (maps, sequence): (&Maps, &SequencePath),
+    mut write: impl FnMut(&Path, &FrameMetadata) -> anyhow::Result<()>,
 ) -> anyhow::Result<Written> {
-    let mut written = Written::default();
-    for &frame in frames {
+    let existing = Existing::from(args.existing);
+    let depth = if existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
+    let todo = Todo::of(maps.frames(), sequence, existing, |frame| {
+        let expected = Expected { frame, shot_hash: &maps.digest(frame), size: None, device: DEVICE };
+        check_kept(&sequence.path_of(frame), &expected, depth)
+    });
+    let todo = todo.begin(sequence)?;
+    for note in todo.notes() {
+        writeln!(io::stderr(), "note: {note}")?;
+    }
+    for &frame in &todo.frames {
         let path = sequence.path_of(frame);
-        if Existing::from(args.existing) == Existing::Resume && is_whole(&path) {
-            written.kept.push((frame, path));
-            continue;
-        }
-        write(frame, &path)?;
-        written.new += 1;
+        write(&path, &maps.metadata(frame))?;
         tracing::info!("{} written", path.display());
     }
-    Ok(written)
+    Ok(Written { new: todo.frames.len(), kept: todo.kept })
 }

@@ -1,9 +1,11 @@
 //! `pinwarp export --to nuke`: a script with the maps and the grids, and the maps beside it.
 
 use super::maps::Maps;
-use super::{check_text, output, stmap};
-use crate::cli::Outcome;
+use super::source::output;
+use super::stmap;
 use crate::cli::args::ExportArgs;
+use crate::cli::outcome::Outcome;
+use crate::cli::outputs;
 use crate::export::nuke::{NukeScene, script};
 use crate::image::replace_text;
 use crate::spelling::counted;
@@ -11,15 +13,14 @@ use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
-    let (maps, _) = Maps::open(args)?;
-    maps.inputs.refuse(&output)?;
+    let (maps, setup) = Maps::open(args)?;
     let pattern = output.with_extension("stmap.####.exr");
     let frames = maps.frames();
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
     let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = script(&NukeScene { lattices: &maps.lattices, stmap: name, frames: ends, size: maps.size });
-    check_text(args, &output, &text)?;
-    let written = stmap::write(args, &maps, &pattern)?;
+    outputs::allow_text(&maps.inputs, (&output, &text), args.existing)?;
+    let written = stmap::write(args, (&maps, setup.as_deref()), &pattern)?;
     replace_text(&output, &text)?;
     stmap::told(&pattern, &written)?;
     let grids = counted(maps.lattices.layers.len(), "grid", "grids");

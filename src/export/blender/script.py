@@ -1,6 +1,7 @@
 """Warped scene for Blender (tried in 5.0), written by `pinwarp export --to blender`.
 
-Run it in an empty file: blender --python THIS_FILE, or open it in the text editor and press Run.
+Run it: blender --python THIS_FILE, or open it in the text editor and press Run. Of a new file Blender's cube,
+light and camera are removed first; other objects stay.
 It imports @SCENE@, which has to lie beside it, and deforms these layers:
 
 @LAYERS@
@@ -26,6 +27,14 @@ def folder():
         return os.path.dirname(os.path.abspath(__file__))
     texts = [text.filepath for text in bpy.data.texts if text.filepath and DATA["scene"] in text.as_string()]
     return os.path.dirname(bpy.path.abspath(texts[0])) if texts else bpy.path.abspath("//")
+
+
+def remove_default_scene():
+    """A new file holds a cube, a light and a camera: where nothing else was added, the shot starts without them."""
+    names = sorted(thing.name for thing in bpy.data.objects)
+    if not bpy.data.filepath and names == ["Camera", "Cube", "Light"]:
+        for thing in list(bpy.data.objects):
+            bpy.data.objects.remove(thing, do_unlink=True)
 
 
 def import_scene():
@@ -134,6 +143,7 @@ def set_up_scene(things):
 
 
 def main():
+    remove_default_scene()
     things = import_scene()
     for layer in DATA["layers"]:
         if layer["baked"]:

@@ -83,7 +83,7 @@ pub struct BakedShape {
 }
 
 /// A camera to add.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AddedCamera {
     /// Where it stands; it looks along −z.
     pub scene_from_camera: Mat4,
@@ -91,4 +91,6 @@ pub struct AddedCamera {
     pub lens: Lens,
     /// Distance of its near plane, metres.
     pub near: f32,
+    /// One per frame where it moves, else empty: scene_from_camera.
+    pub motion: Vec<Mat4>,
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a clip and frames. Out: one animation in the file.
 
-use super::baked::{BakedScene, NodeMotion, SampledNode};
+use super::baked::{AddedCamera, BakedScene, NodeMotion, SampledNode};
 use super::buffer::{add, add_times, push};
 use crate::scene::{Interpolation, Packed, Track, TrackValues};
 use glam::{Quat, Vec4};
@@ -88,6 +88,34 @@ impl Moving<'_> {
 
     fn is_deformed(&self, node: usize) -> bool {
         self.baked.nodes.iter().any(|deformed| deformed.node == node)
+    }
+}
+
+/// Adds the keys of a camera that moves, one per frame, to the file's animation.
+pub(super) fn add_camera_motion(packed: &mut Packed, baked: &BakedScene<'_>, (camera, node): (&AddedCamera, usize)) {
+    if camera.motion.is_empty() {
+        return;
+    }
+    let times: Vec<f32> = baked.times_secs.iter().map(|&time| time as f32).collect();
+    let placed = camera.motion.iter().map(glam::Mat4::to_scale_rotation_translation);
+    let (mut rotations, mut translations) = (Vec::new(), Vec::new());
+    let mut last = Quat::IDENTITY;
+    for (_, rotation, translation) in placed {
+        // Neighbours on the same half of the sphere: players turn the short way.
+        last = if rotation.dot(last) < 0.0 { -rotation } else { rotation };
+        rotations.push(Vec4::from(last));
+        translations.push(translation);
+    }
+    let input = add_times(packed, &times);
+    let outputs = [("translation", add(packed, &translations)), ("rotation", add(packed, &rotations))];
+    if packed.json["animations"].get(0).is_none() {
+        push(&mut packed.json, "animations", json!({ "name": "pinwarp", "samplers": [], "channels": [] }));
+    }
+    let animation = &mut packed.json["animations"][0];
+    for (path, output) in outputs {
+        let sampler = json!({ "input": input, "output": output, "interpolation": "LINEAR" });
+        let sampler = push(animation, "samplers", sampler);
+        push(animation, "channels", json!({ "sampler": sampler, "target": { "node": node, "path": path } }));
     }
 }
 

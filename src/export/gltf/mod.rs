@@ -32,12 +32,14 @@ pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, Export
     }
     clip::write(&mut packed, baked);
     if let Some(camera) = &baked.camera {
-        add_camera(&mut packed.json, camera);
+        let node = add_camera(&mut packed.json, camera);
+        clip::add_camera_motion(&mut packed, baked, (camera, node));
     }
     container(packed)
 }
 
-fn add_camera(json: &mut Value, camera: &AddedCamera) {
+/// Adds the camera on a node of its own; gives the node's number.
+fn add_camera(json: &mut Value, camera: &AddedCamera) -> usize {
     let near = camera.near;
     let lens = match camera.lens {
         Lens::Perspective { yfov } => {
@@ -49,12 +51,16 @@ fn add_camera(json: &mut Value, camera: &AddedCamera) {
     let number = push(json, "cameras", lens);
     let matrix = camera.scene_from_camera.to_cols_array();
     let extras = json!({ "pinwarp_node": "added" });
-    let node = json!({ "name": "pinwarp camera", "camera": number, "matrix": matrix, "extras": extras });
+    let mut node = json!({ "name": "pinwarp camera", "camera": number, "extras": extras });
+    if camera.motion.is_empty() {
+        node["matrix"] = json!(matrix);
+    }
     let node = push(json, "nodes", node);
     let scene = json["scene"].as_u64().unwrap_or(0) as usize;
     if json["scenes"].get(scene).is_some() {
         push(&mut json["scenes"][scene], "nodes", json!(node));
     }
+    node
 }
 
 /// Header, JSON chunk padded with spaces, binary chunk padded with zeros.

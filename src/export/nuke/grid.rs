@@ -6,7 +6,7 @@
 //! a line from below: its place, then handles up, down, right, left relative to it; `{2 x y}` holds, `{1 {curve ..} ..}`
 //! is keyed. No Nuke was at hand to open the result.
 
-use crate::lattice::{Basis, Grid, Lattice};
+use crate::lattice::{Grid, Lattice};
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -70,19 +70,19 @@ fn rest(grid: &Grid<2>, place: [usize; 2], spans: [usize; 2]) -> [f64; 2] {
 /// Image of a point of the box, and a third of the slope over a span to the right and upwards: the handles of a cubic
 /// with the lattice's ends and slopes. Cells have corners there; their handles are the mean of both sides.
 fn moved(lattice: &Lattice<2>, at: [f64; 2], step: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 2]) {
-    let is_cell = matches!(lattice.grid.basis, Basis::Bilinear | Basis::Barytri);
+    let is_cell = lattice.grid.basis.is_piecewise_linear();
     let slope = |axis: usize| -> [f64; 2] {
         let reach = if is_cell { step[axis] * 0.5 } else { step[axis] * 1e-3 };
         let side = |sign: f64| {
             let mut point = at;
             point[axis] += sign * reach;
-            let inside = lattice.grid.nearest_in_box(point);
-            (inside[axis], lattice.carry(inside))
+            let inside = lattice.grid.clamp_to_box(point);
+            (inside[axis], lattice.evaluate(inside))
         };
         let ((low, from), (high, to)) = (side(-1.0), side(1.0));
         [0, 1].map(|d| (to[d] - from[d]) / (high - low) * step[axis] / 3.0)
     };
-    (lattice.carry(at), slope(0), slope(1))
+    (lattice.evaluate(at), slope(0), slope(1))
 }
 
 /// A place or handle: constant, or a curve with a key a frame.
@@ -105,6 +105,7 @@ fn vector(knots: &[(i32, Knot)], part: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Basis;
 
     fn knob(shift: f64, side: Side) -> String {
         let rest = Grid { dims: [5, 4], basis: Basis::Bspline, lo: [0.25, 0.5], hi: [0.75, 1.0] }.at_rest();

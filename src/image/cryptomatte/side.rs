@@ -34,7 +34,7 @@ fn read(path: &Path) -> Result<Manifest, String> {
     let fault = |what: &str| {
         format!("the names of a Cryptomatte in {}: {what}; pick its mattes by whole names or ids", path.display())
     };
-    let text = std::fs::read_to_string(path).map_err(|error| fault(&error.to_string()))?;
+    let text = crate::files::read_text(path, crate::files::TABLE_BYTES).map_err(|error| fault(&error.to_string()))?;
     let manifest = Manifest::from_json(&text);
     if manifest.is_empty() { Err(fault("there are none")) } else { Ok(manifest) }
 }

@@ -87,11 +87,55 @@ fn build(options: &Options, library: &str) -> anyhow::Result<PathBuf> {
         let version = options.glibc.map(|[major, minor]| format!(".{major}.{minor}")).unwrap_or_default();
         command.arg("--target").arg(format!("{}{version}", options.triple));
     }
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags(&build_folders(root)));
     let status = command
         .status()
         .with_context(|| format!("{program} does not start; `pip install cargo-zigbuild ziglang` brings it"))?;
     ensure!(status.success(), "{program} failed");
     Ok(target.join(&options.triple).join("release").join(library))
+}
+
+/// Folders of this machine that compilers write into libraries, longest first, and what is written instead.
+fn build_folders(root: &Path) -> Vec<(PathBuf, &'static str)> {
+    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
+    let of = |name: &str, folder: &str| {
+        std::env::var_os(name).map(PathBuf::from).or_else(|| Some(home.as_ref()?.join(folder)))
+    };
+    let folders = [
+        (Some(root.to_owned()), "pinwarp"),
+        (of("CARGO_HOME", ".cargo"), "cargo"),
+        (of("RUSTUP_HOME", ".rustup"), "rustup"),
+        (home.clone(), "home"),
+    ];
+    let is_long = |folder: &PathBuf| folder.components().count() > 1;
+    let mut folders: Vec<_> =
+        folders.into_iter().filter_map(|(folder, name)| Some((folder.filter(is_long)?, name))).collect();
+    folders.sort_by_key(|(folder, _)| folder.as_os_str().len());
+    // Of several prefixes that fit, the compiler takes the one given last.
+    folders
+}
+
+/// The flags of the compiler: those that are set, and other names for folders. Parted by the character that Cargo wants.
+fn flags(folders: &[(PathBuf, &str)]) -> String {
+    let encoded = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok();
+    let plain =
+        || std::env::var("RUSTFLAGS").ok().map(|flags| flags.split_whitespace().collect::<Vec<_>>().join(SPLIT));
+    let own = encoded.or_else(plain).filter(|flags| !flags.is_empty());
+    let remap = |(folder, name): &(PathBuf, &str)| format!("--remap-path-prefix={}={name}", folder.display());
+    own.into_iter().chain(folders.iter().map(remap)).collect::<Vec<_>>().join(SPLIT)
+}
+
+/// Parts flags in `CARGO_ENCODED_RUSTFLAGS`.
+const SPLIT: &str = "\u{1f}";
+
+/// Folders of this machine that a library names.
+fn named_folders(bytes: &[u8], folders: &[(PathBuf, &'static str)]) -> Vec<String> {
+    let names = |folder: &Path| {
+        let name = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
+        bytes.windows(name.len()).any(|part| part == name.as_bytes())
+    };
+    let named = folders.iter().filter(|(folder, _)| names(folder));
+    named.map(|(folder, _)| format!("it names {}, a folder of this machine", folder.display())).collect()
 }
 
 /// Everything that would keep the library from loading elsewhere.
@@ -137,6 +181,8 @@ fn main() -> anyhow::Result<()> {
     let (system, library) = place(&options.triple)?;
     let built = build(&options, library)?;
     let bytes = std::fs::read(&built).with_context(|| format!("reading {}", built.display()))?;
+    let named = named_folders(&bytes, &build_folders(Path::new(env!("CARGO_MANIFEST_DIR"))));
+    ensure!(named.is_empty(), "{}: {}", built.display(), named.join("; "));
     if library.ends_with(".so") {
         let elf = Elf::parse(&bytes).with_context(|| format!("{} is no ELF library", built.display()))?;
         let faults = faults(&elf, options.glibc);
@@ -178,6 +224,19 @@ mod tests {
         assert!(faults(&foreign, None)[0].contains("libGL.so.1"));
         let newer = Elf { versions: vec!["GLIBC_2.4".into(), "GLIBC_2.34".into()], ..plugin() };
         assert_eq!(faults(&newer, Some([2, 28])), ["it needs GLIBC_2.34"]);
+    }
+
+    #[test]
+    fn folders_of_this_machine_are_found_and_given_other_names() {
+        let folders = [(PathBuf::from("/home/me"), "home"), (PathBuf::from("/home/me/source"), "pinwarp")];
+        assert!(named_folders(b"a pinwarp/src/lib.rs", &folders).is_empty());
+        let named = named_folders(b"at /home/me/.cargo/registry/src/x.rs", &folders);
+        assert!(named.len() == 1 && named[0].contains("/home/me"), "{named:?}");
+        let flags = flags(&folders);
+        let last = flags.split(SPLIT).last();
+        assert_eq!(last, Some("--remap-path-prefix=/home/me/source=pinwarp"), "the last that fits is taken");
+        let own = build_folders(Path::new("/work/somewhere/deep"));
+        assert!(own.iter().any(|(_, name)| *name == "pinwarp"), "{own:?}");
     }
 
     #[test]

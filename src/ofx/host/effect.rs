@@ -1,17 +1,13 @@
-//! An effect of the host: its properties and clips, and words for its user.
+//! An effect of the host: its properties and clips.
 //!
 //! In: the handle that comes with an action. Out: values, or a [`HostError`] where the host has nothing there.
 
 use super::error::HostError;
-use super::kept::Kept;
 use super::param_set::Params;
-use super::props::{Props, c_text};
+use super::props::Props;
 use super::suites::Suites;
-use crate::ofx::api::{ClipHandle, EffectHandle, Message, ParamSetHandle, PropertySet, RectD};
+use crate::ofx::api::{ClipHandle, EffectHandle, ParamSetHandle, PropertySet, RectD};
 use std::ffi::CStr;
-
-/// What was last said about each effect, by its handle, so that a message does not come with every frame.
-static SAID: Kept<String> = Kept::new();
 
 /// A descriptor or an instance.
 #[derive(Clone, Copy)]
@@ -72,46 +68,6 @@ impl<'a> Effect<'a> {
     pub(in crate::ofx) fn is_aborted(self) -> bool {
         // SAFETY: the host's function with its own handle.
         self.suites.effect.abort.is_some_and(|abort| unsafe { abort(self.handle) } != 0)
-    }
-
-    /// Says `text` to the user, once for as long as it stays the same.
-    pub(in crate::ofx) fn say(self, kind: &CStr, text: &str) {
-        if SAID.insert(self.key(), text.to_owned()).is_some_and(|before| before == text) {
-            return;
-        }
-        let lasting = self.suites.lasting_message.and_then(|suite| suite.set_persistent_message);
-        self.tell(lasting.or(self.message()), kind, text);
-    }
-
-    /// Says `text` to the user this once.
-    pub(in crate::ofx) fn say_once(self, kind: &CStr, text: &str) {
-        self.tell(self.message(), kind, text);
-    }
-
-    fn message(self) -> Message {
-        self.suites.message.and_then(|suite| suite.message)
-    }
-
-    fn tell(self, message: Message, kind: &CStr, text: &str) {
-        let Some(message) = message else { return };
-        let text = c_text(text);
-        // SAFETY: the host's function, `printf` style: one "%s" and one string, which outlive the call.
-        let _nobody_else_to_tell =
-            unsafe { message(self.handle.0, kind.as_ptr(), c"".as_ptr(), c"%s".as_ptr(), text.as_ptr()) };
-    }
-
-    /// Nothing was said yet.
-    pub(in crate::ofx) fn forget(self) {
-        SAID.remove(self.key());
-    }
-
-    /// Takes back what was said, as it no longer holds (or the effect ends).
-    pub(in crate::ofx) fn unsay(self) {
-        let clear = self.suites.lasting_message.and_then(|suite| suite.clear_persistent_message);
-        if let (Some(_), Some(clear)) = (SAID.remove(self.key()), clear) {
-            // SAFETY: the host's function with its own handle.
-            let _nothing_to_do_about_it = unsafe { clear(self.handle.0) };
-        }
     }
 }
 

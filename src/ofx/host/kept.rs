@@ -47,6 +47,22 @@ impl<T> Kept<T> {
         self.locked().iter().find(|(other, _)| *other == handle).map(|(_, value)| value.clone())
     }
 
+    /// Changes a value under the lock, made by default where there is none.
+    pub(in crate::ofx) fn update<R>(&self, handle: usize, change: impl FnOnce(&mut T) -> R) -> R
+    where
+        T: Default,
+    {
+        let mut values = self.locked();
+        let place = values.iter().position(|(other, _)| *other == handle);
+        let mut value = place.and_then(|place| values.remove(place)).map(|(_, value)| value).unwrap_or_default();
+        let result = change(&mut value);
+        values.push_back((handle, value));
+        if values.len() > MOST {
+            values.pop_front();
+        }
+        result
+    }
+
     /// Lets go of all values but those that are wanted.
     pub(in crate::ofx) fn retain(&self, is_wanted: impl Fn(&T) -> bool) {
         self.locked().retain(|(_, value)| is_wanted(value));

@@ -75,10 +75,11 @@ impl<'a> Params<'a> {
 
     /// A point at a time, canonical.
     pub(in crate::ofx) fn point(self, id: &str, time: f64) -> Option<[f64; 2]> {
-        // The places lie side by side: pyofx writes both values through the first pointer.
         let (param, mut at) = (self.handle(id)?, [0.0_f64; 2]);
-        let [x, y] = at.each_mut().map(std::ptr::from_mut);
-        // SAFETY: the parameter holds two doubles, for which there are places.
+        // pyofx writes both values through the first pointer: both pointers are valid for the whole array.
+        let x = at.as_mut_ptr();
+        let y = x.wrapping_add(1);
+        // SAFETY: the parameter holds two doubles, for which there are places; a host may write both from the first on.
         let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, x, y) };
         (status.is_ok() && at.iter().all(|value| value.is_finite())).then_some(at)
     }
@@ -140,8 +141,11 @@ impl<'a> Params<'a> {
         };
     }
 
-    /// Removes all keys.
+    /// Removes all keys, where it is safe to ask.
     pub(in crate::ofx) fn delete_keys(self, id: &str) {
+        if self.suites.are_fragile() {
+            return;
+        }
         if let (Some(param), Some(delete)) = (self.handle(id), self.suites.parameter.delete_all_keys) {
             // SAFETY: the host's function with its own handle.
             let _had_none = unsafe { delete(param) };

@@ -6,7 +6,7 @@ use super::super::{PipelineError, Setup};
 use super::Gallery;
 use crate::export::gltf::packed_cards;
 use crate::image::{png_bytes, preview};
-use crate::scene::{Packed, pack};
+use crate::scene::{FileAccess, Packed, pack};
 use crate::shot::Shot;
 use std::path::PathBuf;
 
@@ -25,7 +25,13 @@ impl Setup {
                 hint: "give `scene`, a .gltf or .glb file, or `image`".into(),
             });
         };
-        Ok(pack(scene)?)
+        let access = if self.shot.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder };
+        let mut packed = pack(scene, access)?;
+        for &node in &self.hidden_nodes {
+            let node = &mut packed.json["nodes"][self.scene.file_from_scene[node]];
+            node.as_object_mut().and_then(|node| node.remove("mesh"));
+        }
+        Ok(packed)
     }
 
     /// A shot of pictures with those of one layer alone, at rest; `None`: not a shot of pictures.

@@ -8,7 +8,7 @@ use super::super::write::{Drawn, Writer};
 use super::super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
 use super::paint::Painter;
 use crate::image::SequencePath;
-use crate::raster::{ChannelGroup, PassRole};
+use crate::raster::{ChannelGroup, DeviceClass, PassRole};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub(in crate::pipeline) fn render_pictures(
     let Some(gallery) = &setup.gallery else { return Summary { kept, ..Summary::default() } };
     tell_left_out(setup, tell);
     tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
-    let mut writer = Writer::new(setup, options, output, DEVICE.to_owned());
+    let mut writer = Writer::new(setup, options, output, DeviceClass::Cpu);
     let mut painting =
         Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
     std::thread::scope(|scope| {
@@ -97,6 +97,7 @@ impl Painting<'_> {
         let begun = Instant::now();
         let picture = self.painter.frame(&times(setup, frame), &middle, |time| setup.moment(time))?;
         facts.report.raster_ms = begun.elapsed().as_secs_f64() * 1e3;
+        facts.report.warnings.extend(self.painter.warnings());
         self.busy_ms += facts.report.raster_ms;
         Ok(Drawn::Frame(Box::new(picture), Box::new(facts)))
     }

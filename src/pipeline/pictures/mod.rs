@@ -10,7 +10,8 @@ mod read;
 pub(super) use frames::{Wanted, render_pictures};
 
 use super::PipelineError;
-use crate::image::{Storage, read_any};
+use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};
+use crate::memory;
 use crate::scene::{Picture, Scene, picture_cards};
 use crate::shot::Shot;
 use crate::space::FrameSize;
@@ -33,6 +34,7 @@ impl Gallery {
     /// # Errors
     /// [`PipelineError`] where a picture cannot be read, is empty, or does not fit the others or the frame.
     pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
+        check_memory(paths)?;
         let (mut sheets, mut left_out) = (Vec::new(), Vec::new());
         let mut frame: Option<(FrameSize, &Path)> = None;
         for path in paths {
@@ -70,6 +72,17 @@ impl Gallery {
         let sheets = self.sheets.iter().map(|sheet| sheet.scaled(self.frame, size)).collect();
         Self { frame: size, sheets, ..self }
     }
+}
+
+/// All pictures are held decoded, together with the frame that they make and one of them warped.
+fn check_memory(paths: &[PathBuf]) -> Result<(), PipelineError> {
+    let mut needed = 0;
+    for path in paths {
+        let PictureExtent { pixels, samples } = picture_extent(path)?;
+        needed += 12 * samples + 40 * pixels;
+        memory::check(needed).map_err(|source| ImageError::TooLarge { path: path.clone(), source })?;
+    }
+    Ok(())
 }
 
 fn sides(size: FrameSize) -> String {

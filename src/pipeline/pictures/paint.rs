@@ -21,6 +21,24 @@ struct Laid {
     lattice: Option<ScreenLattice>,
     /// The pixels that it may cover, with [`CHANNELS`].
     picture: Frame,
+    /// That it lies over itself, where that is seen; in words.
+    warnings: Vec<String>,
+}
+
+impl Gallery {
+    /// How much of every pixel of the frame the unwarped pictures that are `shown`, by index, cover together: 0 to 1.
+    pub(in crate::pipeline) fn coverage(&self, shown: impl Fn(usize) -> bool) -> Vec<f32> {
+        let window = self.frame.window();
+        let mut covered = vec![0.0_f32; window.area()];
+        for (_, sheet) in self.sheets.iter().enumerate().filter(|(index, _)| shown(*index)) {
+            let picture = sheet.plate.clone().into_frame();
+            for [to, from] in window.shared_rows(picture.data_window) {
+                let rows = covered[to].iter_mut().zip(&picture.channels[3].samples[from]);
+                rows.for_each(|(covered, alpha)| *covered = covered.max(alpha.clamp(0.0, 1.0)));
+            }
+        }
+        covered
+    }
 }
 
 impl Laid {
@@ -71,11 +89,16 @@ impl<'a> Painter<'a> {
         }
         if groups.contains(&ChannelGroup::Id) {
             let ids = self.ids(middle);
-            let named = ["id.layer", "id.object"].into_iter().zip(ids);
-            channels.extend(named.map(|(name, samples)| channel(name, Storage::Float, samples)));
+            let named = ChannelGroup::Id.channels().iter().zip(ids);
+            channels.extend(named.map(|(spec, samples)| channel(spec.name, spec.storage, samples)));
         }
         let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
         Ok(Frame { display, data_window: display, pixel_aspect, channels }.crop_to_covered())
+    }
+
+    /// What the pictures painted last have to say.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        self.laid.iter().flatten().flat_map(|laid| laid.warnings.iter().cloned()).collect()
     }
 
     /// All pictures over one another.
@@ -113,7 +136,10 @@ impl<'a> Painter<'a> {
         let lattice = owner.and_then(|layer| moment.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
         let sheet = &self.gallery.sheets[index];
         let kept = self.laid[index].take().filter(|laid| laid.lattice.as_ref() == lattice);
-        let laid = kept.unwrap_or_else(|| warped(sheet, lattice, self.setup.shot.warp.filter));
+        let laid = kept.unwrap_or_else(|| {
+            let layer = owner.map_or("", |layer| &self.setup.shot.layers[layer].name);
+            warped(sheet, (layer, lattice), self.setup.shot.warp.filter)
+        });
         self.laid[index].insert(laid)
     }
 }
@@ -123,16 +149,16 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
 }
 
 /// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows.
-fn warped(sheet: &Sheet, lattice: Option<&ScreenLattice>, filter: Filter) -> Laid {
+fn warped(sheet: &Sheet, (layer, lattice): (&str, Option<&ScreenLattice>), filter: Filter) -> Laid {
     let Some(lattice) = lattice else {
-        return Laid { lattice: None, picture: sheet.plate.clone().into_frame() };
+        return Laid { lattice: None, picture: sheet.plate.clone().into_frame(), warnings: Vec::new() };
     };
     let field = Field::of_layer(lattice.clone());
-    let layer = LayerJob { name: sheet.name.clone(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
+    let layer = LayerJob { name: layer.to_owned(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
     let rules = WarpRules { filter, ..WarpRules::default() };
     let job = PlateJob { layers: vec![layer], rules: &rules, fill: None };
-    let (plate, _) = warp_plate(&sheet.plate, &job).expect("a matte of all that is there names nothing");
-    Laid { lattice: Some(lattice.clone()), picture: plate.into_frame() }
+    let (plate, report) = warp_plate(&sheet.plate, &job).expect("a matte of all that is there names nothing");
+    Laid { lattice: Some(lattice.clone()), picture: plate.into_frame(), warnings: report.warnings }
 }
 
 /// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.

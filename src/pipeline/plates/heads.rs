@@ -4,6 +4,7 @@
 
 use super::super::PipelineError;
 use super::{PlateWarp, WarpJob};
+use crate::files::check_regular;
 use crate::image::{Plate, SequencePath, read_any_head};
 use crate::plate::{Matte, check_plate, check_stmap};
 use crate::space::FrameSize;
@@ -40,14 +41,19 @@ pub(super) fn check(
     wanted.unwrap_or_else(|| Ok(Vec::new()))
 }
 
-/// At least one of the frames has to be there.
+/// At least one of the frames has to be there, as a regular file.
 fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
     let Some(&first) = frames.first() else { return Ok(()) };
-    if frames.iter().any(|&frame| source.path_of(frame).exists()) {
-        return Ok(());
-    }
-    let path = source.path_of(first);
-    let what = format!("cannot read {}: it is not there, nor is any other frame of it", path.display());
+    let mut there = frames.iter().map(|&frame| source.path_of(frame)).filter(|path| path.exists()).peekable();
+    let irregular = there.peek().and_then(|path| Some((path.clone(), check_regular(path).err()?)));
+    let what = match irregular {
+        _ if there.any(|path| check_regular(&path).is_ok()) => return Ok(()),
+        Some((path, fault)) => format!("cannot read {}: {fault}", path.display()),
+        None => {
+            let path = source.path_of(first);
+            format!("cannot read {}: it is not there, nor is any other frame of it", path.display())
+        }
+    };
     Err(PipelineError::Unusable { what, hint: "check the path".into() })
 }
 

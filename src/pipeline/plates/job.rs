@@ -1,7 +1,9 @@
 //! What a warp of finished frames is asked to do, and what it tells while it does.
 
-use super::super::{Existing, Setup};
+use super::super::options::lossy;
+use super::super::{Existing, Redone, Setup};
 use crate::export::LatticeFile;
+use crate::image::Durability;
 use crate::plate::{ChannelReport, Matte, WarpRules};
 use crate::raster::DeviceChoice;
 use serde::Serialize;
@@ -28,6 +30,8 @@ pub struct WarpJob<'a> {
     pub existing: Existing,
     /// What resamples colour, and draws the scene that fills holes.
     pub device: DeviceChoice,
+    /// When a frame counts as written.
+    pub durability: Durability,
 }
 
 /// What warps plates.
@@ -88,6 +92,8 @@ pub enum WarpEvent {
         /// In words.
         text: String,
     },
+    /// A frame is there, but not as this run would write it: it is made again. One event for each, before `started`.
+    FrameRedone(Redone),
     /// A frame is on disk.
     FrameDone(WarpReport),
     /// A frame could not be made; the others go on.
@@ -107,6 +113,7 @@ pub struct WarpReport {
     /// Frame number.
     pub frame: i32,
     /// The file.
+    #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// Milliseconds spent in reading and decoding.
     pub read_ms: f64,
@@ -136,6 +143,8 @@ pub struct WarpSummary {
     pub warped: usize,
     /// Frames kept from an earlier run.
     pub kept: usize,
+    /// Frames that were there and were made again.
+    pub redone: usize,
     /// Frames that failed.
     pub failed: usize,
     /// The user stopped it.

@@ -7,17 +7,21 @@
 //! ```
 //! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
 
+mod at_rest;
 mod fill;
 mod heads;
 mod job;
 mod plan;
 mod read;
+mod silhouette;
 mod stage;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
+pub use silhouette::{Coverage, Silhouette};
 
 use super::PipelineError;
+use super::resume::Todo;
 use crate::plate::Warper;
 use crate::raster;
 use plan::Plan;
@@ -40,16 +44,18 @@ pub fn warp_frames(
     tell: &(dyn Fn(WarpEvent) + Sync),
 ) -> Result<WarpSummary, PipelineError> {
     let begun = Instant::now();
-    let plan = Plan::of(job)?;
     let warper = raster::resampler(&job.device)?.map_or_else(Warper::default, Warper::on);
+    let plan = Plan::of(job, &warper.device().unwrap_or_else(|| "CPU".into()))?;
     if let Some(name) = warper.device() {
         tell(WarpEvent::Note { text: format!("{name} resamples colour") });
     }
     for text in plan.notes.iter().cloned() {
         tell(WarpEvent::Note { text });
     }
-    let wanted = plan.frames.len();
-    tell(WarpEvent::Started { frames: wanted, kept: plan.kept });
+    let Todo { frames, kept, redone, .. } = &plan.todo;
+    redone.iter().cloned().for_each(|redone| tell(WarpEvent::FrameRedone(redone)));
+    let wanted = frames.len();
+    tell(WarpEvent::Started { frames: wanted, kept: *kept });
     let mut stage = Stage::of(job, &plan, warper);
     let mut writer = Writer::of(job, &plan);
     std::thread::scope(|scope| {
@@ -64,7 +70,8 @@ pub fn warp_frames(
         writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     });
     let mut summary = writer.summary();
-    (summary.kept, summary.wall_secs) = (plan.kept, begun.elapsed().as_secs_f64());
+    (summary.kept, summary.redone) = (*kept, redone.len());
+    summary.wall_secs = begun.elapsed().as_secs_f64();
     summary.is_cancelled = summary.warped + summary.failed < wanted && cancel.load(Ordering::Relaxed);
     tell(WarpEvent::Finished(summary.clone()));
     Ok(summary)

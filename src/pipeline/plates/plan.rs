@@ -2,12 +2,12 @@
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
-use super::super::output::{Inputs, frames_to_do, prepare_folder, stale_note};
-use super::super::{PipelineError, Setup};
+use super::super::resume::{Todo, refuse_existing};
+use super::super::{Existing, PipelineError, Setup};
 use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
-use crate::image::{ImageError, PictureKind, SequencePath, is_whole};
+use crate::image::{Depth, Expected, ImageError, Inputs, PictureKind, SequencePath, check_kept, picture_size};
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, digest};
 use crate::spelling;
@@ -23,10 +23,8 @@ pub(super) struct Plan {
     pub(super) maps: Option<SequencePath>,
     /// Layers that warp, by index in the shot or file.
     pub(super) layers: Vec<usize>,
-    /// Frames to warp, in order.
-    pub(super) frames: Vec<i32>,
-    /// How many stay as they are.
-    pub(super) kept: usize,
+    /// Frames to warp, and those that stay.
+    pub(super) todo: Todo,
     /// What the user should know before it begins.
     pub(super) notes: Vec<String>,
     /// Digest of all that changes the frames.
@@ -34,7 +32,8 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn of(job: &WarpJob) -> Result<Self, PipelineError> {
+    /// `device`: what resamples colour.
+    pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
         let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
         let sequence = |path: &PathBuf| SequencePath::parse(path);
@@ -53,17 +52,31 @@ impl Plan {
             .flatten()
             .try_for_each(|source| inputs.add_sequence(source))?;
         wanted.iter().try_for_each(|&frame| inputs.refuse(&output.path_of(frame)))?;
-        let (frames, kept) = frames_to_do(wanted, &output, (job.existing, &is_whole))?;
-        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
-        notes.extend(heads::check(job, &sources, &layers, &frames)?);
-        if let Some(&first) = frames.first() {
-            prepare_folder(&output.path_of(first))?;
+        if job.existing == Existing::Refuse {
+            refuse_existing(wanted.iter().map(|&frame| output.path_of(frame)))?;
         }
         let hash = hash(job, &layers);
-        let kept: Vec<PathBuf> = kept.into_iter().map(|frame| output.path_of(frame)).collect();
-        notes.extend(stale_note(&kept, &hash));
-        Ok(Self { plate, output, clean, maps, layers, frames, kept: kept.len(), notes, hash })
+        let todo = todo(job, (wanted, &plate, &output), (&hash, device));
+        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
+        notes.extend(heads::check(job, &sources, &layers, &todo.frames)?);
+        notes.extend(todo.notes());
+        let todo = todo.begin(&output)?;
+        Ok(Self { plate, output, clean, maps, layers, todo, notes, hash })
     }
+}
+
+/// The frames to warp. A kept frame has the size of its plate.
+fn todo(
+    job: &WarpJob,
+    (wanted, plate, output): (Vec<i32>, &SequencePath, &SequencePath),
+    (hash, device): (&str, &str),
+) -> Todo {
+    let depth = if job.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
+    Todo::of(wanted, output, job.existing, |frame| {
+        let size = picture_size(&plate.path_of(frame)).ok();
+        let expected = Expected { frame, shot_hash: hash, size, device };
+        check_kept(&output.path_of(frame), &expected, depth)
+    })
 }
 
 /// Only picture files go in, and only such come out as can hold what went in.

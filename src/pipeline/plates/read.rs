@@ -4,7 +4,9 @@
 
 use super::super::PipelineError;
 use super::plan::Plan;
-use crate::image::{Plate, SequencePath, read_any};
+use crate::image::{ImageError, PictureExtent, Plate, SequencePath, picture_extent, read_any};
+use crate::memory::{self, Reservation};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Instant;
@@ -16,13 +18,14 @@ pub(super) struct Loaded {
     pub(super) read_ms: f64,
 }
 
-/// The pictures of a frame.
+/// The pictures of a frame, and the memory that it takes until it is written.
 pub(super) struct Pictures {
     pub(super) plate: Plate,
     /// What lies behind.
     pub(super) clean: Option<Plate>,
     /// The STMap.
     pub(super) map: Option<Plate>,
+    pub(super) memory: Reservation,
 }
 
 /// Reads frames.
@@ -34,7 +37,7 @@ pub(super) struct Reader<'a> {
 impl Reader<'_> {
     /// Reads all frames; ends early when cancelled or when nobody warps any more.
     pub(super) fn run(&self, loaded: &SyncSender<Loaded>) {
-        for &frame in &self.plan.frames {
+        for &frame in &self.plan.todo.frames {
             if self.cancel.load(Ordering::Relaxed) {
                 return;
             }
@@ -49,7 +52,24 @@ impl Reader<'_> {
 
     fn pictures(&self, frame: i32) -> Result<Pictures, PipelineError> {
         let Plan { plate, clean, maps, .. } = self.plan;
-        let read = |path: &Option<SequencePath>| path.as_ref().map(|path| read_any(&path.path_of(frame))).transpose();
-        Ok(Pictures { plate: read_any(&plate.path_of(frame))?, clean: read(clean)?, map: read(maps)? })
+        let path = |path: &Option<SequencePath>| path.as_ref().map(|path| path.path_of(frame));
+        let (plate, clean, map) = (plate.path_of(frame), path(clean), path(maps));
+        let others = [&clean, &map].into_iter().flatten();
+        let needed = warped_bytes(picture_extent(&plate)?)
+            + others.map(|path| Ok(held_bytes(picture_extent(path)?))).sum::<Result<u128, ImageError>>()?;
+        let memory = memory::reserve(needed).map_err(|source| ImageError::TooLarge { path: plate.clone(), source })?;
+        let read = |path: Option<PathBuf>| path.map(|path| read_any(&path)).transpose();
+        Ok(Pictures { plate: read_any(&plate)?, clean: read(clean)?, map: read(map)?, memory })
     }
+}
+
+/// Bytes of a picture that is only looked at: its samples as floats, and as they are stored while they are decoded.
+fn held_bytes(extent: PictureExtent) -> u128 {
+    8 * extent.samples
+}
+
+/// Bytes of a plate that is warped and written: decoded, warped, and ready to be encoded; its map, and what lies behind in
+/// folds; shares and coverage of layers.
+fn warped_bytes(extent: PictureExtent) -> u128 {
+    12 * extent.samples + 40 * extent.pixels
 }

@@ -43,9 +43,9 @@ impl<'a> Stage<'a> {
             let outcome = pictures.and_then(|pictures| {
                 let warped = self.warp(frame, &pictures);
                 self.warper.recycle(pictures.plate);
-                warped
+                warped.map(|warped| (warped, pictures.memory))
             });
-            let outcome = outcome.map(|(plate, report)| {
+            let outcome = outcome.map(|((plate, report), memory)| {
                 let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
@@ -60,7 +60,7 @@ impl<'a> Stage<'a> {
                     warnings,
                     ..WarpReport::default()
                 };
-                (plate, report)
+                (plate, report, memory)
             });
             if warped.send(Warped { frame, outcome }).is_err() {
                 return;
@@ -69,7 +69,7 @@ impl<'a> Stage<'a> {
     }
 
     fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport), PipelineError> {
-        let Pictures { plate, clean, map } = pictures;
+        let Pictures { plate, clean, map, .. } = pictures;
         let size = plate.frame_size();
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let rules = self.job.rules.in_pixels(size);

@@ -5,21 +5,24 @@
 use super::super::PipelineError;
 use super::plan::Plan;
 use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary};
-use crate::image::{FrameMetadata, Plate, write_any};
+use crate::image::{Destination, Durability, FrameMetadata, Plate, write_any};
+use crate::memory::Reservation;
 use crate::plate::ChannelReport;
+use crate::raster::DeviceClass;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 /// A frame that was warped, or the reason why not.
 pub(super) struct Warped {
     pub(super) frame: i32,
-    pub(super) outcome: Result<(Plate, WarpReport), PipelineError>,
+    pub(super) outcome: Result<(Plate, WarpReport, Reservation), PipelineError>,
 }
 
 /// Writes plates and counts them.
 pub(super) struct Writer<'a> {
     plan: &'a Plan,
     rate: f64,
+    durability: Durability,
     /// What the channels of the frame before were taken for.
     told: Vec<ChannelReport>,
     /// What of the plates before was not read.
@@ -34,16 +37,17 @@ impl<'a> Writer<'a> {
             PlateWarp::Lattices { file, .. } => file.rate,
             PlateWarp::Maps(_) => 0.0,
         };
-        Self { plan, rate, told: Vec::new(), left_out: Vec::new(), summary: WarpSummary::default() }
+        let durability = job.durability;
+        Self { plan, rate, durability, told: Vec::new(), left_out: Vec::new(), summary: WarpSummary::default() }
     }
 
     /// Writes everything that arrives; one failed frame does not stop the others.
     pub(super) fn run(&mut self, warps: Receiver<Warped>, tell: &(dyn Fn(WarpEvent) + Sync)) {
         for Warped { frame, outcome } in warps {
-            if let Ok((plate, _)) = &outcome {
+            if let Ok((plate, _, _)) = &outcome {
                 self.tell_left_out(frame, plate, tell);
             }
-            match outcome.and_then(|(plate, report)| self.write(plate, report)) {
+            match outcome.and_then(|(plate, report, _memory)| self.write(plate, report)) {
                 Ok(report) => {
                     self.summary.warped += 1;
                     tell(WarpEvent::FrameDone(report));
@@ -78,10 +82,10 @@ impl<'a> Writer<'a> {
             frame: report.frame,
             frames_per_second: self.rate,
             shot_hash: self.plan.hash.clone(),
-            device: report.device.clone(),
+            device: class_of(&report.device).to_string(),
             ..FrameMetadata::default()
         });
-        write_any(&report.path, &plate)?;
+        write_any(Destination { path: &report.path, durability: self.durability }, &plate)?;
         report.write_ms = begun.elapsed().as_secs_f64() * 1e3;
         self.summary.read_ms += report.read_ms;
         self.summary.warp_ms += report.warp_ms;
@@ -93,4 +97,9 @@ impl<'a> Writer<'a> {
         }
         Ok(report)
     }
+}
+
+/// The class of what resampled: files do not name the machine's own device.
+fn class_of(device: &str) -> DeviceClass {
+    if device == DeviceClass::Cpu.to_string() { DeviceClass::Cpu } else { DeviceClass::Vulkan }
 }

@@ -4,9 +4,10 @@
 //! pairs sorted. Chunks are cut by count alone, so the order in a tile never depends on the number of threads.
 
 use super::material::Materials;
-use super::triangle::{Placed, Source, Triangle, set_up};
-use crate::raster::{Geometry, RasterVertex, Target};
-use glam::{DVec2, IVec2, Vec2};
+use super::triangle::{Source, Triangle, WindowVertex, set_up};
+use crate::raster::window::WindowFromScreen;
+use crate::raster::{Geometry, RasterVertex};
+use glam::IVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -38,35 +39,15 @@ impl Tiling {
     }
 }
 
-/// How screen places become window pixels: at = screen · scale + offset, y down.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WindowFromScreen {
-    scale: DVec2,
-    offset: DVec2,
-}
-
-impl WindowFromScreen {
-    pub(super) fn of(target: &Target, jitter_px: Vec2) -> Self {
-        let height = f64::from(target.frame.height);
-        let origin = DVec2::new(f64::from(target.window.x), f64::from(target.window.y));
-        Self {
-            scale: DVec2::new(height / target.frame.pixel_aspect, -height),
-            offset: DVec2::new(0.0, height) + jitter_px.as_dvec2() - origin,
-        }
-    }
-
-    fn place(&self, vertex: &RasterVertex) -> Placed {
-        let [x, y, z, w] = vertex.screen;
-        let inverse_w = 1.0 / f64::from(w);
-        let at = DVec2::new(f64::from(x), f64::from(y)) * inverse_w * self.scale + self.offset;
-        Placed { at, z: (f64::from(z) * inverse_w) as f32, inverse_w: inverse_w as f32 }
-    }
+fn window_vertex(vertex: &RasterVertex, window_from_screen: &WindowFromScreen) -> WindowVertex {
+    let [_, _, z, w] = vertex.screen.map(f64::from);
+    WindowVertex { at: window_from_screen.point(vertex), z: (z / w) as f32, inverse_w: (1.0 / w) as f32 }
 }
 
 /// Set-up triangles and where they go; buffers live on between passes.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
-    placed: Vec<Placed>,
+    vertices: Vec<WindowVertex>,
     chunks: Vec<Chunk>,
 }
 
@@ -85,17 +66,17 @@ impl Bins {
             .vertices
             .par_iter()
             .with_min_len(1024)
-            .map(|vertex| window_from_screen.place(vertex))
-            .collect_into_vec(&mut self.placed);
+            .map(|vertex| window_vertex(vertex, &window_from_screen))
+            .collect_into_vec(&mut self.vertices);
         let starts = first_triangles(geometry);
         let total = starts.last().copied().unwrap_or(0);
         self.chunks.resize_with(total.div_ceil(CHUNK), Chunk::default);
-        let placed = &self.placed;
+        let vertices = &self.vertices;
         self.chunks.par_iter_mut().enumerate().for_each(|(index, chunk)| {
             chunk.triangles.clear();
             let range = index * CHUNK..((index + 1) * CHUNK).min(total);
             for_each_source(geometry, materials, (&starts, range), |source| {
-                let Some(corners) = corners(placed, source.corners) else { return };
+                let Some(corners) = corners(vertices, source.corners) else { return };
                 set_up(&source, corners, tiling.size, &mut |triangle| chunk.triangles.push(triangle));
             });
             chunk.sort_into(tiling);
@@ -166,7 +147,7 @@ fn for_each_source(
     }
 }
 
-fn corners(placed: &[Placed], corners: [u32; 3]) -> Option<[Placed; 3]> {
-    let get = |corner: u32| placed.get(corner as usize).copied();
+fn corners(vertices: &[WindowVertex], corners: [u32; 3]) -> Option<[WindowVertex; 3]> {
+    let get = |corner: u32| vertices.get(corner as usize).copied();
     Some([get(corners[0])?, get(corners[1])?, get(corners[2])?])
 }

@@ -27,19 +27,11 @@ pub(super) struct Face<'a> {
     corners: [&'a RasterVertex; 3],
 }
 
-/// Perspective-correct shares of the three corners.
+/// Perspective-correct barycentrics of the three corners.
 #[derive(Clone, Copy, Debug)]
-struct Shares([f32; 3]);
+struct Barycentrics([f32; 3]);
 
-/// Data of a surface point.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SurfaceData {
-    pub(super) depth: f32,
-    pub(super) forward: Vec2,
-    pub(super) backward: Vec2,
-}
-
-impl Shares {
+impl Barycentrics {
     fn vec3(&self, of: [[f32; 3]; 3]) -> Vec3 {
         let [p, q, r] = of.map(Vec3::from);
         p * self.0[0] + q * self.0[1] + r * self.0[2]
@@ -62,64 +54,65 @@ impl<'a> Face<'a> {
         self.corners.map(field)
     }
 
-    /// The pixel's shares, and their change to the next pixel right and down.
-    ///
-    /// With screen shares l and W = Σ lᵢ/wᵢ: bᵢ = lᵢ/(wᵢ W), so ∂bᵢ = (∂lᵢ/wᵢ − bᵢ ∂W)/W.
-    fn shares(&self, pixel: IVec2) -> Shares {
+    /// The barycentrics of a pixel centre.
+    fn barycentrics(&self, pixel: IVec2) -> Barycentrics {
         let offset = pixel - self.triangle.min;
-        let [second, third] = self.triangle.shares.map(|share| share.at(offset));
+        let [second, third] = self.triangle.barycentrics.map(|plane| plane.at(offset));
         let w = self.triangle.inverse_w;
         let raw = [(1.0 - second - third) * w[0], second * w[1], third * w[2]];
         let scale = 1.0 / (raw[0] + raw[1] + raw[2]);
-        Shares(raw.map(|share| share * scale))
+        Barycentrics(raw.map(|weight| weight * scale))
     }
 
-    fn share_slopes(&self, pixel: IVec2, shares: &Shares) -> [Shares; 2] {
+    /// Their change to the next pixel right and down.
+    ///
+    /// With screen barycentrics l and W = Σ lᵢ/wᵢ: bᵢ = lᵢ/(wᵢ W), so ∂bᵢ = (∂lᵢ/wᵢ − bᵢ ∂W)/W.
+    fn barycentric_slopes(&self, pixel: IVec2, barycentrics: &Barycentrics) -> [Barycentrics; 2] {
         let offset = pixel - self.triangle.min;
-        let planes = &self.triangle.shares;
-        let [second, third] = planes.map(|share| share.at(offset));
+        let planes = &self.triangle.barycentrics;
+        let [second, third] = planes.map(|plane| plane.at(offset));
         let w = self.triangle.inverse_w;
         let whole = (1.0 - second - third) * w[0] + second * w[1] + third * w[2];
         [[planes[0].dx, planes[1].dx], [planes[0].dy, planes[1].dy]].map(|[second, third]| {
             let raw = [-(second + third) * w[0], second * w[1], third * w[2]];
             let slope = raw[0] + raw[1] + raw[2];
-            Shares([0, 1, 2].map(|i| (raw[i] - shares.0[i] * slope) / whole))
+            Barycentrics([0, 1, 2].map(|i| (raw[i] - barycentrics.0[i] * slope) / whole))
         })
     }
 
     /// Where textures are looked up: both sets of coordinates with their footprints.
-    fn footprints(&self, pixel: IVec2, shares: &Shares) -> [Footprint; 2] {
+    fn footprints(&self, pixel: IVec2, barycentrics: &Barycentrics) -> [Footprint; 2] {
         if !self.material.has_textures() {
             return [Footprint::default(); 2];
         }
         let uv = self.each(|vertex| vertex.uv);
-        let [at, dx, dy] = [shares.vec4(uv), Vec4::ZERO, Vec4::ZERO];
-        let [slope_x, slope_y] = self.share_slopes(pixel, shares);
+        let [at, dx, dy] = [barycentrics.vec4(uv), Vec4::ZERO, Vec4::ZERO];
+        let [slope_x, slope_y] = self.barycentric_slopes(pixel, barycentrics);
         let (dx, dy) = (dx + slope_x.vec4(uv), dy + slope_y.vec4(uv));
         [Footprint { at: at.xy(), dx: dx.xy(), dy: dy.xy() }, Footprint { at: at.zw(), dx: dx.zw(), dy: dy.zw() }]
     }
 
     /// Alpha as the material means it, before any cutoff.
     pub(super) fn alpha(&self, shade: &Shade, pixel: IVec2) -> f32 {
-        let shares = self.shares(pixel);
-        let uv = self.footprints(pixel, &shares);
-        let color = shares.vec4(self.each(|vertex| vertex.color));
+        let barycentrics = self.barycentrics(pixel);
+        let uv = self.footprints(pixel, &barycentrics);
+        let color = barycentrics.vec4(self.each(|vertex| vertex.color));
         shade.materials.base_color(self.material, &uv, color).w
     }
 
     /// Associated linear RGBA, and the shading normal where it was needed for that.
     pub(super) fn color(&self, shade: &Shade, pixel: IVec2) -> (Vec4, Option<Vec3>) {
-        let shares = self.shares(pixel);
-        let uv = self.footprints(pixel, &shares);
-        let vertex_color = shares.vec4(self.each(|vertex| vertex.color));
+        let barycentrics = self.barycentrics(pixel);
+        let uv = self.footprints(pixel, &barycentrics);
+        let vertex_color = barycentrics.vec4(self.each(|vertex| vertex.color));
         let base = shade.materials.base_color(self.material, &uv, vertex_color);
         let alpha = if self.material.is_blended() { base.w.clamp(0.0, 1.0) } else { 1.0 };
         if self.material.factors.unlit {
             return ((base.xyz() * alpha).extend(alpha), None);
         }
         let (metallic, roughness) = shade.materials.metallic_roughness(self.material, &uv);
-        let position = shares.vec3(self.each(|vertex| vertex.position));
-        let normal = self.normal_at(shade, &shares, &uv);
+        let position = barycentrics.vec3(self.each(|vertex| vertex.position));
+        let normal = self.normal_at(shade, &barycentrics, &uv);
         let towards = shade.geometry.parallel_view.unwrap_or(shade.geometry.eye.0 - position);
         let surface = Surface {
             position,
@@ -138,42 +131,45 @@ impl<'a> Face<'a> {
 
     /// Shading normal that faces the viewer.
     pub(super) fn normal(&self, shade: &Shade, pixel: IVec2) -> Vec3 {
-        let shares = self.shares(pixel);
+        let barycentrics = self.barycentrics(pixel);
         let needs_map = self.material.has_normal_map();
-        let uv = if needs_map { self.footprints(pixel, &shares) } else { [Footprint::default(); 2] };
-        self.normal_at(shade, &shares, &uv)
+        let uv = if needs_map { self.footprints(pixel, &barycentrics) } else { [Footprint::default(); 2] };
+        self.normal_at(shade, &barycentrics, &uv)
     }
 
-    fn normal_at(&self, shade: &Shade, shares: &Shares, uv: &[Footprint; 2]) -> Vec3 {
-        let normal = shares.vec3(self.each(|vertex| vertex.normal));
+    fn normal_at(&self, shade: &Shade, barycentrics: &Barycentrics, uv: &[Footprint; 2]) -> Vec3 {
+        let normal = barycentrics.vec3(self.each(|vertex| vertex.normal));
         if !self.material.has_normal_map() {
             // What `shading_normal` gives for a zero tangent, at a fraction of its cost.
             let unit = shading::unit_or(normal, Vec3::Z);
             return if self.triangle.is_front { unit } else { -unit };
         }
-        let tangent = shares.vec4(self.each(|vertex| vertex.tangent));
+        let tangent = barycentrics.vec4(self.each(|vertex| vertex.tangent));
         let mapped = shade.materials.mapped_normal(self.material, uv);
         shading::shading_normal(normal, tangent, mapped, self.triangle.is_front)
     }
 
-    /// Depth and motion.
-    pub(super) fn data(&self, shade: &Shade, pixel: IVec2) -> SurfaceData {
-        let shares = self.shares(pixel);
-        let depths = self.each(|vertex| vertex.depth);
-        let here = place(shares.vec3(self.each(|vertex| [vertex.screen[0], vertex.screen[1], vertex.screen[3]])));
-        let towards = |to: [[f32; 3]; 3]| match (here, place(shares.vec3(to))) {
+    /// Distance along the view axis, metres.
+    pub(super) fn depth(&self, pixel: IVec2) -> f32 {
+        Vec3::from(self.barycentrics(pixel).0).dot(self.each(|vertex| vertex.depth).into())
+    }
+
+    /// Forward and backward motion, pixels; exactly 0 at rest.
+    pub(super) fn motion(&self, shade: &Shade, pixel: IVec2) -> [f32; 4] {
+        let barycentrics = self.barycentrics(pixel);
+        let at = |points: [[f32; 3]; 3]| screen_point(barycentrics.vec3(points));
+        let here = at(self.each(|vertex| [vertex.screen[0], vertex.screen[1], vertex.screen[3]]));
+        let towards = |points: [[f32; 3]; 3]| match (here, at(points)) {
             (Some(here), Some(there)) => (there - here) * shade.pixels_per_unit,
             _ => Vec2::ZERO,
         };
-        SurfaceData {
-            depth: Vec3::from(shares.0).dot(depths.into()),
-            forward: towards(self.each(|vertex| vertex.next)),
-            backward: towards(self.each(|vertex| vertex.previous)),
-        }
+        let [forward, backward] =
+            [towards(self.each(|vertex| vertex.next)), towards(self.each(|vertex| vertex.previous))];
+        [forward.x, forward.y, backward.x, backward.y]
     }
 }
 
-/// Screen place of a homogeneous position; `None` behind the camera.
-fn place(homogeneous: Vec3) -> Option<Vec2> {
+/// Screen point of a homogeneous position; `None` behind the camera.
+fn screen_point(homogeneous: Vec3) -> Option<Vec2> {
     (homogeneous.z > 1e-6).then(|| homogeneous.truncate() / homogeneous.z)
 }

@@ -111,12 +111,12 @@ impl Materials {
 
     /// Linear base colour and alpha, vertex colour included.
     pub(super) fn base_color(&self, material: &Prepared, uv: &[Footprint; 2], vertex_color: Vec4) -> Vec4 {
-        material.factors.base_color * vertex_color * self.look(&material.base_color, uv)
+        material.factors.base_color * vertex_color * self.sample(&material.base_color, uv)
     }
 
     /// Metallic and roughness.
     pub(super) fn metallic_roughness(&self, material: &Prepared, uv: &[Footprint; 2]) -> (f32, f32) {
-        let texel = self.look(&material.metallic_roughness, uv);
+        let texel = self.sample(&material.metallic_roughness, uv);
         (material.factors.metallic * texel.z, material.factors.roughness * texel.y)
     }
 
@@ -125,12 +125,12 @@ impl Materials {
         if !material.has_normal_map() {
             return Vec3::Z;
         }
-        super::shading::normal_from_texel(self.look(&material.normal, uv).xyz(), material.factors.normal_scale)
+        super::shading::normal_from_texel(self.sample(&material.normal, uv).xyz(), material.factors.normal_scale)
     }
 
     /// 1 open, 0 hidden.
     pub(super) fn occlusion(&self, material: &Prepared, uv: &[Footprint; 2]) -> f32 {
-        let texel = self.look(&material.occlusion, uv).x;
+        let texel = self.sample(&material.occlusion, uv).x;
         super::shading::occlusion_from_texel(texel, material.factors.occlusion_strength)
     }
 
@@ -139,10 +139,10 @@ impl Materials {
         if material.factors.emissive == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        material.factors.emissive * self.look(&material.emissive, uv).xyz()
+        material.factors.emissive * self.sample(&material.emissive, uv).xyz()
     }
 
-    fn look(&self, sampler: &Option<Sampler>, uv: &[Footprint; 2]) -> Vec4 {
+    fn sample(&self, sampler: &Option<Sampler>, uv: &[Footprint; 2]) -> Vec4 {
         sampler.as_ref().map_or(Vec4::ONE, |sampler| sampler.sample(&self.images, uv))
     }
 }

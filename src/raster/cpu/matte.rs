@@ -1,11 +1,10 @@
 //! Mattes: which ids cover each pixel, and how much, over all beauty passes.
 //!
-//! In: what a pass shows in a tile. Out: the ranks of every Cryptomatte, as channels.
-//! A pixel keeps a list of (ids, share); mostly one entry long, so a frame takes 24 bytes a covered pixel.
+//! In: the surfaces that a pass shows in a tile. Out: the ranks of every Cryptomatte, as channels.
+//! A pixel keeps a list of (ids, coverage), mostly one entry long: 24 bytes per covered pixel.
 
 use super::bin::{TILE, Tiling};
 use super::coverage::TILE_PIXELS;
-use super::tile::Tile;
 use crate::image::cryptomatte::{Coverage, MatteId, USUAL_RANKS, rank_channel_names};
 use crate::image::{Channel, Storage};
 use crate::raster::{MATTE_LAYERS, RasterError};
@@ -31,13 +30,13 @@ pub(super) struct TileMattes {
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     ids: Ids,
-    share: f32,
+    coverage: f32,
     next: u32,
 }
 
-/// A blended surface in front of what a pixel shows otherwise, in the order of drawing: back to front.
+/// A blended surface in front of the opaque one of its pixel; fragments are listed in drawing order, back to front.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pane {
+pub(super) struct TransparentFragment {
     pub(super) place: usize,
     pub(super) ids: Ids,
     pub(super) alpha: f32,
@@ -50,35 +49,40 @@ impl TileMattes {
         self.entries.clear();
     }
 
-    /// Adds a pass of that weight: panes, and the opaque surface of each pixel, if any. What a pane lets through counts
-    /// for what lies behind it, so that coverage sums to the alpha of beauty.
-    pub(super) fn add_pass(&mut self, weight: f32, panes: &[Pane], opaque: impl Iterator<Item = (usize, Ids)>) {
+    /// Adds a pass of that weight: its transparent fragments, and the opaque surface of each pixel, if any. What a fragment
+    /// lets through covers what lies behind it, so that coverage sums to the alpha of beauty.
+    pub(super) fn add_pass(
+        &mut self,
+        weight: f32,
+        fragments: &[TransparentFragment],
+        opaque: impl Iterator<Item = (usize, Ids)>,
+    ) {
         self.first.resize(TILE_PIXELS, END);
-        // What is left of the pass's weight behind the panes; empty where there are none.
-        let mut rest = if panes.is_empty() { Vec::new() } else { vec![weight; TILE_PIXELS] };
-        for pane in panes.iter().rev() {
-            let rest = &mut rest[pane.place];
-            self.add(pane.place, pane.ids, *rest * pane.alpha);
-            *rest *= 1.0 - pane.alpha;
+        // What is left of the pass's weight behind the fragments; empty where there are none.
+        let mut rest = if fragments.is_empty() { Vec::new() } else { vec![weight; TILE_PIXELS] };
+        for fragment in fragments.iter().rev() {
+            let rest = &mut rest[fragment.place];
+            self.add(fragment.place, fragment.ids, *rest * fragment.alpha);
+            *rest *= 1.0 - fragment.alpha;
         }
         for (place, ids) in opaque {
             self.add(place, ids, rest.get(place).copied().unwrap_or(weight));
         }
     }
 
-    fn add(&mut self, place: usize, ids: Ids, share: f32) {
-        if share <= 0.0 {
+    fn add(&mut self, place: usize, ids: Ids, coverage: f32) {
+        if coverage <= 0.0 {
             return;
         }
         let mut at = self.first[place];
         while let Some(entry) = self.entries.get_mut(at as usize) {
             if entry.ids == ids {
-                entry.share += share;
+                entry.coverage += coverage;
                 return;
             }
             at = entry.next;
         }
-        self.entries.push(Entry { ids, share, next: self.first[place] });
+        self.entries.push(Entry { ids, coverage, next: self.first[place] });
         self.first[place] = self.entries.len() as u32 - 1;
     }
 
@@ -93,8 +97,8 @@ impl TileMattes {
     }
 }
 
-/// The channels of all Cryptomattes out of the tiles of a window.
-pub(super) fn gather_mattes(tiling: Tiling, tiles: &[Tile]) -> Result<Vec<Channel>, RasterError> {
+/// The channels of all Cryptomattes, from the mattes of a window's tiles.
+pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec<Channel>, RasterError> {
     let (width, height) = (tiling.size.x as usize, tiling.size.y as usize);
     let area = width * height;
     let is_room = Vec::<f32>::new().try_reserve_exact(area * PLANES).is_ok();
@@ -115,7 +119,7 @@ pub(super) fn gather_mattes(tiling: Tiling, tiles: &[Tile]) -> Result<Vec<Channe
         Coverage::default,
         |coverage, (mut band, tiles)| {
             for (column, tile) in tiles.iter().enumerate() {
-                rank_tile(coverage, &tile.mattes, (&mut band, width, column * side));
+                rank_tile(coverage, tile, (&mut band, width, column * side));
             }
         },
     );
@@ -132,11 +136,11 @@ fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): 
     for (y, x) in (0..rows).flat_map(|y| (0..side.min(width - left)).map(move |x| (y, x))) {
         for (layer, planes) in band.chunks_exact_mut(2 * USUAL_RANKS).enumerate() {
             coverage.clear();
-            mattes.of(y * side + x).for_each(|entry| coverage.add(entry.ids[layer], entry.share));
-            for (rank, &(id, share)) in planes.chunks_exact_mut(2).zip(coverage.ranked()) {
+            mattes.of(y * side + x).for_each(|entry| coverage.add(entry.ids[layer], entry.coverage));
+            for (rank, &(id, covered)) in planes.chunks_exact_mut(2).zip(coverage.ranked()) {
                 rank[0][y * width + left + x] = id.sample();
                 // The sum of rounded weights may pass the whole by a bit.
-                rank[1][y * width + left + x] = share.min(1.0);
+                rank[1][y * width + left + x] = covered.min(1.0);
             }
         }
     }
@@ -147,14 +151,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panes_take_their_share_from_what_lies_behind_them() {
+    fn transparent_fragments_take_coverage_from_what_lies_behind_them() {
         let [wall, near, far] = ["wall", "near", "far"].map(|name| [MatteId::of_name(name); 3]);
         let mut mattes = TileMattes::default();
-        let pane = |ids, alpha| Pane { place: 5, ids, alpha };
-        mattes.add_pass(0.5, &[pane(far, 0.5), pane(near, 0.25)], [(5, wall), (6, wall)].into_iter());
+        let fragment = |ids, alpha| TransparentFragment { place: 5, ids, alpha };
+        mattes.add_pass(0.5, &[fragment(far, 0.5), fragment(near, 0.25)], [(5, wall), (6, wall)].into_iter());
         mattes.add_pass(0.5, &[], [(5, near)].into_iter());
         let share =
-            |place, ids| mattes.of(place).filter(|entry| entry.ids == ids).map(|entry| entry.share).sum::<f32>();
+            |place, ids| mattes.of(place).filter(|entry| entry.ids == ids).map(|entry| entry.coverage).sum::<f32>();
         assert_eq!([share(5, near), share(5, far), share(5, wall)], [0.625, 0.1875, 0.1875]);
         assert_eq!([share(6, wall), share(7, wall)], [0.5, 0.0]);
     }

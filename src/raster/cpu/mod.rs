@@ -1,4 +1,4 @@
-//! The CPU twin: draws what the Vulkan raster draws, in safe Rust, in tiles over all cores.
+//! The CPU raster: the reference, in safe Rust, in tiles over all cores.
 //!
 //! In: a scene's materials, then [`Pass`]es of geometry. Out: a [`Frame`], the same bytes for any number of threads.
 //! Bins sort triangles into tiles (`bin`, `triangle`); tiles find what is seen (`coverage`) and shade it once
@@ -16,14 +16,14 @@ mod texture;
 mod tile;
 mod triangle;
 
-use super::{Pass, Raster, RasterError, Target};
-use crate::image::{Channel, Frame};
+use super::{DeviceClass, Pass, PassRole, Raster, RasterError, SECOND_DATA_PASS, Target};
+use crate::image::{Channel, ChannelGroup, ChannelSpec, Frame};
+use crate::raster::window::WindowFromScreen;
 use crate::scene::Scene;
-use crate::spelling::counted;
-use bin::{Bins, TILE, Tiling, WindowFromScreen};
+use bin::{Bins, TILE, Tiling};
 use fragment::Shade;
 use glam::{IVec2, Vec2};
-use layout::{ChannelPlan, Layout};
+use layout::Layout;
 use material::Materials;
 use matte::gather_mattes;
 use rayon::prelude::*;
@@ -61,6 +61,8 @@ struct Job {
     target: Target,
     layout: Layout,
     tiling: Tiling,
+    /// A pass has drawn data.
+    has_data: bool,
 }
 
 /// Time spent since the last `start`, for measurements.
@@ -99,7 +101,11 @@ impl CpuRaster {
 
 impl Raster for CpuRaster {
     fn name(&self) -> String {
-        format!("CPU ({})", counted(rayon::current_num_threads(), "thread", "threads"))
+        "CPU".into()
+    }
+
+    fn class(&self) -> DeviceClass {
+        DeviceClass::Cpu
     }
 
     fn max_side(&self) -> u32 {
@@ -117,15 +123,19 @@ impl Raster for CpuRaster {
             .map_err(|_| RasterError::OutOfMemory { what: format!("{count} tiles") })?;
         self.tiles.resize_with(count, Tile::default);
         self.tiles.iter_mut().for_each(Tile::reset);
-        self.job = Some(Job { target: target.clone(), layout: Layout::of(&target.channels), tiling });
+        self.job = Some(Job { target: target.clone(), layout: Layout::of(&target.channels), tiling, has_data: false });
         self.times = StageTimes::default();
         Ok(())
     }
 
     fn draw(&mut self, pass: &Pass) -> Result<(), RasterError> {
-        let job = self.job.as_ref().ok_or(RasterError::Misuse("draw was called before start"))?;
+        let job = self.job.as_mut().ok_or(RasterError::Misuse("draw was called before start"))?;
+        if pass.role != PassRole::Beauty && std::mem::replace(&mut job.has_data, true) {
+            return Err(RasterError::Misuse(SECOND_DATA_PASS));
+        }
+        let job = &*job;
         let begin = Instant::now();
-        let window_from_screen = WindowFromScreen::of(&job.target, pass.jitter_px);
+        let window_from_screen = WindowFromScreen::new(&job.target, pass.jitter_px);
         self.bins.fill(pass.geometry, &self.materials, (window_from_screen, job.tiling));
         let binned = Instant::now();
         let lights: Vec<Light> = pass.geometry.lights.iter().map(Light::from).collect();
@@ -157,10 +167,12 @@ impl Raster for CpuRaster {
     fn finish(&mut self) -> Result<Frame, RasterError> {
         let job = self.job.take().ok_or(RasterError::Misuse("finish was called before start"))?;
         let begin = Instant::now();
+        let wanted: Vec<_> = job.layout.channels().collect();
         let mut channels: Vec<Channel> =
-            job.layout.channels().par_iter().map(|plan| gather(&job, &self.tiles, plan)).collect::<Result<_, _>>()?;
+            wanted.into_par_iter().map(|channel| gather(&job, &self.tiles, channel)).collect::<Result<_, _>>()?;
         if job.layout.has_mattes {
-            channels.extend(gather_mattes(job.tiling, &self.tiles)?);
+            let mattes: Vec<_> = self.tiles.iter().map(|tile| &tile.mattes).collect();
+            channels.extend(gather_mattes(job.tiling, &mattes)?);
         }
         self.times.resolve += begin.elapsed();
         Ok(Frame {
@@ -173,25 +185,29 @@ impl Raster for CpuRaster {
 }
 
 /// One channel, row by row, out of the tiles.
-fn gather(job: &Job, tiles: &[Tile], plan: &ChannelPlan) -> Result<Channel, RasterError> {
+fn gather(
+    job: &Job,
+    tiles: &[Tile],
+    (group, spec, plane): (ChannelGroup, &ChannelSpec, usize),
+) -> Result<Channel, RasterError> {
     let area = job.target.window.area();
     let mut samples = Vec::new();
     samples
         .try_reserve_exact(area)
-        .map_err(|_| RasterError::OutOfMemory { what: format!("channel {} of {area} pixels", plan.name) })?;
+        .map_err(|_| RasterError::OutOfMemory { what: format!("channel {} of {area} pixels", spec.name) })?;
     let (size, side) = (job.tiling.size, TILE as usize);
     let row_of_tiles = job.tiling.columns().max(1);
     for (row, tiles) in tiles.chunks(row_of_tiles).enumerate() {
-        let planes: Vec<Option<&[f32]>> = tiles.iter().map(|tile| tile.plane(&job.layout, plan.plane)).collect();
+        let planes: Vec<Option<&[f32]>> = tiles.iter().map(|tile| tile.plane(group, plane)).collect();
         for y in 0..side.min(size.y as usize - row * side) {
             for (column, plane) in planes.iter().enumerate() {
                 let width = side.min(size.x as usize - column * side);
                 match plane {
                     Some(plane) => samples.extend_from_slice(&plane[y * side..y * side + width]),
-                    None => samples.resize(samples.len() + width, plan.empty),
+                    None => samples.resize(samples.len() + width, spec.empty),
                 }
             }
         }
     }
-    Ok(Channel { name: plan.name.to_owned(), storage: plan.storage, samples })
+    Ok(Channel { name: spec.name.to_owned(), storage: spec.storage, samples })
 }

@@ -1,4 +1,4 @@
-//! Light on a surface: the Rust twin of `shaders/shading.wgsl`, function for function.
+//! Light on a surface: `shaders/shading.wgsl` in Rust, function for function.
 //!
 //! In: a [`Surface`] and a [`Light`]. Out: linear radiance towards the viewer.
 //! BRDF: Khronos, "glTF 2.0 Specification", Appendix B,

@@ -6,12 +6,13 @@ use super::bin::TILE;
 use super::coverage::{NOTHING, TILE_PIXELS, Visibility};
 use super::fragment::{Face, Shade};
 use super::layout::Layout;
-use super::matte::{Pane, TileMattes};
+use super::matte::{TileMattes, TransparentFragment};
 use super::triangle::Triangle;
+use crate::image::ChannelGroup;
 use crate::raster::PassRole;
-use glam::{IVec2, Vec2, Vec3, Vec4};
+use glam::{IVec2, Vec3, Vec4};
 
-/// What a tile has gathered so far.
+/// What a tile has gathered.
 #[derive(Debug, Default)]
 pub(super) struct Tile {
     /// [`Layout::planes`] planes of [`TILE_PIXELS`] samples; kept between frames.
@@ -37,7 +38,7 @@ pub(super) struct Scratch<'a> {
     /// Shading normals of opaque surfaces, where shading them gave any.
     normals: Vec<Option<Vec3>>,
     /// Blended surfaces, where mattes are wanted.
-    panes: Vec<Pane>,
+    fragments: Vec<TransparentFragment>,
 }
 
 /// What happens to a tile in a pass.
@@ -59,7 +60,7 @@ const DATA_ALPHA: f32 = 0.5;
 
 impl TilePass<'_> {
     fn wants_beauty(&self) -> bool {
-        self.role != PassRole::Data && self.layout.beauty.is_some()
+        self.role != PassRole::Data && self.layout.first(ChannelGroup::Beauty).is_some()
     }
 
     fn wants_data(&self) -> bool {
@@ -78,15 +79,15 @@ impl TilePass<'_> {
 }
 
 impl Tile {
-    /// Forgets what the last frame left.
+    /// Forgets the last frame.
     pub(super) fn reset(&mut self) {
         (self.has_beauty, self.has_data) = (false, false);
         self.mattes.reset();
     }
 
-    /// The samples of a plane, row by row; `None` where nothing was ever drawn into its group.
-    pub(super) fn plane(&self, layout: &Layout, plane: usize) -> Option<&[f32]> {
-        let is_drawn = if layout.is_beauty(plane) { self.has_beauty } else { self.has_data };
+    /// The samples of a plane, row by row; `None` where no pass has drawn into its group.
+    pub(super) fn plane(&self, group: ChannelGroup, plane: usize) -> Option<&[f32]> {
+        let is_drawn = if group.is_data() { self.has_data } else { self.has_beauty };
         is_drawn.then(|| &self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS])
     }
 
@@ -116,26 +117,27 @@ impl Tile {
             self.add_mattes(pass, scratch);
         }
         if pass.wants_data() {
-            self.keep_nearest(pass, scratch);
+            self.write_surfaces(pass, scratch);
         }
     }
 
+    /// Fills the planes that a pass is the first to draw into with the value of empty pixels.
     fn prepare(&mut self, pass: &TilePass) {
         self.planes.resize(pass.layout.planes * TILE_PIXELS, 0.0);
-        if let (true, false, Some(first)) = (pass.wants_beauty(), self.has_beauty, pass.layout.beauty) {
-            self.planes[first * TILE_PIXELS..(first + 4) * TILE_PIXELS].fill(0.0);
-            self.has_beauty = true;
-        }
-        if pass.wants_data() && !self.has_data {
-            for (plane, empty) in pass.layout.data_planes() {
-                self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS].fill(empty);
+        let is_first_beauty = pass.wants_beauty() && !self.has_beauty;
+        let is_first_data = pass.wants_data() && !self.has_data;
+        for (group, spec, plane) in pass.layout.channels() {
+            let is_first = if group.is_data() { is_first_data } else { is_first_beauty };
+            if is_first {
+                self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS].fill(spec.empty);
             }
-            self.has_data = true;
         }
+        self.has_beauty |= is_first_beauty;
+        self.has_data |= is_first_data;
     }
 
     fn add_beauty(&mut self, pass: &TilePass, color: &[Vec4]) {
-        let Some(first) = pass.layout.beauty else { return };
+        let Some(first) = pass.layout.first(ChannelGroup::Beauty) else { return };
         let planes = &mut self.planes[first * TILE_PIXELS..(first + 4) * TILE_PIXELS];
         for (channel, plane) in planes.chunks_exact_mut(TILE_PIXELS).enumerate() {
             for (sum, color) in plane.iter_mut().zip(color) {
@@ -149,47 +151,37 @@ impl Tile {
         let seen = pass.pixels().map(|(place, _)| (place, scratch.visibility.seen[place]));
         let opaque = seen.filter(|(_, number)| *number != NOTHING);
         let with_ids = opaque.map(|(place, number)| (place, draws[scratch.list[number as usize].draw as usize].mattes));
-        self.mattes.add_pass(pass.weight, &scratch.panes, with_ids);
+        self.mattes.add_pass(pass.weight, &scratch.fragments, with_ids);
     }
 
-    /// Writes data where this pass's surface is nearer than those of the passes before.
-    fn keep_nearest(&mut self, pass: &TilePass, scratch: &Scratch) {
+    /// Writes the data of the surface that each pixel shows.
+    fn write_surfaces(&mut self, pass: &TilePass, scratch: &Scratch) {
         let mut faces = FaceCache::new(pass.shade);
         for (place, pixel) in pass.pixels() {
-            let (number, z) = (scratch.data.seen[place], scratch.data.z[place]);
-            if number == NOTHING || z <= self.planes[pass.layout.z * TILE_PIXELS + place] {
+            let number = scratch.data.seen[place];
+            if number == NOTHING {
                 continue;
             }
             let face = faces.get(number, &scratch.list);
             let is_opaque = number == scratch.visibility.seen[place];
             let normal = scratch.normals.get(place).copied().flatten().filter(|_| is_opaque);
             self.write_data(pass, face, (place, pixel), normal);
-            self.planes[pass.layout.z * TILE_PIXELS + place] = z;
         }
     }
 
-    /// `normal`: what shading the surface found, if it did.
+    /// `normal`: that of the shaded surface, where shading computed one.
     fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2), normal: Option<Vec3>) {
         let layout = pass.layout;
-        let mut put = |plane: usize, value: f32| self.planes[plane * TILE_PIXELS + place] = value;
-        if layout.depth.is_some() || layout.motion.is_some() {
-            let data = face.data(pass.shade, pixel);
-            if let Some(plane) = layout.depth {
-                put(plane, data.depth);
+        let mut put = |group: ChannelGroup, values: &dyn Fn() -> [f32; 4]| {
+            let Some(first) = layout.first(group) else { return };
+            for (at, value) in values().into_iter().take(group.channels().len()).enumerate() {
+                self.planes[(first + at) * TILE_PIXELS + place] = value;
             }
-            if let Some(plane) = layout.motion {
-                let values: [Vec2; 2] = [data.forward, data.backward];
-                (0..4).for_each(|i| put(plane + i, values[i / 2][i % 2]));
-            }
-        }
-        if let Some(plane) = layout.normal {
-            let normal = normal.unwrap_or_else(|| face.normal(pass.shade, pixel));
-            (0..3).for_each(|i| put(plane + i, normal[i]));
-        }
-        if let Some(plane) = layout.id {
-            put(plane, face.draw.layer_id as f32);
-            put(plane + 1, face.draw.object_id as f32);
-        }
+        };
+        put(ChannelGroup::Depth, &|| [face.depth(pixel), 0.0, 0.0, 0.0]);
+        put(ChannelGroup::Motion, &|| face.motion(pass.shade, pixel));
+        put(ChannelGroup::Normal, &|| normal.unwrap_or_else(|| face.normal(pass.shade, pixel)).extend(0.0).to_array());
+        put(ChannelGroup::Id, &|| [face.draw.layer_id as f32, face.draw.object_id as f32, 0.0, 0.0]);
     }
 }
 
@@ -259,13 +251,13 @@ impl<'a> Scratch<'a> {
             self.data.z.copy_from_slice(&self.visibility.z);
             self.data.seen.copy_from_slice(&self.visibility.seen);
         }
-        self.panes.clear();
+        self.fragments.clear();
         for (number, triangle) in self.list.iter().enumerate() {
             let face = Face::of(pass.shade, triangle);
             if !face.material.is_blended() {
                 continue;
             }
-            let (color, data, panes) = (&mut self.color, &mut self.data, &mut self.panes);
+            let (color, data, fragments) = (&mut self.color, &mut self.data, &mut self.fragments);
             self.visibility.visit(triangle, pass.origin, |place, pixel, z| {
                 if pixel.cmpge(pass.origin + pass.size).any() {
                     return;
@@ -279,7 +271,7 @@ impl<'a> Scratch<'a> {
                     false => face.alpha(pass.shade, pixel),
                 };
                 if pass.wants_mattes() {
-                    panes.push(Pane { place, ids: face.draw.mattes, alpha: alpha.clamp(0.0, 1.0) });
+                    fragments.push(TransparentFragment { place, ids: face.draw.mattes, alpha: alpha.clamp(0.0, 1.0) });
                 }
                 if pass.wants_data() && alpha >= DATA_ALPHA && z > data.z[place] {
                     (data.z[place], data.seen[place]) = (z, number as u32);

@@ -1,28 +1,22 @@
-//! Triangle set-up: three placed vertices become integer edge functions and interpolation planes.
+//! Triangle set-up: three vertices in the window become integer edge functions and interpolation planes.
 //!
 //! In: vertices in window pixels (y down). Out: [`Triangle`]s, culled, clipped to the guard band, bounded by the window.
 //!
 //! ```text
-//!   window pixels, y down      place snapped to 1/256 px      edge from p to q, inside E >= 0
+//!   window pixels, y down      snapped to 1/256 px            edge from p to q, inside E >= 0
 //!   (0,0)──▶ x                 E(x, y) = a·x + b·y + c        a = p.y − q.y, b = q.x − p.x
 //!     ▼ y                      pixel (i, j) sampled at (i + ½, j + ½)
 //! ```
 
+use crate::raster::window::{GUARD_BAND, SUBPIXELS, is_in_guard_band, snap};
 use glam::{DVec2, IVec2};
-
-/// Sub-pixel steps a pixel, as Vulkan devices have (subPixelPrecisionBits = 8).
-const SUBPIXELS: f64 = 256.0;
 
 /// Largest window side: with the guard band it keeps edge values inside a tile below 2³¹.
 pub(super) const MAX_SIDE: u32 = 16384;
 
-/// Vertices farther out than this are clipped, window pixels.
-const GUARD_LOW: f64 = -16384.0;
-const GUARD_HIGH: f64 = 32768.0;
-
-/// A vertex, placed.
+/// A vertex in the window.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Placed {
+pub(super) struct WindowVertex {
     /// Window pixels, y down, jitter applied.
     pub(super) at: DVec2,
     /// Reversed z, 1 near.
@@ -31,7 +25,7 @@ pub(super) struct Placed {
     pub(super) inverse_w: f32,
 }
 
-impl Placed {
+impl WindowVertex {
     pub(super) fn is_drawable(&self) -> bool {
         self.at.is_finite() && self.z.is_finite() && self.inverse_w.is_finite() && self.inverse_w > 0.0
     }
@@ -70,8 +64,8 @@ pub(super) struct Triangle {
     pub(super) max: IVec2,
     /// Reversed z.
     pub(super) z: Plane,
-    /// Share of corners 1 and 2 on the screen (not perspective-correct).
-    pub(super) shares: [Plane; 2],
+    /// Barycentrics of corners 1 and 2 on the screen (not perspective-correct).
+    pub(super) barycentrics: [Plane; 2],
     /// 1 / w of the corners.
     pub(super) inverse_w: [f32; 3],
     /// Vertex indices of the corners.
@@ -96,32 +90,28 @@ pub(super) struct Source {
 }
 
 /// Sets a triangle up and hands on what of it lies in the window: nothing, one triangle, or the fan of its clipped rest.
-pub(super) fn set_up(source: &Source, placed: [Placed; 3], window: IVec2, emit: &mut impl FnMut(Triangle)) {
-    if !placed.iter().all(Placed::is_drawable) {
+pub(super) fn set_up(source: &Source, corners: [WindowVertex; 3], window: IVec2, emit: &mut impl FnMut(Triangle)) {
+    if !corners.iter().all(WindowVertex::is_drawable) {
         return;
     }
-    let at = placed.map(|vertex| vertex.at);
+    let at = corners.map(|vertex| vertex.at);
     if lies_outside(at, window) {
         return;
     }
-    if at.iter().all(|at| at.min_element() >= GUARD_LOW && at.max_element() <= GUARD_HIGH) {
+    if at.into_iter().all(is_in_guard_band) {
         let snapped = at.map(snap);
         let unsnapped = snapped.map(|at| at.as_dvec2() / SUBPIXELS);
-        if let Some(cover) = Cover::of(snapped, window) {
-            emit_covered(source, &placed, (cover, unsnapped), emit);
+        if let Some(coverage) = Coverage::of(snapped, window) {
+            emit_covered(source, &corners, (coverage, unsnapped), emit);
         }
         return;
     }
     let rest = clip_to_guard(at);
     for pair in rest.windows(2).skip(1) {
-        if let Some(cover) = Cover::of([rest[0], pair[0], pair[1]].map(snap), window) {
-            emit_covered(source, &placed, (cover, at), emit);
+        if let Some(coverage) = Coverage::of([rest[0], pair[0], pair[1]].map(snap), window) {
+            emit_covered(source, &corners, (coverage, at), emit);
         }
     }
-}
-
-fn snap(at: DVec2) -> IVec2 {
-    (at * SUBPIXELS).round().as_ivec2()
 }
 
 /// True where all corners lie beyond one side of the window.
@@ -132,7 +122,7 @@ fn lies_outside(at: [DVec2; 3], window: IVec2) -> bool {
 }
 
 /// Which pixels a snapped triangle covers.
-struct Cover {
+struct Coverage {
     edges: [Edge; 3],
     min: IVec2,
     max: IVec2,
@@ -140,7 +130,7 @@ struct Cover {
     is_counter_clockwise: bool,
 }
 
-impl Cover {
+impl Coverage {
     /// `None` where it has no area or covers no pixel centre of the window.
     fn of(at: [IVec2; 3], window: IVec2) -> Option<Self> {
         let [p, q, r] = at.map(|at| at.as_i64vec2());
@@ -176,29 +166,34 @@ fn edge(p: IVec2, q: IVec2) -> Edge {
 }
 
 /// Adds the interpolation planes, which come from the corners before clipping (`place.1`, window pixels).
-fn emit_covered(source: &Source, placed: &[Placed; 3], place: (Cover, [DVec2; 3]), emit: &mut impl FnMut(Triangle)) {
-    let (cover, [p, q, r]) = place;
-    let is_front = cover.is_counter_clockwise != source.is_mirrored;
+fn emit_covered(
+    source: &Source,
+    corners: &[WindowVertex; 3],
+    place: (Coverage, [DVec2; 3]),
+    emit: &mut impl FnMut(Triangle),
+) {
+    let (coverage, [p, q, r]) = place;
+    let is_front = coverage.is_counter_clockwise != source.is_mirrored;
     let area = (q - p).perp_dot(r - p);
     if (source.is_culled && !is_front) || area == 0.0 {
         return;
     }
-    let first = cover.min.as_dvec2() + 0.5;
-    let share = |from: DVec2, to: DVec2| {
+    let first = coverage.min.as_dvec2() + 0.5;
+    let barycentric = |from: DVec2, to: DVec2| {
         let side = (to - from) / area;
         [side.perp_dot(first - from), -side.y, side.x]
     };
-    // The share of a corner is the area its opposite edge spans with the point.
-    let (second, third) = (share(r, p), share(p, q));
-    let [z0, z1, z2] = placed.map(|vertex| f64::from(vertex.z));
+    // The barycentric of a corner is the area that its opposite edge spans with the point, over that of the triangle.
+    let (second, third) = (barycentric(r, p), barycentric(p, q));
+    let [z0, z1, z2] = corners.map(|vertex| f64::from(vertex.z));
     let z = [0, 1, 2].map(|i| second[i] * (z1 - z0) + third[i] * (z2 - z0));
     emit(Triangle {
-        edges: cover.edges,
-        min: cover.min,
-        max: cover.max,
+        edges: coverage.edges,
+        min: coverage.min,
+        max: coverage.max,
         z: plane([z[0] + z0, z[1], z[2]]),
-        shares: [plane(second), plane(third)],
-        inverse_w: placed.map(|vertex| vertex.inverse_w),
+        barycentrics: [plane(second), plane(third)],
+        inverse_w: corners.map(|vertex| vertex.inverse_w),
         corners: source.corners,
         draw: source.draw,
         is_front,
@@ -215,7 +210,7 @@ fn plane([base, dx, dy]: [f64; 3]) -> Plane {
 fn clip_to_guard(at: [DVec2; 3]) -> Vec<DVec2> {
     let mut polygon = at.to_vec();
     for axis in 0..2 {
-        for (limit, sign) in [(GUARD_LOW, 1.0), (GUARD_HIGH, -1.0)] {
+        for (limit, sign) in [(*GUARD_BAND.start(), 1.0), (*GUARD_BAND.end(), -1.0)] {
             let height = |point: DVec2| (point[axis] - limit) * sign;
             let mut kept = Vec::with_capacity(polygon.len() + 1);
             for (i, &from) in polygon.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! Lines as ribbons of constant width on the screen: devices disagree about how lines of their own look.
 //!
-//! In: loose vertices and polylines. Out: raster vertices, two a point of the line, and two triangles a segment. Points
+//! In: vertices and polylines. Out: raster vertices, two a point of the line, and two triangles a segment. Points
 //! are warped, the width is not; depth and motion are those of the line itself.
 
 use super::curvature::Curvature;
-use super::vertex::Loose;
+use super::vertex::{ClipVertex, VertexList};
 use crate::raster::RasterVertex;
 use crate::screen::Camera;
 use glam::{DVec2, Vec3};
@@ -18,20 +18,20 @@ const LIFT: f32 = 1e-3;
 /// A segment is halved at most this often.
 const MAX_HALVINGS: u32 = 11;
 
-/// What a line is cut and split by.
-pub(super) struct Cutter<'a> {
-    pub(super) vertices: &'a [Loose],
+/// What a line is clipped and split by.
+pub(super) struct LineClipper<'a> {
+    pub(super) vertices: &'a VertexList<'a>,
     pub(super) near: f64,
     pub(super) curvature: Option<&'a Curvature>,
 }
 
-impl Cutter<'_> {
+impl LineClipper<'_> {
     /// The parts of a line at or behind the near plane, bent segments halved until they are straight.
-    pub(super) fn runs(&self, line: &[u32]) -> Vec<Vec<Loose>> {
-        let mut runs: Vec<Vec<Loose>> = Vec::new();
+    pub(super) fn runs(&self, line: &[u32]) -> Vec<Vec<ClipVertex>> {
+        let mut runs: Vec<Vec<ClipVertex>> = Vec::new();
         let mut is_open = false;
         for ends in line.windows(2) {
-            let [a, b] = [ends[0], ends[1]].map(|vertex| self.vertices[vertex as usize]);
+            let [a, b] = [ends[0], ends[1]].map(|vertex| self.vertices.get(vertex));
             let Some([from, to]) = self.cut(a, b) else {
                 is_open = false;
                 continue;
@@ -47,18 +47,18 @@ impl Cutter<'_> {
         runs
     }
 
-    fn is_seen(&self, vertex: &Loose) -> bool {
+    fn is_seen(&self, vertex: &ClipVertex) -> bool {
         vertex.places[0].depth >= self.near && vertex.places[0].w > 0.0
     }
 
     /// The seen part of a segment.
-    fn cut(&self, a: Loose, b: Loose) -> Option<[Loose; 2]> {
-        let is_number = |vertex: &Loose| vertex.places[0].h.is_finite() && vertex.places[0].depth.is_finite();
+    fn cut(&self, a: ClipVertex, b: ClipVertex) -> Option<[ClipVertex; 2]> {
+        let is_number = |vertex: &ClipVertex| vertex.places[0].h.is_finite() && vertex.places[0].depth.is_finite();
         if !(is_number(&a) && is_number(&b)) {
             return None;
         }
-        let depth = |vertex: &Loose| vertex.places[0].depth;
-        let middle = |seen: &Loose, hidden: &Loose| {
+        let depth = |vertex: &ClipVertex| vertex.places[0].depth;
+        let middle = |seen: &ClipVertex, hidden: &ClipVertex| {
             seen.lerp(hidden, ((self.near - depth(seen)) / (depth(hidden) - depth(seen))).clamp(0.0, 1.0))
         };
         match (self.is_seen(&a), self.is_seen(&b)) {
@@ -70,8 +70,8 @@ impl Cutter<'_> {
     }
 
     /// Adds the end of a segment, after the points in between that the warp needs.
-    fn split(&self, run: &mut Vec<Loose>, [a, b]: [Loose; 2], halvings: u32) {
-        let place = |vertex: &Loose| vertex.places[0].point().0;
+    fn split(&self, run: &mut Vec<ClipVertex>, [a, b]: [ClipVertex; 2], halvings: u32) {
+        let place = |vertex: &ClipVertex| vertex.places[0].point().0;
         if halvings < MAX_HALVINGS && self.curvature.is_some_and(|table| table.bends(place(&a), place(&b))) {
             let middle = a.lerp(&b, 0.5);
             self.split(run, [a, middle], halvings + 1);

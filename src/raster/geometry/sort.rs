@@ -2,7 +2,7 @@
 //!
 //! In: built parts. Out: vertices, indices and draws of a [`Geometry`].
 
-use super::BuiltPart;
+use super::assembly::BuiltPart;
 use crate::raster::{Draw, Geometry};
 
 /// A blended triangle on its way into the back-to-front order.
@@ -12,25 +12,40 @@ struct Blended {
     part: usize,
 }
 
-/// Appends all parts to a geometry without draws.
+/// Joins all parts in a geometry without vertices and draws. The arrays of the first part become those of the geometry, so
+/// a scene of one large mesh is not held twice.
 pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
     let mut blended = Vec::new();
     let mut draws = Vec::new();
+    let vertices: usize = parts.iter().map(|built| built.vertices.len()).sum();
+    let corners: usize = parts.iter().map(|built| 3 * built.triangles.len()).sum();
     for (part, built) in parts.into_iter().enumerate() {
+        let BuiltPart { vertices: part_vertices, triangles, draw, is_blended } = built;
         let base = geometry.vertices.len() as u32;
-        if built.is_blended {
-            blended.extend(built.triangles.iter().map(|corners| Blended {
-                depth: corners.iter().map(|&corner| built.vertices[corner as usize].depth).sum(),
+        if is_blended {
+            blended.extend(triangles.into_iter().map(|corners| Blended {
+                depth: corners.iter().map(|&corner| part_vertices[corner as usize].depth).sum(),
                 corners: corners.map(|corner| corner + base),
                 part,
             }));
         } else {
             let start = geometry.indices.len() as u32;
-            geometry.indices.extend(built.triangles.iter().flatten().map(|corner| corner + base));
-            push(geometry, &built.draw, start);
+            let part_corners = triangles.into_flattened();
+            if base == 0 && start == 0 {
+                geometry.indices = part_corners;
+                geometry.indices.reserve_exact(corners - geometry.indices.len());
+            } else {
+                geometry.indices.extend(part_corners.into_iter().map(|corner| corner + base));
+            }
+            push(geometry, &draw, start);
         }
-        geometry.vertices.extend(built.vertices);
-        draws.push(built.draw);
+        if base == 0 {
+            geometry.vertices = part_vertices;
+            geometry.vertices.reserve_exact(vertices - geometry.vertices.len());
+        } else {
+            geometry.vertices.extend(part_vertices);
+        }
+        draws.push(draw);
     }
     // Stable: equally far triangles keep the file's order.
     blended.sort_by(|a, b| b.depth.total_cmp(&a.depth));

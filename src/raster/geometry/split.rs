@@ -1,10 +1,10 @@
-//! Cuts triangles at the near plane and splits edges that the warp would bend, without opening cracks.
+//! Clips triangles at the near plane and splits edges that the warp would bend, without opening cracks.
 //!
-//! In: loose vertices and triangles. Out: more of both. Whether and where an edge is split depends on the edge alone,
+//! In: the vertices and triangles of a part. Out: more of both. Whether and where an edge is split depends on the edge alone,
 //! so the triangles on both sides of it agree, also across seams where vertices are doubled.
 
 use super::curvature::Curvature;
-use super::vertex::Loose;
+use super::vertex::VertexList;
 use crate::screen::{Corner, clip_near};
 use std::collections::HashMap;
 
@@ -13,28 +13,29 @@ const MAX_HALVINGS: u32 = 11;
 
 /// Collects the triangles of one part.
 pub(super) struct Splitter<'a> {
-    vertices: Vec<Loose>,
+    vertices: VertexList<'a>,
     triangles: Vec<[u32; 3]>,
     curvature: Option<&'a Curvature>,
     /// Vertices made on an edge, by the edge's ends and what made them.
-    made: HashMap<(u32, u32, Made), u32>,
+    made: HashMap<(u32, u32, EdgeVertex), u32>,
 }
 
 /// What a vertex on an edge is for.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Made {
+enum EdgeVertex {
     Cut,
     Half,
 }
 
 impl<'a> Splitter<'a> {
-    pub(super) fn new(vertices: Vec<Loose>, curvature: Option<&'a Curvature>) -> Self {
-        Self { vertices, triangles: Vec::new(), curvature, made: HashMap::new() }
+    /// Room for `triangles` triangles, which most parts do not exceed.
+    pub(super) fn new(vertices: VertexList<'a>, triangles: usize, curvature: Option<&'a Curvature>) -> Self {
+        Self { vertices, triangles: Vec::with_capacity(triangles), curvature, made: HashMap::new() }
     }
 
     /// Adds one triangle of the source mesh.
     pub(super) fn add(&mut self, corners: [u32; 3], near: f64) {
-        let places = corners.map(|corner| self.vertices[corner as usize].places[0]);
+        let places = corners.map(|corner| self.vertices.projected(corner));
         let (cut, count) = clip_near(places, near);
         for cut in &cut[..count] {
             let corners = cut.map(|corner| self.on_edge(corners, corner));
@@ -43,36 +44,34 @@ impl<'a> Splitter<'a> {
     }
 
     /// All vertices and triangles.
-    pub(super) fn finish(self) -> (Vec<Loose>, Vec<[u32; 3]>) {
+    pub(super) fn finish(self) -> (VertexList<'a>, Vec<[u32; 3]>) {
         (self.vertices, self.triangles)
     }
 
     /// The vertex of a corner that the near plane kept or made.
     fn on_edge(&mut self, corners: [u32; 3], corner: Corner) -> u32 {
         let (from, to) = (corners[corner.from], corners[corner.to]);
-        if from == to { from } else { self.between((from, to), corner.share, Made::Cut) }
+        if from == to { from } else { self.between((from, to), corner.share, EdgeVertex::Cut) }
     }
 
     /// The vertex a share of the way along an edge, made once.
-    fn between(&mut self, (from, to): (u32, u32), share: f64, made: Made) -> u32 {
+    fn between(&mut self, (from, to): (u32, u32), share: f64, made: EdgeVertex) -> u32 {
         let key = match made {
-            Made::Cut => (from, to, made),
-            Made::Half => (from.min(to), from.max(to), made),
+            EdgeVertex::Cut => (from, to, made),
+            EdgeVertex::Half => (from.min(to), from.max(to), made),
         };
         if let Some(&vertex) = self.made.get(&key) {
             return vertex;
         }
-        let vertex = self.vertices[from as usize].lerp(&self.vertices[to as usize], share);
-        self.vertices.push(vertex);
-        let index = self.vertices.len() as u32 - 1;
+        let index = self.vertices.push(self.vertices.get(from).lerp(&self.vertices.get(to), share));
         self.made.insert(key, index);
         index
     }
 
     /// The middle of an edge that has to be split, else `None`.
     fn middle(&mut self, a: u32, b: u32) -> Option<u32> {
-        let place = |vertex: u32| self.vertices[vertex as usize].places[0].point().0;
-        self.curvature?.bends(place(a), place(b)).then(|| self.between((a, b), 0.5, Made::Half))
+        let place = |vertex: u32| self.vertices.projected(vertex).point().0;
+        self.curvature?.bends(place(a), place(b)).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
     }
 
     /// Adds a triangle, or the pieces of it that are flat enough. Every bent edge is halved at every step, so an edge

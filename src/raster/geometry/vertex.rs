@@ -1,18 +1,22 @@
 //! Vertices before and after the warp.
 //!
-//! In: a part's attributes and projections. Out: [`Loose`] vertices, which may be halved along edges, and
-//! [`RasterVertex`]es, which may not.
+//! In: a part's attributes and projections. Out: [`ClipVertex`]es, which may be interpolated along edges, and
+//! [`RasterVertex`]es, which may not. Clip vertices are made when asked for: a mesh of millions of them is never held.
 
-use super::Assembly;
+use super::assembly::Assembly;
 use crate::lattice::ScreenLattice;
+use crate::pose::{Pose, PosedPart};
 use crate::raster::RasterVertex;
-use crate::screen::{Camera, Projected, ScreenMesh, primitive};
+use crate::scene::Primitive;
+use crate::screen::{Camera, Projected, primitive};
+use crate::space::ScenePoint;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// A vertex before the warp: everything in it is linear over its triangle in scene space.
+/// A vertex before the warp, as clipping and splitting need it: everything in it is linear over its triangle in scene
+/// space.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Loose {
+pub(super) struct ClipVertex {
     /// Projected now, one frame later, one frame earlier.
     pub(super) places: [Projected; 3],
     position: Vec3,
@@ -31,10 +35,11 @@ pub(super) struct DepthRange {
 }
 
 impl DepthRange {
-    /// The range that holds all of a mesh.
-    pub(super) fn of(mesh: &ScreenMesh, camera: &Camera) -> Self {
+    /// The range that holds all of a pose.
+    pub(super) fn of(pose: &Pose, camera: &Camera) -> Self {
         let near = camera.near();
-        let depths = || mesh.parts.iter().flat_map(|part| &part.vertices).map(|vertex| vertex.depth);
+        let points = || pose.parts.iter().flat_map(|part| &part.positions);
+        let depths = || points().map(|&point| camera.project(point).depth);
         let far = camera.is_parallel().then(|| depths().filter(|depth| depth.is_finite()).fold(near + 1e-3, f64::max));
         Self { near, far }
     }
@@ -50,34 +55,70 @@ impl DepthRange {
     }
 }
 
-/// All vertices of a part, as loose vertices.
-pub(super) fn gather(assembly: &Assembly, part: usize) -> Vec<Loose> {
-    let posed = &assembly.now.pose.parts[part];
-    let source = primitive(assembly.scene, posed);
-    let uv_at = |set: usize, vertex: usize| source.uvs[set].get(vertex).copied().unwrap_or(Vec2::ZERO);
-    let one = |vertex: usize| {
-        let now = assembly.now.mesh.parts[part].vertices[vertex];
-        let mut places = [now; 3];
-        if let Some(neighbours) = &assembly.neighbours {
-            // Also behind the camera: cutting and splitting mix places that are linear over the triangle.
-            for (place, moment) in places[1..].iter_mut().zip(neighbours) {
-                *place = moment.mesh.parts[part].vertices[vertex];
-            }
-        }
-        let (first, second) = (uv_at(0, vertex), uv_at(1, vertex));
-        Loose {
-            places,
-            position: posed.positions[vertex].0,
-            normal: posed.normals[vertex].0,
-            tangent: posed.tangents.get(vertex).copied().unwrap_or(Vec4::ZERO),
-            uv: Vec4::new(first.x, first.y, second.x, second.y),
-            color: source.colors.get(vertex).copied().unwrap_or(Vec4::ONE),
-        }
-    };
-    (0..posed.positions.len()).into_par_iter().with_min_len(4096).map(one).collect()
+/// The vertices of a part: those of its primitive, then those that were made on edges.
+pub(super) struct VertexList<'a> {
+    assembly: &'a Assembly<'a>,
+    posed: &'a PosedPart,
+    source: &'a Primitive,
+    part: usize,
+    /// Those of the primitive, projected now.
+    projected: Vec<Projected>,
+    made: Vec<ClipVertex>,
 }
 
-impl Loose {
+impl<'a> VertexList<'a> {
+    pub(super) fn new(assembly: &'a Assembly, part: usize) -> Self {
+        let posed = &assembly.now.pose.parts[part];
+        let project = |&point: &ScenePoint| assembly.now.camera.project(point);
+        let projected = posed.positions.par_iter().with_min_len(4096).map(project).collect();
+        Self { assembly, posed, source: primitive(assembly.scene, posed), part, projected, made: Vec::new() }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.posed.positions.len() + self.made.len()
+    }
+
+    /// Adds a vertex; gives its index.
+    pub(super) fn push(&mut self, vertex: ClipVertex) -> u32 {
+        self.made.push(vertex);
+        self.len() as u32 - 1
+    }
+
+    /// The vertex's projection now.
+    pub(super) fn projected(&self, index: u32) -> Projected {
+        let index = index as usize;
+        match self.made.get(index.wrapping_sub(self.posed.positions.len())) {
+            Some(made) => made.places[0],
+            None => self.projected[index],
+        }
+    }
+
+    pub(super) fn get(&self, index: u32) -> ClipVertex {
+        let index = index as usize;
+        if let Some(made) = self.made.get(index.wrapping_sub(self.posed.positions.len())) {
+            return *made;
+        }
+        let mut places = [self.projected[index]; 3];
+        if let Some(neighbours) = &self.assembly.neighbours {
+            // Also behind the camera: clipping and splitting mix places that are linear over the triangle.
+            for (place, moment) in places[1..].iter_mut().zip(neighbours) {
+                *place = moment.camera.project(moment.pose.parts[self.part].positions[index]);
+            }
+        }
+        let uv = |set: usize| self.source.uvs[set].get(index).copied().unwrap_or(Vec2::ZERO);
+        let (first, second) = (uv(0), uv(1));
+        ClipVertex {
+            places,
+            position: self.posed.positions[index].0,
+            normal: self.posed.normals[index].0,
+            tangent: self.posed.tangents.get(index).copied().unwrap_or(Vec4::ZERO),
+            uv: Vec4::new(first.x, first.y, second.x, second.y),
+            color: self.source.colors.get(index).copied().unwrap_or(Vec4::ONE),
+        }
+    }
+}
+
+impl ClipVertex {
     /// The vertex a share `t` of the way to `other`; symmetric for t = 0.5, so neighbours agree on it.
     pub(super) fn lerp(&self, other: &Self, t: f64) -> Self {
         let (a, b) = ((1.0 - t) as f32, t as f32);

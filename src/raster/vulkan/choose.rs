@@ -1,10 +1,10 @@
-//! Which devices there are, and which one draws.
+//! Lists the Vulkan devices and chooses one.
 //!
-//! In: an instance and the user's choice. Out: a physical device with what the raster has to know of it.
+//! In: an instance, the user's choice. Out: a physical device with its limits and features.
 
 use super::fault::{no_device, vulkan_error};
+use super::formats::{COLOR, DATA, DEPTH_FORMAT, IMAGES, READ_BACK};
 use super::instance::{API_VERSION, Instance, version_text};
-use super::target::{COLOR_FORMAT, DATA_FORMATS, DEPTH_FORMAT, READ_BACK};
 use crate::raster::{DeviceChoice, RasterError};
 use ash::vk;
 use std::fmt;
@@ -22,6 +22,14 @@ pub enum DeviceKind {
     Software,
     /// Anything else.
     Other,
+}
+
+impl DeviceKind {
+    /// Hardware for graphics, not a program on the CPU.
+    #[must_use]
+    pub const fn is_card(self) -> bool {
+        matches!(self, Self::Discrete | Self::Integrated | Self::Virtual)
+    }
 }
 
 impl fmt::Display for DeviceKind {
@@ -51,11 +59,11 @@ pub struct DeviceInfo {
     pub api_version: String,
     /// Device memory, bytes.
     pub memory_bytes: u64,
-    /// Why it cannot draw; `None`: it can.
+    /// Why it cannot draw; `None` where it can.
     pub unusable: Option<String>,
 }
 
-/// A device that exists, and whether it serves.
+/// A device with what decides whether it can draw, and how.
 pub(super) struct Candidate {
     pub(super) physical: vk::PhysicalDevice,
     pub(super) info: DeviceInfo,
@@ -63,6 +71,8 @@ pub(super) struct Candidate {
     pub(super) max_allocation_bytes: u64,
     pub(super) queue_family: u32,
     pub(super) has_anisotropy: bool,
+    /// Indices above 2^24 - 1 may be drawn.
+    pub(super) has_full_indices: bool,
     pub(super) has_mapped_attachments: bool,
 }
 
@@ -79,15 +89,18 @@ pub fn devices() -> Result<Vec<DeviceInfo>, RasterError> {
 pub(super) fn choose(instance: &Instance, choice: &DeviceChoice) -> Result<Candidate, RasterError> {
     let mut all = candidates(instance)?;
     let wanted = match choice {
-        DeviceChoice::Auto => best(&all)?,
+        DeviceChoice::Auto => best(&all, |kind| kind.is_card())?,
+        DeviceChoice::Vulkan => best(&all, |_| true)?,
         DeviceChoice::Named(name) => named(&all, name)?,
-        DeviceChoice::Cpu => return Err(RasterError::Misuse("the CPU twin is not a Vulkan device")),
+        DeviceChoice::Cpu => return Err(RasterError::Misuse("the CPU is not a Vulkan device")),
     };
     Ok(all.swap_remove(wanted))
 }
 
-fn best(all: &[Candidate]) -> Result<usize, RasterError> {
-    let usable = all.iter().enumerate().filter(|(_, candidate)| candidate.info.unusable.is_none());
+/// The best usable device among the kinds that are wanted.
+fn best(all: &[Candidate], is_wanted: impl Fn(DeviceKind) -> bool) -> Result<usize, RasterError> {
+    let serves = |candidate: &Candidate| candidate.info.unusable.is_none() && is_wanted(candidate.info.kind);
+    let usable = all.iter().enumerate().filter(|(_, candidate)| serves(candidate));
     let best = usable.min_by_key(|(_, candidate)| candidate.info.kind).map(|(index, _)| index);
     best.ok_or_else(|| {
         let reasons: Vec<String> = all.iter().map(|candidate| reason(&candidate.info)).collect();
@@ -96,7 +109,7 @@ fn best(all: &[Candidate]) -> Result<usize, RasterError> {
 }
 
 fn reason(info: &DeviceInfo) -> String {
-    format!("{}: {}", info.name, info.unusable.as_deref().unwrap_or("usable"))
+    format!("{}: {}", info.name, info.unusable.as_deref().unwrap_or("software, slower than --device cpu"))
 }
 
 /// By index, else by a part of the name in any case.
@@ -150,7 +163,7 @@ fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) ->
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
         api_version: version_text(basic.api_version),
         memory_bytes: device_memory(instance, physical),
-        unusable: unusable(instance, physical, basic.api_version, queue_family),
+        unusable: unusable(instance, physical, &basic, queue_family),
     };
     Candidate {
         physical,
@@ -159,6 +172,7 @@ fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) ->
         max_allocation_bytes: maintenance.max_memory_allocation_size,
         queue_family: queue_family.unwrap_or(0),
         has_anisotropy: features.sampler_anisotropy == vk::TRUE,
+        has_full_indices: features.full_draw_index_uint32 == vk::TRUE,
         has_mapped_attachments: has_mapped_attachments(instance, physical, &basic),
     }
 }
@@ -191,8 +205,7 @@ fn has_mapped_attachments(
     };
     basic.device_type == vk::PhysicalDeviceType::CPU
         && is_host_memory
-        && can_be_linear(COLOR_FORMAT)
-        && DATA_FORMATS.into_iter().all(can_be_linear)
+        && IMAGES.iter().all(|spec| can_be_linear(spec.format))
 }
 
 fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {
@@ -224,22 +237,90 @@ fn device_memory(instance: &Instance, physical: vk::PhysicalDevice) -> u64 {
     heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL)).map(|heap| heap.size).max().unwrap_or(0)
 }
 
-fn unusable(instance: &Instance, physical: vk::PhysicalDevice, api: u32, family: Option<u32>) -> Option<String> {
-    if api < API_VERSION {
-        return Some(format!("it offers Vulkan {} only, 1.3 is needed", version_text(api)));
+fn unusable(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    basic: &vk::PhysicalDeviceProperties,
+    family: Option<u32>,
+) -> Option<String> {
+    if basic.api_version < API_VERSION {
+        return Some(format!("it offers Vulkan {} only, 1.3 is needed", version_text(basic.api_version)));
     }
     if family.is_none() {
         return Some("it has no graphics queue".into());
     }
+    if let Some(fault) = lacks_attachments(&basic.limits) {
+        return Some(fault);
+    }
     use vk::FormatFeatureFlags as Feature;
     let color = Feature::COLOR_ATTACHMENT | Feature::TRANSFER_SRC;
     let blended = color | Feature::COLOR_ATTACHMENT_BLEND | Feature::SAMPLED_IMAGE;
-    let needs = DATA_FORMATS.iter().map(|&format| (format, color));
-    let needs = needs.chain([(COLOR_FORMAT, blended), (DEPTH_FORMAT, Feature::DEPTH_STENCIL_ATTACHMENT)]);
+    let needs = DATA.iter().map(|spec| (spec.format, color));
+    let needs = needs.chain([(COLOR.format, blended), (DEPTH_FORMAT, Feature::DEPTH_STENCIL_ATTACHMENT)]);
     needs.into_iter().find_map(|(format, needed)| {
         // SAFETY: `physical` comes from this instance.
         let found = unsafe { instance.raw().get_physical_device_format_properties(physical, format) };
         let lacks = needed & !found.optimal_tiling_features;
         (!lacks.is_empty()).then(|| format!("it lacks {lacks:?} for images of {format:?}"))
     })
+}
+
+/// Colour and all data are drawn at once.
+fn lacks_attachments(limits: &vk::PhysicalDeviceLimits) -> Option<String> {
+    let most = limits.max_color_attachments.min(limits.max_fragment_output_attachments);
+    let needed = IMAGES.len() as u32;
+    (most < needed).then(|| format!("it draws into {most} images at once, {needed} are needed"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(name: &str, kind: DeviceKind, unusable: Option<&str>) -> Candidate {
+        Candidate {
+            physical: vk::PhysicalDevice::null(),
+            info: DeviceInfo {
+                index: 0,
+                name: name.into(),
+                kind,
+                driver: String::new(),
+                api_version: "1.3.0".into(),
+                memory_bytes: 1 << 30,
+                unusable: unusable.map(str::to_owned),
+            },
+            limits: vk::PhysicalDeviceLimits::default(),
+            max_allocation_bytes: 1 << 30,
+            queue_family: 0,
+            has_anisotropy: false,
+            has_full_indices: false,
+            has_mapped_attachments: false,
+        }
+    }
+
+    #[test]
+    fn a_card_is_chosen_and_never_a_software_driver() {
+        use DeviceKind::{Discrete, Integrated, Other, Software, Virtual};
+        let soft = || candidate("llvmpipe", Software, None);
+        let chosen = |all: &[Candidate]| best(all, DeviceKind::is_card);
+        assert_eq!(chosen(&[soft(), candidate("a", Integrated, None), candidate("b", Discrete, None)]).ok(), Some(2));
+        assert_eq!(chosen(&[soft(), candidate("a", Virtual, None)]).ok(), Some(1));
+        assert_eq!(chosen(&[candidate("a", Discrete, Some("it is old")), candidate("b", Virtual, None)]).ok(), Some(1));
+        for all in [vec![], vec![soft()], vec![soft(), candidate("x", Other, None)]] {
+            assert!(matches!(chosen(&all), Err(RasterError::NoDevice { .. })));
+        }
+        let error = chosen(&[soft(), candidate("a", Discrete, Some("it is old"))]).unwrap_err().to_string();
+        assert!(error.contains("llvmpipe: software") && error.contains("a: it is old"), "{error}");
+        assert_eq!(best(&[soft()], |_| true).ok(), Some(0), "asked for by name");
+    }
+
+    #[test]
+    fn devices_need_an_attachment_for_every_image() {
+        let limits = |most| vk::PhysicalDeviceLimits {
+            max_color_attachments: most,
+            max_fragment_output_attachments: 8,
+            ..vk::PhysicalDeviceLimits::default()
+        };
+        assert_eq!(lacks_attachments(&limits(4)), None);
+        assert_eq!(lacks_attachments(&limits(3)).unwrap(), "it draws into 3 images at once, 4 are needed");
+    }
 }

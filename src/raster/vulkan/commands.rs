@@ -80,10 +80,9 @@ impl Commands {
             unsafe { raw.create_command_pool(&info, None) }
         })?;
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool.get()).command_buffer_count(1);
-        let buffers = device.created("vkAllocateCommandBuffers", || {
-            // SAFETY: the pool is alive, nobody else uses it; buffers go with it.
-            unsafe { device.raw().allocate_command_buffers(&info) }
-        })?;
+        // SAFETY: the pool is alive, nobody else uses it; buffers go with it.
+        let buffers = unsafe { device.raw().allocate_command_buffers(&info) };
+        let buffers = buffers.map_err(vulkan_error("vkAllocateCommandBuffers"))?;
         let fence = Owned::new(device, ("vkCreateFence", name), |raw| {
             // SAFETY: no preconditions.
             unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }
@@ -119,6 +118,9 @@ impl Commands {
 
     /// Ends the recording and hands it to the queue.
     pub(super) fn submit(&mut self) -> Result<(), RasterError> {
+        let fences = [self.fence.get()];
+        // SAFETY: `begin` waited for the last use, so no queue uses it (VUID-vkResetFences-pFences-01123).
+        unsafe { self.raw().reset_fences(&fences) }.map_err(vulkan_error("vkResetFences"))?;
         // SAFETY: recording, outside of a render pass instance (VUID-vkEndCommandBuffer-commandBuffer-00059, -00060).
         let ended = unsafe { self.raw().end_command_buffer(self.buffer) };
         ended.map_err(vulkan_error("vkEndCommandBuffer"))?;
@@ -127,20 +129,17 @@ impl Commands {
         Ok(())
     }
 
-    /// Waits until what was submitted is done; at once where nothing was.
+    /// Waits until what was submitted is done; returns at once where nothing was. After an error other than a lost device
+    /// the commands may still run, and count as pending.
     pub(super) fn wait(&mut self) -> Result<(), RasterError> {
         if !self.is_pending {
             return Ok(());
         }
-        let fences = [self.fence.get()];
-        // A lost device is never waited for again.
-        self.is_pending = false;
         // SAFETY: the fence is of this device and was submitted.
-        let waited = unsafe { self.raw().wait_for_fences(&fences, true, u64::MAX) };
-        waited.map_err(vulkan_error("vkWaitForFences"))?;
-        // SAFETY: signalled, so no queue uses it (VUID-vkResetFences-pFences-01123).
-        let reset = unsafe { self.raw().reset_fences(&fences) };
-        reset.map_err(vulkan_error("vkResetFences"))
+        let waited = unsafe { self.raw().wait_for_fences(&[self.fence.get()], true, u64::MAX) };
+        // A lost device runs nothing any more (Vulkan specification, "Lost Device").
+        self.is_pending = !matches!(waited, Ok(()) | Err(vk::Result::ERROR_DEVICE_LOST));
+        waited.map_err(vulkan_error("vkWaitForFences"))
     }
 
     /// Makes an image ready for its next use, after whatever used it last.
@@ -237,9 +236,15 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // What it used may go as soon as this returns. A lost device runs nothing any more.
+        // What the commands use may be destroyed as soon as this returns.
         if let Err(error) = self.wait() {
             tracing::error!("waiting for the device: {error}");
+        }
+        if self.is_pending
+            && let Err(error) = self.device().wait_idle()
+        {
+            tracing::error!("the device may still be at work and keeps its memory: {error}");
+            self.device().abandon();
         }
     }
 }

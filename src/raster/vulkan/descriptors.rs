@@ -3,9 +3,10 @@
 //! In: layouts, buffers, images, samplers. Out: sets from a pool that owns them.
 
 use super::device::Device;
+use super::fault::vulkan_error;
+use super::formats::TEXTURES_PER_MATERIAL;
 use super::memory::Buffer;
 use super::owned::Owned;
-use super::pipeline::TEXTURES_PER_MATERIAL;
 use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
@@ -53,10 +54,9 @@ impl Descriptors {
         let device = self.pool.device();
         let layouts = [layout];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool.get()).set_layouts(&layouts);
-        let sets = device.created("vkAllocateDescriptorSets", || {
-            // SAFETY: the pool is alive and used by one thread at a time.
-            unsafe { device.raw().allocate_descriptor_sets(&info) }
-        })?;
+        // SAFETY: the pool is alive and used by one thread at a time.
+        let sets = unsafe { device.raw().allocate_descriptor_sets(&info) };
+        let sets = sets.map_err(vulkan_error("vkAllocateDescriptorSets"))?;
         let set = sets.first().copied().ok_or(RasterError::Misuse("no descriptor set was made"))?;
         device.set_name(set, name);
         Ok(set)

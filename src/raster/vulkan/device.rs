@@ -9,6 +9,7 @@ use crate::raster::RasterError;
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Owns the logical device. Drop order: allocator (frees its blocks), device, instance.
@@ -20,9 +21,9 @@ pub(super) struct Device {
     queue: Mutex<vk::Queue>,
     names: Option<ext::debug_utils::Device>,
     facts: Facts,
+    /// Commands may run for ever: nothing of this device is destroyed any more.
+    is_abandoned: AtomicBool,
     instance: Arc<Instance>,
-    #[cfg(test)]
-    countdown: std::sync::atomic::AtomicI64,
 }
 
 /// What the raster has to know of its device.
@@ -40,6 +41,8 @@ pub(super) struct Facts {
     pub(super) offset_alignment: u64,
     /// The largest storage buffer, bytes.
     pub(super) max_buffer_bytes: u64,
+    /// The largest index of a vertex that may be drawn.
+    pub(super) max_index: u32,
 }
 
 /// Bytes of all attachments of a pixel, at most.
@@ -76,6 +79,7 @@ impl Facts {
             max_buffer_bytes: u64::from(limits.max_storage_buffer_range)
                 .min(candidate.max_allocation_bytes)
                 .min(candidate.info.memory_bytes / 4),
+            max_index: if candidate.has_full_indices { u32::MAX - 1 } else { limits.max_draw_indexed_index_value },
         }
     }
 }
@@ -83,6 +87,15 @@ impl Facts {
 impl Device {
     pub(super) fn new(instance: Arc<Instance>, candidate: &Candidate) -> Result<Arc<Self>, RasterError> {
         let raw = create(&instance, candidate)?;
+        Self::from_raw(raw, instance, candidate)
+    }
+
+    /// Owns a device that [`create`] made; its function table may be another than the driver's.
+    pub(super) fn from_raw(
+        raw: ash::Device,
+        instance: Arc<Instance>,
+        candidate: &Candidate,
+    ) -> Result<Arc<Self>, RasterError> {
         let names = instance.messages().map(|_| ext::debug_utils::Device::new(instance.raw(), &raw));
         // SAFETY: the family and its first queue were asked for in `create` (VUID-vkGetDeviceQueue-queueFamilyIndex-00384).
         let queue = unsafe { raw.get_device_queue(candidate.queue_family, 0) };
@@ -93,9 +106,8 @@ impl Device {
             queue: Mutex::new(queue),
             names,
             facts: Facts::new(candidate),
+            is_abandoned: AtomicBool::new(false),
             instance,
-            #[cfg(test)]
-            countdown: std::sync::atomic::AtomicI64::new(i64::MAX),
         };
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: device.instance.raw().clone(),
@@ -119,19 +131,27 @@ impl Device {
         &self.facts
     }
 
-    /// Runs a creating call; all objects are made through here, so that tests can make any of them fail.
-    pub(super) fn created<T>(
-        &self,
-        call: &'static str,
-        make: impl FnOnce() -> Result<T, vk::Result>,
-    ) -> Result<T, RasterError> {
-        self.fail_on_countdown(call)?;
-        make().map_err(vulkan_error(call))
+    /// Waits until the queue is empty; a lost device counts as idle.
+    pub(super) fn wait_idle(&self) -> Result<(), RasterError> {
+        let _queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the queue is locked (VUID-vkDeviceWaitIdle-device-parameter: host access to all queues).
+        match unsafe { self.raw.device_wait_idle() } {
+            Ok(()) | Err(vk::Result::ERROR_DEVICE_LOST) => Ok(()),
+            Err(error) => Err(vulkan_error("vkDeviceWaitIdle")(error)),
+        }
+    }
+
+    /// From now on nothing of this device is destroyed: commands that use it may still run.
+    pub(super) fn abandon(&self) {
+        self.is_abandoned.store(true, Ordering::SeqCst);
+    }
+
+    pub(super) fn is_abandoned(&self) -> bool {
+        self.is_abandoned.load(Ordering::SeqCst)
     }
 
     /// Memory from the allocator, or an error that names what it was for.
     pub(super) fn allocate(&self, wanted: &AllocationCreateDesc) -> Result<Allocation, RasterError> {
-        self.fail_on_countdown("vkAllocateMemory")?;
         let allocated = self.with_allocator(|allocator| allocator.as_mut().map(|allocator| allocator.allocate(wanted)));
         let allocated = allocated.ok_or(RasterError::Misuse("the memory allocator is gone"))?;
         allocated.map_err(memory_error(wanted.name, wanted.requirements.size))
@@ -167,38 +187,17 @@ impl Device {
     fn with_allocator<T>(&self, act: impl FnOnce(&mut Option<Allocator>) -> T) -> T {
         act(&mut self.allocator.lock().unwrap_or_else(PoisonError::into_inner))
     }
-
-    #[cfg(not(test))]
-    #[expect(clippy::unused_self, clippy::unnecessary_wraps, reason = "tests have another version that uses them")]
-    fn fail_on_countdown(&self, _call: &'static str) -> Result<(), RasterError> {
-        Ok(())
-    }
-
-    #[cfg(test)]
-    fn fail_on_countdown(&self, call: &'static str) -> Result<(), RasterError> {
-        use std::sync::atomic::Ordering;
-        if self.countdown.fetch_sub(1, Ordering::SeqCst) == 0 {
-            return Err(vulkan_error(call)(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY));
-        }
-        Ok(())
-    }
-
-    /// The creation after the next `count` ones fails.
-    #[cfg(test)]
-    pub(super) fn fail_after(&self, count: i64) {
-        self.countdown.store(count, std::sync::atomic::Ordering::SeqCst);
-    }
-
-    /// The failure asked for has happened.
-    #[cfg(test)]
-    pub(super) fn has_failed(&self) -> bool {
-        self.countdown.load(std::sync::atomic::Ordering::SeqCst) < 0
-    }
 }
 
 impl Drop for Device {
     fn drop(&mut self) {
         let allocator = self.with_allocator(Option::take);
+        if self.is_abandoned() {
+            std::mem::forget(allocator);
+            // The instance must outlive its device.
+            std::mem::forget(Arc::clone(&self.instance));
+            return;
+        }
         if let (Some(allocator), Some(messages)) = (&allocator, self.instance.messages()) {
             for leak in allocator.generate_report().allocations {
                 messages.push(format!("leaked memory: {} ({} bytes)", leak.name, leak.size));
@@ -211,16 +210,19 @@ impl Drop for Device {
     }
 }
 
-fn create(instance: &Instance, candidate: &Candidate) -> Result<ash::Device, RasterError> {
+/// A device with the features that the raster uses.
+pub(super) fn create(instance: &Instance, candidate: &Candidate) -> Result<ash::Device, RasterError> {
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(candidate.queue_family).queue_priorities(&[1.0])];
     let mut vulkan13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
-    let features = vk::PhysicalDeviceFeatures::default().sampler_anisotropy(candidate.has_anisotropy);
+    let features = vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(candidate.has_anisotropy)
+        .full_draw_index_uint32(candidate.has_full_indices);
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features)
         .push_next(&mut vulkan13);
-    // SAFETY: the device is of this instance; Vulkan 1.3 guarantees both features, anisotropy was looked for
+    // SAFETY: the device is of this instance; Vulkan 1.3 guarantees both features, the others were looked for
     // (VUID-VkDeviceCreateInfo-queueFamilyIndex-02802, features of vkGetPhysicalDeviceFeatures).
     let made = unsafe { instance.raw().create_device(candidate.physical, &info, None) };
     made.map_err(vulkan_error("vkCreateDevice"))

@@ -1,15 +1,18 @@
 //! Results of Vulkan and of the allocator as errors of the stage.
+//!
+//! In: result codes with the name of the call. Out: [`RasterError`]s.
 
 use crate::raster::RasterError;
 use ash::vk;
 use gpu_allocator::AllocationError;
 
-/// Names the call that failed; lack of memory gets its own error.
+/// Names the call that failed; lack of memory and a lost device have errors of their own.
 pub(super) fn vulkan_error(call: &'static str) -> impl FnOnce(vk::Result) -> RasterError {
     move |source| match source {
         vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
             RasterError::OutOfMemory { what: call.into() }
         }
+        vk::Result::ERROR_DEVICE_LOST => RasterError::DeviceLost { call },
         source => RasterError::Vulkan { call, source },
     }
 }

@@ -1,11 +1,12 @@
 //! A scene's materials on the device.
 //!
-//! In: materials, textures. Out: a set of textures and numbers each, and how each is drawn.
+//! In: materials, textures. Out: per material a set of textures and numbers, and how it is drawn.
 
 use super::descriptors::{BufferPart, Descriptors};
 use super::device::Device;
+use super::formats::TEXTURES_PER_MATERIAL;
 use super::memory::{Buffer, BufferUse, MemoryLocation};
-use super::pipeline::{Alpha, PipelineLayout, TEXTURES_PER_MATERIAL, Textures as TextureVariant};
+use super::pipeline::{Alpha, PipelineLayout, Textures as TextureVariant, Variant};
 use super::textures::Textures;
 use crate::raster::RasterError;
 use crate::scene::{AlphaMode, Material, Scene, TextureRef};
@@ -38,8 +39,7 @@ struct GpuMaterial {
     normal_scale: f32,
     occlusion_strength: f32,
     cutoff: f32,
-    unlit: u32,
-    padding: [u32; 7],
+    padding: [u32; 8],
     places: [GpuPlace; 5],
 }
 
@@ -47,9 +47,8 @@ const _: () = assert!(size_of::<GpuMaterial>() == 240);
 
 /// How triangles of a material are drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
-    pub(super) alpha: Alpha,
-    pub(super) textures: TextureVariant,
+pub(super) struct MaterialState {
+    pub(super) variant: Variant,
     pub(super) is_double_sided: bool,
     /// Its textures.
     pub(super) set: vk::DescriptorSet,
@@ -57,7 +56,7 @@ pub(super) struct Look {
 
 /// All materials of a scene. The sets name textures and buffer, which are kept here.
 pub(super) struct Materials {
-    looks: Vec<Look>,
+    states: Vec<MaterialState>,
     _buffer: Buffer,
     _textures: Textures,
 }
@@ -78,14 +77,14 @@ impl Materials {
             place[..size_of::<GpuMaterial>()].copy_from_slice(bytemuck::bytes_of(&numbers(material)));
         }
         let part = |at: u64| (&buffer, at * stride, size_of::<GpuMaterial>() as u64);
-        let look = |(at, material)| look(material, &textures, part(at), (descriptors, layout));
-        let looks = (0..).zip(&scene.materials).map(look).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { looks, _buffer: buffer, _textures: textures })
+        let state = |(at, material)| state(material, &textures, part(at), (descriptors, layout));
+        let states = (0..).zip(&scene.materials).map(state).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { states, _buffer: buffer, _textures: textures })
     }
 
     /// How the material of that index is drawn.
-    pub(super) fn look(&self, material: u32) -> Result<&Look, RasterError> {
-        self.looks.get(material as usize).ok_or(RasterError::Misuse("a draw names a material that the scene lacks"))
+    pub(super) fn state(&self, material: u32) -> Result<&MaterialState, RasterError> {
+        self.states.get(material as usize).ok_or(RasterError::Misuse("a draw names a material that the scene lacks"))
     }
 }
 
@@ -112,8 +111,7 @@ fn numbers(material: &Material) -> GpuMaterial {
             AlphaMode::Mask { cutoff } => cutoff,
             AlphaMode::Opaque | AlphaMode::Blend => 0.0,
         },
-        unlit: u32::from(material.unlit),
-        padding: [0; 7],
+        padding: [0; 8],
         places: references(material).map(|reference| reference.map_or_else(GpuPlace::default, place)),
     }
 }
@@ -123,12 +121,12 @@ fn place(reference: &TextureRef) -> GpuPlace {
     GpuPlace { row_u: u.extend(reference.uv_set.min(1) as f32).to_array(), row_v: v.extend(1.0).to_array() }
 }
 
-fn look(
+fn state(
     material: &Material,
     textures: &Textures,
     numbers: BufferPart,
     (descriptors, layout): (&Descriptors, &PipelineLayout),
-) -> Result<Look, RasterError> {
+) -> Result<MaterialState, RasterError> {
     let found = references(material).map(|reference| textures.get(reference.map(|reference| reference.texture)));
     let set = descriptors.set(layout.set(1), &material.name)?;
     descriptors.write_images(set, &found.map(|(view, _)| view), &found.map(|(_, sampler)| sampler));
@@ -144,5 +142,6 @@ fn look(
         AlphaMode::Mask { .. } => Alpha::Mask,
         AlphaMode::Blend => Alpha::Blend,
     };
-    Ok(Look { alpha, textures, is_double_sided: material.double_sided, set })
+    let variant = Variant { alpha, textures, is_unlit: material.unlit };
+    Ok(MaterialState { variant, is_double_sided: material.double_sided, set })
 }

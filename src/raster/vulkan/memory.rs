@@ -41,7 +41,10 @@ impl Memory {
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        self.device.free(std::mem::take(&mut self.allocation));
+        let allocation = std::mem::take(&mut self.allocation);
+        if !self.device.is_abandoned() {
+            self.device.free(allocation);
+        }
     }
 }
 
@@ -127,12 +130,12 @@ pub(super) struct ImageUse {
     pub(super) format: vk::Format,
     pub(super) usage: vk::ImageUsageFlags,
     pub(super) mip_levels: u32,
-    pub(super) home: Home,
+    pub(super) placement: Placement,
 }
 
-/// Where an image lies.
+/// Where an image is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Home {
+pub(super) enum Placement {
     /// In memory and a layout that are best for the device.
     Device,
     /// Row by row in mapped memory, where [`super::device::Facts::has_mapped_attachments`]: the host reads it without
@@ -178,11 +181,11 @@ impl Image {
             AllocationCreateDesc {
                 name: wanted.name,
                 requirements,
-                location: match wanted.home {
-                    Home::Device => MemoryLocation::GpuOnly,
-                    Home::Mapped => MemoryLocation::GpuToCpu,
+                location: match wanted.placement {
+                    Placement::Device => MemoryLocation::GpuOnly,
+                    Placement::Mapped => MemoryLocation::GpuToCpu,
                 },
-                linear: wanted.home == Home::Mapped,
+                linear: wanted.placement == Placement::Mapped,
                 allocation_scheme: AllocationScheme::DedicatedImage(handle.get()),
             },
         )?;
@@ -195,7 +198,7 @@ impl Image {
             false => vk::ImageAspectFlags::COLOR,
         };
         let view = create_view(device, &handle, wanted, aspect)?;
-        let rows = (wanted.home == Home::Mapped).then(|| rows(device, &handle, aspect));
+        let rows = (wanted.placement == Placement::Mapped).then(|| rows(device, &handle, aspect));
         Ok(Self { view, handle, memory, rows, aspect, state: ImageState::NEW })
     }
 
@@ -230,9 +233,9 @@ fn create_image(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) ->
         .mip_levels(wanted.mip_levels)
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
-        .tiling(match wanted.home {
-            Home::Device => vk::ImageTiling::OPTIMAL,
-            Home::Mapped => vk::ImageTiling::LINEAR,
+        .tiling(match wanted.placement {
+            Placement::Device => vk::ImageTiling::OPTIMAL,
+            Placement::Mapped => vk::ImageTiling::LINEAR,
         })
         .usage(wanted.usage)
         .initial_layout(vk::ImageLayout::UNDEFINED);

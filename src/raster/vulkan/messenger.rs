@@ -1,6 +1,6 @@
-//! What the validation layers say.
+//! Messages of the validation layers.
 //!
-//! In: callbacks of VK_EXT_debug_utils. Out: a list of texts that tests look at.
+//! In: callbacks of VK_EXT_debug_utils. Out: a list of texts, which tests check.
 
 use super::fault::vulkan_error;
 use crate::raster::RasterError;

@@ -1,8 +1,9 @@
 //! Handles that destroy themselves.
 //!
-//! In: a device and a created handle. Out: an [`Owned`] handle that keeps its device alive and goes before it.
+//! In: a device and a created handle. Out: an [`Owned`] handle, which keeps its device alive and is destroyed before it.
 
 use super::device::Device;
+use super::fault::vulkan_error;
 use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
@@ -53,7 +54,7 @@ impl<H: Destroy> Owned<H> {
         (call, name): (&'static str, &str),
         make: impl FnOnce(&ash::Device) -> Result<H, vk::Result>,
     ) -> Result<Self, RasterError> {
-        let handle = device.created(call, || make(device.raw()))?;
+        let handle = make(device.raw()).map_err(vulkan_error(call))?;
         device.set_name(handle, name);
         Ok(Self { handle, device: Arc::clone(device) })
     }
@@ -70,6 +71,9 @@ impl<H: Destroy> Owned<H> {
 
 impl<H: Destroy> Drop for Owned<H> {
     fn drop(&mut self) {
+        if self.device.is_abandoned() {
+            return;
+        }
         // SAFETY: made by this device in `new`, destroyed here only; not in use, see the type.
         unsafe { self.handle.destroy(self.device.raw()) };
     }

@@ -3,8 +3,8 @@
 //! In: which entry point with which meaning of alpha and textures. Out: pipelines, made when first asked for.
 
 use super::device::Device;
+use super::formats::{COLOR, DATA, DEPTH_FORMAT, TEXTURES_PER_MATERIAL};
 use super::owned::Owned;
-use super::target::{COLOR_FORMAT, DATA_FORMATS, DEPTH_FORMAT};
 use crate::raster::{RasterError, RasterVertex};
 use ash::vk;
 use std::collections::HashMap;
@@ -56,13 +56,23 @@ pub(super) enum Textures {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Key {
     pub(super) stage: Stage,
+    pub(super) variant: Variant,
+}
+
+/// What a material decides about its shaders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Variant {
     pub(super) alpha: Alpha,
     pub(super) textures: Textures,
+    pub(super) is_unlit: bool,
 }
 
 impl Key {
     fn shader(self) -> String {
-        format!("{}_{}_{}", self.entry().to_string_lossy(), self.alpha as u8, self.textures as u8)
+        let Variant { alpha, textures, is_unlit } = self.variant;
+        // Data are not shaded.
+        let shading = if is_unlit && self.stage != Stage::Data { "unlit" } else { "lit" };
+        format!("{}_{}_{}_{shading}", self.entry().to_string_lossy(), alpha as u8, textures as u8)
     }
 
     fn entry(self) -> &'static CStr {
@@ -75,7 +85,7 @@ impl Key {
 
     /// Blended colour goes over what is there and leaves depth alone.
     fn is_over(self) -> bool {
-        self.stage == Stage::Beauty && self.alpha == Alpha::Blend
+        self.stage == Stage::Beauty && self.variant.alpha == Alpha::Blend
     }
 }
 
@@ -162,11 +172,8 @@ fn set_layout(
     })
 }
 
-/// Textures of a material: base colour, metallic-roughness, normal, occlusion, emissive.
-pub(super) const TEXTURES_PER_MATERIAL: usize = 5;
-
 /// Bytes of `Push` in geometry.wgsl.
-pub(super) const PUSH_BYTES: u32 = 40;
+pub(super) const PUSH_BYTES: u32 = 16;
 
 /// All pipelines of a device.
 pub(super) struct Pipelines {
@@ -237,9 +244,9 @@ pub(super) fn shader(device: &Arc<Device>, name: &str) -> Result<Owned<vk::Shade
 
 fn geometry_pipeline(device: &Arc<Device>, layout: &PipelineLayout, key: Key) -> Result<Pipeline, RasterError> {
     let formats = match key.stage {
-        Stage::Both => [&[COLOR_FORMAT][..], &DATA_FORMATS].concat(),
-        Stage::Beauty => vec![COLOR_FORMAT],
-        Stage::Data => DATA_FORMATS.to_vec(),
+        Stage::Both => [&[COLOR.format][..], &DATA.map(|spec| spec.format)].concat(),
+        Stage::Beauty => vec![COLOR.format],
+        Stage::Data => DATA.map(|spec| spec.format).to_vec(),
     };
     let name = key.shader();
     // Colour is associated: over = source + (1 - alpha) · what is there.
@@ -253,7 +260,7 @@ fn geometry_pipeline(device: &Arc<Device>, layout: &PipelineLayout, key: Key) ->
     let vertices = vk::PipelineVertexInputStateCreateInfo::default()
         .vertex_binding_descriptions(&bindings)
         .vertex_attribute_descriptions(&attributes);
-    Blueprint {
+    PipelineDescription {
         name: &name,
         shaders: [("vertex", c"vertex"), (&name, key.entry())],
         vertices,
@@ -271,12 +278,12 @@ fn geometry_pipeline(device: &Arc<Device>, layout: &PipelineLayout, key: Key) ->
 }
 
 fn resolve_pipeline(device: &Arc<Device>, layout: &PipelineLayout) -> Result<Pipeline, RasterError> {
-    Blueprint {
+    PipelineDescription {
         name: "resolve",
         shaders: [("resolve_vertex", c"vertex"), ("resolve", c"resolve")],
         vertices: vk::PipelineVertexInputStateCreateInfo::default(),
         depth: None,
-        formats: &[COLOR_FORMAT],
+        formats: &[COLOR.format],
         blend: Some(vk::BlendFactor::ONE),
         dynamic: &[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR],
     }
@@ -284,7 +291,7 @@ fn resolve_pipeline(device: &Arc<Device>, layout: &PipelineLayout) -> Result<Pip
 }
 
 /// What differs between pipelines.
-struct Blueprint<'a> {
+struct PipelineDescription<'a> {
     name: &'a str,
     /// Vertex and fragment stage: name in the table, entry point.
     shaders: [(&'a str, &'static CStr); 2],
@@ -297,7 +304,7 @@ struct Blueprint<'a> {
     dynamic: &'a [vk::DynamicState],
 }
 
-impl Blueprint<'_> {
+impl PipelineDescription<'_> {
     fn build(&self, device: &Arc<Device>, layout: &PipelineLayout) -> Result<Pipeline, RasterError> {
         let [(vertex, vertex_entry), (fragment, fragment_entry)] = self.shaders;
         let (vertex, fragment) = (shader(device, vertex)?, shader(device, fragment)?);
@@ -364,24 +371,31 @@ fn blend_state(factor: Option<vk::BlendFactor>) -> vk::PipelineColorBlendAttachm
         .dst_alpha_blend_factor(factor)
 }
 
-/// [`RasterVertex`] as the locations of `VertexIn`; `position` and `depth` are one vector.
-fn vertex_layout() -> ([vk::VertexInputBindingDescription; 1], [vk::VertexInputAttributeDescription; 8]) {
+/// Binding 0: [`RasterVertex`] as the locations of `VertexIn` (`position` and `depth` are one vector); binding 1: the
+/// position in clip space.
+fn vertex_layout() -> ([vk::VertexInputBindingDescription; 2], [vk::VertexInputAttributeDescription; 9]) {
     let (three, four) = (vk::Format::R32G32B32_SFLOAT, vk::Format::R32G32B32A32_SFLOAT);
     let fields = [
-        (offset_of!(RasterVertex, screen), four),
-        (offset_of!(RasterVertex, position), four),
-        (offset_of!(RasterVertex, normal), three),
-        (offset_of!(RasterVertex, next), three),
-        (offset_of!(RasterVertex, previous), three),
-        (offset_of!(RasterVertex, tangent), four),
-        (offset_of!(RasterVertex, uv), four),
-        (offset_of!(RasterVertex, color), four),
+        (0, offset_of!(RasterVertex, screen), four),
+        (0, offset_of!(RasterVertex, position), four),
+        (0, offset_of!(RasterVertex, normal), three),
+        (0, offset_of!(RasterVertex, next), three),
+        (0, offset_of!(RasterVertex, previous), three),
+        (0, offset_of!(RasterVertex, tangent), four),
+        (0, offset_of!(RasterVertex, uv), four),
+        (0, offset_of!(RasterVertex, color), four),
+        (1, 0, four),
     ];
     let mut location = 0;
-    let attributes = fields.map(|(offset, format)| {
+    let attributes = fields.map(|(binding, offset, format)| {
         location += 1;
-        vk::VertexInputAttributeDescription::default().location(location - 1).format(format).offset(offset as u32)
+        vk::VertexInputAttributeDescription::default()
+            .binding(binding)
+            .location(location - 1)
+            .format(format)
+            .offset(offset as u32)
     });
-    let stride = size_of::<RasterVertex>() as u32;
-    ([vk::VertexInputBindingDescription::default().stride(stride)], attributes)
+    let binding =
+        |number: u32, stride: usize| vk::VertexInputBindingDescription::default().binding(number).stride(stride as u32);
+    ([binding(0, size_of::<RasterVertex>()), binding(1, size_of::<[f32; 4]>())], attributes)
 }

@@ -1,14 +1,15 @@
-//! Drawn images on their way to the host.
+//! Copies of drawn images to the host.
 //!
 //! In: attachments, wanted channel groups. Out: channels, one plane each. Every image has its own buffer, commands and
 //! fence, so that the host unpacks one while the device copies the next; mapped images are read where they lie.
 
+use super::attachments::Attachments;
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
+use super::formats::{IMAGES, ImageSpec};
 use super::memory::{Buffer, BufferUse, Image, MemoryLocation};
-use super::target::Attachments;
-use crate::image::{Channel, Storage};
-use crate::raster::{ChannelGroup, RasterError};
+use crate::image::{Channel, ChannelGroup};
+use crate::raster::RasterError;
 use ash::vk;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -19,45 +20,22 @@ const READ_BACK: BufferUse =
 /// Pixels unpacked at a time: source and planes stay in the cache.
 const BLOCK: usize = 8192;
 
-/// The channels of the images, as they lie in their pixels: colour, normal and depth, motion, ids.
-const LAYOUTS: [&[(&str, ChannelGroup)]; 4] = [
-    &[
-        ("R", ChannelGroup::Beauty),
-        ("G", ChannelGroup::Beauty),
-        ("B", ChannelGroup::Beauty),
-        ("A", ChannelGroup::Beauty),
-    ],
-    &[
-        ("N.X", ChannelGroup::Normal),
-        ("N.Y", ChannelGroup::Normal),
-        ("N.Z", ChannelGroup::Normal),
-        ("depth.Z", ChannelGroup::Depth),
-    ],
-    &[
-        ("forward.u", ChannelGroup::Motion),
-        ("forward.v", ChannelGroup::Motion),
-        ("backward.u", ChannelGroup::Motion),
-        ("backward.v", ChannelGroup::Motion),
-    ],
-    &[("id.layer", ChannelGroup::Id), ("id.object", ChannelGroup::Id)],
-];
-
-/// Takes one image to the host. Field order: the commands wait before the buffer goes.
-struct Lane {
+/// Copies one image to the host. Field order: the commands wait before the buffer goes.
+struct ImageCopy {
     commands: Commands,
     buffer: Option<Buffer>,
 }
 
-/// Takes frames to the host, image by image.
+/// Copies frames to the host, image by image.
 pub(super) struct Readback {
-    lanes: [Lane; 4],
+    copies: [ImageCopy; IMAGES.len()],
     device: Arc<Device>,
 }
 
 impl Readback {
     pub(super) fn new(device: &Arc<Device>) -> Result<Self, RasterError> {
-        let lane = || Ok::<_, RasterError>(Lane { commands: Commands::new(device, "read back")?, buffer: None });
-        Ok(Self { lanes: [lane()?, lane()?, lane()?, lane()?], device: Arc::clone(device) })
+        let copy = || Ok::<_, RasterError>(ImageCopy { commands: Commands::new(device, "read back")?, buffer: None });
+        Ok(Self { copies: [copy()?, copy()?, copy()?, copy()?], device: Arc::clone(device) })
     }
 
     /// The wanted channels of what [`Self::copy`] copied, in the order of [`ChannelGroup`].
@@ -68,18 +46,18 @@ impl Readback {
         wanted: &[ChannelGroup],
     ) -> Result<Vec<Channel>, RasterError> {
         let mut channels = Vec::new();
-        for ((lane, image), layout) in self.lanes.iter_mut().zip(images(attachments)).zip(LAYOUTS) {
-            if !is_wanted(layout, wanted) {
+        for ((copy, image), spec) in self.copies.iter_mut().zip(images(attachments)).zip(IMAGES) {
+            if !is_wanted(&spec, wanted) {
                 continue;
             }
-            lane.commands.wait()?;
-            let row_bytes = extent.width as usize * layout.len() * 4;
-            let copied = lane.buffer.as_ref().map(|buffer| (buffer.bytes(), row_bytes));
+            copy.commands.wait()?;
+            let row_bytes = extent.width as usize * spec.components() * 4;
+            let copied = copy.buffer.as_ref().map(|buffer| (buffer.bytes(), row_bytes));
             let mapped = image.and_then(|image| image.mapped_rows());
             let rows = mapped.or(copied).ok_or(RasterError::Misuse("an image was not copied"))?;
-            unpack((rows, extent), layout, wanted, &mut channels);
+            unpack((rows, extent), &spec, wanted, &mut channels);
         }
-        channels.sort_by_key(|(group, _)| *group as u8);
+        channels.sort_by_key(|(group, _)| *group);
         Ok(channels.into_iter().map(|(_, channel)| channel).collect())
     }
 
@@ -91,30 +69,30 @@ impl Readback {
         wanted: &[ChannelGroup],
     ) -> Result<(), RasterError> {
         let images = images(attachments);
-        for ((lane, image), layout) in self.lanes.iter_mut().zip(images).zip(LAYOUTS) {
-            if !is_wanted(layout, wanted) {
+        for ((copy, image), spec) in self.copies.iter_mut().zip(images).zip(IMAGES) {
+            if !is_wanted(&spec, wanted) {
                 continue;
             }
             let image = image.ok_or(RasterError::Misuse("an image was not drawn"))?;
-            lane.commands.begin()?;
+            copy.commands.begin()?;
             if image.mapped_rows().is_some() {
-                lane.commands.prepare(image, Usage::HostRead, Contents::Keep);
+                copy.commands.prepare(image, Usage::HostRead, Contents::Keep);
             } else {
-                let bytes = bytes_of(layout, extent);
-                let buffer = Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
-                lane.commands.prepare(image, Usage::CopySource, Contents::Keep);
-                lane.commands.copy_to_host(image, buffer, extent);
+                let bytes = bytes_of(&spec, extent);
+                let buffer = Buffer::reserve(&mut copy.buffer, &self.device, READ_BACK, (bytes, bytes))?;
+                copy.commands.prepare(image, Usage::CopySource, Contents::Keep);
+                copy.commands.copy_to_host(image, buffer, extent);
             }
-            lane.commands.submit()?;
+            copy.commands.submit()?;
         }
         Ok(())
     }
 
     /// Makes buffers for all images of that extent.
     pub(super) fn reserve(&mut self, extent: vk::Extent2D) -> Result<(), RasterError> {
-        for (lane, layout) in self.lanes.iter_mut().zip(LAYOUTS) {
-            let bytes = bytes_of(layout, extent);
-            Buffer::reserve(&mut lane.buffer, &self.device, READ_BACK, (bytes, bytes))?;
+        for (copy, spec) in self.copies.iter_mut().zip(IMAGES) {
+            let bytes = bytes_of(&spec, extent);
+            Buffer::reserve(&mut copy.buffer, &self.device, READ_BACK, (bytes, bytes))?;
         }
         Ok(())
     }
@@ -126,8 +104,8 @@ impl Readback {
         attachments: &mut Attachments,
         extent: vk::Extent2D,
     ) -> Result<(), RasterError> {
-        for (lane, image) in self.lanes.iter().zip(images(attachments)) {
-            let (Some(image), Some(buffer)) = (image, &lane.buffer) else {
+        for (copy, image) in self.copies.iter().zip(images(attachments)) {
+            let (Some(image), Some(buffer)) = (image, &copy.buffer) else {
                 return Err(RasterError::Misuse("an image was not drawn"));
             };
             commands.prepare(image, Usage::CopySource, Contents::Keep);
@@ -138,20 +116,20 @@ impl Readback {
 
     /// Copies of what all buffers hold.
     pub(super) fn bytes(&self) -> Vec<Vec<u8>> {
-        self.lanes.iter().filter_map(|lane| lane.buffer.as_ref()).map(|buffer| buffer.bytes().to_vec()).collect()
+        self.copies.iter().filter_map(|copy| copy.buffer.as_ref()).map(|buffer| buffer.bytes().to_vec()).collect()
     }
 
     /// Waits for all copies.
     pub(super) fn wait(&mut self) -> Result<(), RasterError> {
-        self.lanes.iter_mut().try_for_each(|lane| lane.commands.wait())
+        self.copies.iter_mut().try_for_each(|copy| copy.commands.wait())
     }
 }
 
-fn bytes_of(layout: &[(&str, ChannelGroup)], extent: vk::Extent2D) -> u64 {
-    u64::from(extent.width) * u64::from(extent.height) * layout.len() as u64 * 4
+fn bytes_of(spec: &ImageSpec, extent: vk::Extent2D) -> u64 {
+    u64::from(extent.width) * u64::from(extent.height) * spec.components() as u64 * 4
 }
 
-/// In the order of [`LAYOUTS`].
+/// In the order of [`IMAGES`].
 fn images(attachments: &mut Attachments) -> [Option<&mut Image>; 4] {
     let Attachments { color, data, .. } = attachments;
     match data {
@@ -163,8 +141,8 @@ fn images(attachments: &mut Attachments) -> [Option<&mut Image>; 4] {
     }
 }
 
-fn is_wanted(layout: &[(&str, ChannelGroup)], wanted: &[ChannelGroup]) -> bool {
-    layout.iter().any(|(_, group)| wanted.contains(group))
+fn is_wanted(spec: &ImageSpec, wanted: &[ChannelGroup]) -> bool {
+    spec.groups.iter().any(|group| wanted.contains(group))
 }
 
 /// Bytes from the first pixel on, and bytes from row to row.
@@ -173,19 +151,19 @@ type Rows<'a> = (&'a [u8], usize);
 /// Adds the wanted channels of the upper left `extent` of an image to `channels`.
 fn unpack(
     (rows, extent): (Rows, vk::Extent2D),
-    layout: &[(&str, ChannelGroup)],
+    spec: &ImageSpec,
     wanted: &[ChannelGroup],
     channels: &mut Vec<(ChannelGroup, Channel)>,
 ) {
-    let is_wanted = |at: usize| layout.get(at).is_some_and(|(_, group)| wanted.contains(group));
+    let parts: Vec<_> = spec.channels().collect();
+    let is_wanted = |at: usize| parts.get(at).is_some_and(|(group, _)| wanted.contains(group));
     let size = (extent.width as usize, extent.height as usize);
-    let planes = match layout.len() {
+    let planes = match parts.len() {
         2 => Vec::from(planes::<2>(rows, size, is_wanted)),
         _ => Vec::from(planes::<4>(rows, size, is_wanted)),
     };
-    for (&(name, group), samples) in layout.iter().zip(planes).filter(|((_, group), _)| wanted.contains(group)) {
-        let storage = if group == ChannelGroup::Beauty { Storage::Half } else { Storage::Float };
-        channels.push((group, Channel { name: name.into(), storage, samples }));
+    for ((group, part), samples) in parts.into_iter().zip(planes).filter(|((group, _), _)| wanted.contains(group)) {
+        channels.push((group, Channel { name: part.name.into(), storage: part.storage, samples }));
     }
 }
 

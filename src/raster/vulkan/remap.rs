@@ -1,17 +1,18 @@
-//! Planes seen through a map of offsets, on a device: the twin of `src/plate/filter/`.
+//! Planes resampled through a map of offsets on a device, as `src/plate/filter/` resamples them on the CPU.
 //!
-//! In: a map, planes, a filter. Out: planes of the map's window, within rounding those of
-//! [`resampled`](crate::plate::resampled). Maps and pictures too large for a device's buffers are drawn in tiles.
+//! In: a map, planes, a filter. Out: planes of the map's window, equal to those of
+//! [`resampled`](crate::plate::resampled) within rounding. Maps and pictures too large for a buffer are drawn in tiles.
 
+use super::choose::choose;
 use super::commands::{Commands, Compute};
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::instance::Instance;
 use super::memory::{Buffer, BufferUse, MemoryLocation};
+use super::messenger::Messages;
 use super::owned::Owned;
 use super::pipeline::{Pipeline, PipelineLayout, shader};
 use super::remap_tiles::{Cut, Tile};
-use super::{Messages, choose};
 use crate::plate::{Extent, Filter, Planes, Resampler, WarpMap, lanczos_table};
 use crate::raster::{DeviceChoice, RasterError};
 use crate::space::PixelRect;
@@ -93,7 +94,7 @@ impl VulkanRemap {
     /// Opens the chosen device.
     ///
     /// # Errors
-    /// [`RasterError`] where there is no such device, or it lacks memory; [`DeviceChoice::Cpu`] is none.
+    /// [`RasterError`] where there is no such device, or it lacks memory, or the choice is [`DeviceChoice::Cpu`].
     pub fn open(choice: &DeviceChoice) -> Result<Self, RasterError> {
         Self::open_with(choice, None)
     }
@@ -108,7 +109,7 @@ impl VulkanRemap {
 
     fn open_with(choice: &DeviceChoice, messages: Option<&Messages>) -> Result<Self, RasterError> {
         let instance = Arc::new(Instance::new(messages)?);
-        let candidate = choose::choose(&instance, choice)?;
+        let candidate = choose(&instance, choice)?;
         Self::on_device(Device::new(instance, &candidate)?)
     }
 
@@ -175,7 +176,7 @@ impl VulkanRemap {
         let texel_bytes = (size_of::<f32>() * source.planes.len().clamp(2, GROUP)) as u64;
         let most = usize::try_from(self.most_bytes / texel_bytes).unwrap_or(usize::MAX);
         let tiles = Cut { map, extents, start, filter, most }.tiles();
-        let mut told = None;
+        let mut uploaded = None;
         for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {
             let group = Group { map, window: source.window, planes, extents, start };
             let mut held = None;
@@ -183,11 +184,11 @@ impl VulkanRemap {
                 if held.replace(tile.part) != Some(tile.part) {
                     self.upload_source(&group, tile.part)?;
                 }
-                let net = match told {
+                let net = match uploaded {
                     Some((area, net)) if area == tile.area => net,
                     _ => self.upload_offsets(map, tile.area)?,
                 };
-                told = Some((tile.area, net));
+                uploaded = Some((tile.area, net));
                 self.run(&group, (tile, net), filter, results)?;
             }
         }
@@ -203,8 +204,9 @@ impl VulkanRemap {
         Ok(())
     }
 
-    /// Binds so many bytes of a buffer, to be written or read by the host. Nothing is submitted at that time.
+    /// Binds so many bytes of a buffer, to be written or read by the host, once the device has finished with it.
     fn bind(&mut self, role: Role, bytes: usize) -> Result<&mut [u8], RasterError> {
+        self.commands.wait()?;
         let size = bytes as u64;
         let slot = &mut self.buffers[role as usize];
         let buffer = Buffer::reserve(slot, &self.device, role.buffer_use(), (size, size))?;

@@ -5,6 +5,7 @@
 use super::commands::Commands;
 use super::memory::{Buffer, Image};
 use super::pipeline::{Pipeline, PipelineLayout};
+use super::upload::MeshRange;
 use ash::vk;
 
 /// An attachment, prepared for its use; `clear` is what it starts with, `None` keeps its pixels.
@@ -123,15 +124,16 @@ impl<'a> Rendering<'a> {
         unsafe { self.raw().cmd_set_front_face(self.buffer(), front) };
     }
 
-    /// Vertices at `vertices` bytes and 32-bit indices at `indices` bytes of one buffer.
-    pub(super) fn bind_mesh(&self, buffer: &Buffer, vertices: u64, indices: u64) {
-        // SAFETY: recording; the offset lies in the buffer (VUID-vkCmdBindVertexBuffers-pOffsets-00626).
-        unsafe { self.raw().cmd_bind_vertex_buffers(self.buffer(), 0, &[buffer.get()], &[vertices]) };
+    /// A mesh in one buffer.
+    pub(super) fn bind_mesh(&self, buffer: &Buffer, mesh: MeshRange) {
+        let (buffers, offsets) = ([buffer.get(); 2], [mesh.vertices, mesh.clip_positions]);
+        // SAFETY: recording; the offsets lie in the buffer (VUID-vkCmdBindVertexBuffers-pOffsets-00626).
+        unsafe { self.raw().cmd_bind_vertex_buffers(self.buffer(), 0, &buffers, &offsets) };
         // SAFETY: as above, aligned to 4 (VUID-vkCmdBindIndexBuffer-offset-08783).
-        unsafe { self.raw().cmd_bind_index_buffer(self.buffer(), buffer.get(), indices, vk::IndexType::UINT32) };
+        unsafe { self.raw().cmd_bind_index_buffer(self.buffer(), buffer.get(), mesh.indices, vk::IndexType::UINT32) };
     }
 
-    /// Draws indexed triangles; `upload` checked that indices and vertices exist.
+    /// Draws indexed triangles; `upload` checked that indices and vertices exist and are within the device's limit.
     pub(super) fn draw_indexed(&self, indices: std::ops::Range<u32>) {
         let count = indices.end - indices.start;
         // SAFETY: pipeline, sets, push constants and buffers are bound; the range lies in the index buffer

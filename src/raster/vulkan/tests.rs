@@ -1,11 +1,14 @@
-//! Tests that need the inside of the raster: failing creations, and that the validation layers see mistakes.
+//! Tests that need the inside of the raster: calls that fail, and that the validation layers see mistakes.
 
-use super::choose::choose;
+use super::choose::{Candidate, choose};
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
 use super::instance::Instance;
-use super::memory::{Buffer, BufferUse, Home, Image, ImageUse, MemoryLocation};
-use super::{Messages, VulkanRaster, VulkanRemap};
+use super::memory::{Buffer, BufferUse, Image, ImageUse, MemoryLocation, Placement};
+use super::messenger::Messages;
+use super::raster::VulkanRaster;
+use super::remap::VulkanRemap;
+use super::shim::{self, Fault};
 use crate::image::Frame;
 use crate::plate::{Filter as PlateFilter, Planes, WarpMap};
 use crate::raster::{
@@ -20,7 +23,7 @@ use std::sync::Arc;
 /// An instance with validation; `None`: not to be had here, said so.
 fn instance(messages: &Messages) -> Option<Arc<Instance>> {
     let opened = Instance::new(Some(messages)).and_then(|instance| {
-        choose(&instance, &DeviceChoice::Auto)?;
+        choose(&instance, &DeviceChoice::Vulkan)?;
         Ok(Arc::new(instance))
     });
     if std::env::var_os("PINWARP_REQUIRE_VULKAN").is_some_and(|value| value == "1") {
@@ -30,14 +33,18 @@ fn instance(messages: &Messages) -> Option<Arc<Instance>> {
 }
 
 fn device(instance: &Arc<Instance>) -> Arc<Device> {
-    device_with(instance, Home::Mapped)
+    device_with(instance, Placement::Mapped)
 }
 
-/// With attachments mapped where the device can do that, or always copied.
-fn device_with(instance: &Arc<Instance>, home: Home) -> Arc<Device> {
-    let mut candidate = choose(instance, &DeviceChoice::Auto).unwrap();
-    candidate.has_mapped_attachments &= home == Home::Mapped;
-    Device::new(Arc::clone(instance), &candidate).unwrap()
+fn device_with(instance: &Arc<Instance>, placement: Placement) -> Arc<Device> {
+    Device::new(Arc::clone(instance), &candidate(instance, placement)).unwrap()
+}
+
+/// The best device, with attachments mapped where it can do that, or always copied.
+fn candidate(instance: &Instance, placement: Placement) -> Candidate {
+    let mut candidate = choose(instance, &DeviceChoice::Vulkan).unwrap();
+    candidate.has_mapped_attachments &= placement == Placement::Mapped;
+    candidate
 }
 
 /// An opaque, textured and a blended material.
@@ -79,38 +86,111 @@ fn draw_all(device: Arc<Device>) -> Result<Frame, RasterError> {
     let frame = FrameSize::new(16, 16);
     let channels = vec![ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Id];
     raster.start(&Target { frame, window: frame.window(), channels, beauty_passes: 2 })?;
-    for role in [PassRole::BeautyAndData, PassRole::BeautyAndData] {
+    for role in [PassRole::BeautyAndData, PassRole::Beauty] {
         raster.draw(&Pass { geometry: &geometry(), jitter_px: Vec2::ZERO, role })?;
     }
     raster.finish()
 }
 
-#[test]
-fn any_creation_may_fail_and_nothing_leaks() {
-    let messages = Messages::default();
-    let Some(instance) = instance(&messages) else { return };
-    for home in [Home::Mapped, Home::Device] {
-        fail_each_creation(&instance, home, &messages);
+/// Every call fails once, the first, the second, and so on, until none is left: the error is `is_clean`, everything is
+/// destroyed, and the layers have nothing to say. Returns the number of calls.
+fn fail_each_call<T>(
+    (instance, messages): (&Arc<Instance>, &Messages),
+    (fault, placement): (Fault, Placement),
+    draw: impl Fn(Arc<Device>) -> Result<T, RasterError>,
+) -> usize {
+    let mut after = 0;
+    loop {
+        let device = shim::device(instance, &candidate(instance, placement), Fault { after, ..fault }).unwrap();
+        let drawn = draw(Arc::clone(&device));
+        let failed = shim::heal();
+        assert_eq!(Arc::strong_count(&device), 1, "{failed:?} failed, and something still holds the device");
+        assert!(!device.is_abandoned(), "{failed:?} failed once, and the device was given up");
+        drop(device);
+        assert_eq!(messages.take(), Vec::<String>::new(), "call {after}, {failed:?}, failed");
+        let Some(failed) = failed else {
+            drawn.expect("nothing failed");
+            return after;
+        };
+        let is_clean = match fault.code {
+            vk::Result::ERROR_DEVICE_LOST => matches!(drawn, Err(RasterError::DeviceLost { .. })),
+            _ => matches!(drawn, Err(RasterError::OutOfMemory { .. })),
+        };
+        // The allocator asks again for less, and a raster that is dropped waits again.
+        let may_recover = ["allocate_memory", "map_memory", "wait_for_fences"].contains(&failed) && drawn.is_ok();
+        assert!(is_clean || may_recover, "{failed} failed: {:?}", drawn.err());
+        after += 1;
     }
 }
 
-fn fail_each_creation(instance: &Arc<Instance>, home: Home, messages: &Messages) {
-    for count in 0.. {
-        let device = device_with(instance, home);
-        device.fail_after(count);
-        let drawn = draw_all(Arc::clone(&device));
-        let has_failed = device.has_failed();
-        assert_eq!(Arc::strong_count(&device), 1, "creation {count} failed, and something still holds the device");
-        drop(device);
-        let said = messages.take();
-        assert!(said.is_empty(), "creation {count} failed: {said:#?}");
-        if !has_failed {
-            drawn.expect("nothing failed");
-            assert!(count > 80, "only {count} creations went through the counter");
-            break;
-        }
-        assert!(matches!(drawn, Err(RasterError::OutOfMemory { .. })), "creation {count}: {drawn:?}");
+const MEMORY: Fault = Fault { after: 0, code: vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, calls: &[], is_lasting: false };
+const LOST: Fault =
+    Fault { code: vk::Result::ERROR_DEVICE_LOST, calls: &["queue_submit2", "wait_for_fences"], ..MEMORY };
+
+#[test]
+fn any_call_may_run_out_of_memory_and_nothing_leaks() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    for placement in [Placement::Mapped, Placement::Device] {
+        let calls = fail_each_call((&instance, &messages), (MEMORY, placement), draw_all);
+        assert!(calls > 120, "only {calls} calls went through the table");
     }
+}
+
+#[test]
+fn the_device_may_be_lost_at_any_time() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    let calls = fail_each_call((&instance, &messages), (LOST, Placement::Device), draw_all);
+    assert!(calls > 8, "only {calls} submissions and waits went through the table");
+}
+
+#[test]
+fn a_wait_that_fails_leaves_the_commands_pending() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    let fault = Fault { calls: &["wait_for_fences"], ..MEMORY };
+    let device = shim::device(&instance, &candidate(&instance, Placement::Device), fault).unwrap();
+    let (mut commands, mut image, buffer) = copy_kit(&device);
+    commands.begin().unwrap();
+    commands.prepare(&mut image, Usage::CopyTarget, Contents::Discard);
+    commands.copy_from_host(&buffer, &image, &WHOLE);
+    commands.submit().unwrap();
+    assert!(matches!(commands.wait(), Err(RasterError::OutOfMemory { .. })));
+    // It waits again: the pool is not reset under running commands.
+    commands.begin().unwrap();
+    assert_eq!(shim::heal(), Some("wait_for_fences"));
+    drop((commands, image, buffer));
+    drop(device);
+    assert_eq!(messages.take(), Vec::<String>::new());
+}
+
+#[test]
+fn what_a_device_may_still_use_is_not_destroyed() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    let fault = Fault { calls: &["wait_for_fences", "device_wait_idle"], is_lasting: true, ..MEMORY };
+    let device = shim::device(&instance, &candidate(&instance, Placement::Device), fault).unwrap();
+    let drawn = draw_all(Arc::clone(&device));
+    assert!(matches!(drawn, Err(RasterError::OutOfMemory { .. })), "{drawn:?}");
+    assert_eq!(Arc::strong_count(&device), 1);
+    assert!(device.is_abandoned());
+    drop(device);
+    shim::heal();
+    assert_eq!(messages.take(), Vec::<String>::new());
+}
+
+#[test]
+fn vertices_beyond_the_device_s_limit_are_refused() {
+    let messages = Messages::default();
+    let Some(instance) = instance(&messages) else { return };
+    let mut candidate = candidate(&instance, Placement::Device);
+    (candidate.has_full_indices, candidate.limits.max_draw_indexed_index_value) = (false, 1);
+    let drawn = draw_all(Device::new(Arc::clone(&instance), &candidate).unwrap());
+    let error = drawn.unwrap_err().to_string();
+    assert!(error.contains("3 vertices") && error.contains("2 at most") && error.contains("--device cpu"), "{error}");
+    (candidate.has_full_indices, candidate.limits.max_draw_indexed_index_value) = (false, 2);
+    assert!(draw_all(Device::new(instance, &candidate).unwrap()).is_ok());
 }
 
 /// Resamples a small plate, moved by half a pixel.
@@ -124,32 +204,24 @@ fn resample(mut remap: VulkanRemap) -> Result<Vec<Vec<f32>>, RasterError> {
 }
 
 #[test]
-fn any_creation_of_a_remap_may_fail_and_nothing_leaks() {
+fn any_call_of_a_remap_may_fail_and_nothing_leaks() {
     let messages = Messages::default();
     let Some(instance) = instance(&messages) else { return };
-    for count in 0.. {
-        let device = device(&instance);
-        device.fail_after(count);
-        let drawn = VulkanRemap::on_device(Arc::clone(&device)).and_then(resample);
-        let has_failed = device.has_failed();
-        assert_eq!(Arc::strong_count(&device), 1, "creation {count} failed, and something still holds the device");
-        drop(device);
-        assert_eq!(messages.take(), Vec::<String>::new(), "creation {count} failed");
-        if !has_failed {
-            let drawn = drawn.expect("nothing failed");
-            assert!(drawn[0][..15].iter().all(|x| (x - 1.0).abs() < 1e-6), "{drawn:?}");
-            assert!(count > 15, "only {count} creations went through the counter");
-            break;
-        }
-        assert!(matches!(drawn, Err(RasterError::OutOfMemory { .. })), "creation {count}: {drawn:?}");
-    }
+    let draw = |device| VulkanRemap::on_device(device).and_then(resample);
+    let calls = fail_each_call((&instance, &messages), (MEMORY, Placement::Device), draw);
+    assert!(calls > 20, "only {calls} calls went through the table");
+    fail_each_call((&instance, &messages), (LOST, Placement::Device), draw);
+    let remap = VulkanRemap::on_device(device(&instance)).unwrap();
+    let drawn = resample(remap).unwrap();
+    assert!(drawn[0][..15].iter().all(|x| (x - 1.0).abs() < 1e-6), "{drawn:?}");
 }
 
 #[test]
 fn copied_and_mapped_images_make_the_same_frame() {
     let messages = Messages::default();
     let Some(instance) = instance(&messages) else { return };
-    let [mapped, copied] = [Home::Mapped, Home::Device].map(|home| draw_all(device_with(&instance, home)).unwrap());
+    let [mapped, copied] =
+        [Placement::Mapped, Placement::Device].map(|placement| draw_all(device_with(&instance, placement)).unwrap());
     assert!(mapped == copied);
     assert!(mapped.channels.iter().any(|channel| channel.samples.contains(&2.0)), "something was drawn");
     assert_eq!(messages.take(), Vec::<String>::new());
@@ -158,8 +230,13 @@ fn copied_and_mapped_images_make_the_same_frame() {
 /// An image of 4x4 texels, a buffer that holds as many, and commands.
 fn copy_kit(device: &Arc<Device>) -> (Commands, Image, Buffer) {
     let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::SAMPLED;
-    let wanted =
-        ImageUse { name: "canary", format: vk::Format::R8G8B8A8_UNORM, usage, mip_levels: 1, home: Home::Device };
+    let wanted = ImageUse {
+        name: "canary",
+        format: vk::Format::R8G8B8A8_UNORM,
+        usage,
+        mip_levels: 1,
+        placement: Placement::Device,
+    };
     let image = Image::new(device, wanted, vk::Extent2D { width: 4, height: 4 }).unwrap();
     let wanted =
         BufferUse { name: "canary", usage: vk::BufferUsageFlags::TRANSFER_SRC, location: MemoryLocation::CpuToGpu };

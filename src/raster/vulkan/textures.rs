@@ -1,11 +1,11 @@
 //! A scene's textures on the device.
 //!
-//! In: decoded images, sampler settings. Out: images with all mip levels (the chains of the CPU twin, averaged in
-//! linear light; colour as sRGB formats, which the device decodes before it filters) and samplers.
+//! In: decoded images, sampler settings. Out: images with all mip levels (the chains of the CPU raster, averaged in
+//! linear light; colour in sRGB formats, which the device decodes before it filters) and samplers.
 
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
-use super::memory::{Buffer, BufferUse, Home, Image, ImageUse, MemoryLocation};
+use super::memory::{Buffer, BufferUse, Image, ImageUse, MemoryLocation, Placement};
 use super::owned::Owned;
 use crate::raster::RasterError;
 use crate::raster::cpu::mipmap::{Level, mip_chain};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 const STAGING: BufferUse =
     BufferUse { name: "texture upload", usage: vk::BufferUsageFlags::TRANSFER_SRC, location: MemoryLocation::CpuToGpu };
 
-/// Most taps along the long axis of a footprint, as in the CPU twin.
+/// Most taps along the long axis of a footprint, as in the CPU raster.
 const MAX_ANISOTROPY: f32 = 16.0;
 
 /// A texel per channel: 255 each.
@@ -38,8 +38,7 @@ pub(super) struct Textures {
 
 impl Textures {
     pub(super) fn new(device: &Arc<Device>, scene: &scene::Scene) -> Result<Self, RasterError> {
-        let mut upload = Commands::new(device, "texture upload")?;
-        let images = scene.images.iter().map(|image| upload_image(device, &mut upload, image));
+        let images = scene.images.iter().map(|image| upload_image(device, image));
         let images = images.collect::<Result<Vec<_>, _>>()?;
         let samplers = scene.textures.iter().map(|texture| sampler(device, texture)).collect::<Result<Vec<_>, _>>()?;
         let plain = scene::Texture {
@@ -53,7 +52,7 @@ impl Textures {
             images,
             samplers,
             image_of_texture: scene.textures.iter().map(|texture| texture.image).collect(),
-            white: upload_image(device, &mut upload, &white())?,
+            white: upload_image(device, &white())?,
             plain_sampler: sampler(device, &plain)?,
         })
     }
@@ -69,7 +68,7 @@ impl Textures {
 }
 
 /// Makes an image with its levels and waits until it is filled.
-fn upload_image(device: &Arc<Device>, commands: &mut Commands, image: &scene::Image) -> Result<Image, RasterError> {
+fn upload_image(device: &Arc<Device>, image: &scene::Image) -> Result<Image, RasterError> {
     let limit = device.facts().max_texture_side;
     // Levels too large for the device are left out.
     let levels: Vec<Level> =
@@ -80,12 +79,14 @@ fn upload_image(device: &Arc<Device>, commands: &mut Commands, image: &scene::Im
         format: if image.is_srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
         usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
         mip_levels: levels.len() as u32,
-        home: Home::Device,
+        placement: Placement::Device,
     };
     let mut on_device = Image::new(device, wanted, vk::Extent2D { width: first.width, height: first.height })?;
     let bytes: usize = levels.iter().map(|level| level.texels.len() * 4).sum();
     let mut staging = Buffer::new(device, STAGING, bytes as u64)?;
     let regions = fill(&mut staging, &levels);
+    // Made last, so dropped first: image and buffer stay until the copy is done, whatever fails.
+    let mut commands = Commands::new(device, "texture upload")?;
     commands.begin()?;
     commands.prepare(&mut on_device, Usage::CopyTarget, Contents::Discard);
     commands.copy_from_host(&staging, &on_device, &regions);
@@ -118,7 +119,7 @@ fn sampler(device: &Arc<Device>, texture: &scene::Texture) -> Result<Owned<vk::S
         Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
     };
-    // Without mip levels, a largest level of 0.25 still tells minified from magnified, and rounds to level 0
+    // Without mip levels, a largest level of 0.25 still distinguishes minified from magnified, and rounds to level 0
     // (Vulkan specification, VkSamplerCreateInfo, on OpenGL's filters).
     let (between, max_lod) = match texture.mipmap {
         None => (vk::SamplerMipmapMode::NEAREST, 0.25),

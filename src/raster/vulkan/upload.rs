@@ -1,7 +1,7 @@
-//! Geometry on its way to the device.
+//! Uploads geometry to the device.
 //!
-//! In: a pass's [`Geometry`]. Out: one host-visible buffer a pass in flight (vertices, indices, viewer and lights),
-//! which grows and is used again; two take turns, so that one is filled while the other is drawn.
+//! In: a pass's [`Geometry`]. Out: a host-visible buffer for each pass in flight (vertices, clip positions, indices, viewer
+//! and lights), which grows and is used again.
 
 use super::commands::Commands;
 use super::descriptors::Descriptors;
@@ -9,9 +9,12 @@ use super::device::Device;
 use super::memory::{Buffer, BufferUse, MemoryLocation};
 use super::pipeline::PipelineLayout;
 use crate::raster::cpu::shading::Light;
+use crate::raster::window::WindowFromScreen;
 use crate::raster::{Geometry, RasterError, RasterVertex};
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::DVec2;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 const UPLOAD: BufferUse = BufferUse {
@@ -35,21 +38,25 @@ struct GpuPass {
 }
 
 /// Commands of a pass with the buffer they read. Field order: the commands wait before the buffer goes.
-pub(super) struct Slot {
+pub(super) struct UploadSlot {
     pub(super) commands: Commands,
     pub(super) pass_set: vk::DescriptorSet,
     buffer: Option<Buffer>,
     device: Arc<Device>,
 }
 
-/// Where the parts of a pass lie in its buffer, bytes.
+/// Where the parts of a mesh begin in the buffer of its pass, bytes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MeshPlace {
+pub(super) struct MeshRange {
     pub(super) vertices: u64,
+    pub(super) clip_positions: u64,
     pub(super) indices: u64,
 }
 
-impl Slot {
+/// Room that a buffer gets beyond what is asked for, at most: geometry differs a little from frame to frame.
+const SPARE_BYTES: u64 = 4 << 20;
+
+impl UploadSlot {
     pub(super) fn new(
         device: &Arc<Device>,
         descriptors: &Descriptors,
@@ -61,8 +68,13 @@ impl Slot {
     }
 
     /// Waits until the slot is free and puts a pass into it.
-    pub(super) fn fill(&mut self, geometry: &Geometry, descriptors: &Descriptors) -> Result<MeshPlace, RasterError> {
-        check(geometry)?;
+    pub(super) fn fill(
+        &mut self,
+        geometry: &Geometry,
+        (window_from_screen, extent): (WindowFromScreen, vk::Extent2D),
+        descriptors: &Descriptors,
+    ) -> Result<MeshRange, RasterError> {
+        check(geometry, self.device.facts().max_index)?;
         self.commands.wait()?;
         let lights: Vec<Light> = match geometry.lights.is_empty() {
             // The shader's array has at least one element.
@@ -70,26 +82,30 @@ impl Slot {
             false => geometry.lights.iter().map(Light::from).collect(),
         };
         let head = pass_head(geometry);
-        let parts: [&[u8]; 4] = [
-            bytemuck::cast_slice(&geometry.vertices),
-            bytemuck::cast_slice(&geometry.indices),
-            bytemuck::bytes_of(&head),
-            bytemuck::cast_slice(&lights),
-        ];
+        let (vertices, indices): (&[u8], &[u8]) =
+            (bytemuck::cast_slice(&geometry.vertices), bytemuck::cast_slice(&geometry.indices));
+        let [head, lights]: [&[u8]; 2] = [bytemuck::bytes_of(&head), bytemuck::cast_slice(&lights)];
+        let clip_bytes = size_of::<[f32; 4]>() * geometry.vertices.len();
+        let mesh = MeshRange {
+            vertices: 0,
+            clip_positions: vertices.len() as u64,
+            indices: (vertices.len() + clip_bytes) as u64,
+        };
         let align = self.device.facts().offset_alignment.max(16);
-        let indices = parts[0].len() as u64;
-        let pass = (indices + parts[1].len() as u64).next_multiple_of(align);
-        let pass_bytes = (parts[2].len() + parts[3].len()) as u64;
-        let bytes = pass + pass_bytes;
-        // Geometry differs a little from frame to frame: room to grow by a half.
-        let buffer = Buffer::reserve(&mut self.buffer, &self.device, UPLOAD, (bytes, bytes + bytes / 2))?;
+        let pass = (mesh.indices + indices.len() as u64).next_multiple_of(align);
+        let pass_bytes = (head.len() + lights.len()) as u64;
+        let needed = pass + pass_bytes;
+        let wanted = needed + (needed / 2).min(SPARE_BYTES);
+        let buffer = Buffer::reserve(&mut self.buffer, &self.device, UPLOAD, (needed, wanted))?;
         let bytes = buffer.bytes_mut();
-        let starts = [0, indices, pass, pass + parts[2].len() as u64];
-        for (start, part) in starts.into_iter().zip(parts) {
+        let parts = [(0, vertices), (mesh.indices, indices), (pass, head), (pass + head.len() as u64, lights)];
+        for (start, part) in parts {
             bytes[start as usize..start as usize + part.len()].copy_from_slice(part);
         }
+        let clip = &mut bytes[mesh.clip_positions as usize..][..clip_bytes];
+        write_clip_positions(geometry, (window_from_screen, extent), bytemuck::cast_slice_mut(clip));
         descriptors.write_buffer((self.pass_set, 0), vk::DescriptorType::STORAGE_BUFFER, (buffer, pass, pass_bytes));
-        Ok(MeshPlace { vertices: 0, indices })
+        Ok(mesh)
     }
 
     /// The filled buffer.
@@ -98,11 +114,25 @@ impl Slot {
     }
 }
 
-/// What the device would read out of bounds must not reach it.
-fn check(geometry: &Geometry) -> Result<(), RasterError> {
+fn write_clip_positions(
+    geometry: &Geometry,
+    (window_from_screen, extent): (WindowFromScreen, vk::Extent2D),
+    to: &mut [[f32; 4]],
+) {
+    let size = DVec2::new(f64::from(extent.width), f64::from(extent.height));
+    let pairs = to.par_iter_mut().zip(&geometry.vertices).with_min_len(4096);
+    pairs.for_each(|(clip, vertex)| *clip = window_from_screen.clip_position(vertex, size));
+}
+
+/// Refuses what the device would read out of bounds, and what is beyond its limit.
+fn check(geometry: &Geometry, max_index: u32) -> Result<(), RasterError> {
     let vertices = geometry.vertices.len();
-    if geometry.indices.iter().max().is_some_and(|&last| last as usize >= vertices) {
+    let last = geometry.indices.par_iter().with_min_len(1 << 16).max().copied();
+    if last.is_some_and(|last| last as usize >= vertices) {
         return Err(RasterError::Misuse("an index points past the vertices"));
+    }
+    if last.is_some_and(|last| last > max_index) {
+        return Err(RasterError::TooManyVertices { vertices, limit: u64::from(max_index) + 1 });
     }
     let count = geometry.indices.len();
     let is_inside = |range: &std::ops::Range<u32>| range.start <= range.end && range.end as usize <= count;

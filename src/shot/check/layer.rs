@@ -3,10 +3,10 @@
 //! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
 
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::{Basis, MAX_HANDLES_IN_ALL};
+use crate::lattice::MAX_HANDLES_IN_ALL;
 use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve, RawSpace};
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
-use crate::solve::{Energy, Settings};
+use crate::solve::Settings;
 use crate::space::{ScreenBox, ScreenPoint};
 
 impl Check<'_> {
@@ -74,10 +74,10 @@ impl Check<'_> {
             return default;
         }
         let least = given.iter().copied().min().unwrap_or(0);
-        if raw.basis == Basis::Bspline && least < raw.basis.least_handles() {
-            let needed = raw.basis.least_handles();
-            let what = format!("a B-spline needs at least {needed} handles a side, found {least}");
-            self.fault(key, what, "give 4 or more, or basis = \"bernstein\"");
+        if least < raw.basis.min_handles() {
+            let needed = raw.basis.min_handles();
+            let what = format!("the {} basis needs at least {needed} handles a side, found {least}", raw.basis.label());
+            self.fault(key, what, format!("give {needed} or more, or basis = \"bernstein\""));
         }
         let count = given.iter().copied().fold(1, usize::saturating_mul);
         if count > MAX_HANDLES_IN_ALL {
@@ -157,10 +157,10 @@ impl Check<'_> {
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
         settings.guard = raw.guard.unwrap_or(settings.guard);
-        if raw.weights.is_some() && !matches!(settings.energy, Energy::Edge | Energy::Vertex) {
+        if raw.weights.is_some() && !settings.energy.has_edge_weights() {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
-        settings.with_stiffness(raw.stiffness.unwrap_or(1.0))
+        settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Document`]. Out: a shot, or all faults of the file.
 
+mod camera;
 mod image;
 mod layer;
 mod output;
@@ -24,7 +25,7 @@ const VERSION: &str = "1";
 /// Checks a document.
 ///
 /// # Errors
-/// [`ShotError`]: all faults that can be told apart.
+/// [`ShotError`]: all faults that are independent of each other.
 pub(super) fn shot(document: &Document) -> Result<Shot, ShotError> {
     // Another version may have other keys: nothing else can be said about it.
     if let Some(fault) = version_fault(document) {
@@ -100,7 +101,9 @@ impl Check<'_> {
             lines: KeyLines::default(),
             plate,
             warp,
-            camera: raw.camera,
+            camera: self.camera(raw.camera, (frames.first, Kind::of(&source))),
+            visibility: self.visibility((raw.hide, raw.show), Kind::of(&source)),
+            allow_outside: false,
             clip: raw.frames.clip.map(ClipName::from),
             is_looped: raw.frames.is_looped,
             frames,

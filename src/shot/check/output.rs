@@ -9,10 +9,6 @@ use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
 use crate::shot::{FrameRange, Output, Source};
 use std::path::Path;
 
-/// What is written where a shot does not say it: all but mattes, whose 36 channels weigh more than all others together.
-const DEFAULT_CHANNELS: [ChannelGroup; 5] =
-    [ChannelGroup::Beauty, ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Normal, ChannelGroup::Id];
-
 impl Check<'_> {
     pub(super) fn output(&mut self, raw: &RawOutput, frames: &FrameRange, source: &Source) -> Output {
         let shot_path = self.document.path;
@@ -63,12 +59,13 @@ impl Check<'_> {
     }
 }
 
-/// What there is: pictures have no depth.
+/// The channels of a shot that names none: all but mattes, whose 36 channels weigh more than all others together. Pictures
+/// have colour and ids only.
 fn default_channels(source: &Source) -> Vec<ChannelGroup> {
     if let Source::Images(_) = source {
         vec![ChannelGroup::Beauty, ChannelGroup::Id]
     } else {
-        DEFAULT_CHANNELS.to_vec()
+        ChannelGroup::PLANAR.to_vec()
     }
 }
 

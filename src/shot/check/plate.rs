@@ -28,7 +28,7 @@ impl Check<'_> {
         match (&raw.scene, &raw.image, &raw.plate) {
             (_, Some(image), _) => return Source::Images(self.images(image)),
             (None, None, Some(_)) => return Source::Frame,
-            // A misspelt key was told already, and it is the cause.
+            // A misspelt key was reported already, and it is the cause.
             (None, None, None) if !self.has_unknown_key(&["scene", "image"]) => {
                 self.fault("scene", "is missing", SOURCES);
             }

@@ -16,11 +16,11 @@ impl Check<'_> {
         if unit == OffsetUnit::Frame && shot.space == RawSpace::Screen {
             self.screen_unit(&[raw.radius], &format!("{key}.radius"), shot);
         }
-        if raw.grip == 0.0 && raw.starch == 1.0 {
-            let hint = "add grip = 1.0 to move it as one piece, or starch = 5.0 to make it stiffer";
+        if raw.rigidity == 0.0 && raw.stiffness == 1.0 {
+            let hint = "add rigidity = 1.0 to move it as one piece, or stiffness = 5.0 to make it stiffer";
             self.fault(key, "does nothing", hint);
         }
-        PinRegion { radius: raw.radius, grip: raw.grip, starch: raw.starch }
+        PinRegion { radius: raw.radius, rigidity: raw.rigidity, stiffness: raw.stiffness }
     }
 
     pub(super) fn stiffness(&mut self, raw: Vec<RawStiffness>, layer: &str) -> Vec<StiffnessRule> {

@@ -3,6 +3,7 @@
 //! In: a name and an [`Anchor`]. Out: `[[layer.pin]]` with one key that leaves the point where it is.
 
 use crate::shot::Anchor;
+use crate::spelling::escaped;
 use toml_edit::{Array, InlineTable, Item, Table, Value};
 
 /// Numbers of anchors are written with this many decimals: far below a pixel, free of binary noise.
@@ -79,12 +80,26 @@ impl NewPin<'_> {
     }
 }
 
+/// A string on one line, whatever it holds: control characters, which could drive a terminal, are escaped.
+fn one_line(text: &str) -> Value {
+    if escaped(text) == text {
+        return text.into();
+    }
+    let escape = |letter: char| match letter {
+        '"' | '\\' => format!("\\{letter}"),
+        _ if escaped(letter.encode_utf8(&mut [0; 4])) != letter.to_string() => format!("\\u{:04X}", u32::from(letter)),
+        _ => letter.to_string(),
+    };
+    let quoted = format!("\"{}\"", text.chars().map(escape).collect::<String>());
+    quoted.parse().unwrap_or_else(|_| text.into())
+}
+
 /// `{ node = .., primitive = .., triangle = .., barycentric = [..], rest = [..] }` or `{ screen = [..], frame = .. }`.
 pub(super) fn anchor_table(anchor: &Anchor, digits: Digits) -> InlineTable {
     let mut table = InlineTable::new();
     match anchor {
         Anchor::Surface { node, primitive, triangle, barycentric, rest } => {
-            table.insert("node", node.as_str().into());
+            table.insert("node", one_line(node));
             table.insert("primitive", integer(*primitive));
             table.insert("triangle", integer(*triangle));
             table.insert("barycentric", numbers(barycentric, digits));

@@ -3,7 +3,7 @@
 //! In: text, a filter. Out: the new text; everything else in it stays as it is, comments included.
 
 use super::fault;
-use super::layer::{replace, sub_table};
+use super::layer::{replace, sub_table, word};
 use super::text::EditableText;
 use crate::plate::Filter;
 use crate::shot::ShotError;
@@ -22,14 +22,8 @@ use crate::shot::ShotError;
 /// [`ShotError::Edit`] where the text is not TOML, or `warp` is no table.
 pub fn put_filter(text: &str, filter: Filter) -> Result<String, ShotError> {
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault("warp", &what, hint))?;
-    let name = match filter {
-        Filter::Ewa => "ewa",
-        Filter::Cubic => "cubic",
-        Filter::Lanczos => "lanczos",
-        Filter::Nearest => "nearest",
-    };
     let warp = sub_table(text.document.as_table_mut(), "warp");
     let warp = warp.ok_or_else(|| fault("warp", "`warp` is no table", "write warp = { filter = \"ewa\" }"))?;
-    replace(warp, "filter", name.into());
+    replace(warp, "filter", word(filter));
     Ok(text.finish())
 }

@@ -4,9 +4,12 @@
 
 use super::block::{Digits, NewPin, anchor_table, numbers};
 use super::text::EditableText;
-use super::{append_layer, fault, find, is_empty_list, no_tables, put_pin, replace_anchor, tables};
+use super::{append_layer, append_pin, fault, find, is_empty_list, no_tables, replace_anchor, tables};
 use crate::lattice::Basis;
 use crate::shot::{Anchor, Ease, Goal, PinKey, Rotation, ShotError};
+use serde::Serialize;
+use std::collections::HashMap;
+use toml_edit::ser::ValueSerializer;
 use toml_edit::{Array, InlineTable, Item, TableLike, Value};
 
 /// What a layer shall say.
@@ -18,8 +21,8 @@ pub struct LayerEdit<'a> {
     pub basis: Basis,
     /// Its strength.
     pub strength: Factor,
-    /// Its stiffness.
-    pub stiffness: Factor,
+    /// Its smoothness.
+    pub smoothness: Factor,
     /// Its pins; others that it has stay.
     pub pins: &'a [KeyedPin<'a>],
 }
@@ -69,31 +72,25 @@ pub fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<St
     put_lattice(table, edit)
         .ok_or_else(|| fault(name, "`lattice` is no table", "write lattice = { dims = [10, 10] }"))?;
     scale(table, "strength", edit.strength);
-    let is_told = table.get("solve").is_some_and(|solve| solve.get("stiffness").is_some());
-    if is_told || edit.stiffness.of(1.0) != 1.0 {
+    let is_told = table.get("solve").is_some_and(|solve| solve.get("smoothness").is_some());
+    if is_told || edit.smoothness.of(1.0) != 1.0 {
         let solve = sub_table(table, "solve");
-        let solve = solve.ok_or_else(|| fault(name, "`solve` is no table", "write solve = { stiffness = 1.0 }"))?;
-        scale(solve, "stiffness", edit.stiffness);
+        let solve = solve.ok_or_else(|| fault(name, "`solve` is no table", "write solve = { smoothness = 1.0 }"))?;
+        scale(solve, "smoothness", edit.smoothness);
     }
     if !table.contains_key("pin") && !edit.pins.is_empty() {
         table.insert("pin", if is_inline { Item::Value(Array::new().into()) } else { no_tables() });
     }
-    edit.pins.iter().try_for_each(|pin| put_keyed(table, pin))?;
+    put_pins(table, edit.pins)?;
     Ok(text.finish())
 }
 
 fn put_lattice(layer: &mut dyn TableLike, edit: &LayerEdit) -> Option<()> {
     let lattice = sub_table(layer, "lattice")?;
-    let basis = match edit.basis {
-        Basis::Bernstein => "bernstein",
-        Basis::Bspline => "bspline",
-        Basis::Bilinear => "bilinear",
-        Basis::Barytri => "barytri",
-    };
     let dims: Array = edit.dims.iter().map(|&count| count as i64).collect();
     replace(lattice, "dims", dims.into());
-    if lattice.contains_key("basis") || edit.basis != Basis::Bspline {
-        replace(lattice, "basis", basis.into());
+    if lattice.contains_key("basis") || edit.basis != Basis::default() {
+        replace(lattice, "basis", word(edit.basis));
     }
     Some(())
 }
@@ -104,6 +101,11 @@ pub(super) fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<
         table.insert(name, Item::Value(Value::InlineTable(InlineTable::new())));
     }
     table.get_mut(name)?.as_table_like_mut()
+}
+
+/// The word that stands for a choice.
+pub(super) fn word(choice: impl Serialize) -> Value {
+    choice.serialize(ValueSerializer::new()).expect("choices are written as words")
 }
 
 /// A value in place of another; a comment behind it stays.
@@ -127,18 +129,30 @@ fn scale(table: &mut dyn TableLike, key: &str, factor: Factor) {
     }
 }
 
-fn put_keyed(layer: &mut dyn TableLike, pin: &KeyedPin) -> Result<(), ShotError> {
-    let pins = layer.get_mut("pin").and_then(tables);
-    let is_there =
-        pins.is_some_and(|pins| pins.iter().enumerate().any(|(k, table)| super::name_of(*table, "pin", k) == pin.name));
-    let keys = keys_array(&pin.keys);
-    if !is_there {
-        let anchor = pin.anchor.as_ref().ok_or_else(|| fault(pin.name, "is not there", "give it an anchor"))?;
-        return put_pin(layer, &NewPin { name: pin.name, anchor: anchor_table(anchor, Digits::All), keys });
+/// Edits the pins that are there and appends the others; the list is gone through once, however many there are.
+fn put_pins(layer: &mut dyn TableLike, pins: &[KeyedPin]) -> Result<(), ShotError> {
+    let Some(first) = pins.first() else { return Ok(()) };
+    let not_tables = || fault(first.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
+    let list = layer.get_mut("pin").ok_or_else(not_tables)?;
+    let mut there = tables(list).ok_or_else(not_tables)?;
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for (index, table) in there.iter().enumerate() {
+        places.entry(super::name_of(*table, "pin", index)).or_insert(index);
     }
-    let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
-    let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
-    let table = find(pins, Some(pin.name), "pin").map_err(|(what, hint)| fault(pin.name, &what, &hint))?;
+    let (known, new): (Vec<_>, Vec<_>) = pins.iter().partition(|pin| places.contains_key(pin.name));
+    for pin in known {
+        edit_keyed(there[places[pin.name]], pin);
+    }
+    for pin in new {
+        let anchor = pin.anchor.as_ref().ok_or_else(|| fault(pin.name, "is not there", "give it an anchor"))?;
+        let keys = keys_array(&pin.keys);
+        let pin = NewPin { name: pin.name, anchor: anchor_table(anchor, Digits::All), keys };
+        append_pin(list, &pin).ok_or_else(not_tables)?;
+    }
+    Ok(())
+}
+
+fn edit_keyed(table: &mut dyn TableLike, pin: &KeyedPin) {
     if let Some(anchor) = &pin.anchor {
         replace_anchor(table, anchor_table(anchor, Digits::All));
     }
@@ -146,8 +160,7 @@ fn put_keyed(layer: &mut dyn TableLike, pin: &KeyedPin) -> Result<(), ShotError>
     if table.contains_key("unit") {
         replace(table, "unit", "frame".into());
     }
-    replace(table, "keys", keys.into());
-    Ok(())
+    replace(table, "keys", keys_array(&pin.keys).into());
 }
 
 /// One key a line.

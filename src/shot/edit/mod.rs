@@ -161,11 +161,13 @@ fn replace_entries(old: &mut dyn TableLike, new: InlineTable) {
 fn append_pin(list: &mut Item, pin: &NewPin) -> Option<()> {
     match list {
         Item::ArrayOfTables(pins) => {
-            let indent = pins.iter().last().map_or("  ".to_owned(), text::indent_of);
+            let last = pins.len().checked_sub(1).and_then(|last| pins.get(last));
+            let indent = last.map_or("  ".to_owned(), text::indent_of);
             pins.push(pin.table(&indent));
         }
         Item::Value(Value::Array(pins)) if pins.iter().all(Value::is_inline_table) => {
-            let prefix = pins.iter().last().and_then(|pin| pin.decor().prefix()?.as_str()).unwrap_or(" ").to_owned();
+            let last = pins.len().checked_sub(1).and_then(|last| pins.get(last));
+            let prefix = last.and_then(|pin| pin.decor().prefix()?.as_str()).unwrap_or(" ").to_owned();
             pins.push_formatted(Value::InlineTable(pin.inline()).decorated(prefix, ""));
         }
         _ => return None,

@@ -156,10 +156,10 @@ pub(in crate::shot) struct RawSolve {
     /// anything of the layer folds; default: report.
     #[schemars(example = &"limit")]
     pub(in crate::shot) guard: Option<Guard>,
-    /// How much the lattice resists being bent: more spreads the pull of a pin over the whole layer; its cube scales the
+    /// How smooth the warp is: more spreads the pull of a pin over the whole layer. Its cube multiplies the weight of the
     /// regulariser; default: 1.
     #[schemars(range(min = 0.1, max = 10.0), example = 2.0)]
-    pub(in crate::shot) stiffness: Option<f64>,
+    pub(in crate::shot) smoothness: Option<f64>,
 }
 
 /// Settings by name.
@@ -186,7 +186,7 @@ pub(in crate::shot) struct RawPin {
     #[serde(default)]
     pub(in crate::shot) unit: OffsetUnit,
     /// The neighbourhood it takes along; default: its point alone.
-    #[schemars(example = serde_json::json!({ "radius": 0.1, "grip": 1.0, "starch": 5.0 }))]
+    #[schemars(example = serde_json::json!({ "radius": 0.1, "rigidity": 1.0, "stiffness": 5.0 }))]
     pub(in crate::shot) region: Option<RawRegion>,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
@@ -204,11 +204,11 @@ pub(in crate::shot) struct RawRegion {
     /// How firmly it moves with the pin as one piece: 0 not at all, 1 rigidly.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0), example = 1.0)]
-    pub(in crate::shot) grip: f64,
-    /// How stiff it is at the pin, 1 is as the rest.
+    pub(in crate::shot) rigidity: f64,
+    /// Multiplies the stiffness of the model at the pin; 1 leaves it as it is.
     #[serde(default = "super::default_one")]
     #[schemars(range(min = 0.001, max = 1000.0), example = 5.0)]
-    pub(in crate::shot) starch: f64,
+    pub(in crate::shot) stiffness: f64,
 }
 
 /// A point of a surface (node, triangle, barycentric) or of the screen (screen).
@@ -305,6 +305,6 @@ pub(in crate::shot) struct RawHandleKey {
 
 impl Default for RawLattice {
     fn default() -> Self {
-        Self { space: RawSpace::Screen, dims: None, basis: Basis::Bspline, bounds: RawBox::Follow }
+        Self { space: RawSpace::Screen, dims: None, basis: Basis::default(), bounds: RawBox::Follow }
     }
 }

@@ -3,10 +3,12 @@
 //! In: TOML that [`super::structure`] compared with the schema of these types. Out: input of [`super::check`].
 //! The descriptions below are what the published schema says about each key.
 
+mod camera;
 mod image;
 mod layer;
 mod plate;
 
+pub(super) use camera::*;
 pub(super) use image::*;
 pub(super) use layer::*;
 pub(super) use plate::*;
@@ -35,9 +37,18 @@ pub(super) struct RawShot {
     /// How they are warped.
     #[serde(default)]
     pub(super) warp: RawWarp,
-    /// Name of the camera or of its node; default: the scene's first, and where there is none the scene is framed.
-    #[schemars(length(min = 1), example = &"ShotCam")]
-    pub(super) camera: Option<String>,
+    /// Name of the camera or of its node, a view such as "front", or a table; default: the scene's first, and where there is
+    /// none one that shows the whole scene.
+    #[schemars(example = &"ShotCam")]
+    pub(super) camera: Option<RawCamera>,
+    /// Nodes that are not drawn: patterns of names, each with what hangs below it.
+    #[serde(default)]
+    #[schemars(inner(length(min = 1)), example = serde_json::json!(["*Sword*"]))]
+    pub(super) hide: Vec<String>,
+    /// Nodes that are drawn although `hide` matches; without `hide` nothing else is drawn.
+    #[serde(default)]
+    #[schemars(inner(length(min = 1)), example = serde_json::json!(["Knight_*"]))]
+    pub(super) show: Vec<String>,
     /// Frames, rate and clip.
     #[schemars(example = serde_json::json!({ "first": 1, "last": 48, "rate": 24 }))]
     pub(super) frames: RawFrames,

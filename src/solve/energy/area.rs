@@ -1,25 +1,25 @@
-//! Energy `area`: 2 Σ_q a_q ‖J_q − R_q‖², J_q = Σ_h P_h ∇W_h(x_q)ᵀ, the lattice's own gradient at sample points.
+//! Energy `area`: 2 Σ_q a_q ‖J_q − R_q‖², J_q = Σ_h P_h ∇W_h(x_q)ᵀ, the gradient of the lattice at sample points.
 //!
-//! In: samples (place, area, stiffness). It does not know the mesh, so neither its density nor its flaws matter.
+//! In: samples (position, area, stiffness). Independent of the density and defects of the mesh.
 
-use super::turns::SubtractTurns;
-use super::{Distortion, Quality, Turns, Work};
+use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
+use super::rotation_hessian::SubtractRotationHessian;
 use crate::lattice::Grid;
-use crate::solve::gram::{Gram, Sum};
-use crate::solve::matrix::Normal;
-use crate::solve::packs::{
-    Block, LANES, Lanes, Packs, dispatch, gather, gather_group, load, local_handles, multiply_add, store,
-};
-use crate::solve::product::RowPairs;
+use crate::solve::blocked_weights::{Block, BlockedWeights, gather, gather_group, local_handles};
+use crate::solve::cancel::{Cancel, WorkMeter};
+use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use crate::solve::linalg::small_matrix::{SquareMatrix, nearest_rotation, squared_distance};
+use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::samples::Sample;
-use crate::solve::small::{Square, nearest_rotation, squared_distance};
 use pulp::{Simd, WithSimd};
 
 /// The energy at fixed samples.
 #[derive(Debug)]
 pub(crate) struct Area<const D: usize> {
     /// Rows of ∇W.
-    gradients: Packs<D>,
+    gradients: BlockedWeights<D>,
     /// Area times stiffness of each lane's sample; 0 where a lane has none.
     areas: Vec<Lanes>,
     /// Area alone.
@@ -28,9 +28,9 @@ pub(crate) struct Area<const D: usize> {
 }
 
 impl<const D: usize> Area<D> {
-    pub(crate) fn new(grid: &Grid<D>, samples: &[Sample<D>]) -> Self {
+    pub(crate) fn new(grid: &Grid<D>, samples: &[Sample<D>], cancel: &Cancel) -> Self {
         let points: Vec<[f64; D]> = samples.iter().map(|sample| sample.at).collect();
-        let gradients = Packs::new(grid, &points, |_, gradient| *gradient);
+        let gradients = BlockedWeights::new(grid, &points, |_, gradient| *gradient, cancel);
         let lanes = |of: fn(&Sample<D>) -> f64| -> Vec<Lanes> {
             let of_row = |row: usize| samples.get(row).map_or(0.0, of);
             gradients.order.iter().map(|rows| rows.map(of_row)).collect()
@@ -39,20 +39,20 @@ impl<const D: usize> Area<D> {
         Self { gradients, areas, plain_areas, total: samples.iter().map(|sample| sample.area).sum() }
     }
 
-    /// Gradients at all samples: [pack][row][column][lane].
+    /// Gradients at all samples: [packet][row][column][lane].
     fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
         dispatch(Gradients { energy: self, handles })
     }
 
-    /// Gram blocks; for local bases.
-    fn add_sparse_normal(&self, scale: f64, normal: &mut Normal) {
-        let mut gram = Gram::default();
+    /// Adds Gram matrices of blocks; for local bases.
+    fn add_sparse_normal(&self, scale: f64, normal: &mut NormalMatrix) {
+        let mut gram = GramMatrix::default();
         for block in &self.gradients.blocks {
             gram.clear(block.handles.len());
-            for pack in block.packs.clone() {
-                let coefficients = self.gradients.pack(block, pack);
-                for lane in (0..LANES).filter(|&lane| self.areas[pack][lane] > 0.0) {
-                    let root = self.areas[pack][lane].sqrt();
+            for packet in block.packets.clone() {
+                let coefficients = self.gradients.packet(block, packet);
+                for lane in (0..LANES).filter(|&lane| self.areas[packet][lane] > 0.0) {
+                    let root = self.areas[packet][lane].sqrt();
                     for axis in 0..D {
                         let row = gram.push().iter_mut().zip(coefficients);
                         row.for_each(|(slot, lanes)| *slot = root * lanes[axis][lane]);
@@ -65,22 +65,22 @@ impl<const D: usize> Area<D> {
     }
 }
 
-/// Rows of √a ∇W of a block, twice; for bases in which all handles meet.
+/// Rows of √a ∇W of a block, twice; for bases of global support.
 struct GradientSquares<'a, const D: usize> {
     energy: &'a Area<D>,
     block: &'a Block,
 }
 
-impl<const D: usize> RowPairs for GradientSquares<'_, D> {
+impl<const D: usize> SyrkRows for GradientSquares<'_, D> {
     fn count(&self) -> usize {
-        self.block.packs.len() * LANES * D
+        self.block.packets.len() * LANES * D
     }
 
     #[inline(always)]
     fn write<S: Simd>(&mut self, _: S, row: usize, [a, b]: [&mut [f64]; 2]) {
-        let (pack, lane, axis) = (self.block.packs.start + row / (LANES * D), row % LANES, row / LANES % D);
-        let root = self.energy.areas[pack][lane].sqrt();
-        let coefficients = self.energy.gradients.pack(self.block, pack);
+        let (packet, lane, axis) = (self.block.packets.start + row / (LANES * D), row % LANES, row / LANES % D);
+        let root = self.energy.areas[packet][lane].sqrt();
+        let coefficients = self.energy.gradients.packet(self.block, packet);
         a.iter_mut().zip(coefficients).for_each(|(slot, lanes)| *slot = root * lanes[axis][lane]);
         b.copy_from_slice(a);
     }
@@ -91,44 +91,50 @@ impl<const D: usize> Distortion<D> for Area<D> {
         2.0 * self.total
     }
 
-    fn reach(&self) -> usize {
-        self.gradients.reach()
+    fn bandwidth(&self) -> usize {
+        self.gradients.bandwidth()
     }
 
-    fn add_normal(&self, scale: f64, normal: &mut Normal) {
+    fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
         if let [block] = &self.gradients.blocks[..]
             && normal.is_full(block.handles.len())
         {
-            normal.add_product(2.0 * scale, &mut GradientSquares { energy: self, block });
+            normal.add_syrk(2.0 * scale, &mut GradientSquares { energy: self, block }, cancel);
         } else {
             self.add_sparse_normal(2.0 * scale, normal);
         }
     }
 
-    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
-        dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side })
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], cancel: &Cancel) -> f64 {
+        dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side, meter: cancel.meter() })
     }
 
-    /// A coefficient meets D coordinates on the way to the samples and back.
-    fn work(&self) -> Option<Work> {
-        let mut work = Work::default();
+    /// Each coefficient is used with D coordinates in both directions.
+    fn flops(&self) -> Option<Flops> {
+        let mut flops = Flops::default();
         for block in &self.gradients.blocks {
-            let (numbers, samples) = ((D * block.handles.len()) as f64, (LANES * block.packs.len()) as f64);
-            work.local_step += 2.0 * D as f64 * samples * numbers;
-            work.turns += 0.5 * samples * numbers * numbers;
+            let (numbers, samples) = ((D * block.handles.len()) as f64, (LANES * block.packets.len()) as f64);
+            flops.local_step += 2.0 * D as f64 * samples * numbers;
+            flops.rotation_hessian += 0.5 * samples * numbers * numbers;
         }
-        (D == 2).then_some(work)
+        (D == 2).then_some(flops)
     }
 
-    fn subtract_turns(&self, handles: &[[f64; D]], turns: Turns, normal: &mut Normal) {
+    fn subtract_rotation_hessian(
+        &self,
+        handles: &[[f64; D]],
+        hessian: RotationHessian,
+        normal: &mut NormalMatrix,
+        cancel: &Cancel,
+    ) {
         let Self { gradients, areas, .. } = self;
-        dispatch(SubtractTurns { gradients, areas, handles, turns, normal });
+        dispatch(SubtractRotationHessian { gradients, areas, handles, hessian, normal, cancel });
     }
 
-    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
-        let (gradients, turned) = (self.gradients_at(handles), self.gradients_at(turned_at));
-        let packs = self.areas.iter().zip(gradients.iter().zip(&turned));
-        let lanes = packs.flat_map(|(areas, (gradients, turned))| {
+    fn energy(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> f64 {
+        let (gradients, turned) = (self.gradients_at(handles), self.gradients_at(rotations_at));
+        let packets = self.areas.iter().zip(gradients.iter().zip(&turned));
+        let lanes = packets.flat_map(|(areas, (gradients, turned))| {
             (0..LANES).map(|lane| {
                 let rotation = nearest_rotation(&lane_of(turned, lane));
                 areas[lane] * squared_distance(&lane_of(gradients, lane), &rotation)
@@ -137,14 +143,14 @@ impl<const D: usize> Distortion<D> for Area<D> {
         2.0 * lanes.sum::<f64>()
     }
 
-    fn quality(&self, handles: &[[f64; D]]) -> Quality {
-        let mut quality = Quality::new();
+    fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics {
+        let mut metrics = DistortionMetrics::new();
         for (gradients, areas) in self.gradients_at(handles).iter().zip(&self.plain_areas) {
             for lane in (0..LANES).filter(|&lane| areas[lane] > 0.0) {
-                quality.add(areas[lane], &lane_of(gradients, lane));
+                metrics.add(areas[lane], &lane_of(gradients, lane));
             }
         }
-        quality
+        metrics
     }
 }
 
@@ -163,8 +169,8 @@ impl<const D: usize> WithSimd for Gradients<'_, D> {
         let mut local = Vec::new();
         for block in &self.energy.gradients.blocks {
             local_handles(block, self.handles, &mut local);
-            for pack in block.packs.clone() {
-                let sums = gather(simd, self.energy.gradients.pack(block, pack), &local);
+            for packet in block.packets.clone() {
+                let sums = gather(simd, self.energy.gradients.packet(block, packet), &local);
                 gradients.push(sums.map(|row| row.map(|x| store::<S>(x))));
             }
         }
@@ -178,13 +184,14 @@ struct LocalStep<'a, const D: usize> {
     handles: &'a [[f64; D]],
     scale: f64,
     right_side: &'a mut [[f64; D]],
+    meter: WorkMeter<'a>,
 }
 
 impl<const D: usize> WithSimd for LocalStep<'_, D> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+    fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
         let Area { gradients, areas, .. } = self.energy;
         let (mut local, mut turned) = (Vec::new(), Vec::new());
         let mut sums = vec![[[0.0; LANES]; D]; self.handles.len()];
@@ -192,10 +199,13 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
         for block in &gradients.blocks {
             local_handles(block, self.handles, &mut local);
             turned.clear();
-            for pair in areas[block.packs.clone()].chunks(2).zip(block.packs.clone().step_by(2)) {
+            for pair in areas[block.packets.clone()].chunks(2).zip(block.packets.clone().step_by(2)) {
                 let (areas, first) = pair;
-                let packs = [first, first + areas.len() - 1].map(|pack| gradients.pack(block, pack));
-                for (areas, mut values) in areas.iter().zip(gather_group(simd, packs, &local)) {
+                if self.meter.spend(2 * LANES * D * D * local.len()) {
+                    return 0.0;
+                }
+                let packets = [first, first + areas.len() - 1].map(|packet| gradients.packet(block, packet));
+                for (areas, mut values) in areas.iter().zip(gather_group(simd, packets, &local)) {
                     let part = if D == 2 {
                         fit_plane(simd, &mut values, load::<S>(areas))
                     } else {
@@ -205,7 +215,9 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
                     turned.push(values);
                 }
             }
-            gradients.scatter_block(simd, block, &turned, &mut sums);
+            if self.meter.is_stopped() || gradients.scatter_block(simd, (block, &turned), &mut sums, &mut self.meter) {
+                return 0.0;
+            }
         }
         for (slots, sum) in self.right_side.iter_mut().zip(&sums) {
             (0..D).for_each(|d| slots[d] += self.scale * sum[d].iter().sum::<f64>());
@@ -214,26 +226,26 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
     }
 }
 
-/// Replaces four plane gradients by their area-weighted rotations, (J00 + J11, J10 − J01) made a unit vector;
-/// gives a ‖J − R‖².
+/// Replaces four 2D gradients by their area-weighted rotations, the unit vectors of (J00 + J11, J10 − J01);
+/// returns a ‖J − R‖².
 #[inline(always)]
 fn fit_plane<S: Simd, const D: usize>(simd: S, values: &mut [[S::f64s; D]; D], areas: S::f64s) -> S::f64s {
     let along = simd.add_f64s(values[0][0], values[1][1]);
     let across = simd.sub_f64s(values[1][0], values[0][1]);
     let square = multiply_add(simd, along, along, simd.mul_f64s(across, across));
-    // No direction at all: the identity, as in `best_rotation`.
+    // A zero vector gives the identity, as in `best_rotation`.
     let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
     let is_turned = simd.greater_than_f64s(square, zero);
     let inverse = simd.div_f64s(one, simd.sqrt_f64s(square));
     let cos = simd.select_f64s(is_turned, simd.mul_f64s(along, inverse), one);
     let sin = simd.select_f64s(is_turned, simd.mul_f64s(across, inverse), zero);
-    let misses = [
+    let residuals = [
         simd.sub_f64s(values[0][0], cos),
         simd.add_f64s(values[0][1], sin),
         simd.sub_f64s(values[1][0], sin),
         simd.sub_f64s(values[1][1], cos),
     ];
-    let energy = misses.iter().fold(zero, |sum, &miss| multiply_add(simd, miss, miss, sum));
+    let energy = residuals.iter().fold(zero, |sum, &residual| multiply_add(simd, residual, residual, sum));
     let (cos, sin) = (simd.mul_f64s(areas, cos), simd.mul_f64s(areas, sin));
     values[0][0] = cos;
     values[0][1] = simd.neg_f64s(sin);
@@ -258,6 +270,6 @@ fn fit_each<S: Simd, const D: usize>(values: &mut [[S::f64s; D]; D], areas: &Lan
     load::<S>(&energy)
 }
 
-fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> Square<D> {
+fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> SquareMatrix<D> {
     std::array::from_fn(|d| std::array::from_fn(|c| values[d][c][lane]))
 }

@@ -1,110 +1,72 @@
 //! Energies Σ_s Σ_{(i,j)∈s} w ‖(v'_i − v'_j) − R_s (v_i − v_j)‖²: sets of edges with one rotation each (A. Jacobson et
-//! al., "Fast automatic skinning transformations", 2012). Which edges make a set tells `edge`, `element`, `rims`, `stroke`.
+//! al., "Fast automatic skinning transformations", 2012). Files `edge`, `element`, `spokes_and_rims` and `stroke` define the sets.
 //!
 //! In: vertices, edges of sets. Normal matrix WᵀLW with each edge's weights of all sets added up; right side Wᵀb.
 
 use super::area::Area;
-use super::edge_packs::EdgePacks;
-use super::fans::Fans;
-use super::neighbours::{Edge, HalfEdges};
-use super::vertices::Vertices;
-use super::{Distortion, Quality};
-use crate::solve::buckets::sort_in_buckets;
-use crate::solve::matrix::Normal;
-use crate::solve::point_weights::PointWeights;
-use crate::solve::product::RowPairs;
-use crate::solve::small::{Square, dot, minus};
+use super::distortion::{Distortion, DistortionMetrics};
+use super::edge_set_packets::EdgeSetPackets;
+use super::embedded_vertices::EmbeddedVertices;
+use super::mesh_edges::{Edge, HalfEdges};
+use super::one_rings::OneRings;
+use super::set_edges::SetEdge;
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::linalg::small_matrix::{SquareMatrix, dot, minus};
+use crate::solve::linalg::syrk::SyrkRows;
+use crate::solve::separable_rows::SeparableRows;
 use pulp::Simd;
-use std::cmp::Ordering;
 
-/// An edge as a member of any set; in several sets it counts several times.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SetEdge {
-    /// The set.
-    pub(crate) set: u32,
-    /// Vertices, the lesser one first.
-    pub(crate) ends: [u32; 2],
-    /// w.
-    pub(crate) weight: f64,
-}
-
-impl SetEdge {
-    /// An edge between two vertices.
-    pub(super) fn new(set: usize, [i, j]: [usize; 2], weight: f64) -> Self {
-        Self { set: set as u32, ends: [i.min(j) as u32, i.max(j) as u32], weight }
-    }
-
-    /// By ends and set; equal ones by weight, so that sums do not depend on the order of triangles.
-    fn order(&self, other: &Self) -> Ordering {
-        let key = |edge: &Self| (edge.ends, edge.set);
-        key(self).cmp(&key(other)).then_with(|| self.weight.total_cmp(&other.weight))
-    }
-}
-
-/// Sorts edges between `count` vertices, and makes those of one set and the same ends one; edges without weight are left out.
-pub(super) fn sorted(mut members: Vec<SetEdge>, count: usize) -> Vec<SetEdge> {
-    members.retain(|member| member.weight != 0.0 && member.ends[0] != member.ends[1]);
-    sort_in_buckets(&mut members, count, |member| member.ends[0] as usize, SetEdge::order);
-    members.dedup_by(|next, member| {
-        let is_same = (next.ends, next.set) == (member.ends, member.set);
-        if is_same {
-            member.weight += next.weight;
-        }
-        is_same
-    });
-    members
-}
-
-/// What the report on distortion looks at.
+/// What the distortion metrics are measured on.
 #[derive(Debug)]
-pub(crate) enum Seen<const D: usize> {
+pub(crate) enum MetricSource<const D: usize> {
     /// Triangles over the vertices.
     Triangles(Vec<[u32; 3]>),
-    /// The lattice's gradient at samples.
+    /// The gradient of the lattice at samples.
     Samples(Area<D>),
 }
 
-/// Which edges make a set.
+/// Layout of the sets.
 #[derive(Debug)]
 enum Sets<const D: usize> {
-    /// Those around a vertex.
-    Fans(Fans<D>),
-    /// Any.
-    Any(EdgePacks<D>),
+    /// One set per vertex: its one-ring.
+    OneRings(OneRings<D>),
+    /// General sets.
+    Any(EdgeSetPackets<D>),
 }
 
 /// The energy.
 #[derive(Debug)]
 pub(crate) struct EdgeSets<const D: usize> {
-    pub(crate) vertices: Vertices<D>,
+    pub(crate) vertices: EmbeddedVertices<D>,
     sets: Sets<D>,
     /// All edges, with the sum of their weights in all sets.
     edges: Vec<Edge>,
     /// Σ_s Σ w ‖v_i − v_j‖².
     squares: f64,
-    seen: Seen<D>,
+    seen: MetricSource<D>,
     mean_stiffness: f64,
 }
 
 impl<const D: usize> EdgeSets<D> {
-    /// Each edge in the sets of both its ends; sorted, each once.
-    pub(crate) fn around_vertices(vertices: Vertices<D>, mut edges: Vec<Edge>, seen: Seen<D>) -> Self {
+    /// One set per vertex; `edges` are sorted and distinct.
+    pub(crate) fn around_vertices(vertices: EmbeddedVertices<D>, mut edges: Vec<Edge>, seen: MetricSource<D>) -> Self {
         edges.retain(|edge| edge.weight != 0.0);
-        let fans = Fans::new(&vertices.rest, &edges);
+        let one_rings = OneRings::new(&vertices.rest, &edges);
         edges.iter_mut().for_each(|edge| edge.weight *= 2.0);
-        Self::of_sets(vertices, Sets::Fans(fans), edges, seen)
+        Self::of_sets(vertices, Sets::OneRings(one_rings), edges, seen)
     }
 
     /// Edges of any sets, sorted by their ends and sets, each set of an edge once.
-    pub(crate) fn new(vertices: Vertices<D>, members: &[SetEdge], seen: Seen<D>) -> Self {
+    pub(crate) fn new(vertices: EmbeddedVertices<D>, members: &[SetEdge], seen: MetricSource<D>) -> Self {
         let sum = |same: &[SetEdge]| same.iter().map(|member| member.weight).sum();
         let edges = members.chunk_by(|a, b| a.ends == b.ends);
         let edges = edges.map(|same| Edge { ends: same[0].ends, weight: sum(same) }).collect();
-        let packs = EdgePacks::new(&vertices.rest, members);
-        Self::of_sets(vertices, Sets::Any(packs), edges, seen)
+        let packets = EdgeSetPackets::new(&vertices.rest, members);
+        Self::of_sets(vertices, Sets::Any(packets), edges, seen)
     }
 
-    fn of_sets(vertices: Vertices<D>, sets: Sets<D>, edges: Vec<Edge>, seen: Seen<D>) -> Self {
+    fn of_sets(vertices: EmbeddedVertices<D>, sets: Sets<D>, edges: Vec<Edge>, seen: MetricSource<D>) -> Self {
         let squares = edges.iter().map(|edge| {
             let [i, j] = edge.ends.map(|end| &vertices.rest[end as usize]);
             let side = minus(i, j);
@@ -114,26 +76,26 @@ impl<const D: usize> EdgeSets<D> {
         Self { vertices, sets, edges, squares, seen, mean_stiffness: 1.0 }
     }
 
-    /// The weights carry this stiffness on average: what is stiff does not make the rest soft.
-    pub(crate) fn of_mean_stiffness(self, mean_stiffness: f64) -> Self {
+    /// Sets the mean stiffness contained in the weights, so that stiff parts do not soften the rest.
+    pub(crate) fn with_mean_stiffness(self, mean_stiffness: f64) -> Self {
         Self { mean_stiffness, ..self }
     }
 
     /// The best rotation of every set for moved vertices.
-    pub(crate) fn rotations(&self, moved: &[[f64; D]]) -> Vec<Square<D>> {
+    pub(crate) fn rotations(&self, moved: &[[f64; D]]) -> Vec<SquareMatrix<D>> {
         self.turn(moved).0
     }
 
-    /// The rotations, and what the energy gains with them.
-    fn turn(&self, moved: &[[f64; D]]) -> (Vec<Square<D>>, f64) {
+    /// The rotations, and the change of the energy that they bring.
+    fn turn(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         match &self.sets {
-            Sets::Fans(fans) => fans.rotations(moved),
-            Sets::Any(packs) => packs.rotations(moved),
+            Sets::OneRings(one_rings) => one_rings.rotations(moved),
+            Sets::Any(packets) => packets.rotations(moved),
         }
     }
 
     /// Σ w (W_i − W_j)ᵀ(W_i − W_j); for local bases.
-    fn add_sparse_normal(&self, scale: f64, normal: &mut Normal) {
+    fn add_sparse_normal(&self, scale: f64, normal: &mut NormalMatrix) {
         let rows = self.vertices.rows();
         let mut difference = Vec::new();
         for edge in &self.edges {
@@ -146,14 +108,14 @@ impl<const D: usize> EdgeSets<D> {
     }
 }
 
-/// Rows of W and LW; for bases in which all handles meet.
+/// Rows of W and LW; for bases of global support.
 struct LaplacianRows {
-    weights: PointWeights,
+    weights: SeparableRows,
     half_edges: HalfEdges,
     row: Vec<(usize, f64)>,
 }
 
-impl RowPairs for LaplacianRows {
+impl SyrkRows for LaplacianRows {
     fn count(&self) -> usize {
         self.half_edges.vertex_count()
     }
@@ -183,10 +145,10 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
         0.5 * self.squares / self.mean_stiffness
     }
 
-    /// Edges join vertices of different cells, however long they are.
-    fn reach(&self) -> usize {
-        if self.vertices.products().is_some() {
-            return self.vertices.reach();
+    /// Edges may connect vertices of distant cells.
+    fn bandwidth(&self) -> usize {
+        if self.vertices.separable().is_some() {
+            return self.vertices.bandwidth();
         }
         let ranges = self.vertices.ranges();
         let edges = self.edges.iter().map(|edge| {
@@ -196,42 +158,42 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
         edges.max().unwrap_or(0)
     }
 
-    fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        let Some(products) = self.vertices.products() else { return self.add_sparse_normal(scale, normal) };
+    fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
+        let Some(separable) = self.vertices.separable() else { return self.add_sparse_normal(scale, normal) };
         let half_edges = HalfEdges::new(self.vertices.rest.len(), &self.edges);
-        let rows = &mut LaplacianRows { weights: products.by_point(), half_edges, row: Vec::new() };
-        normal.add_product(scale, rows);
+        let rows = &mut LaplacianRows { weights: separable.by_point(), half_edges, row: Vec::new() };
+        normal.add_syrk(scale, rows, cancel);
     }
 
-    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], _cancel: &Cancel) -> f64 {
         let (rotations, gain) = self.turn(&self.vertices.moved(handles));
         let values = match &self.sets {
-            Sets::Fans(fans) => fans.right_side(&rotations),
-            Sets::Any(packs) => packs.right_side(&rotations, self.vertices.rest.len()),
+            Sets::OneRings(one_rings) => one_rings.right_side(&rotations),
+            Sets::Any(packets) => packets.right_side(&rotations, self.vertices.rest.len()),
         };
         self.vertices.add_transposed(&values, scale, right_side);
         self.squares + gain
     }
 
-    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
-        let rotations = self.rotations(&self.vertices.moved(turned_at));
+    fn energy(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> f64 {
+        let rotations = self.rotations(&self.vertices.moved(rotations_at));
         let moved = self.vertices.moved(handles);
         match &self.sets {
-            Sets::Fans(fans) => fans.energy(&self.vertices.rest, &rotations, &moved),
-            Sets::Any(packs) => packs.energy(&rotations, &moved),
+            Sets::OneRings(one_rings) => one_rings.energy(&self.vertices.rest, &rotations, &moved),
+            Sets::Any(packets) => packets.energy(&rotations, &moved),
         }
     }
 
-    fn quality(&self, handles: &[[f64; D]]) -> Quality {
+    fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics {
         let triangles = match &self.seen {
-            Seen::Triangles(triangles) => triangles,
-            Seen::Samples(area) => return area.quality(handles),
+            MetricSource::Triangles(triangles) => triangles,
+            MetricSource::Samples(area) => return area.metrics(handles),
         };
         let (rest, moved) = (&self.vertices.rest, self.vertices.moved(handles));
-        let mut quality = Quality::new();
+        let mut metrics = DistortionMetrics::new();
         for triangle in triangles {
-            quality.add_triangle(triangle.map(|k| &rest[k as usize]), triangle.map(|k| &moved[k as usize]));
+            metrics.add_triangle(triangle.map(|k| &rest[k as usize]), triangle.map(|k| &moved[k as usize]));
         }
-        quality
+        metrics
     }
 }

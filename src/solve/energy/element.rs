@@ -1,14 +1,14 @@
 //! Energy `element`: 2 Σ_t A_t ‖J_t − R_t‖²_F, J_t the linear map of triangle t (the triangle-based schemes of T. Igarashi
 //! et al. 2005 and W. Baxter et al. 2008; L. Liu et al., "A Local/Global Approach to Mesh Parameterization", 2008).
 //!
-//! In: a mesh. Out: one edge set a triangle: 2 A ‖M‖² = Σ_k cot_k ‖M e_k‖² for any linear map M of its plane, e_k the
+//! In: a mesh. Out: one edge set per triangle: 2 A ‖M‖² = Σ_k cot_k ‖M e_k‖² for any linear map M of its plane, e_k the
 //! edge opposite corner k.
 
-use super::edge_sets::{SetEdge, sorted};
-use super::neighbours::triangle_edges;
-use crate::solve::Shape;
+use super::mesh_edges::triangle_edges;
+use super::set_edges::{SetEdge, sorted};
+use crate::solve::problem::Shape;
 
-/// The edges of every triangle as its set.
+/// The sides of every triangle as a set.
 pub(super) fn members<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let triangles = 0..shape.triangles.len();
     let edges = triangles

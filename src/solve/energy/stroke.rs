@@ -1,18 +1,20 @@
-//! Energy `stroke`: Σ_k Σ_{0<|j−k|≤2} ‖(x'_k − x'_j) − R_k (x_k − x_j)‖² / s_kj along polylines, s_kj the length of line
+//! Energy `stroke`: Σ_k Σ_{0<|j−k|≤2} ‖(x'_k − x'_j) − R_k (x_k − x_j)‖² / s_kj along polylines, s_kj the arc length
 //! between the points k and j: the paper's equation 3 on drawings (its stroke-based scheme, T. Fukusato and S. Morishima,
 //! "Active comicing for freehand drawing animation", 2016). Derived in docs/METHOD.md.
 //!
-//! In: lines, a grid. Out: points along them and one edge set a point; the second ring makes straight lines resist bending.
+//! In: lines, a grid. Out: points along them and one edge set per point; the second ring makes straight lines resist bending.
 
 use super::area::Area;
-use super::edge_sets::{EdgeSets, Seen};
-use super::neighbours::{Edge, merged};
-use super::vertices::Vertices;
+use super::edge_sets::{EdgeSets, MetricSource};
+use super::embedded_vertices::EmbeddedVertices;
+use super::mesh_edges::{Edge, merged};
 use crate::lattice::Grid;
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::small_matrix::{dot, minus};
+use crate::solve::problem::{PointPin, Shape};
 use crate::solve::samples::{Sample, subcell_dims};
-use crate::solve::small::{dot, minus};
-use crate::solve::stiffness::starch_at;
-use crate::solve::{PointPin, Sampling, Settings, Shape};
+use crate::solve::settings::{Sampling, Settings};
+use crate::solve::stiffness::region_stiffness_at;
 
 /// Neighbours on each side.
 const RINGS: usize = 2;
@@ -30,6 +32,7 @@ pub(super) fn build<const D: usize>(
     shape: &Shape<D>,
     pins: &[PointPin<D>],
     settings: &Settings,
+    cancel: &Cancel,
 ) -> EdgeSets<D> {
     let lines = shape.strokes.iter().map(|stroke| Line::of(shape, stroke));
     let lines: Vec<Line<D>> = match settings.sampling {
@@ -42,21 +45,22 @@ pub(super) fn build<const D: usize>(
         samples.extend(line.samples());
         points.extend(line.points);
     }
-    let (mut plain, mut starched) = (0.0, 0.0);
+    let (mut plain, mut stiffened) = (0.0, 0.0);
     for Edge { ends, weight } in &mut edges {
         let [a, b] = ends.map(|end| &points[end as usize]);
-        let (edge, starch) = (minus(a, b), starch_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d]))));
+        let (edge, factor) = (minus(a, b), region_stiffness_at(pins, std::array::from_fn(|d| 0.5 * (a[d] + b[d]))));
         plain += *weight * dot(&edge, &edge);
-        *weight *= starch;
-        starched += *weight * dot(&edge, &edge);
+        *weight *= factor;
+        stiffened += *weight * dot(&edge, &edge);
     }
-    let mean_stiffness = if plain > 0.0 && starched > 0.0 { starched / plain } else { 1.0 };
+    let mean_stiffness = if plain > 0.0 && stiffened > 0.0 { stiffened / plain } else { 1.0 };
     let edges = merged(edges, points.len(), |same| same.iter().map(|edge| edge.weight).sum());
-    let seen = Seen::Samples(Area::new(grid, &samples));
-    EdgeSets::around_vertices(Vertices::new(grid, points), edges, seen).of_mean_stiffness(mean_stiffness)
+    let seen = MetricSource::Samples(Area::new(grid, &samples, cancel));
+    EdgeSets::around_vertices(EmbeddedVertices::new(grid, points, cancel), edges, seen)
+        .with_mean_stiffness(mean_stiffness)
 }
 
-/// Distance of points on resampled lines: the shortest side of a sub-cell.
+/// Spacing of points on resampled lines: the shortest side of a sub-cell.
 fn spacing<const D: usize>(grid: &Grid<D>) -> f64 {
     let dims = subcell_dims(grid);
     (0..D).map(|axis| grid.size(axis) / dims[axis] as f64).fold(f64::INFINITY, f64::min)
@@ -72,12 +76,12 @@ impl<const D: usize> Line<D> {
         Self { points, is_closed }
     }
 
-    /// Points on the line, the first one again at the end of a closed one.
+    /// Points of the line; the first one is repeated at the end of a closed line.
     fn corners(&self) -> impl Iterator<Item = &[f64; D]> + Clone {
         self.points.iter().chain(self.points.first().filter(|_| self.is_closed))
     }
 
-    /// Length of line from the start to every corner.
+    /// Arc length from the start to every corner.
     fn lengths(&self) -> Vec<f64> {
         let mut along = 0.0;
         let segments = self.corners().zip(self.corners().skip(1)).map(|(a, b)| {
@@ -88,11 +92,11 @@ impl<const D: usize> Line<D> {
         std::iter::once(0.0).chain(segments).collect()
     }
 
-    /// Runs of points inside the box, at even distances along the line, `spacing` or less; how the line was drawn makes
-    /// no difference then. The lattice says nothing about what lies outside: it costs nothing either.
+    /// Runs of points inside the box, evenly spaced along the line by `spacing` or less, so that the result does not depend on how
+    /// the line was drawn. Parts outside the box do not contribute.
     fn resampled(&self, spacing: f64, grid: &Grid<D>) -> Vec<Self> {
-        let Some(places) = Places::along(self, spacing) else { return Vec::new() };
-        let mut runs: Vec<Run<D>> = Vec::new();
+        let Some(places) = ArcLengthSteps::along(self, spacing) else { return Vec::new() };
+        let mut runs: Vec<InsideRun<D>> = Vec::new();
         for (step, point) in (1..places.corners.len()).flat_map(|next| places.inside(next, grid)) {
             match runs.last_mut() {
                 Some(run) if step == run.last + 1.0 => {
@@ -100,7 +104,7 @@ impl<const D: usize> Line<D> {
                     run.points.push(point);
                 }
                 Some(run) if step <= run.last => {}
-                _ => runs.push(Run { first: step, last: step, points: vec![point] }),
+                _ => runs.push(InsideRun { first: step, last: step, points: vec![point] }),
             }
         }
         let is_whole = self.is_closed && runs.iter().map(|run| run.points.len()).sum::<usize>() as f64 == places.count;
@@ -128,7 +132,7 @@ impl<const D: usize> Line<D> {
         }
     }
 
-    /// Every point with the length of line that is nearest to it.
+    /// Every point with the part of the line that is nearest to it.
     fn samples(&self) -> impl Iterator<Item = Sample<D>> {
         let lengths = self.lengths();
         let count = self.points.len();
@@ -147,27 +151,27 @@ impl<const D: usize> Line<D> {
     }
 }
 
-/// Even places along a line, counted in steps from its start.
-struct Places<'a, const D: usize> {
+/// Evenly spaced points along a line, counted in steps from its start.
+struct ArcLengthSteps<'a, const D: usize> {
     corners: Vec<&'a [f64; D]>,
-    /// Length of line from the start to every corner.
+    /// Arc length from the start to every corner.
     lengths: Vec<f64>,
     total: f64,
-    /// Steps from end to end, a whole number that may be larger than integers are.
+    /// Steps from end to end, an integer that may exceed the range of integers.
     count: f64,
-    /// The last step that is no other place: of a closed line, the one before its start.
+    /// The last distinct step: of a closed line, the one before its start.
     last: f64,
 }
 
-/// Points of steps that follow each other.
-struct Run<const D: usize> {
+/// Points of consecutive steps.
+struct InsideRun<const D: usize> {
     first: f64,
     last: f64,
     points: Vec<[f64; D]>,
 }
 
-impl<'a, const D: usize> Places<'a, D> {
-    /// `None` for lines without length, or longer than numbers reach.
+impl<'a, const D: usize> ArcLengthSteps<'a, D> {
+    /// `None` for lines of length zero or of infinite length.
     fn along(line: &'a Line<D>, spacing: f64) -> Option<Self> {
         let lengths = line.lengths();
         let total = *lengths.last()?;
@@ -177,25 +181,25 @@ impl<'a, const D: usize> Places<'a, D> {
         is_finite.then(|| Self { corners: line.corners().collect(), lengths, total, count, last })
     }
 
-    /// Steps on the segment that ends at corner `next`, and their places, as far as they lie in the box.
+    /// Steps on the segment that ends at corner `next`, and their points, where these lie in the box.
     fn inside(&self, next: usize, grid: &Grid<D>) -> impl Iterator<Item = (f64, [f64; D])> {
         let (start, end) = (self.lengths[next - 1], self.lengths[next]);
         let step_at = |share: f64| (start + share * (end - start)) / self.total * self.count;
-        // One more on each side: where a segment enters the box is rounded.
+        // One more on each side, because the point of entry is rounded.
         let shares = clipped([self.corners[next - 1], self.corners[next]], grid);
         let range = shares.map(|[from, to]| [(step_at(from).floor() - 1.0).max(0.0), step_at(to).ceil() + 1.0]);
         let [first, last] = range.unwrap_or([1.0, 0.0]);
-        // Of lines so long that steps are below rounding, no more than fit into the box.
+        // For lines so long that steps are below rounding, no more than fit into the box.
         let most = grid.diagonal() / self.total * self.count + 4.0;
         let steps = (last.min(self.last) - first + 1.0).clamp(0.0, most) as usize;
         (0..steps).filter_map(move |k| {
             let step = first + k as f64;
             let (owner, place) = self.at(step);
-            (owner == next && grid.nearest_in_box(place) == place).then_some((step, place))
+            (owner == next && grid.clamp_to_box(place) == place).then_some((step, place))
         })
     }
 
-    /// The place of a step, and the corner at which its segment ends.
+    /// The point of a step, and the corner at which its segment ends.
     fn at(&self, step: f64) -> (usize, [f64; D]) {
         let along = self.total * (step / self.count);
         let next = self.lengths.partition_point(|&length| length <= along).clamp(1, self.corners.len() - 1);
@@ -206,8 +210,8 @@ impl<'a, const D: usize> Places<'a, D> {
     }
 }
 
-/// A closed line that leaves the box is cut open outside, not where it happens to start.
-fn join_ends<const D: usize>(runs: &mut Vec<Run<D>>, count: f64) {
+/// Joins the runs at the start of a closed line, so that it is cut open outside the box only.
+fn join_ends<const D: usize>(runs: &mut Vec<InsideRun<D>>, count: f64) {
     let starts_inside = runs.first().is_some_and(|run| run.first == 0.0);
     let ends_inside = runs.last().is_some_and(|run| run.last == count - 1.0);
     if starts_inside && ends_inside && runs.len() > 1 {
@@ -216,7 +220,7 @@ fn join_ends<const D: usize>(runs: &mut Vec<Run<D>>, count: f64) {
     }
 }
 
-/// From where to where a segment runs through the box, as shares of it (Y.-D. Liang and B. Barsky, 1984).
+/// The interval of a segment that lies in the box, 0 to 1 along the segment (Y.-D. Liang and B. Barsky, 1984).
 fn clipped<const D: usize>([from, to]: [&[f64; D]; 2], grid: &Grid<D>) -> Option<[f64; 2]> {
     let mut shares = [0.0_f64, 1.0_f64];
     for axis in 0..D {
@@ -276,12 +280,12 @@ mod tests {
     }
 
     #[test]
-    fn starch_leaves_the_rest_as_stiff_as_it_was() {
+    fn stiff_regions_leave_the_rest_as_stiff_as_it_was() {
         let points = vec![[0.1, 0.5], [0.5, 0.55], [0.9, 0.5]];
         let shape = Shape { points, strokes: vec![vec![0, 1, 2]], ..Shape::default() };
-        let region = Region { radius: 0.2, grip: 0.0, starch: 50.0 };
+        let region = Region { radius: 0.2, rigidity: 0.0, stiffness: 50.0 };
         let pin = PointPin { region: Some(region), ..PointPin::new([0.1, 0.5], [0.1, 0.5]) };
-        let mass = |pins: &[PointPin<2>]| build(&grid(), &shape, pins, &Settings::default()).mass();
+        let mass = |pins: &[PointPin<2>]| build(&grid(), &shape, pins, &Settings::default(), &Cancel::never()).mass();
         assert!((mass(&[pin]) / mass(&[]) - 1.0).abs() < 1e-12, "{} {}", mass(&[pin]), mass(&[]));
     }
 }

@@ -1,16 +1,16 @@
-//! Energy `vertex`: Σ_i ‖(L V')_i − R_i (L V)_i‖², the paper's equation 5 to the letter, ‖LWP' − TLV‖².
+//! Energy `vertex`: Σ_i ‖(L V')_i − R_i (L V)_i‖², the paper's equation 5 taken literally, ‖LWP' − TLV‖².
 //!
 //! In: a mesh. R_i is that of `edge`. Normal matrix WᵀLᵀLW, right side WᵀLᵀ(R_i (LV)_i). Where LV = 0, as inside flat
-//! cotangent meshes, nothing is rigid.
+//! cotangent meshes, there is no rigidity.
 
+use super::distortion::{Distortion, DistortionMetrics};
 use super::edge_sets::{EdgeSets, add_to_row};
-use super::neighbours::{Edge, HalfEdges};
-use super::{Distortion, Quality};
-use crate::solve::matrix::Normal;
-use crate::solve::packs::span;
-use crate::solve::point_weights::PointWeights;
-use crate::solve::product::RowPairs;
-use crate::solve::small::{Square, apply, dot, minus};
+use super::mesh_edges::{Edge, HalfEdges};
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::normal_matrix::{NormalMatrix, index_extent};
+use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
+use crate::solve::linalg::syrk::SyrkRows;
+use crate::solve::separable_rows::SeparableRows;
 use pulp::Simd;
 
 /// The energy of a mesh.
@@ -32,7 +32,7 @@ impl<const D: usize> Vertex<D> {
     }
 
     /// R_i (L V)_i.
-    fn turned(&self, rotations: &[Square<D>]) -> Vec<[f64; D]> {
+    fn turned(&self, rotations: &[SquareMatrix<D>]) -> Vec<[f64; D]> {
         rotations.iter().zip(&self.rest).map(|(rotation, rest)| apply(rotation, rest)).collect()
     }
 
@@ -48,18 +48,18 @@ impl<const D: usize> Vertex<D> {
     }
 
     /// Σ ‖(L V')_i − turned_i‖².
-    fn misses(&self, moved: &[[f64; D]], turned: &[[f64; D]]) -> f64 {
+    fn residual_energy(&self, moved: &[[f64; D]], turned: &[[f64; D]]) -> f64 {
         let laplacian = self.half_edges.laplacian(moved);
         let squares = laplacian.iter().zip(turned).map(|(now, turned)| {
-            let miss = minus(now, turned);
-            dot(&miss, &miss)
+            let residual = minus(now, turned);
+            dot(&residual, &residual)
         });
         squares.sum()
     }
 }
 
 impl<const D: usize> Distortion<D> for Vertex<D> {
-    /// Half the most that Σ ‖(L V)_i‖² can be with edges of these lengths: LV itself may vanish.
+    /// Half the upper bound of Σ ‖(L V)_i‖² for edges of these lengths: LV itself may vanish.
     fn mass(&self) -> f64 {
         let rest = &self.sets.vertices.rest;
         let most = (0..self.half_edges.vertex_count()).map(|i| {
@@ -73,51 +73,52 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
         0.5 * most.sum::<f64>()
     }
 
-    fn reach(&self) -> usize {
-        if self.sets.vertices.products().is_some() {
-            return self.sets.vertices.reach();
+    fn bandwidth(&self) -> usize {
+        if self.sets.vertices.separable().is_some() {
+            return self.sets.vertices.bandwidth();
         }
-        self.rows().filter_map(|row| span(row.iter().map(|entry| entry.0))).max().unwrap_or(0)
+        self.rows().filter_map(|row| index_extent(row.iter().map(|entry| entry.0))).max().unwrap_or(0)
     }
 
-    fn add_normal(&self, scale: f64, normal: &mut Normal) {
-        match self.sets.vertices.products() {
-            Some(products) => {
-                let weights = products.by_point();
-                normal.add_product(
+    fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
+        match self.sets.vertices.separable() {
+            Some(separable) => {
+                let weights = separable.by_point();
+                normal.add_syrk(
                     scale,
                     &mut LaplacianSquares { weights, half_edges: &self.half_edges, row: Vec::new() },
+                    cancel,
                 );
             }
             None => self.rows().for_each(|row| normal.add_row(scale, &row)),
         }
     }
 
-    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) -> f64 {
+    fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], _cancel: &Cancel) -> f64 {
         let moved = self.sets.vertices.moved(handles);
         let turned = self.turned(&self.sets.rotations(&moved));
         self.sets.vertices.add_transposed(&self.half_edges.laplacian(&turned), scale, right_side);
-        self.misses(&moved, &turned)
+        self.residual_energy(&moved, &turned)
     }
 
-    fn energy(&self, handles: &[[f64; D]], turned_at: &[[f64; D]]) -> f64 {
-        let turned = self.turned(&self.sets.rotations(&self.sets.vertices.moved(turned_at)));
-        self.misses(&self.sets.vertices.moved(handles), &turned)
+    fn energy(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> f64 {
+        let turned = self.turned(&self.sets.rotations(&self.sets.vertices.moved(rotations_at)));
+        self.residual_energy(&self.sets.vertices.moved(handles), &turned)
     }
 
-    fn quality(&self, handles: &[[f64; D]]) -> Quality {
-        self.sets.quality(handles)
+    fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics {
+        self.sets.metrics(handles)
     }
 }
 
-/// Rows of LW, twice; for bases in which all handles meet.
+/// Rows of LW, twice; for bases of global support.
 struct LaplacianSquares<'a> {
-    weights: PointWeights,
+    weights: SeparableRows,
     half_edges: &'a HalfEdges,
     row: Vec<(usize, f64)>,
 }
 
-impl RowPairs for LaplacianSquares<'_> {
+impl SyrkRows for LaplacianSquares<'_> {
     fn count(&self) -> usize {
         self.half_edges.vertex_count()
     }

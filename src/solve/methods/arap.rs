@@ -1,14 +1,16 @@
 //! As-rigid-as-possible deformation of the mesh itself, without a lattice.
 //!
 //! O. Sorkine, M. Alexa, "As-rigid-as-possible surface modeling", SGP 2007, <https://doi.org/10.2312/SGP/SGP07/109-116>:
-//! cotangent weights, one rotation a vertex over its spokes, handles as hard constraints.
+//! cotangent weights, one rotation per vertex over its spokes, handles as hard constraints.
 //!
 //! In: shape and pins (each on its nearest vertex). Out: moved vertices, #vertices.
 
 use super::sparse::SparseFactor;
 use crate::solve::energy::{HalfEdges, edges};
-use crate::solve::small::{apply, best_rotation, dot, minus};
-use crate::solve::{EdgeWeights, PointPin, Shape, SolveError};
+use crate::solve::error::SolveError;
+use crate::solve::linalg::small_matrix::{apply, best_rotation, dot, minus};
+use crate::solve::problem::{PointPin, Shape};
+use crate::solve::settings::EdgeWeights;
 
 /// Settings of the iteration.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +27,8 @@ impl Default for Arap {
     }
 }
 
-/// Pull of every vertex to its rest place, as part of the mean diagonal: parts without a pin would float. They stay
-/// where they are, which is what differential methods do with isolated meshes.
+/// Weight that draws every vertex to its rest position, relative to the mean diagonal, so that parts without a pin are determined. They stay
+/// in place, as differential methods do with isolated meshes.
 const TETHER: f64 = 1e-9;
 
 impl Arap {
@@ -41,14 +43,14 @@ impl Arap {
     ) -> Result<(Vec<[f64; D]>, usize), SolveError> {
         let system = System::new(shape, pins)?;
         let mut points = shape.points.clone();
-        let reach = self.tolerance * diagonal(&shape.points);
+        let tolerance = self.tolerance * diagonal(&shape.points);
         for iteration in 1..=self.iteration_limit {
             let next = system.step(&points);
             let moved = points.iter().zip(&next).map(|(a, b)| {
                 let step = minus(a, b);
                 dot(&step, &step)
             });
-            let is_at_rest = moved.fold(0.0, f64::max).sqrt() <= reach;
+            let is_at_rest = moved.fold(0.0, f64::max).sqrt() <= tolerance;
             points = next;
             if is_at_rest {
                 return Ok((points, iteration));
@@ -129,7 +131,7 @@ impl<'a, const D: usize> System<'a, D> {
     }
 }
 
-/// Each pin moves its nearest vertex as far as itself; pins that share one move it by their mean.
+/// Each pin displaces its nearest vertex like itself; pins with the same vertex displace it by their mean.
 fn held_vertices<const D: usize>(shape: &Shape<D>, pins: &[PointPin<D>]) -> Vec<Option<[f64; D]>> {
     let mut sums = vec![([0.0; D], 0.0); shape.points.len()];
     for pin in pins.iter().filter(|pin| pin.weight > 0.0) {

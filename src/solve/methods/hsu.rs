@@ -3,16 +3,21 @@
 //! W. M. Hsu, J. F. Hughes, H. Kaufman, "Direct manipulation of free-form deformations", SIGGRAPH 1992,
 //! <https://doi.org/10.1145/133994.134036>. As lp-FFD's authors compare it: as least squares, with their E_gr (equation 8).
 //!
-//! In: grid and pins; the shape plays no part. Out: handles.
+//! In: grid and pins; the shape is not used. Out: handles.
 
-use super::{Deformed, Deformer, held, least_squares};
-use crate::solve::rows::RowSet;
-use crate::solve::{Lambdas, Problem, Settings, SolveError, check};
+use super::held;
+use super::least_squares;
+use super::{Deformed, Deformer};
+use crate::solve::error::SolveError;
+use crate::solve::least_squares::LeastSquaresRows;
+use crate::solve::problem::Problem;
+use crate::solve::settings::{Lambdas, Settings};
+use crate::solve::validate;
 
 /// min λmp Σ ‖W_p P − c‖² + λgp Σ ‖P − d‖² + λgr Σ ‖P − P⁰‖², the last over handles not moved by hand.
 #[derive(Clone, Copy, Debug)]
 pub struct Hsu {
-    /// λ; the paper's unless said otherwise. The weight of the shape is not used.
+    /// λ, by default the paper's. The weight of the shape is not used.
     pub lambdas: Lambdas,
 }
 
@@ -32,9 +37,9 @@ impl<const D: usize> Deformer<D> for Hsu {
     }
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
-        check::problem(problem)?;
+        validate::problem(problem)?;
         let [pins, moved] = held(problem);
-        let mut rest = RowSet::new();
+        let mut rest = LeastSquaresRows::new();
         for index in 0..problem.grid.handle_count() {
             if problem.handles.iter().all(|handle| handle.index != index) {
                 rest.push(1.0, [(index, 1.0)], problem.grid.rest_handle(index));

@@ -5,18 +5,24 @@
 //!
 //! In: grid, rest and moved vertices. Out: handles.
 
-use super::{Arap, Deformed, Deformer, least_squares};
+use super::arap::Arap;
+use super::least_squares;
+use super::{Deformed, Deformer};
 use crate::lattice::{Grid, Lattice};
-use crate::solve::rows::RowSet;
-use crate::solve::weld::weld;
-use crate::solve::{Problem, Scaling, SolveError, check, regularizer};
+use crate::solve::error::SolveError;
+use crate::solve::least_squares::LeastSquaresRows;
+use crate::solve::merge_duplicates::merge_duplicates;
+use crate::solve::problem::Problem;
+use crate::solve::regularizer;
+use crate::solve::settings::Scaling;
+use crate::solve::validate;
 
-/// As-rigid-as-possible deformation of the mesh, then the lattice that follows it best.
+/// As-rigid-as-possible deformation of the mesh, then the lattice that fits it best.
 #[derive(Clone, Copy, Debug)]
 pub struct ArapAndInverse {
     /// The first step.
     pub arap: Arap,
-    /// Weight of the smoothing term; lp-FFD's λgr, since none is printed.
+    /// Weight of the smoothing term: lp-FFD's λgr, since the paper does not give one.
     pub smoothing: f64,
 }
 
@@ -36,9 +42,9 @@ impl<const D: usize> Deformer<D> for ArapAndInverse {
     }
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
-        check::problem(problem)?;
+        validate::problem(problem)?;
         // Seams of texture coordinates would tear the mesh apart.
-        let shape = weld(problem.shape);
+        let shape = merge_duplicates(problem.shape);
         let (moved, iterations) = self.arap.deform(&shape, problem.pins)?;
         let lattice = inverse_ffd(problem.grid, &shape.points, &moved, self.smoothing)?;
         Ok(Deformed { lattice, iterations })
@@ -50,7 +56,7 @@ impl<const D: usize> Deformer<D> for ArapAndInverse {
 /// `rest` and `moved` are #vertices.
 ///
 /// # Errors
-/// [`SolveError::Singular`] where vertices and smoothing leave handles undecided.
+/// [`SolveError::Singular`] where vertices and smoothing do not determine all handles.
 pub fn inverse_ffd<const D: usize>(
     grid: &Grid<D>,
     rest: &[[f64; D]],
@@ -58,9 +64,9 @@ pub fn inverse_ffd<const D: usize>(
     smoothing: f64,
 ) -> Result<Lattice<D>, SolveError> {
     assert_eq!(rest.len(), moved.len(), "as many moved vertices as at rest");
-    let mut vertices = RowSet::new();
+    let mut vertices = LeastSquaresRows::new();
     for (rest, moved) in rest.iter().zip(moved) {
-        let held = grid.nearest_in_box(*rest);
+        let held = grid.clamp_to_box(*rest);
         vertices.push(1.0, grid.weights(held), std::array::from_fn(|d| moved[d] + held[d] - rest[d]));
     }
     let neighbours = regularizer::noh(grid, Scaling::Plain);

@@ -1,15 +1,17 @@
 //! Rigid moving least squares on the handles of the grid.
 //!
 //! S. Schaefer, T. McPhail, J. Warren, "Image deformation using moving least squares", SIGGRAPH 2006,
-//! <https://doi.org/10.1145/1179352.1141920>; in space: Y. Zhu, S. J. Gortler, "3D deformation using moving least
-//! squares", 2007. As in lp-FFD's comparison each handle is a point that MLS moves; the shape plays no part.
+//! <https://doi.org/10.1145/1179352.1141920>; in 3D: Y. Zhu, S. J. Gortler, "3D deformation using moving least
+//! squares", 2007. As in lp-FFD's comparison each handle is a point that MLS moves; the shape is not used.
 //!
 //! In: grid and pins. Out: handles.
 
 use super::{Deformed, Deformer};
 use crate::lattice::Lattice;
-use crate::solve::small::{apply, best_rotation, dot, minus};
-use crate::solve::{Problem, SolveError, check};
+use crate::solve::error::SolveError;
+use crate::solve::linalg::small_matrix::{apply, best_rotation, dot, minus};
+use crate::solve::problem::Problem;
+use crate::solve::validate;
 
 /// f(v) = R (v − p*) + q*, R the best rotation under the weights 1/|p − v|^2α.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +39,7 @@ impl<const D: usize> Deformer<D> for Mls {
     }
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
-        check::problem(problem)?;
+        validate::problem(problem)?;
         let grid = problem.grid;
         let moved = problem.handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target));
         let controls: Vec<Control<D>> = problem.pins.iter().map(|pin| (pin.at, pin.target)).chain(moved).collect();
@@ -47,7 +49,7 @@ impl<const D: usize> Deformer<D> for Mls {
 }
 
 impl Mls {
-    /// Where a point goes (their equations 5 to 8; R by the polar decomposition, which is the same in the plane).
+    /// Image of a point (their equations 5 to 8; R by the polar decomposition, which is equivalent in 2D).
     fn image<const D: usize>(&self, point: &[f64; D], controls: &[Control<D>]) -> [f64; D] {
         let mut weights = Vec::with_capacity(controls.len());
         for (rest, target) in controls {

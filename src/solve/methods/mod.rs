@@ -1,34 +1,38 @@
 //! The methods that lp-FFD is compared with, and lp-FFD itself, behind one trait.
 //!
-//! In: a [`Problem`]. Out: a lattice, and where it takes the vertices. The line-up is that of the paper's section 4.1.
+//! In: a [`Problem`]. Out: a lattice. The methods are those of the paper's section 4.1.
 
 mod arap;
 mod hsu;
 mod inverse;
+mod lp_ffd;
 mod mls;
-mod own;
 mod sparse;
 
 pub use arap::Arap;
 pub use hsu::Hsu;
 pub use inverse::{ArapAndInverse, inverse_ffd};
+pub use lp_ffd::{DefaultLpFfd, PaperLpFfd};
 pub use mls::Mls;
-pub use own::{House, Paper};
 
-use super::matrix::{Factor, Normal};
-use super::rows::RowSet;
-use super::{Problem, SolveError, pins};
+use super::cancel::Cancel;
+use super::error::SolveError;
+use super::least_squares::LeastSquaresRows;
+use super::linalg::factorization::Factorization;
+use super::linalg::normal_matrix::NormalMatrix;
+use super::pins;
+use super::problem::Problem;
 use crate::lattice::{Basis, Grid, Lattice};
 
-/// A method that moves a lattice so that pins reach their targets.
+/// A method that deforms a lattice so that pins reach their targets.
 pub trait Deformer<const D: usize>: Send + Sync {
-    /// The word that asks for it: `hsu`, `mls`, `arap`, `paper`, `default`.
+    /// Its name on the command line: `hsu`, `mls`, `arap`, `paper`, `default`.
     fn key(&self) -> &'static str;
 
-    /// Short name, as tables and pictures print it.
+    /// Its name in tables and pictures.
     fn name(&self) -> &'static str;
 
-    /// The basis it is published with; `None`: that of the problem.
+    /// The basis it was published with; `None`: that of the problem.
     fn basis(&self) -> Option<Basis> {
         Some(Basis::Bernstein)
     }
@@ -36,11 +40,11 @@ pub trait Deformer<const D: usize>: Send + Sync {
     /// Moves the handles of the problem's grid.
     ///
     /// # Errors
-    /// [`SolveError`] where the problem is malformed or nothing decides where handles go.
+    /// [`SolveError`] where the problem is malformed or does not determine all handles.
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError>;
 }
 
-/// What a method makes of a problem.
+/// The result of a method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformed<const D: usize> {
     /// The lattice.
@@ -49,32 +53,33 @@ pub struct Deformed<const D: usize> {
     pub iterations: usize,
 }
 
-/// All methods of the comparison, ours last.
+/// All methods of the comparison, this program's last.
 #[must_use]
 pub fn all<const D: usize>() -> Vec<Box<dyn Deformer<D>>> {
     vec![
         Box::new(Hsu::default()),
         Box::new(Mls::default()),
         Box::new(ArapAndInverse::default()),
-        Box::new(Paper::default()),
-        Box::new(House),
+        Box::new(PaperLpFfd::default()),
+        Box::new(DefaultLpFfd),
     ]
 }
 
 /// The handles that minimise Σ of the terms, each a weight and its rows.
 fn least_squares<const D: usize>(
     grid: &Grid<D>,
-    terms: &[(f64, &RowSet<D>)],
+    terms: &[(f64, &LeastSquaresRows<D>)],
     what: &str,
 ) -> Result<Lattice<D>, SolveError> {
-    let reach = terms.iter().map(|(_, rows)| rows.reach()).max().unwrap_or(0);
-    let mut normal = Normal::zero(grid.handle_count(), reach);
+    let bandwidth = terms.iter().map(|(_, rows)| rows.bandwidth()).max().unwrap_or(0);
+    let cancel = &Cancel::never();
+    let mut normal = NormalMatrix::zero(grid.handle_count(), bandwidth);
     let mut handles = vec![[0.0; D]; grid.handle_count()];
     for (weight, rows) in terms {
-        rows.add_normal(*weight, &mut normal);
+        rows.add_normal(*weight, &mut normal, cancel);
         rows.add_right_side(*weight, &mut handles);
     }
-    let factor = Factor::new(&normal).ok_or_else(|| SolveError::Singular {
+    let factor = Factorization::new(&normal, cancel).ok_or_else(|| SolveError::Singular {
         what: what.to_owned(),
         hint: "add pins, or raise the weight of its regulariser".into(),
     })?;
@@ -83,6 +88,6 @@ fn least_squares<const D: usize>(
 }
 
 /// Rows of the problem's pins and moved handles.
-fn held<const D: usize>(problem: &Problem<D>) -> [RowSet<D>; 2] {
+fn held<const D: usize>(problem: &Problem<D>) -> [LeastSquaresRows<D>; 2] {
     [pins::pin_rows(problem.grid, problem.pins, problem.settings), pins::handle_rows(problem.handles)]
 }

@@ -1,22 +1,22 @@
-//! Convex polygons cut by axis-aligned planes (I. Sutherland and G. Hodgman, "Reentrant polygon clipping", 1974).
+//! Convex polygons clipped by axis-aligned planes (I. Sutherland and G. Hodgman, "Reentrant polygon clipping", 1974).
 //!
-//! In: a polygon and a plane. Out: the part below and the part above; together they are the polygon, to rounding.
+//! In: a polygon and a plane. Out: the part below and the part above; together they are the polygon, up to rounding.
 
-/// Corners a triangle can have after two cuts an axis, in up to three dimensions.
-const MOST_CORNERS: usize = 12;
+/// Maximum number of corners of a triangle after two cuts per axis, in up to three dimensions.
+const MAX_CORNERS: usize = 12;
 
 /// A convex polygon in D dimensions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Polygon<const D: usize> {
-    corners: [[f64; D]; MOST_CORNERS],
+    corners: [[f64; D]; MAX_CORNERS],
     count: usize,
 }
 
 impl<const D: usize> Polygon<D> {
-    const NONE: Self = Self { corners: [[0.0; D]; MOST_CORNERS], count: 0 };
+    const NONE: Self = Self { corners: [[0.0; D]; MAX_CORNERS], count: 0 };
 
     pub(super) fn triangle(corners: [[f64; D]; 3]) -> Self {
-        let mut polygon = Self { corners: [[0.0; D]; MOST_CORNERS], count: 3 };
+        let mut polygon = Self { corners: [[0.0; D]; MAX_CORNERS], count: 3 };
         polygon.corners[..3].copy_from_slice(&corners);
         polygon
     }
@@ -25,7 +25,7 @@ impl<const D: usize> Polygon<D> {
         &self.corners[..self.count]
     }
 
-    /// Lowest and highest coordinate on an axis.
+    /// Smallest and largest coordinate on an axis.
     pub(super) fn range(&self, axis: usize) -> [f64; 2] {
         self.corners().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
             [low.min(corner[axis]), high.max(corner[axis])]
@@ -33,8 +33,8 @@ impl<const D: usize> Polygon<D> {
     }
 
     fn push(&mut self, corner: [f64; D]) {
-        // Convex input gains one corner a cut; rounding cannot make it more, and a dropped one would cost a sliver.
-        if self.count < MOST_CORNERS {
+        // Convex input gains one corner per cut, so the capacity suffices; a dropped corner would lose a sliver.
+        if self.count < MAX_CORNERS {
             self.corners[self.count] = corner;
             self.count += 1;
         }

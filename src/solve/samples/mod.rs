@@ -1,45 +1,20 @@
-//! Where energy `area` looks at the lattice: points that stand for the model.
+//! Samples of the model at which energy `area` evaluates the gradient of the lattice.
 //!
-//! In: a shape and a grid. Out: places with areas. The number of sub-cell samples depends on the grid only, so a solve
+//! In: a shape and a grid. Out: positions with areas. The number of sub-cell samples depends on the grid only, so a solve
 //! costs the same for a hundred vertices and for a million.
 
 mod clip;
 mod moments;
+mod sample;
 
-use super::Shape;
-use super::small::area_of;
-use super::small::minus;
-use crate::lattice::{Basis, Grid};
+pub(crate) use sample::{Sample, subcell_dims};
+
+use super::linalg::small_matrix::{area_of, minus};
+use super::problem::Shape;
+use crate::lattice::Grid;
 use moments::Subcells;
 
-/// A point that stands for a piece of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sample<const D: usize> {
-    /// Where.
-    pub(crate) at: [f64; D],
-    /// Area of the piece.
-    pub(crate) area: f64,
-    /// How stiff it is.
-    pub(crate) stiffness: f64,
-}
-
-/// Sub-cells a lattice span and axis: with them a solve is within 4e-4 of a cell of one with fifteen (docs/METHOD.md).
-const SUBCELLS: usize = 3;
-/// From this number of spans on two are enough for that.
-const MANY_SPANS: usize = 12;
-/// Most sub-cells an axis of a Bernstein grid: its functions are about √n spans wide, so more see nothing new.
-const BERNSTEIN_LIMIT: usize = 64;
-
-/// Sub-cells of a grid, per axis.
-pub(crate) fn subcell_dims<const D: usize>(grid: &Grid<D>) -> [usize; D] {
-    grid.dims.map(|count| {
-        let spans = grid.basis.spans(count);
-        let wanted = spans * if spans < MANY_SPANS { SUBCELLS } else { SUBCELLS - 1 };
-        if grid.basis == Basis::Bernstein { wanted.min(BERNSTEIN_LIMIT) } else { wanted }
-    })
-}
-
-/// One sample a triangle: centroid and unsigned area. An empty shape: the box, evenly.
+/// One sample per triangle: centroid and unsigned area. For an empty shape: the box, evenly.
 pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Sample<D>> {
     let samples: Vec<Sample<D>> = shape
         .triangles
@@ -55,14 +30,14 @@ pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>)
     if samples.is_empty() { even_samples(grid) } else { samples }
 }
 
-/// Up to 2 D samples an occupied sub-cell, with the area, centroid and covariance of what the model has inside it.
-/// A shape with nothing inside the box: the box, evenly.
+/// Up to 2 D samples per sub-cell, with the area, centroid and covariance of the part of the model inside it.
+/// For a shape outside the box: the box, evenly.
 pub(crate) fn subcell_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Sample<D>> {
     let samples = Subcells::of(grid, shape).samples();
     if samples.is_empty() { even_samples(grid) } else { samples }
 }
 
-/// The middle of every sub-cell.
+/// The centre of every sub-cell.
 fn even_samples<const D: usize>(grid: &Grid<D>) -> Vec<Sample<D>> {
     let dims = subcell_dims(grid);
     let count: usize = dims.iter().product();

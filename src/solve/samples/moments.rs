@@ -1,19 +1,19 @@
 //! Area, centroid and covariance of a model inside every sub-cell of a grid, and the points that match them.
 //!
 //! In: triangles (any orientation, slivers, overlaps) and the sub-cells of a box. Out: samples.
-//! Triangles inside one sub-cell add their moments; only those across borders are cut.
+//! Triangles inside one sub-cell add their moments; only those across borders are clipped.
 
 use super::clip::Polygon;
-use super::{Sample, subcell_dims};
+use super::sample::{Sample, subcell_dims};
 use crate::lattice::Grid;
-use crate::solve::Shape;
-use crate::solve::small::{area_of, minus, symmetric_root};
+use crate::solve::linalg::small_matrix::{area_of, minus, symmetric_root};
+use crate::solve::problem::Shape;
 use rayon::prelude::*;
 
-/// Triangles one task takes. Fixed, so that sums do not depend on the number of threads.
+/// Triangles per task. Fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 15;
 
-/// Moments about the middle of a sub-cell.
+/// Moments about the centre of a sub-cell.
 #[derive(Clone, Copy, Debug)]
 struct Moments<const D: usize> {
     area: f64,
@@ -35,7 +35,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Adds a triangle whose corners are relative to the middle: ∫xxᵀ = A/12 (Σ v vᵀ + 9 c cᵀ).
+    /// Adds a triangle whose corners are relative to the centre: ∫xxᵀ = A/12 (Σ v vᵀ + 9 c cᵀ).
     fn add_triangle(&mut self, corners: [[f64; D]; 3], stiffness: f64) {
         let [v0, v1, v2] = corners;
         let area = 0.5 * area_of(&minus(&v1, &v0), &minus(&v2, &v0));
@@ -52,7 +52,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Points middle + c ± s_k with s_k the columns of √D·Σ^½: 2 D equal areas with the same first and second moments.
+    /// Points centre + c ± s_k with s_k the columns of √D·Σ^½: 2 D equal areas with the same first and second moments.
     fn samples(&self, middle: [f64; D], samples: &mut Vec<Sample<D>>) {
         let mean = self.first.map(|x| x / self.area);
         let covariance =
@@ -87,10 +87,10 @@ impl<const D: usize> Layout<D> {
         self.dims.iter().product()
     }
 
-    /// Cell coordinate of a place; below 0 or from `dims` on it lies outside.
+    /// Cell index of a coordinate; below 0 or from `dims` on it lies outside.
     fn cell(&self, axis: usize, x: f64) -> f64 {
         let place = (x - self.lo[axis]) / self.side[axis];
-        // Without SSE 4.1 `floor` is a call; beyond what an integer holds any cell outside will do.
+        // Without SSE 4.1 `floor` is a function call; beyond the range of integers any cell outside will do.
         let whole = place as i64 as f64;
         if whole > place { whole - 1.0 } else { whole }
     }
@@ -117,12 +117,12 @@ impl<const D: usize> Layout<D> {
 pub(super) struct Subcells<const D: usize> {
     layout: Layout<D>,
     cells: Vec<Moments<D>>,
-    /// Of the triangle that is being added.
+    /// Stiffness of the triangle that is being added.
     stiffness: f64,
 }
 
 impl<const D: usize> Subcells<D> {
-    /// Spreads a shape over the sub-cells of a grid; what lies outside the box is left out.
+    /// Distributes a shape over the sub-cells of a grid; parts outside the box are dropped.
     pub(super) fn of(grid: &Grid<D>, shape: &Shape<D>) -> Self {
         let layout = Layout::of(grid);
         let empty = Self { layout, cells: vec![Moments::NONE; layout.count()], stiffness: 1.0 };
@@ -169,7 +169,7 @@ impl<const D: usize> Subcells<D> {
         cell.add_triangle(corners.map(|corner| minus(&corner, &middle)), self.stiffness);
     }
 
-    /// Cuts a polygon into the slabs of one axis after the other.
+    /// Cuts a polygon into the slabs of each axis in turn.
     fn cut(&mut self, polygon: &mut Polygon<D>, axis: usize, mut place: [usize; D]) {
         if axis == D {
             let corners = polygon.corners();
@@ -197,10 +197,10 @@ impl<const D: usize> Subcells<D> {
         }
     }
 
-    /// The samples of all occupied sub-cells, in cell order.
+    /// The samples of all sub-cells that contain some of the model, in cell order.
     pub(super) fn samples(&self) -> Vec<Sample<D>> {
         let total: f64 = self.cells.iter().map(|cell| cell.area).sum();
-        // A touch of rounding at a border is no piece of the model.
+        // Areas of rounding size at a border are ignored.
         let least = 1e-12 * total;
         let mut samples = Vec::new();
         for (number, cell) in self.cells.iter().enumerate() {

@@ -70,15 +70,19 @@ pub(crate) unsafe extern "C" fn fetch_suite(host: PropertySet, name: *const c_ch
     }
 }
 
-fn note(kind: *const c_char, format: *const c_char, argument: *const c_char, lasts: bool) -> Status {
+fn note(kind: *const c_char, format: *const c_char, lasts: bool) -> Status {
     let kind = name_of(kind).to_string_lossy().into_owned();
-    let format = name_of(format);
-    let text = match format.to_bytes() {
-        b"%s" => name_of(argument),
-        plain if !plain.contains(&b'%') => format,
-        _ => return with(|world| world.fault("a message with a format of its own; a '%' in a path would crash")),
-    };
-    with(|world| world.said.push(Said { kind, text: text.to_string_lossy().into_owned(), lasts }));
+    let format = name_of(format).to_string_lossy().into_owned();
+    let text = format.replace("%%", "\u{0}");
+    if text.contains('%') {
+        return with(|world| world.fault(format!("{format:?} asks for arguments: Natron shows such messages empty")));
+    }
+    let text = text.replace('\u{0}', "%");
+    with(|world| {
+        let said = Said { kind, text, lasts };
+        world.heard.push(said.clone());
+        world.said.push(said);
+    });
     Status::OK
 }
 
@@ -87,9 +91,9 @@ unsafe extern "C" fn message(
     kind: *const c_char,
     _: *const c_char,
     format: *const c_char,
-    argument: *const c_char,
+    _: *const c_char,
 ) -> Status {
-    note(kind, format, argument, false)
+    note(kind, format, false)
 }
 
 unsafe extern "C" fn set_persistent_message(
@@ -97,14 +101,14 @@ unsafe extern "C" fn set_persistent_message(
     kind: *const c_char,
     _: *const c_char,
     format: *const c_char,
-    argument: *const c_char,
+    _: *const c_char,
 ) -> Status {
     with(|world| {
         if !world.effects.contains_key(&(effect as usize)) {
             world.bad_handle(effect as usize, "an effect with a message");
         }
     });
-    note(kind, format, argument, true)
+    note(kind, format, true)
 }
 
 unsafe extern "C" fn clear_persistent_message(effect: *mut c_void) -> Status {

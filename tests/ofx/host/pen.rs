@@ -8,17 +8,34 @@ use super::world::{Drawn, Value, with};
 use pinwarp::ofx::api::names::{action, image, interact, prop};
 use pinwarp::ofx::api::{EntryPoint, Status};
 use std::ffi::CStr;
+use std::marker::PhantomData;
 
 /// The overlay of a node.
+#[derive(Clone, Copy)]
 pub(crate) struct Overlay<'a> {
     pub(super) entry: EntryPoint,
     pub(super) handle: usize,
     pub(super) node: Node,
     pub(super) pixel: f64,
-    pub(super) _host: &'a Host,
+    pub(super) _host: PhantomData<&'a Host>,
 }
 
 impl Overlay<'_> {
+    /// The same overlay, which may outlive its node.
+    pub(crate) fn detached(self) -> Overlay<'static> {
+        Overlay { _host: PhantomData, ..self }
+    }
+
+    /// Ends the overlay after its own properties are gone.
+    pub(crate) fn close_half_gone(self) {
+        with(|world| {
+            let set = world.interacts.remove(&self.handle).expect("it was there");
+            world.end_set(set, "set of an overlay");
+            world.end(self.handle, "overlay");
+        });
+        call(self.entry, (action::DESTROY_INSTANCE, "CloseOverlay"), self.handle, Vec::new());
+    }
+
     pub(super) fn act(&self, name: &CStr, short: &'static str, mut args: Vec<(&CStr, Vec<Value>)>) -> Status {
         args.extend([
             (prop::EFFECT_INSTANCE, vec![Value::Pointer(self.node.0)]),

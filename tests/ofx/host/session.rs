@@ -198,8 +198,7 @@ impl Host {
     pub(crate) fn destroy(&mut self, node: Node) {
         let (status, _) = self.ask((action::DESTROY_INSTANCE, "DestroyInstance"), node.0, Vec::new());
         assert!([Status::OK, Status::REPLY_DEFAULT].contains(&status), "{status:?}");
-        self.nodes.retain(|other| *other != node);
-        end_effect(node.0);
+        self.break_off(node);
     }
 
     /// Connects a clip to a picture (`None`: to nothing at this time), as floats and premultiplied.
@@ -238,6 +237,16 @@ impl Host {
                 world.put(set, image::PROJECT_PIXEL_ASPECT, doubles(&[feed.aspect]));
             }
             world.clips.get_mut(&handle).expect("looked up above").feed = Some(feed);
+        });
+    }
+
+    /// Gives the project a size of its own, canonical.
+    pub(crate) fn project(&self, node: Node, size: [f64; 2]) {
+        with(|world| {
+            let set = world.effects[&node.0].set;
+            for name in [image::PROJECT_SIZE, image::PROJECT_EXTENT] {
+                world.put(set, name, doubles(&size));
+            }
         });
     }
 
@@ -356,6 +365,22 @@ impl Host {
         with(|world| world.said.clone())
     }
 
+    /// Everything that the plugin said, also what it took back.
+    pub(crate) fn heard(&self) -> Vec<Said> {
+        with(|world| world.heard.clone())
+    }
+
+    /// The host's side of an instance ends without a word to the plugin, as at the end of a session in Natron.
+    pub(crate) fn break_off(&mut self, node: Node) {
+        self.nodes.retain(|other| *other != node);
+        end_effect(node.0);
+    }
+
+    /// Edits that were open when their effect ended are over.
+    pub(crate) fn forgive_open_edits(&self) {
+        with(|world| world.open_edits = 0);
+    }
+
     /// The steps to undo that the plugin made.
     pub(crate) fn undo(&self) -> Vec<Undo> {
         with(|world| world.undo.clone())
@@ -421,7 +446,7 @@ impl Host {
             world.interacts.insert(handle, set);
             handle
         });
-        let overlay = Overlay { entry, handle, node, pixel, _host: self };
+        let overlay = Overlay { entry, handle, node, pixel, _host: std::marker::PhantomData };
         assert_eq!(overlay.act(action::DESCRIBE, "Describe", Vec::new()), Status::OK);
         assert_eq!(overlay.act(action::CREATE_INSTANCE, "CreateInstance", Vec::new()), Status::OK);
         Some(overlay)

@@ -159,6 +159,8 @@ pub(crate) struct World {
     gone: BTreeMap<usize, &'static str>,
     pub(crate) faults: Vec<String>,
     pub(crate) said: Vec<Said>,
+    /// The same, with what was taken back.
+    pub(crate) heard: Vec<Said>,
     pub(crate) drawn: Vec<Drawn>,
     pub(crate) pencil: Drawn,
     pub(crate) undo: Vec<Undo>,
@@ -194,6 +196,7 @@ impl World {
             gone: BTreeMap::new(),
             faults: Vec::new(),
             said: Vec::new(),
+            heard: Vec::new(),
             drawn: Vec::new(),
             pencil: nothing,
             undo: Vec::new(),

@@ -71,6 +71,8 @@ names! {
     STRING_SINGLE_LINE = c"OfxParamStringIsSingleLine";
     /// Value of [`STRING_MODE`]: the path of a file.
     STRING_FILE_PATH = c"OfxParamStringIsFilePath";
+    /// Value of [`STRING_MODE`]: the path of a folder.
+    STRING_DIRECTORY_PATH = c"OfxParamStringIsDirectoryPath";
     /// String, of doubles: what the number means.
     DOUBLE_TYPE = c"OfxParamPropDoubleType";
     /// Value of [`DOUBLE_TYPE`]: just a number.

@@ -1,0 +1,63 @@
+//! Memory of planes, used again from frame to frame: fresh memory of a frame's size costs a tile fault every 4 KB.
+//!
+//! In: planes that are done with. Out: planes of any length, whose samples are left over from before.
+
+use std::sync::{Mutex, PoisonError};
+
+/// Samples kept at most, 256 MB: a 4K picture of RGBA and the tiles that are drawn from it.
+const KEPT: usize = 1 << 26;
+
+static SPARE: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
+
+/// So many planes of `length` samples each, whatever they are.
+#[must_use]
+pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
+    let mut planes: Vec<Vec<f32>> = {
+        let mut spare = SPARE.lock().unwrap_or_else(PoisonError::into_inner);
+        let fit = |plane: &mut Vec<f32>| (length..=2 * length).contains(&plane.capacity());
+        spare.extract_if(.., fit).take(count).collect()
+    };
+    planes.resize_with(count, Vec::new);
+    for plane in &mut planes {
+        if plane.capacity() == 0 {
+            *plane = vec![0.0; length];
+        }
+        plane.resize(length, 0.0);
+    }
+    planes
+}
+
+/// Keeps planes for [`take_planes`]; the oldest go where there are too many.
+pub fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
+    let mut spare = SPARE.lock().unwrap_or_else(PoisonError::into_inner);
+    spare.extend(planes.into_iter().filter(|plane| plane.capacity() > 0));
+    let mut total: usize = spare.iter().map(Vec::capacity).sum();
+    while total > KEPT {
+        total -= spare.remove(0).capacity();
+    }
+}
+
+/// Lets go of all.
+pub(super) fn purge() {
+    SPARE.lock().unwrap_or_else(PoisonError::into_inner).clear();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_come_back_in_any_length_near_theirs() {
+        // No other test asks for planes as large as these.
+        let length = 3_000_001;
+        let mut planes = take_planes(2, length);
+        planes.iter_mut().for_each(|plane| plane.fill(7.0));
+        let places: Vec<_> = planes.iter().map(|plane| plane.as_ptr()).collect();
+        recycle_planes(planes);
+        let again = take_planes(3, length - 1000);
+        assert!(again.iter().all(|plane| plane.len() == length - 1000));
+        assert_eq!(again.iter().filter(|plane| places.contains(&plane.as_ptr())).count(), 2);
+        recycle_planes(again);
+        assert!(take_planes(1, 100)[0].capacity() < length, "large memory is not spent on little");
+    }
+}

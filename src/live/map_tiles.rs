@@ -1,0 +1,96 @@
+//! Where the pixels of a warped frame come from, tile by tile, so that tiles and whole frames show the same pixels.
+//!
+//! In: a [`Warp`], the frame, a window. Out: the tiles that the window touches. Tiles lie on a grid of their own: a map
+//! depends a little (2e-4 of a pixel) on where its window begins.
+
+use super::cache::Cache;
+use super::key::{Key, KeyWriter};
+use super::{LiveError, Warp};
+use crate::plate::WarpMap;
+use crate::space::{FrameSize, PixelRect};
+use std::sync::{Arc, LazyLock};
+
+/// Most pixels across and down of a tile, its rim left out.
+const MOST: [u32; 2] = [4096, 126];
+
+/// Pixels around what a tile shows: footprints look at neighbours.
+const RIM: u32 = 1;
+
+/// Bytes of maps that are kept: eight frames of 1080p.
+const KEPT_BYTES: usize = 1 << 27;
+
+static MAPS: LazyLock<Cache<Vec<WarpMap>>> = LazyLock::new(|| {
+    Cache::new(KEPT_BYTES, |maps: &Vec<WarpMap>| {
+        maps.iter().map(|map| std::mem::size_of_val(&map.offsets[..]) + 4 * map.folded_pixels.len()).sum()
+    })
+});
+
+/// Lets go of what was computed.
+pub(super) fn purge() {
+    MAPS.clear();
+}
+
+/// A part of the image plane. The frame is cut into equal ones, and as many lie around it as are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct MapTile {
+    /// Column and row among the tiles; (0, 0) is at the upper left corner of the frame.
+    place: [i32; 2],
+    /// Pixels across and down.
+    size: [u32; 2],
+}
+
+impl MapTile {
+    /// The tiles that a window touches, row by row.
+    pub(super) fn all_of(frame: FrameSize, window: PixelRect) -> Vec<Self> {
+        if window.area() == 0 {
+            return Vec::new();
+        }
+        let side = |length: u32, most: u32| length.div_ceil(length.div_ceil(most));
+        let size = [side(frame.width, MOST[0]), side(frame.height, MOST[1])];
+        let [columns, rows] =
+            [(window.x, window.width, size[0]), (window.y, window.height, size[1])].map(|(start, length, size)| {
+                let last = i64::from(start) + i64::from(length) - 1;
+                let of = |place: i64| place.div_euclid(i64::from(size)) as i32;
+                of(start.into())..=of(last)
+            });
+        rows.flat_map(|row| columns.clone().map(move |column| Self { place: [column, row], size })).collect()
+    }
+
+    /// What it shows.
+    pub(super) const fn window(self) -> PixelRect {
+        let Self { place: [column, row], size: [width, height] } = self;
+        PixelRect { x: column * width as i32, y: row * height as i32, width, height }
+    }
+
+    /// Where its pixels come from, and those of a rim around it: in front, then what lies behind where the warp folds
+    /// ([`WarpMap::backward_sheets`]).
+    pub(super) fn maps(self, warp: &Warp, frame: FrameSize) -> Arc<Vec<WarpMap>> {
+        let window = self.window().grown(RIM);
+        let compute = || Ok::<_, LiveError>(WarpMap::backward_sheets(&warp.field, frame, window));
+        MAPS.get(self.key(warp.key, frame), compute)
+            .unwrap_or_else(|_| Arc::new(vec![WarpMap::identity(frame, window)]))
+    }
+
+    fn key(self, warp: Key, frame: FrameSize) -> Key {
+        let mut key = KeyWriter::after(warp);
+        key.words(&[frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()]);
+        key.words(&self.place.map(|place| place as u64)).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_tile_every_window() {
+        let window = PixelRect { x: -700, y: -3, width: 2000, height: 400 };
+        let frame = FrameSize::new(999, 199);
+        let tiles = MapTile::all_of(frame, window);
+        let covered: usize = tiles.iter().map(|tile| tile.window().intersection(window).area()).sum();
+        assert_eq!(covered, window.area());
+        // Tiles are 999 x 100: columns -1 to 1, rows -1 to 3.
+        assert_eq!(tiles.len(), 3 * 5);
+        assert_eq!(MapTile::all_of(frame, PixelRect::default()), []);
+    }
+}

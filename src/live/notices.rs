@@ -1,0 +1,152 @@
+//! What the user should know about a warp, in words: pins that miss, cells that fold, pins beside the model.
+//!
+//! In: a [`Warp`], and how its host names pins and measures places. Out: [`Notice`]s.
+
+use super::Warp;
+use crate::solve::{PinResidual, ResidualReason, SolveReport};
+use crate::space::ScreenPoint;
+use crate::spelling::counted;
+
+/// Pins nearer to their targets than this, in pixels, are on them.
+const LEAST_PX: f64 = 0.05;
+
+/// Pins that are named in one sentence.
+const MOST_NAMES: usize = 8;
+
+/// Something unexpected that a solve found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A sentence.
+    Text(String),
+    /// A pin has no surface under it, so it is fixed on the screen.
+    OffModel {
+        /// Index of the pin in the controls.
+        pin: usize,
+        /// Where it was placed.
+        at: ScreenPoint,
+        /// The frame in which it was placed.
+        frame: i32,
+    },
+}
+
+/// A pin that acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum ActingPin {
+    /// One of the shot file's, by its name.
+    OfShot(String),
+    /// One of the controls', by its index.
+    OfControls(usize),
+}
+
+/// A sentence for the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// What it is about, without numbers that change from frame to frame.
+    pub subject: String,
+    /// The sentence.
+    pub text: String,
+}
+
+/// How a host names pins and measures places.
+#[derive(Clone, Copy)]
+pub struct Wording<'a> {
+    /// The name of a pin of the controls, by its index: "3" or "nose".
+    pub pin: &'a dyn Fn(usize) -> String,
+    /// A place, with its unit.
+    pub place: &'a dyn Fn(ScreenPoint) -> String,
+    /// Pixels in a frame height.
+    pub pixels: f64,
+}
+
+impl Warp {
+    /// What the user should know, most important first.
+    #[must_use]
+    pub fn notices(&self, wording: &Wording) -> Vec<Notice> {
+        let mut notices: Vec<Notice> = self.report.iter().flat_map(|report| self.of_report(report, wording)).collect();
+        notices.extend(self.warnings.iter().map(|warning| match warning {
+            Warning::Text(text) => Notice { subject: text.clone(), text: text.clone() },
+            Warning::OffModel { pin, at, frame } => {
+                let (name, at) = ((wording.pin)(*pin), (wording.place)(*at));
+                let text = format!(
+                    "pin {name} lies beside the model, at {at} in frame {frame}, and stays fixed on the screen; move it onto the model"
+                );
+                Notice { subject: format!("pin {name} off the model"), text }
+            }
+        }));
+        notices
+    }
+
+    fn of_report(&self, report: &SolveReport, wording: &Wording) -> Vec<Notice> {
+        let mut notices = Vec::new();
+        let misses = report.pin_residuals.iter();
+        let mut misses: Vec<&PinResidual> = misses
+            .filter(|miss| miss.reason != ResidualReason::Fading && miss.distance * wording.pixels > LEAST_PX)
+            .collect();
+        misses.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+        if let Some(worst) = misses.first() {
+            let mut pins: Vec<usize> = misses.iter().map(|miss| miss.pin).collect();
+            pins.sort_unstable();
+            let names: Vec<String> = pins.iter().map(|pin| self.name_of(*pin, wording)).collect();
+            let by = pixels(worst.distance * wording.pixels);
+            let who = self.name_of(worst.pin, wording);
+            let reason = worst.reason.words(|pin| self.name_of(pin, wording));
+            let text = match (worst.reason, names.len()) {
+                (ResidualReason::Guard, _) => {
+                    format!("pins stop before the picture folds over: pin {who} is {by} short of its target")
+                }
+                (_, 1) => format!("pin {who} misses its target by {by}: {reason}"),
+                (_, _) => {
+                    let all = listed(&names);
+                    format!("pins {all} miss their targets, by up to {by} (pin {who}): {reason}")
+                }
+            };
+            notices.push(Notice { subject: format!("misses of {}", names.join(" ")), text });
+        }
+        if report.folded_model_cells > 0 {
+            let cells = counted(report.folded_model_cells, "cell of the lattice folds", "cells of the lattice fold");
+            let text = format!(
+                "{cells} over, so parts of the picture cover each other; move pins apart, or let them stop before folds"
+            );
+            notices.push(Notice { subject: "folds".into(), text });
+        }
+        notices
+    }
+
+    fn name_of(&self, acting: usize, wording: &Wording) -> String {
+        match self.acting.get(acting) {
+            Some(ActingPin::OfShot(name)) => format!("'{name}' of the shot"),
+            Some(ActingPin::OfControls(pin)) => (wording.pin)(*pin),
+            None => (acting + 1).to_string(),
+        }
+    }
+}
+
+fn pixels(distance: f64) -> String {
+    if distance < 9.95 { format!("{distance:.1} px") } else { format!("{distance:.0} px") }
+}
+
+/// "1, 2 and 3"; of very many, the first and how many more.
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [only] => only.clone(),
+        _ if names.len() > MOST_NAMES => {
+            format!("{} and {} more", names[..MOST_NAMES].join(", "), names.len() - MOST_NAMES)
+        }
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_listed_as_in_a_sentence() {
+        let names = |count: usize| (1..=count).map(|name| name.to_string()).collect::<Vec<_>>();
+        assert_eq!(listed(&names(1)), "1");
+        assert_eq!(listed(&names(3)), "1, 2 and 3");
+        assert_eq!(listed(&names(12)), "1, 2, 3, 4, 5, 6, 7, 8 and 4 more");
+        assert_eq!([pixels(0.06), pixels(126.4)], ["0.1 px", "126 px"]);
+    }
+}

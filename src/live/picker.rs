@@ -1,0 +1,191 @@
+//! Points that a user picks and drags in a viewer: which are chosen, and how far they are dragged.
+//!
+//! In: where the pen is, where the points are. Out: what changed. Units are the viewer's own, whatever they are.
+
+use std::collections::BTreeSet;
+
+/// What becomes of points that are already chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelectMode {
+    /// They no longer are.
+    Replace,
+    /// They stay chosen (Shift is held).
+    Add,
+}
+
+/// What the pen did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PenResult {
+    /// Nothing that concerns the points.
+    Nothing,
+    /// Other points are chosen, or the box that chooses them changed.
+    SelectionChanged,
+    /// The chosen points are this far from where they were when the pen went down.
+    Dragged([f64; 2]),
+}
+
+/// The pen, while it is down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pen {
+    Up,
+    /// Drags the chosen points; where it went down.
+    Drags([f64; 2]),
+    /// Draws a box; its corners.
+    Boxes([[f64; 2]; 2]),
+}
+
+/// The chosen points and the pen of one viewer.
+///
+/// ```
+/// use pinwarp::live::{SelectMode, Picker, PenResult};
+/// let (mut picker, points) = (Picker::default(), [(7, [10.0, 10.0]), (9, [50.0, 10.0])]);
+/// assert_eq!(picker.press([11.0, 10.0], &points, [5.0, 5.0], SelectMode::Replace), PenResult::SelectionChanged);
+/// assert!(picker.is_selected(7) && !picker.is_selected(9));
+/// assert_eq!(picker.motion([31.0, 15.0]), PenResult::Dragged([20.0, 5.0]));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Picker {
+    chosen: BTreeSet<usize>,
+    pen: Pen,
+}
+
+impl Default for Picker {
+    fn default() -> Self {
+        Self { chosen: BTreeSet::new(), pen: Pen::Up }
+    }
+}
+
+impl Picker {
+    /// The pen goes down: on the nearest point within `reach` it begins to drag, elsewhere to draw a box.
+    pub fn press(
+        &mut self,
+        at: [f64; 2],
+        points: &[(usize, [f64; 2])],
+        reach: [f64; 2],
+        mode: SelectMode,
+    ) -> PenResult {
+        let distance = |point: [f64; 2]| ((point[0] - at[0]) / reach[0]).hypot((point[1] - at[1]) / reach[1]);
+        let near = points.iter().filter(|(_, point)| distance(*point) <= 1.0);
+        let Some((hit, _)) = near.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))) else {
+            if mode == SelectMode::Replace {
+                self.chosen.clear();
+            }
+            self.pen = Pen::Boxes([at, at]);
+            return PenResult::SelectionChanged;
+        };
+        if mode == SelectMode::Replace && !self.chosen.contains(hit) {
+            self.chosen.clear();
+        }
+        self.chosen.insert(*hit);
+        self.pen = Pen::Drags(at);
+        PenResult::SelectionChanged
+    }
+
+    /// The pen moves.
+    pub fn motion(&mut self, at: [f64; 2]) -> PenResult {
+        match &mut self.pen {
+            Pen::Up => PenResult::Nothing,
+            Pen::Drags(from) => PenResult::Dragged([at[0] - from[0], at[1] - from[1]]),
+            Pen::Boxes(corners) => {
+                corners[1] = at;
+                PenResult::SelectionChanged
+            }
+        }
+    }
+
+    /// The pen goes up: what the box holds is chosen, too.
+    pub fn release(&mut self, at: [f64; 2], points: &[(usize, [f64; 2])]) -> PenResult {
+        let pull = self.motion(at);
+        if let Pen::Boxes([a, b]) = self.pen {
+            let holds = |point: [f64; 2]| (0..2).all(|axis| (point[axis] - a[axis]) * (point[axis] - b[axis]) <= 0.0);
+            self.chosen.extend(points.iter().filter(|(_, point)| holds(*point)).map(|(id, _)| *id));
+        }
+        self.pen = Pen::Up;
+        pull
+    }
+
+    /// The drag is given up: [`PenResult::Dragged`] back to where it began.
+    pub fn cancel(&mut self) -> PenResult {
+        match std::mem::replace(&mut self.pen, Pen::Up) {
+            Pen::Up => PenResult::Nothing,
+            Pen::Drags(_) => PenResult::Dragged([0.0, 0.0]),
+            Pen::Boxes(_) => PenResult::SelectionChanged,
+        }
+    }
+
+    /// The pen is up, wherever the chosen points are; they stay chosen.
+    pub fn let_go(&mut self) {
+        self.pen = Pen::Up;
+    }
+
+    /// Chooses these points and no others.
+    pub fn choose(&mut self, ids: impl IntoIterator<Item = usize>) {
+        self.chosen = ids.into_iter().collect();
+    }
+
+    /// The chosen points, in order.
+    pub fn chosen(&self) -> impl Iterator<Item = usize> {
+        self.chosen.iter().copied()
+    }
+
+    /// Whether a point is chosen.
+    #[must_use]
+    pub fn is_selected(&self, id: usize) -> bool {
+        self.chosen.contains(&id)
+    }
+
+    /// Whether the pen neither drags nor draws a box.
+    #[must_use]
+    pub fn is_up(&self) -> bool {
+        self.pen == Pen::Up
+    }
+
+    /// Whether the pen drags points.
+    #[must_use]
+    pub fn is_dragging(&self) -> bool {
+        matches!(self.pen, Pen::Drags(_))
+    }
+
+    /// Opposite corners of the box that is being drawn.
+    #[must_use]
+    pub fn corners(&self) -> Option<[[f64; 2]; 2]> {
+        if let Pen::Boxes(corners) = self.pen { Some(corners) } else { None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [(usize, [f64; 2]); 3] = [(0, [0.0, 0.0]), (1, [4.0, 0.0]), (5, [40.0, 0.0])];
+
+    fn chosen(picker: &Picker) -> Vec<usize> {
+        picker.chosen().collect()
+    }
+
+    #[test]
+    fn the_nearest_point_is_hit_and_a_chosen_one_takes_the_others_along() {
+        let mut picker = Picker::default();
+        picker.press([2.5, 0.0], &POINTS, [5.0, 5.0], SelectMode::Replace);
+        assert_eq!(chosen(&picker), [1]);
+        picker.release([2.5, 0.0], &POINTS);
+        picker.press([40.0, 0.0], &POINTS, [5.0, 5.0], SelectMode::Add);
+        picker.release([40.0, 0.0], &POINTS);
+        picker.press([4.0, 0.0], &POINTS, [5.0, 5.0], SelectMode::Replace);
+        assert_eq!((chosen(&picker), picker.motion([5.0, 1.0])), (vec![1, 5], PenResult::Dragged([1.0, 1.0])));
+        assert_eq!((picker.cancel(), picker.motion([9.0, 9.0])), (PenResult::Dragged([0.0, 0.0]), PenResult::Nothing));
+    }
+
+    #[test]
+    fn a_box_chooses_what_it_holds_in_any_direction() {
+        let mut picker = Picker::default();
+        picker.press([10.0, 8.0], &POINTS, [5.0, 5.0], SelectMode::Replace);
+        assert_eq!(picker.motion([3.0, -1.0]), PenResult::SelectionChanged);
+        assert_eq!(picker.corners(), Some([[10.0, 8.0], [3.0, -1.0]]));
+        picker.release([3.0, -1.0], &POINTS);
+        assert_eq!(chosen(&picker), [1]);
+        picker.press([100.0, 8.0], &POINTS, [5.0, 5.0], SelectMode::Replace);
+        picker.release([100.0, 8.0], &POINTS);
+        assert!(chosen(&picker).is_empty(), "a click on nothing lets go");
+    }
+}

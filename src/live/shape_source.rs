@@ -1,0 +1,152 @@
+//! What is to keep its shape.
+//!
+//! In: the host's choice. Out: its content as a [`Key`].
+
+use super::LiveError;
+use super::cache::Cache;
+use super::key::{Key, KeyWriter};
+use crate::scene::files_beside;
+use crate::shot::Shot;
+use crate::space::{FrameSize, PixelRect};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
+use std::time::UNIX_EPOCH;
+
+/// Shot files kept in memory.
+const KEPT_SHOTS: usize = 16;
+
+/// What the lattice is laid over, and what is to keep its shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ShapeSource<'a> {
+    /// The whole frame, as one flat card.
+    Frame,
+    /// What the picture's alpha shows.
+    Coverage(Coverage<'a>),
+    /// The animated model of a shot file: the lattice follows it, pins stick to it.
+    Shot(ShotShape),
+}
+
+/// The alpha of the whole picture: a host that renders in tiles gives all of it for every tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coverage<'a> {
+    /// Where it lies, in image space, in pixels of the frame that [`warp`](super::warp) is asked for.
+    pub window: PixelRect,
+    /// `window.area()` samples, rows from the top.
+    pub alpha: &'a [f32],
+}
+
+/// A shot file and how it is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShotShape {
+    /// The shot file (`.toml`).
+    pub path: PathBuf,
+    /// The camera, by the name of its node; `None`: the shot's.
+    pub camera: Option<String>,
+    /// The layer that the pins belong to; `None`: its first layer of the screen.
+    pub layer: Option<String>,
+    /// The frame that is shown; between two frames, too.
+    pub frame: f64,
+    /// The frame in which [`Pin::rest`](super::Pin::rest) is measured: pins are cast onto the surface seen there then, and follow
+    /// it. Where there is none, a pin stays fixed on the screen, and the report says so.
+    pub pin_frame: i32,
+    /// What becomes of the pins that the file has itself.
+    pub own_pins: OwnPins,
+}
+
+/// What becomes of a shot's own pins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OwnPins {
+    /// They act beside the host's.
+    #[default]
+    Act,
+    /// They do not act: the host has read them into its parameters.
+    LeftOut,
+}
+
+impl ShapeSource<'_> {
+    /// What the scene behind the shape depends on.
+    ///
+    /// # Errors
+    /// [`LiveError`] where a shot file cannot be read.
+    pub(super) fn key(&self, frame: FrameSize) -> Result<Key, LiveError> {
+        let mut key = KeyWriter::new();
+        match self {
+            Self::Frame => _ = key.word(0).float(frame.aspect()),
+            Self::Coverage(Coverage { window, alpha }) => {
+                let sides = [window.x as u64, window.y as u64, window.width.into(), window.height.into()];
+                let size = [frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()];
+                key.word(1).words(&sides).words(&size).samples(alpha);
+            }
+            Self::Shot(shot) => {
+                key.word(2);
+                write_file(&mut key, &shot.path);
+                let read = read(&shot.path)?;
+                read.files().for_each(|path| write_file(&mut key, path));
+                if let Some(scene) = read.scene() {
+                    beside(scene)?.iter().for_each(|path| write_file(&mut key, path));
+                }
+                for name in [&shot.camera, &shot.layer] {
+                    key.word(name.is_some().into()).text(name.as_deref().unwrap_or_default());
+                }
+            }
+        }
+        Ok(key.finish())
+    }
+}
+
+static SHOTS: LazyLock<Cache<Shot>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+
+/// Buffers and images of scenes.
+static BESIDE: LazyLock<Cache<Vec<PathBuf>>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
+
+/// Lets go of what was read.
+pub(super) fn purge() {
+    SHOTS.clear();
+    BESIDE.clear();
+}
+
+/// A shot file, read once for as long as it stays the same.
+pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
+    SHOTS.get(file_key(path), || Ok(Shot::read(path)?))
+}
+
+/// The buffers and images of a scene, looked up once for as long as its file stays the same.
+fn beside(scene: &Path) -> Result<Arc<Vec<PathBuf>>, LiveError> {
+    BESIDE.get(file_key(scene), || Ok(files_beside(scene)?))
+}
+
+fn file_key(path: &Path) -> Key {
+    let mut key = KeyWriter::new();
+    write_file(&mut key, path);
+    key.finish()
+}
+
+/// A file by its path, time and length: one that was saved again is another one, a missing one has neither.
+fn write_file(key: &mut KeyWriter, path: &Path) {
+    let state = std::fs::metadata(path).ok();
+    let changed = state.as_ref().and_then(|state| state.modified().ok());
+    let since = changed.and_then(|changed| changed.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
+    key.text(&path.to_string_lossy()).word(since.as_secs()).word(since.subsec_nanos().into());
+    key.word(state.map_or(u64::MAX, |state| state.len()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_purge_lets_go_of_shots_and_of_what_lies_beside_scenes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [scene, shot] = ["scene.gltf", "shot.toml"].map(|name| folder.path().join(name));
+        let text = r#"{ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 36, "uri": "points.bin" }] }"#;
+        std::fs::write(&scene, text).expect("written");
+        let text = "version = 1\nscene = \"scene.gltf\"\nframes = { first = 1, last = 1 }\nsize = [16, 9]\n";
+        std::fs::write(&shot, text).expect("written");
+        assert_eq!(*beside(&scene).expect("a scene"), [folder.path().join("points.bin")]);
+        read(&shot).expect("a shot");
+        let kept = || (BESIDE.peek(file_key(&scene)).is_some(), SHOTS.peek(file_key(&shot)).is_some());
+        assert_eq!(kept(), (true, true));
+        purge();
+        assert_eq!(kept(), (false, false));
+    }
+}

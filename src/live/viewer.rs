@@ -1,0 +1,191 @@
+//! The lattice, pins and their targets as lines over the picture, the same in every viewer.
+//!
+//! In: a [`Warp`], the pins, which of them are chosen. Out: [`Stroke`]s in the units of the viewer's [`HostFrame`].
+
+use super::{Controls, GridLine, HostFrame, Picker, Warp};
+use crate::space::ScreenPoint;
+
+/// Half the size of a handle, pixels of the screen.
+const HALF_PX: f64 = 4.0;
+/// Pieces in which a cell's side is drawn.
+const PIECES: usize = 6;
+const GRID: [f32; 4] = [0.55, 0.75, 1.0, 0.45];
+const FOLD: [f32; 4] = [1.0, 0.1, 0.1, 0.9];
+const EVEN: [f32; 4] = [0.7, 0.7, 0.7, 0.5];
+const SHRUNK: [f32; 4] = [0.1, 0.4, 1.0, 0.9];
+const STRETCHED: [f32; 4] = [1.0, 0.45, 0.0, 0.9];
+const REST: [f32; 4] = [0.95, 0.95, 0.95, 0.9];
+const TARGET: [f32; 4] = [1.0, 0.6, 0.1, 1.0];
+const CHOSEN: [f32; 4] = [0.3, 1.0, 0.4, 1.0];
+
+/// A line through points of the viewer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// In units of the host_frame.
+    pub points: Vec<[f64; 2]>,
+    /// Red, green, blue, opacity.
+    pub colour: [f32; 4],
+    /// Pixels of the screen.
+    pub width: f32,
+}
+
+/// How the lattice is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LatticeStyle {
+    /// In one colour.
+    Plain,
+    /// Coloured by how much it stretches.
+    Stretch,
+    /// Not at all.
+    Hidden,
+}
+
+/// A pin as it is shown: over a shot it is where the model takes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinMark {
+    /// Its number, whatever the viewer counts by.
+    pub pin: usize,
+    /// Where its point is before the warp, in units of the host_frame.
+    pub rest: [f64; 2],
+    /// Where it goes.
+    pub target: [f64; 2],
+}
+
+/// A viewer over the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewer {
+    /// The picture under it.
+    pub host_frame: HostFrame,
+    /// Size of a pixel of the screen in units of the host_frame, across and up.
+    pub pixel: [f64; 2],
+}
+
+impl Viewer {
+    /// The pins of `controls` with their `numbers`, where they are shown. `warp`: that of these controls, if there is one.
+    #[must_use]
+    pub fn marks(&self, controls: &Controls, numbers: &[usize], warp: Option<&Warp>) -> Vec<PinMark> {
+        let ends = |index: usize| match warp.and_then(|warp| warp.pins.get(index)) {
+            Some(pin) => [pin.rest, pin.target],
+            None => [controls.pins[index].rest, controls.pins[index].target],
+        };
+        let mark = |(index, pin): (usize, &usize)| {
+            let [rest, target] = ends(index).map(|point| self.host_frame.canonical(point));
+            PinMark { pin: *pin, rest, target }
+        };
+        numbers.iter().take(controls.pins.len()).enumerate().map(mark).collect()
+    }
+
+    /// The lattice after the warp, and the outlines of cells that fold over.
+    #[must_use]
+    pub fn lattice(&self, warp: Option<&Warp>, style: LatticeStyle) -> Vec<Stroke> {
+        let Some(warp) = warp.filter(|_| style != LatticeStyle::Hidden) else { return Vec::new() };
+        let lines = warp.grid_lines(PIECES);
+        let mut strokes: Vec<Stroke> = match style {
+            LatticeStyle::Stretch => lines.iter().flat_map(|line| self.stretched(line)).collect(),
+            _ => lines.iter().map(|line| stroke(self.canonical(&line.moved), GRID, 1.0)).collect(),
+        };
+        let folds = warp.folded_outlines(PIECES);
+        strokes.extend(folds.iter().map(|outline| stroke(self.canonical(outline), FOLD, 2.0)));
+        strokes
+    }
+
+    /// Pins as crosses, targets as squares, the box that is being drawn.
+    #[must_use]
+    pub fn pins(&self, marks: &[PinMark], picker: &Picker) -> Vec<Stroke> {
+        let colour = |mark: &PinMark| if picker.is_selected(mark.pin) { CHOSEN } else { TARGET };
+        let pins = marks.iter().flat_map(|mark| self.strokes_of(mark, colour(mark)));
+        pins.chain(picker.corners().map(|corners| outline(corners, CHOSEN, 1.0))).collect()
+    }
+
+    fn canonical(&self, points: &[ScreenPoint]) -> Vec<[f64; 2]> {
+        points.iter().map(|point| self.host_frame.canonical(*point)).collect()
+    }
+
+    /// A line in pieces, coloured by how much each is longer or shorter than before the warp.
+    fn stretched(&self, line: &GridLine) -> Vec<Stroke> {
+        let [rest, moved] = [&line.rest, &line.moved].map(|points| points.windows(2));
+        let pieces = rest.zip(moved).map(|(rest, moved)| {
+            let [before, after] = [rest, moved].map(|ends| (ends[1] - ends[0]).0.length());
+            stroke(self.canonical(moved), stretch_colour(after / before), 1.5)
+        });
+        pieces.collect()
+    }
+
+    fn strokes_of(&self, mark: &PinMark, colour: [f32; 4]) -> [Stroke; 4] {
+        let half = self.pixel.map(|size| size * HALF_PX);
+        let around = |[x, y]: [f64; 2]| [[x - half[0], y - half[1]], [x + half[0], y + half[1]]];
+        let [[x1, y1], [x2, y2]] = around(mark.rest);
+        [
+            stroke(vec![mark.rest, mark.target], colour, 1.0),
+            stroke(vec![[x1, y1], [x2, y2]], REST, 1.5),
+            stroke(vec![[x1, y2], [x2, y1]], REST, 1.5),
+            outline(around(mark.target), colour, 2.0),
+        ]
+    }
+}
+
+/// From blue (half as long, or less) over grey to orange (twice as long, or more).
+fn stretch_colour(ratio: f64) -> [f32; 4] {
+    let share = ratio.max(1e-9).log2().clamp(-1.0, 1.0) as f32;
+    let end = if share < 0.0 { SHRUNK } else { STRETCHED };
+    std::array::from_fn(|channel| EVEN[channel] + (end[channel] - EVEN[channel]) * share.abs())
+}
+
+fn stroke(points: Vec<[f64; 2]>, colour: [f32; 4], width: f32) -> Stroke {
+    Stroke { points, colour, width }
+}
+
+/// The outline of a box with these opposite corners.
+fn outline([[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: [f32; 4], width: f32) -> Stroke {
+    stroke(vec![[x1, y1], [x2, y1], [x2, y2], [x1, y2], [x1, y1]], colour, width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::live::{Pin, SelectMode, ShapeSource, warp};
+
+    fn viewer() -> Viewer {
+        Viewer { host_frame: HostFrame::new([0.0, 0.0, 200.0, 100.0], 1.0, [1.0, 1.0]), pixel: [0.5, 0.25] }
+    }
+
+    fn controls(target: [f64; 2]) -> Controls {
+        let pin = Pin::new(ScreenPoint::new(0.5, 0.2), ScreenPoint::new(target[0], target[1]));
+        let held = ScreenPoint::new(1.5, 0.8);
+        Controls { pins: vec![pin, Pin::new(held, held)], ..Controls::default() }
+    }
+
+    #[test]
+    fn pins_are_crosses_and_targets_are_squares() {
+        let controls = Controls { pins: vec![controls([0.7, 0.2]).pins[0]], ..Controls::default() };
+        let marks = viewer().marks(&controls, &[7], None);
+        assert_eq!(marks, [PinMark { pin: 7, rest: [50.0, 20.0], target: [70.0, 20.0] }]);
+        let mut picker = Picker::default();
+        let strokes = viewer().pins(&marks, &picker);
+        assert_eq!(strokes.len(), 4);
+        assert_eq!(strokes[1].points, [[48.0, 19.0], [52.0, 21.0]]);
+        assert_eq!((strokes[3].points.len(), strokes[3].colour), (5, TARGET));
+        picker.press([70.0, 20.0], &[(7, marks[0].target)], [1.0, 1.0], SelectMode::Replace);
+        assert_eq!(viewer().pins(&marks, &picker)[3].colour, CHOSEN);
+        picker.press([0.0, 0.0], &[], [1.0, 1.0], SelectMode::Replace);
+        picker.motion([3.0, 4.0]);
+        assert_eq!(viewer().pins(&marks, &picker)[4].points[2], [3.0, 4.0], "the box that is drawn comes last");
+    }
+
+    #[test]
+    fn folds_are_outlined_and_stretch_is_coloured() {
+        let frame = viewer().host_frame.frame;
+        let warped = |target| warp(&controls(target), &ShapeSource::Frame, frame).expect("solves");
+        let is_red = |stroke: &Stroke| stroke.colour == FOLD;
+        let [calm, folded] = [[0.6, 0.2], [1.7, 0.2]].map(warped);
+        assert!(!viewer().lattice(Some(&calm), LatticeStyle::Plain).iter().any(is_red));
+        assert!(viewer().lattice(Some(&folded), LatticeStyle::Plain).iter().any(is_red));
+        let strokes = viewer().lattice(Some(&calm), LatticeStyle::Stretch);
+        let [most, least] = [f32::max, f32::min].map(|pick| strokes.iter().map(|line| line.colour[0]).reduce(pick));
+        assert!(most > Some(EVEN[0] + 0.05) && least < Some(EVEN[0] - 0.05), "{most:?} {least:?}");
+        assert!(viewer().lattice(Some(&folded), LatticeStyle::Hidden).is_empty());
+        let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+        let found = [0.25, 1.0, 4.0].map(stretch_colour);
+        assert!(found.iter().zip([SHRUNK, EVEN, STRETCHED]).all(|(found, end)| near(*found, end)), "{found:?}");
+    }
+}

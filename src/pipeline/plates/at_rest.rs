@@ -1,0 +1,65 @@
+//! The scene of a shot with all its layers at rest, drawn frame by frame.
+//!
+//! In: a [`Setup`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render of the shot
+//! gives to what is left.
+
+use super::super::draw::draw_frame;
+use super::super::{PipelineError, Setup};
+use crate::image::{Frame, FrameMetadata};
+use crate::raster::{self, ChannelGroup, DeviceChoice, Raster};
+use crate::scene::Scene;
+use crate::shot::Shot;
+use crate::space::FrameSize;
+
+/// Draws the unwarped scene.
+pub(super) struct SceneAtRest<'a> {
+    /// Without pins and handles.
+    shot: Shot,
+    scene: &'a Scene,
+    /// Layers that are left out, by index.
+    hidden: Vec<usize>,
+    device: &'a DeviceChoice,
+    /// Opened for frames of the size drawn last.
+    ready: Option<(Box<dyn Raster + Send>, Setup)>,
+}
+
+impl<'a> SceneAtRest<'a> {
+    pub(super) fn new(setup: &'a Setup, device: &'a DeviceChoice, hidden: Vec<usize>) -> Self {
+        let mut shot = setup.shot.clone();
+        for layer in &mut shot.layers {
+            layer.pins.clear();
+            layer.handles.clear();
+            layer.transfer = None;
+        }
+        Self { shot, scene: &setup.scene, hidden, device, ready: None }
+    }
+
+    /// One sample a pixel at the middle of the exposure.
+    pub(super) fn with_one_sample(mut self) -> Self {
+        (self.shot.samples, self.shot.shutter.angle) = (1, 0.0);
+        self
+    }
+
+    /// A frame with these channels, and what its file would say about itself.
+    pub(super) fn draw(
+        &mut self,
+        frame: i32,
+        (size, channels): (FrameSize, &[ChannelGroup]),
+    ) -> Result<(Frame, FrameMetadata), PipelineError> {
+        let (mut device, mut setup) = match self.ready.take().filter(|(_, setup)| setup.shot.size == size) {
+            Some(ready) => ready,
+            None => self.opened(size)?,
+        };
+        setup.shot.output.channels = channels.to_vec();
+        let drawn = draw_frame(device.as_mut(), &setup, frame);
+        let metadata = FrameMetadata { frame, mattes: setup.mattes.headers.clone(), ..FrameMetadata::default() };
+        self.ready = Some((device, setup));
+        Ok((drawn?, metadata))
+    }
+
+    fn opened(&self, size: FrameSize) -> Result<(Box<dyn Raster + Send>, Setup), PipelineError> {
+        let mut setup = Setup::with_scene(Shot { size, ..self.shot.clone() }, self.scene.clone())?;
+        setup.hidden.clone_from(&self.hidden);
+        Ok((raster::open(self.device, &setup.scene)?.0, setup))
+    }
+}

@@ -1,0 +1,98 @@
+//! What can be seen of the unwarped picture of a shot: where a map folds, what is transparent must not hide it.
+//!
+//! In: a [`Setup`]. Out: the [`Coverage`] of a frame: the model of a scene, the alpha of pictures or of a plate.
+
+use super::super::{PipelineError, Setup};
+use super::at_rest::SceneAtRest;
+use crate::image::{Frame, SequencePath, read_any};
+use crate::plate::color_layers;
+use crate::raster::{ChannelGroup, DeviceChoice};
+use crate::space::{FrameSize, PixelRect};
+
+/// What no layer moves counts less than what layers move, and more than nothing: half of a pixel decides.
+const UNCLAIMED: f32 = 0.25;
+
+/// Finds what can be seen before the warp.
+pub struct Silhouette<'a> {
+    setup: &'a Setup,
+    /// Of this layer alone.
+    layer: Option<usize>,
+    scene: Option<SceneAtRest<'a>>,
+}
+
+/// How much of every pixel of a picture can be seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// The display window that was looked at.
+    frame: FrameSize,
+    /// Its pixels that have coverage.
+    window: PixelRect,
+    /// #pixels of the window, 0 to 1.
+    samples: Vec<f32>,
+}
+
+impl Coverage {
+    /// Of the pixel of a picture of any size that shows the same frame; 0 outside the window.
+    #[must_use]
+    pub fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
+        let scale = [
+            f64::from(self.frame.width) / f64::from(size.width),
+            f64::from(self.frame.height) / f64::from(size.height),
+        ];
+        let own = [0, 1].map(|axis| ((f64::from(pixel[axis]) + 0.5) * scale[axis]).floor() as i32);
+        self.window.place_of(own).map_or(0.0, |place| self.samples[place])
+    }
+}
+
+impl<'a> Silhouette<'a> {
+    /// Of everything, or of the layer of that name alone.
+    #[must_use]
+    pub fn of(setup: &'a Setup, layer: Option<&str>) -> Self {
+        let layer = layer.and_then(|name| setup.shot.layers.iter().position(|layer| layer.name == name));
+        let scene = setup.shot.scene().map(|_| SceneAtRest::new(setup, &DeviceChoice::Cpu, Vec::new()));
+        Self { setup, layer, scene: scene.map(SceneAtRest::with_one_sample) }
+    }
+
+    /// The coverage of a frame; `None` where nothing says what can be seen.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene cannot be drawn.
+    pub fn at(&mut self, frame: i32) -> Result<Option<Coverage>, PipelineError> {
+        let size = self.setup.shot.size;
+        if let Some(scene) = &mut self.scene {
+            let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
+            return Ok(of_render(drawn, size, self.layer));
+        }
+        if let Some(gallery) = &self.setup.gallery {
+            let shown = |index: usize| self.layer.is_none_or(|layer| self.setup.owners[index] == Some(layer));
+            return Ok(Some(Coverage { frame: size, window: size.window(), samples: gallery.coverage(shown) }));
+        }
+        Ok(self.of_plate(frame))
+    }
+
+    /// The alpha of the shot's plate, where that is there and has one.
+    fn of_plate(&self, frame: i32) -> Option<Coverage> {
+        let path = SequencePath::parse(self.setup.shot.plate.as_ref()?).ok()?.path_of(frame);
+        let plate = read_any(&path).ok()?;
+        let (layers, _) = color_layers(&plate, &self.setup.shot.warp.meanings);
+        let layer = layers.first()?;
+        let samples = layer.channels[3]?.samples.clone();
+        let coverage = Coverage { frame: plate.frame_size(), window: plate.window_of(layer.part), samples };
+        coverage.samples.iter().any(|alpha| *alpha > 0.0).then_some(coverage)
+    }
+}
+
+/// What layers move covers wholly, all else a little.
+fn of_render(drawn: Frame, size: FrameSize, layer: Option<usize>) -> Option<Coverage> {
+    let ids = drawn.channel("id.layer")?;
+    let share = |(alpha, id): (&f32, &f32)| {
+        let own = layer.map_or(*id > 0.0, |layer| *id == layer as f32 + 1.0);
+        match (own, layer) {
+            (true, _) => alpha.clamp(0.0, 1.0),
+            (false, None) => UNCLAIMED * alpha.clamp(0.0, 1.0),
+            (false, Some(_)) => 0.0,
+        }
+    };
+    let samples = drawn.channel("A")?.samples.iter().zip(&ids.samples).map(share).collect();
+    Some(Coverage { frame: size, window: drawn.data_window, samples })
+}

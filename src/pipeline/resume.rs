@@ -1,0 +1,131 @@
+//! Which frames of a run are made, which are kept, and why frames that are there are made again.
+//!
+//! In: wanted frames, and a check of a single one. Out: [`Todo`].
+
+use super::PipelineError;
+use super::output::prepare_folder;
+use super::run_lock::RunLock;
+use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
+use crate::spelling::counted;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// A frame that is there and is made again.
+#[derive(Clone, Debug, Serialize)]
+pub struct Redone {
+    /// Its number.
+    pub frame: i32,
+    /// The file.
+    #[serde(serialize_with = "super::options::lossy")]
+    pub path: PathBuf,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// What a run has to do.
+#[derive(Debug)]
+pub(crate) struct Todo {
+    /// Frames to make, in the order wanted.
+    pub(crate) frames: Vec<i32>,
+    /// How many stay as they are.
+    pub(crate) kept: usize,
+    /// Frames to make that are there already.
+    pub(crate) redone: Vec<Redone>,
+    /// Held while the frames are made.
+    lock: Option<RunLock>,
+}
+
+impl Todo {
+    /// Sorts the wanted frames. `check` says why a frame that is there has to be made again, and is asked only where frames
+    /// may be kept.
+    pub(crate) fn of(
+        wanted: Vec<i32>,
+        output: &SequencePath,
+        existing: Existing,
+        check: impl Fn(i32) -> Result<(), Redo>,
+    ) -> Self {
+        let (mut frames, mut redone, mut kept) = (Vec::new(), Vec::new(), 0);
+        for frame in wanted {
+            let outcome = if existing.is_resume() { check(frame) } else { Err(Redo::Missing) };
+            match outcome {
+                Ok(()) => kept += 1,
+                Err(Redo::Missing) => frames.push(frame),
+                Err(reason) => {
+                    redone.push(Redone { frame, path: output.path_of(frame), reason: reason.to_string() });
+                    frames.push(frame);
+                }
+            }
+        }
+        Self { frames, kept, redone, lock: None }
+    }
+
+    /// Makes the folder of the frames, marks them as being made, and removes what dead runs left of them.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the folder cannot be written, or another run is making one of the frames.
+    pub(crate) fn begin(mut self, output: &SequencePath) -> Result<Self, PipelineError> {
+        if let Some(&first) = self.frames.first() {
+            prepare_folder(&output.path_of(first))?;
+        }
+        self.lock = RunLock::take(output, &self.frames)?;
+        let paths = self.frames.iter().map(|&frame| output.path_of(frame));
+        let stale = remove_stale(paths.flat_map(|path| [path.with_extension("png"), path]));
+        if stale > 0 {
+            tracing::info!("{} of runs that died removed", counted(stale, "temporary file", "temporary files"));
+        }
+        Ok(self)
+    }
+
+    /// One line for each reason to make frames again.
+    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
+        let mut by_reason: BTreeMap<&str, Vec<i32>> = BTreeMap::new();
+        for redone in &self.redone {
+            by_reason.entry(&redone.reason).or_default().push(redone.frame);
+        }
+        let note = |(reason, frames): (&str, Vec<i32>)| {
+            let count = counted(frames.len(), "frame is made again", "frames are made again");
+            format!("{count} ({}): {reason}", ranges(&frames))
+        };
+        by_reason.into_iter().map(note).collect::<Vec<_>>().into_iter()
+    }
+}
+
+/// Refuses frames that are there.
+pub(crate) fn refuse_existing(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), PipelineError> {
+    let mut there = paths.into_iter().filter(|path| is_there(path));
+    match there.next() {
+        None => Ok(()),
+        Some(first) => Err(PipelineError::Exists { count: 1 + there.count(), first }),
+    }
+}
+
+/// Runs of ranges shown in a note; more are left out.
+const SHOWN_RANGES: usize = 8;
+
+/// `1-4, 7`.
+fn ranges(frames: &[i32]) -> String {
+    let mut sorted = frames.to_vec();
+    sorted.sort_unstable();
+    let chunks = sorted.chunk_by(|a, b| a + 1 == *b);
+    let words = chunks.map(|chunk| match chunk {
+        [only] => only.to_string(),
+        [first, .., last] => format!("{first} to {last}"),
+        [] => String::new(),
+    });
+    let mut words: Vec<String> = words.collect();
+    if words.len() > SHOWN_RANGES {
+        words.truncate(SHOWN_RANGES);
+        words.push("...".to_owned());
+    }
+    words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn frames_in_words() {
+        assert_eq!(super::ranges(&[4, 1, 2, 3, 7, -1]), "-1, 1 to 4, 7");
+        assert!(super::ranges(&(0..100).map(|k| 2 * k).collect::<Vec<_>>()).ends_with("14, ..."));
+    }
+}

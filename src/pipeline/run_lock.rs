@@ -1,0 +1,120 @@
+//! Marks the frames that a run is making, so that a second run in the same folder does not make them too.
+//!
+//! In: a sequence and frame numbers. Out: a [`RunLock`], or [`PipelineError::Busy`]. Each run holds an operating system's
+//! lock on a file of its own: it ends with the process, so a run that died blocks nobody.
+
+use super::PipelineError;
+use crate::image::SequencePath;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+const PREFIX: &str = ".pinwarp-";
+const ENDING: &str = ".lock";
+
+/// What a run says about itself.
+#[derive(Deserialize, Serialize)]
+struct Claim {
+    process: u32,
+    /// Name of frame 0: patterns that give the same names are one.
+    sequence: String,
+    frames: Vec<i32>,
+}
+
+/// Held while frames are made; removed with the run.
+#[derive(Debug)]
+pub(crate) struct RunLock {
+    _file: NamedTempFile,
+}
+
+impl RunLock {
+    /// Marks frames of `output`, whose folder is there. `None` where the file system has no locks, or takes no files.
+    ///
+    /// # Errors
+    /// [`PipelineError::Busy`] where a run that lives is making one of them.
+    pub(crate) fn take(output: &SequencePath, frames: &[i32]) -> Result<Option<Self>, PipelineError> {
+        let Some(&first) = frames.first() else { return Ok(None) };
+        let path = output.path_of(first);
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let sequence = output.path_of(0).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let claim = Claim { process: std::process::id(), sequence, frames: frames.to_vec() };
+        let Ok(file) = write(folder, &claim) else { return Ok(None) };
+        let shared = others(folder, file.path()).find_map(|other| other.shares(&claim));
+        match shared {
+            None => Ok(Some(Self { _file: file })),
+            Some(Shared { process, frame }) => Err(PipelineError::Busy { process, frame, folder: folder.to_owned() }),
+        }
+    }
+}
+
+fn write(folder: &Path, claim: &Claim) -> std::io::Result<NamedTempFile> {
+    let mut file = tempfile::Builder::new().prefix(PREFIX).suffix(ENDING).tempfile_in(folder)?;
+    file.as_file().try_lock().map_err(std::io::Error::from)?;
+    file.write_all(serde_json::to_string(claim)?.as_bytes())?;
+    Ok(file)
+}
+
+/// The claims of other runs that live; those of dead ones are removed.
+fn others<'a>(folder: &Path, own: &'a Path) -> impl Iterator<Item = Claim> + 'a {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_lock = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with(PREFIX) && name.ends_with(ENDING) && path.symlink_metadata().is_ok_and(|file| file.is_file())
+    };
+    let locks =
+        entries.map(|entry| entry.path()).filter(is_lock).filter(move |path| path.file_name() != own.file_name());
+    locks.filter_map(|path| {
+        if File::open(&path).ok()?.try_lock().is_ok() {
+            let _ = std::fs::remove_file(&path);
+            return None;
+        }
+        // A claim that cannot be read was not written to its end: its run will find ours.
+        serde_json::from_slice(&std::fs::read(&path).ok()?).ok()
+    })
+}
+
+struct Shared {
+    process: u32,
+    frame: i32,
+}
+
+impl Claim {
+    /// The first frame that both make.
+    fn shares(&self, other: &Self) -> Option<Shared> {
+        if self.sequence != other.sequence {
+            return None;
+        }
+        let theirs: HashSet<i32> = self.frames.iter().copied().collect();
+        let frame = other.frames.iter().copied().find(|frame| theirs.contains(frame))?;
+        Some(Shared { process: self.process, frame })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_that_share_a_frame_exclude_each_other_while_they_live() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let sequence = |name: &str| SequencePath::parse(&folder.path().join(name)).expect("a name");
+        let frames = |range: std::ops::RangeInclusive<i32>| range.collect::<Vec<_>>();
+        let first = RunLock::take(&sequence("f.####.exr"), &frames(1..=10)).expect("free");
+        assert!(first.is_some(), "temporary folders have locks");
+        let busy = RunLock::take(&sequence("f.%04d.exr"), &frames(10..=20)).expect_err("frame 10 is shared");
+        assert!(matches!(busy, PipelineError::Busy { frame: 10, .. }), "{busy}");
+        for (name, range) in [("f.####.exr", 11..=20), ("g.####.exr", 1..=10)] {
+            RunLock::take(&sequence(name), &frames(range)).expect("nothing is shared");
+        }
+        drop(first);
+        // What a killed run leaves: a file that nobody locks.
+        let claim = Claim { process: 1, sequence: "f.0000.exr".into(), frames: frames(1..=10) };
+        let dead = folder.path().join(".pinwarp-dead01.lock");
+        std::fs::write(&dead, serde_json::to_string(&claim).expect("JSON")).expect("written");
+        RunLock::take(&sequence("f.####.exr"), &frames(1..=10)).expect("the other run is dead");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 0, "no lock is left behind");
+    }
+}

@@ -1,0 +1,37 @@
+//! A pose on the screen.
+//!
+//! In: a [`Pose`], a camera. Out: a [`ScreenMesh`]: where every vertex lies.
+
+use super::camera::{Camera, Projected};
+use crate::pose::{Pose, PosedPart};
+use crate::scene::{Primitive, Scene};
+use rayon::prelude::*;
+
+/// A pose on the screen: one part for each of [`Pose::parts`], in that order.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenMesh {
+    /// As many as the pose's parts.
+    pub parts: Vec<ScreenPart>,
+}
+
+/// The projected vertices of one posed part.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenPart {
+    /// #vertices; those nearer than the near plane are valid only as input of [`clip_near`](super::clip_near).
+    pub vertices: Vec<Projected>,
+}
+
+/// Projects every vertex of a pose.
+#[must_use]
+pub fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
+    let part = |part: &PosedPart| ScreenPart {
+        vertices: part.positions.par_iter().with_min_len(4096).map(|&point| camera.project(point)).collect(),
+    };
+    ScreenMesh { parts: pose.parts.iter().map(part).collect() }
+}
+
+/// The primitive that a posed part was made from.
+#[must_use]
+pub fn primitive<'a>(scene: &'a Scene, part: &PosedPart) -> &'a Primitive {
+    &scene.meshes[part.mesh].primitives[part.primitive]
+}

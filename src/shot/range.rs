@@ -1,0 +1,41 @@
+//! What a shot says about frames that are not in its range: nothing is wrong with it, but it is often a slip.
+//!
+//! In: a [`Shot`]. Out: notes in words.
+
+use super::{Anchor, FrameRange, Layer, Shot};
+use crate::spelling::counted;
+
+impl Shot {
+    /// One note for each layer whose keys lie outside the frames of the shot, and for each pin that is anchored in a frame
+    /// outside.
+    #[must_use]
+    pub(crate) fn range_notes(&self) -> Vec<String> {
+        self.layers.iter().flat_map(|layer| notes_of(layer, self.frames)).collect()
+    }
+}
+
+fn notes_of(layer: &Layer, frames: FrameRange) -> Vec<String> {
+    let FrameRange { first, last, .. } = frames;
+    let mut notes = Vec::new();
+    for pin in &layer.pins {
+        if let Anchor::Screen { frame: Some(frame), .. } = pin.anchor
+            && !(first..=last).contains(&frame)
+        {
+            notes.push(format!(
+                "layer '{}': pin '{}' is anchored in frame {frame}, outside the shot's frames {first} to {last}",
+                layer.name, pin.name
+            ));
+        }
+    }
+    let pins = layer.pins.iter().flat_map(|pin| &pin.keys).map(|key| key.frame);
+    let keys = pins.chain(layer.handles.iter().flat_map(|handle| &handle.keys).map(|key| key.frame));
+    let outside: Vec<f64> = keys.filter(|&key| key < f64::from(first) || key > f64::from(last)).collect();
+    if let Some(example) = outside.first() {
+        notes.push(format!(
+            "layer '{}': {} outside the shot's frames {first} to {last}, for example in frame {example}",
+            layer.name,
+            counted(outside.len(), "key lies", "keys lie")
+        ));
+    }
+    notes
+}

@@ -1,0 +1,219 @@
+//! SIMD-blocked sparse matrices over handles (rows of W or ∇W): four rows form a packet, one per lane.
+//!
+//! In: rest points and a grid. Out: products with the handles, and products of the transpose with values at the rows.
+//! Rows with the same handles form a block; C coefficients per row and handle (1: weight, D: gradient).
+//! All code paths use fused multiply-add, so results have the same bits on every processor.
+
+use super::cancel::{Cancel, WorkMeter};
+use super::linalg::normal_matrix::index_extent;
+use super::linalg::simd::{LANES, Lanes, load, multiply_add};
+use crate::lattice::Grid;
+use pulp::Simd;
+
+/// Blocks with more handles than this make up most of their matrix; memory for them is reserved at once.
+const FEW: usize = 64;
+
+/// Key of the handles of a row, see [`Grid::support`], and the row.
+type KeyedRow = ([usize; 2], usize);
+
+/// Rows with the same handles.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    /// Handles, as many as columns.
+    pub(crate) handles: Vec<usize>,
+    /// Its packets.
+    pub(crate) packets: std::ops::Range<usize>,
+    /// Where its coefficients start: [packet][handle].
+    start: usize,
+}
+
+/// The matrix.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockedWeights<const C: usize> {
+    pub(crate) blocks: Vec<Block>,
+    /// Original row of each lane; lanes without a row hold `usize::MAX` and zero coefficients.
+    pub(crate) order: Vec<[usize; LANES]>,
+    coefficients: Vec<[Lanes; C]>,
+}
+
+impl<const C: usize> BlockedWeights<C> {
+    /// Builds the matrix; `coefficients` selects from weight and gradient what a row stores.
+    pub(crate) fn new<const D: usize>(
+        grid: &Grid<D>,
+        points: &[[f64; D]],
+        coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
+        cancel: &Cancel,
+    ) -> Self {
+        let mut keyed: Vec<KeyedRow> =
+            points.iter().enumerate().map(|(row, &point)| (grid.support(point), row)).collect();
+        keyed.sort_unstable();
+        let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
+        for rows in keyed.chunk_by(|a, b| a.0 == b.0) {
+            packets.add_block(grid, (points, rows), &coefficients, cancel);
+        }
+        packets
+    }
+
+    fn add_block<const D: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        (points, rows): (&[[f64; D]], &[KeyedRow]),
+        coefficients: &impl Fn(f64, &[f64; D]) -> [f64; C],
+        cancel: &Cancel,
+    ) {
+        let mut handles = Vec::new();
+        grid.for_each_weight(points[rows[0].1], |term| handles.push(term.handle));
+        let (first, start) = (self.order.len(), self.coefficients.len());
+        if handles.len() > FEW {
+            self.coefficients.reserve_exact(rows.len().div_ceil(LANES) * handles.len());
+        }
+        let mut meter = cancel.meter();
+        for chunk in rows.chunks(LANES) {
+            // A weight takes some ten multiplications.
+            if meter.spend(10 * LANES * handles.len()) {
+                break;
+            }
+            let base = self.coefficients.len();
+            self.coefficients.resize(base + handles.len(), [[0.0; LANES]; C]);
+            let mut order = [usize::MAX; LANES];
+            for (lane, &(_, row)) in chunk.iter().enumerate() {
+                order[lane] = row;
+                let mut slots = self.coefficients[base..].iter_mut();
+                grid.for_each_weight(points[row], |term| {
+                    let Some(slot) = slots.next() else { return };
+                    let values = coefficients(term.weight, &term.gradient);
+                    (0..C).for_each(|c| slot[c][lane] = values[c]);
+                });
+            }
+            self.order.push(order);
+        }
+        self.blocks.push(Block { handles, packets: first..self.order.len(), start });
+    }
+
+    /// Largest difference of handle indices within a block.
+    pub(crate) fn bandwidth(&self) -> usize {
+        self.blocks.iter().filter_map(|block| index_extent(block.handles.iter().copied())).max().unwrap_or(0)
+    }
+
+    /// Adds coefficient_k · values of all packets of a block to the sums of its handles (of all handles), lane by lane; true where
+    /// the solve was cancelled.
+    #[inline(always)]
+    pub(crate) fn scatter_block<S: Simd, const D: usize>(
+        &self,
+        simd: S,
+        (block, values): (&Block, &[[[S::f64s; C]; D]]),
+        sums: &mut [[Lanes; D]],
+        meter: &mut WorkMeter,
+    ) -> bool {
+        let count = block.handles.len();
+        let coefficients = &self.coefficients[block.start..][..count * values.len()];
+        for (k, &handle) in block.handles.iter().enumerate() {
+            if meter.spend(LANES * C * D * values.len()) {
+                return true;
+            }
+            let mut totals = [[simd.splat_f64s(0.0); C]; D];
+            for (packet, values) in coefficients[k..].iter().step_by(count).zip(values) {
+                for d in 0..D {
+                    for c in 0..C {
+                        totals[d][c] = multiply_add(simd, load::<S>(&packet[c]), values[d][c], totals[d][c]);
+                    }
+                }
+            }
+            for d in 0..D {
+                let slot = &mut S::as_mut_simd_f64s(&mut sums[handle][d]).0[0];
+                *slot = totals[d].into_iter().fold(*slot, |sum, part| simd.add_f64s(sum, part));
+            }
+        }
+        false
+    }
+
+    /// Coefficients of all packets of a block: #handles each.
+    #[inline(always)]
+    pub(crate) fn packets(&self, block: &Block) -> std::slice::ChunksExact<'_, [Lanes; C]> {
+        let count = block.handles.len();
+        self.coefficients[block.start..][..count * block.packets.len()].chunks_exact(count)
+    }
+
+    /// Coefficients of one packet: #handles of its block.
+    pub(crate) fn packet(&self, block: &Block, packet: usize) -> &[[Lanes; C]] {
+        let start = block.start + (packet - block.packets.start) * block.handles.len();
+        &self.coefficients[start..start + block.handles.len()]
+    }
+}
+
+/// Copies the handles of a block.
+pub(crate) fn local_handles<const D: usize>(block: &Block, handles: &[[f64; D]], local: &mut Vec<[f64; D]>) {
+    local.clear();
+    local.extend(block.handles.iter().map(|&handle| handles[handle]));
+}
+
+/// Σ_k coefficient_k P_k for four rows: `[coordinate][coefficient]`.
+#[inline(always)]
+pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(
+    simd: S,
+    packet: &[[Lanes; C]],
+    local: &[[f64; D]],
+) -> [[S::f64s; C]; D] {
+    let mut sums = [[simd.splat_f64s(0.0); C]; D];
+    for (coefficients, handle) in packet.iter().zip(local) {
+        for d in 0..D {
+            let coordinate = simd.splat_f64s(handle[d]);
+            for c in 0..C {
+                sums[d][c] = multiply_add(simd, load::<S>(&coefficients[c]), coordinate, sums[d][c]);
+            }
+        }
+    }
+    sums
+}
+
+/// [`gather`] for several packets at once, which hides the latency of the additions.
+#[inline(always)]
+pub(crate) fn gather_group<S: Simd, const C: usize, const D: usize, const N: usize>(
+    simd: S,
+    packets: [&[[Lanes; C]]; N],
+    local: &[[f64; D]],
+) -> [[[S::f64s; C]; D]; N] {
+    let mut sums = [[[simd.splat_f64s(0.0); C]; D]; N];
+    let count = packets.iter().fold(local.len(), |count, packet| count.min(packet.len()));
+    for k in 0..count {
+        for d in 0..D {
+            let coordinate = simd.splat_f64s(local[k][d]);
+            for n in 0..N {
+                for c in 0..C {
+                    sums[n][d][c] = multiply_add(simd, load::<S>(&packets[n][k][c]), coordinate, sums[n][d][c]);
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// Adds coefficient_k · values of several packets to every handle's sum, lane by lane, one packet after the other.
+#[inline(always)]
+pub(crate) fn scatter_group<S: Simd, const C: usize, const D: usize, const N: usize>(
+    simd: S,
+    packets: [&[[Lanes; C]]; N],
+    values: &[[[S::f64s; C]; D]; N],
+    sums: &mut [[Lanes; D]],
+) {
+    let count = packets.iter().fold(sums.len(), |count, packet| count.min(packet.len()));
+    for (k, sum) in sums[..count].iter_mut().enumerate() {
+        for d in 0..D {
+            let slot = &mut S::as_mut_simd_f64s(&mut sum[d]).0[0];
+            let mut total = *slot;
+            for n in 0..N {
+                for c in 0..C {
+                    total = multiply_add(simd, load::<S>(&packets[n][k][c]), values[n][d][c], total);
+                }
+            }
+            *slot = total;
+        }
+    }
+}
+
+/// Adds the lanes of a block's sums to the right side.
+pub(crate) fn add_sums<const D: usize>(block: &Block, sums: &[[Lanes; D]], scale: f64, right_side: &mut [[f64; D]]) {
+    for (&handle, sum) in block.handles.iter().zip(sums) {
+        (0..D).for_each(|d| right_side[handle][d] += scale * sum[d].iter().sum::<f64>());
+    }
+}

@@ -1,0 +1,13 @@
+//! Linear algebra of the solver: small matrices, banded and dense factorisations, symmetric products, vector registers.
+//!
+//! In: numbers. Out: numbers. Independent of lattices.
+
+pub(super) mod band_storage;
+pub(super) mod cholesky;
+pub(super) mod factorization;
+pub(super) mod gram_matrix;
+pub(super) mod normal_matrix;
+pub(super) mod pseudo_inverse;
+pub(super) mod simd;
+pub(super) mod small_matrix;
+pub(super) mod syrk;

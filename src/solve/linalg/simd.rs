@@ -1,0 +1,53 @@
+//! Vector registers of four numbers: loads, stores, fused sums, and the choice of an instruction set. Crate pulp.
+//!
+//! All code paths use fused multiply-add, so results have the same bits on every processor.
+
+use pulp::{Simd, WithSimd};
+
+/// Rows that are computed together.
+pub(crate) const LANES: usize = 4;
+
+/// One number for each of four rows.
+pub(crate) type Lanes = [f64; LANES];
+
+/// Runs a kernel with the widest registers of four numbers that the processor has.
+pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(simd, kernel);
+    }
+    Simd::vectorize(pulp::Scalar256b, kernel)
+}
+
+/// Four numbers as a register. Both instruction sets of [`dispatch`] have exactly four lanes.
+#[inline(always)]
+pub(crate) fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
+    S::as_simd_f64s(lanes).0[0]
+}
+
+/// A register as four numbers.
+#[inline(always)]
+pub(crate) fn store<S: Simd>(register: S::f64s) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    S::as_mut_simd_f64s(&mut lanes).0[0] = register;
+    lanes
+}
+
+/// a·b + c, rounded once.
+#[inline(always)]
+pub(crate) fn multiply_add<S: Simd>(simd: S, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+    simd.mul_add_f64s(a, b, c)
+}
+
+/// Adds value · factor to every sum.
+#[inline(always)]
+pub(crate) fn add_multiple<S: Simd, const D: usize>(
+    simd: S,
+    value: S::f64s,
+    factors: &[S::f64s; D],
+    sums: &mut [S::f64s; D],
+) {
+    for (sum, factor) in sums.iter_mut().zip(factors) {
+        *sum = multiply_add(simd, value, *factor, *sum);
+    }
+}

@@ -1,0 +1,68 @@
+//! The local-global iteration: best rotations, then one linear solve, until it converges or Newton's method takes over.
+//!
+//! In: a minimisation and a first state. Out: handles, and how the iteration ended.
+
+use super::anderson::Anderson;
+use super::cancel::Cancelled;
+use super::minimization::{Energies, Minimization, MinimizationResult, SAFEGUARD, largest_step};
+use super::newton::NewtonSwitch;
+
+impl<const D: usize> Minimization<'_, D> {
+    /// Iterates to the tolerance or the limit.
+    ///
+    /// `observe` is called with the terms after every local-global step, under the rotations it was solved with, then at every iterate
+    /// that Newton's method accepts, under the best rotations; finally with those of the result.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub(crate) fn run(
+        &self,
+        mut observe: Option<&mut dyn FnMut(Energies)>,
+    ) -> Result<MinimizationResult<D>, Cancelled> {
+        let mut notify = |handles: &[[f64; D]], rotations_at: &[[f64; D]]| {
+            if let Some(observe) = &mut observe {
+                observe(self.energies(handles, rotations_at));
+            }
+        };
+        let constant = self.constant_right_side();
+        let mut anderson = Anderson::new(self.settings.acceleration);
+        let mut state = self.initial.map_or_else(|| self.start.clone(), <[_]>::to_vec);
+        let mut plain: Option<Vec<[f64; D]>> = None;
+        let mut last_energy = f64::INFINITY;
+        let mut residuals = Vec::new();
+        let mut switch = NewtonSwitch::of(self);
+        for iteration in 1..=self.settings.iteration_limit {
+            let mut next = constant.clone();
+            let mut energy = self.local_energy(&state, &mut next);
+            // The safeguard: an accelerated state with a higher energy than the last one is replaced by the plain one.
+            if (energy.is_nan() || energy > last_energy * (1.0 + SAFEGUARD))
+                && let Some(plain) = plain.take()
+            {
+                state = plain;
+                anderson.reset();
+                next.copy_from_slice(&constant);
+                energy = self.local_energy(&state, &mut next);
+            }
+            last_energy = energy;
+            self.cancel.check()?;
+            self.factor.solve(&mut next);
+            self.constraints.enforce(self.terms, &mut residuals, &mut next);
+            notify(&next, &state);
+            let step = largest_step(&state, &next);
+            if switch.as_mut().is_some_and(|switch| switch.should_switch(step)) {
+                return self.newton(&next, iteration, &mut |iterate| notify(iterate, iterate));
+            }
+            if step <= self.settings.tolerance * self.diagonal {
+                return Ok(MinimizationResult { handles: next, iterations: iteration, is_converged: true });
+            }
+            if self.settings.acceleration > 0 {
+                plain = Some(next.clone());
+                anderson.step(&state, &mut next);
+            }
+            state = next;
+        }
+        // An accelerated state whose energy was not checked is not returned.
+        let handles = plain.unwrap_or(state);
+        Ok(MinimizationResult { handles, iterations: self.settings.iteration_limit, is_converged: false })
+    }
+}

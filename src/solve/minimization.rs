@@ -1,0 +1,111 @@
+//! The minimisation problem of one solve: its energy, its right sides and its prefactored matrix.
+//!
+//! In: a prefactored system and targets. Out: energies, right sides, and how a minimisation ended.
+
+use super::cancel::Cancel;
+use super::constraints::Constraints;
+use super::energy::Distortion;
+use super::linalg::factorization::Factorization;
+use super::linalg::normal_matrix::NormalMatrix;
+use super::settings::Settings;
+use super::terms::{Scales, Terms};
+
+/// Relative increase of the energy that is accepted: below it rounding dominates, and rejecting good steps costs more than it saves.
+pub(crate) const SAFEGUARD: f64 = 1e-8;
+
+/// The method that ends an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FinalPhase {
+    /// Newton's method, where the energy implements its second derivative.
+    Newton,
+    /// Local-global steps alone.
+    LocalGlobal,
+}
+
+/// One solve: the energy, its matrix and its targets.
+pub(crate) struct Minimization<'a, const D: usize> {
+    pub(crate) distortion: &'a dyn Distortion<D>,
+    /// The constant matrix of one coordinate.
+    pub(crate) normal: &'a NormalMatrix,
+    pub(crate) factor: &'a Factorization,
+    pub(crate) constraints: &'a Constraints,
+    pub(crate) scales: Scales,
+    pub(crate) terms: &'a Terms<D>,
+    pub(crate) settings: &'a Settings,
+    /// Length relative to which steps are measured.
+    pub(crate) diagonal: f64,
+    /// The rigid fit or rest: initial handles unless others are given, and centre of the Tikhonov term.
+    pub(crate) start: Vec<[f64; D]>,
+    /// Initial handles instead of `start`.
+    pub(crate) initial: Option<&'a [[f64; D]]>,
+    pub(crate) final_phase: FinalPhase,
+    pub(crate) cancel: &'a Cancel<'a>,
+}
+
+/// The result of a minimisation.
+#[derive(Clone, Debug)]
+pub(crate) struct MinimizationResult<const D: usize> {
+    pub(crate) handles: Vec<[f64; D]>,
+    pub(crate) iterations: usize,
+    pub(crate) is_converged: bool,
+}
+
+/// Unweighted terms and their weighted sum.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Energies {
+    /// Distortion.
+    pub ml: f64,
+    /// Pins.
+    pub mp: f64,
+    /// Moved handles.
+    pub gp: f64,
+    /// Regulariser.
+    pub gr: f64,
+    /// Weighted sum.
+    pub total: f64,
+}
+
+impl<const D: usize> Minimization<'_, D> {
+    /// The terms at `handles` under the rotations that are best at `rotations_at`.
+    pub(crate) fn energies(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> Energies {
+        let ml = self.distortion.energy(handles, rotations_at);
+        let mp = self.terms.pins.energy(handles);
+        let gp = self.terms.handles.energy(handles);
+        let gr = self.terms.regularizer.energy(handles);
+        let scales = self.scales;
+        let total = scales.shape * ml + scales.pins * mp + scales.handles * gp + scales.regularizer * gr;
+        Energies { ml, mp, gp, gr, total }
+    }
+
+    /// Local step: adds its right side and gives the total energy at `state`.
+    pub(crate) fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
+        let ml = self.distortion.local_step(state, self.scales.shape, right_side, self.cancel);
+        if self.settings.acceleration == 0 {
+            return 0.0;
+        }
+        self.scales.shape * ml
+            + self.scales.pins * self.terms.pins.energy(state)
+            + self.scales.handles * self.terms.handles.energy(state)
+            + self.scales.regularizer * self.terms.regularizer.energy(state)
+            + self.scales.tikhonov * state.iter().zip(&self.start).map(|(x, start)| squared_gap(x, start)).sum::<f64>()
+    }
+
+    /// The part of the right side that does not depend on rotations.
+    pub(crate) fn constant_right_side(&self) -> Vec<[f64; D]> {
+        let mut right_side: Vec<[f64; D]> = self.start.iter().map(|x| x.map(|x| x * self.scales.tikhonov)).collect();
+        self.terms.pins.add_right_side(self.scales.pins, &mut right_side);
+        self.terms.handles.add_right_side(self.scales.handles, &mut right_side);
+        self.terms.regularizer.add_right_side(self.scales.regularizer, &mut right_side);
+        right_side
+    }
+}
+
+/// Largest distance a handle moves.
+pub(crate) fn largest_step<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
+    let squares = from.iter().zip(to).map(|(a, b)| squared_gap(a, b));
+    squares.fold(0.0, |most: f64, square| if square <= most { most } else { square }).sqrt()
+}
+
+fn squared_gap<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum()
+}

@@ -1,0 +1,109 @@
+//! Why a pin is off its target.
+//!
+//! In: a finished solve. Out: one entry per pin off its target, with the reason as an enum and in words.
+
+use super::constraints::{ConstraintOwner, Constraints};
+use super::problem::PointPin;
+use super::settings::{PinHold, Settings};
+use serde::Serialize;
+
+/// Residuals below this part of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
+const LEAST: f64 = 1e-5;
+
+/// A pin that is off its target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PinResidual {
+    /// Index of the pin.
+    pub pin: usize,
+    /// Distance from its target, in units of the space.
+    pub distance: f64,
+    /// Why.
+    pub reason: ResidualReason,
+}
+
+/// Why a pin is off its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ResidualReason {
+    /// Another pin or moved handle contradicts it: the solution is a compromise (least squares).
+    Conflict(ConstraintOwner),
+    /// It lies outside the box, where the nearest box point is held for it, and another pin or handle holds that point.
+    Outside(ConstraintOwner),
+    /// Its position, rotation and scale together over-constrain the handles around it.
+    Overloaded,
+    /// It is fading out: its weight is below 1.
+    Fading,
+    /// Pins are soft in these settings: the shape pulls it back.
+    Soft,
+    /// The guard stopped it on its path, because the lattice would fold.
+    Guard,
+    /// The iteration ended before it reached its target.
+    Unconverged,
+}
+
+impl ResidualReason {
+    /// The reason in words, to follow "the pin is off its target: "; `name_of` gives the name of a pin by its index.
+    #[must_use]
+    pub fn words(&self, name_of: impl Fn(usize) -> String) -> String {
+        let holder = |holder: &ConstraintOwner| match *holder {
+            ConstraintOwner::Pin(pin) => format!("pin {}", name_of(pin)),
+            ConstraintOwner::Handle(entry) => format!("moved handle {entry}"),
+        };
+        match self {
+            Self::Conflict(rival) => {
+                let rival = holder(rival);
+                format!(
+                    "it and {rival} over-constrain the lattice, which meets both as well as it can (least squares); move them \
+                         apart, remove one, or use more handles"
+                )
+            }
+            Self::Outside(rival) => {
+                let rival = holder(rival);
+                format!(
+                    "it lies outside the lattice box, where it and {rival} hold the same border point; enlarge the \
+                         box or remove one"
+                )
+            }
+            Self::Overloaded => "its position, rotation and scale together over-constrain its cell of the lattice; \
+                                 use more handles, or let it hold its position alone"
+                .into(),
+            Self::Fading => "it is fading out near the camera".into(),
+            Self::Soft => "pins are soft in these settings; use hard pins or a larger weight".into(),
+            Self::Guard => "the guard stopped it before the lattice folds".into(),
+            Self::Unconverged => "the solve ended before it reached its target; allow more iterations".into(),
+        }
+    }
+}
+
+/// What reasons are derived from.
+pub(crate) struct Evidence<'a, const D: usize> {
+    pub(crate) pins: &'a [PointPin<D>],
+    pub(crate) settings: &'a Settings,
+    pub(crate) constraints: &'a Constraints,
+    /// Corners of the box.
+    pub(crate) bounds: [[f64; D]; 2],
+    /// The box diagonal.
+    pub(crate) diagonal: f64,
+}
+
+/// The pins off their targets; `errors`: distances of all pins from their targets.
+pub(crate) fn residuals<const D: usize>(evidence: &Evidence<D>, errors: &[f64]) -> Vec<PinResidual> {
+    let far = errors.iter().enumerate().filter(|(_, error)| **error > LEAST * evidence.diagonal);
+    far.map(|(pin, &distance)| PinResidual { pin, distance, reason: evidence.reason(pin) }).collect()
+}
+
+impl<const D: usize> Evidence<'_, D> {
+    fn reason(&self, index: usize) -> ResidualReason {
+        let pin = &self.pins[index];
+        let [lo, hi] = self.bounds;
+        let is_outside = (0..D).any(|axis| !(lo[axis]..=hi[axis]).contains(&pin.at[axis]));
+        match self.constraints.rival(index) {
+            Some(ConstraintOwner::Pin(rival)) if rival == index => ResidualReason::Overloaded,
+            Some(rival) if is_outside => ResidualReason::Outside(rival),
+            Some(rival) => ResidualReason::Conflict(rival),
+            None if pin.weight < 1.0 => ResidualReason::Fading,
+            None if self.settings.pin_hold == PinHold::Soft => ResidualReason::Soft,
+            None => ResidualReason::Unconverged,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! The result of a solve: the lattice and a report.
+
+use super::pin_residuals::PinResidual;
+use crate::lattice::Lattice;
+use serde::Serialize;
+
+/// The quality of a solution.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SolveReport {
+    /// Distance of each pin from its target, in units of the space (screen: frame heights), as many as pins.
+    pub pin_errors: Vec<f64>,
+    /// The pins that are off their targets, and why.
+    pub pin_residuals: Vec<PinResidual>,
+    /// Folded cells, in 2D or 3D.
+    pub folded_cells: usize,
+    /// Folded active cells, which contain some of the model; folds in the others are invisible.
+    pub folded_model_cells: usize,
+    /// Smallest determinant of the gradient over the active cells: a lower bound, within 1e-3. Above 0
+    /// nothing folds, which is proven for all bases except Bernstein, whose cells are sampled.
+    pub min_cell_det: f64,
+    /// Smallest determinant of the gradient over the samples.
+    pub min_det: f64,
+    /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.
+    pub angular: f64,
+    /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
+    pub area: f64,
+    /// Where the guard stopped pins and handles, as a fraction of the (uneven) steps of their path; `None`: they reached its end.
+    pub stopped_at: Option<f64>,
+    /// Distance of each moved handle from its target, in units of the space.
+    pub handle_errors: Vec<f64>,
+    /// Linear solves: local-global and Newton steps, including rejected ones and those along a path.
+    pub iterations: usize,
+    /// The last step was below the tolerance.
+    pub is_converged: bool,
+    /// Pairs of pins, by index, at the same point with different targets: the solution is a compromise (least
+    /// squares).
+    pub conflicts: Vec<[usize; 2]>,
+    /// Warnings for the user (contradicting handles, no pins, an empty shape...).
+    pub warnings: Vec<String>,
+}
+
+/// A solved lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution<const D: usize> {
+    /// The lattice.
+    pub lattice: Lattice<D>,
+    /// How good it is.
+    pub report: SolveReport,
+}

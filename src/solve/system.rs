@@ -1,0 +1,270 @@
+//! A prefactored problem: everything that does not depend on targets is computed and factored once, then minimised often.
+//!
+//! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and the reports of their results.
+
+use super::active_cells::active_cells;
+use super::cancel::Cancel;
+use super::constraints::Constraints;
+use super::energy::{Distortion, WithPinNeighbourhoods};
+use super::error::SolveError;
+use super::least_squares::LeastSquaresRows;
+use super::linalg::factorization::Factorization;
+use super::linalg::normal_matrix::NormalMatrix;
+use super::linalg::small_matrix::distance;
+use super::minimization::{FinalPhase, Minimization, MinimizationResult};
+use super::pin_residuals::{Evidence, ResidualReason};
+use super::pins::RigidMotion;
+use super::problem::{HandlePin, PointPin, Problem};
+use super::regularizer::RegularizerTerm;
+use super::report::{Solution, SolveReport};
+use super::settings::{Scaling, Settings, Start};
+use super::targets::Targets;
+use super::terms::{Scales, TargetTerms, Terms};
+use super::{energy, pin_residuals, pins, validate};
+use crate::lattice::{Folds, Grid, Lattice};
+use crate::spelling::counted;
+use std::sync::Arc;
+
+/// The grid, the shape's samples, which points are pinned, which handles are moved, and the factored matrix.
+#[derive(Debug)]
+pub(crate) struct System<const D: usize> {
+    grid: Grid<D>,
+    settings: Settings,
+    distortion: Box<dyn Distortion<D>>,
+    normal: NormalMatrix,
+    factor: Factorization,
+    constraints: Constraints,
+    scales: Scales,
+    pins: Vec<PointPin<D>>,
+    handles: Vec<HandlePin<D>>,
+    terms: Terms<D>,
+    /// Which cells hold some of the shape.
+    is_active: Vec<bool>,
+    /// Warnings about the shape.
+    warnings: Vec<String>,
+}
+
+/// Components of a system.
+pub(crate) struct Parts<const D: usize> {
+    pub(crate) distortion: Box<dyn Distortion<D>>,
+    pub(crate) pin_rows: LeastSquaresRows<D>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Part of the mean diagonal of shape and regulariser that draws handles to the rigid fit (Tikhonov regularisation): it
+/// determines what nothing else constrains, and changes the rest by less than the tolerance.
+const TIKHONOV: f64 = 1e-9;
+
+/// Smallest determinant that the guard allows: cells compressed to a hundredth count as folded.
+const MIN_GUARDED_DET: f64 = 0.01;
+
+impl<const D: usize> System<D> {
+    /// Samples the shape and factors the matrix.
+    pub(crate) fn new(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
+        validate::problem(problem)?;
+        let (grid, settings) = (problem.grid, problem.settings);
+        let distortion = energy::build(grid, problem.shape, problem.pins, settings, cancel)?;
+        let parts = Parts {
+            distortion: WithPinNeighbourhoods::around(distortion, grid, problem.pins, settings),
+            pin_rows: pins::pin_rows(grid, problem.pins, settings),
+            warnings: shape_warnings(problem),
+        };
+        Self::assemble(problem, parts, cancel)
+    }
+
+    /// Factors a checked problem whose parts are built already.
+    pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
+        let Parts { distortion, pin_rows, warnings } = parts;
+        let (grid, settings) = (problem.grid, problem.settings);
+        let mut moved = vec![false; grid.handle_count()];
+        problem.handles.iter().for_each(|handle| moved[handle.index] = true);
+        let terms = Terms {
+            pins: pin_rows,
+            handles: pins::handle_rows(problem.handles),
+            regularizer: Arc::new(RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling)),
+        };
+        let mut scales = Scales::of(grid, settings, distortion.mass());
+        let bandwidth = terms.pins.bandwidth().max(terms.regularizer.bandwidth()).max(distortion.bandwidth());
+        let mut normal = NormalMatrix::zero(grid.handle_count(), bandwidth);
+        distortion.add_normal(scales.shape, &mut normal, cancel);
+        cancel.check()?;
+        terms.regularizer.add_normal(scales.regularizer, &mut normal, cancel);
+        if settings.scaling == Scaling::Dimensionless {
+            scales.tikhonov = TIKHONOV * normal.mean_diagonal();
+            (0..grid.handle_count()).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
+        }
+        terms.pins.add_normal(scales.pins, &mut normal, cancel);
+        terms.handles.add_normal(scales.handles, &mut normal, cancel);
+        let factor = Factorization::new(&normal, cancel);
+        cancel.check()?;
+        let factor = factor.ok_or_else(|| SolveError::Singular {
+            what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
+            hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
+        })?;
+        let constraints = Constraints::new((&normal, &factor), &terms, problem.pins, settings, cancel)?;
+        Ok(Self {
+            grid: grid.clone(),
+            settings: settings.clone(),
+            distortion,
+            normal,
+            factor,
+            constraints,
+            scales,
+            pins: problem.pins.to_vec(),
+            handles: problem.handles.to_vec(),
+            terms,
+            is_active: active_cells(grid, problem.shape),
+            warnings,
+        })
+    }
+
+    /// The grid at rest.
+    pub(crate) fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    /// The settings.
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The targets that the problem was given with.
+    pub(crate) fn own_targets(&self) -> TargetTerms<'_, D> {
+        TargetTerms { pins: &self.pins, handles: &self.handles, terms: &self.terms }
+    }
+
+    /// The terms with other targets for the same pins and handles.
+    pub(crate) fn retargeted(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Terms<D>, SolveError> {
+        validate::same_pins(&self.pins, pins)?;
+        validate::same_handles(&self.handles, handles)?;
+        let mut terms = self.terms.clone();
+        pins::retarget(&mut terms.pins, &self.grid, pins, &self.settings);
+        for (row, handle) in handles.iter().enumerate() {
+            terms.handles.set_target(row, handle.target);
+        }
+        Ok(terms)
+    }
+
+    /// The minimisation for given targets.
+    pub(crate) fn minimization<'a>(
+        &'a self,
+        targets: &TargetTerms<'a, D>,
+        cancel: &'a Cancel<'a>,
+    ) -> Minimization<'a, D> {
+        let rest = self.grid.rest_handles();
+        let start = match self.settings.start {
+            Start::Rest => rest,
+            Start::RigidFit => {
+                let rigid = RigidMotion::fit(&self.grid, targets.pins, targets.handles);
+                rest.iter().map(|handle| rigid.image(handle)).collect()
+            }
+        };
+        Minimization {
+            distortion: self.distortion.as_ref(),
+            normal: &self.normal,
+            factor: &self.factor,
+            constraints: &self.constraints,
+            scales: self.scales,
+            terms: targets.terms,
+            settings: &self.settings,
+            diagonal: self.grid.diagonal(),
+            start,
+            initial: None,
+            final_phase: FinalPhase::Newton,
+            cancel,
+        }
+    }
+
+    /// The folded cells of a lattice over the same grid, and which of them are active.
+    pub(crate) fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
+        lattice.folds(&self.is_active)
+    }
+
+    /// No active cell folds, or nearly folds.
+    pub(crate) fn is_safe(&self, handles: &[[f64; D]]) -> bool {
+        let lattice = Lattice { grid: self.grid.clone(), handles: handles.to_vec() };
+        self.folds(&lattice).min_det >= MIN_GUARDED_DET
+    }
+
+    /// The solution without pins and moved handles: the grid at rest.
+    pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
+        let mut warnings = self.warnings.clone();
+        warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
+        let result = MinimizationResult { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
+        self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
+    }
+
+    /// The solution and report of a minimisation for `goal`.
+    pub(crate) fn finish(
+        &self,
+        goal: &Targets<D>,
+        result: MinimizationResult<D>,
+        stopped_at: Option<f64>,
+    ) -> Solution<D> {
+        let mut warnings = self.warnings.clone();
+        warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
+        if !result.is_converged && self.settings.tolerance > 0.0 {
+            let spent = counted(result.iterations, "iteration", "iterations");
+            warnings.push(format!("not converged after {spent}; the result may still move"));
+        }
+        let mut solution = self.report(goal, result, warnings);
+        solution.report.stopped_at = stopped_at;
+        if stopped_at.is_some() {
+            solution.report.pin_residuals.iter_mut().for_each(|residual| residual.reason = ResidualReason::Guard);
+        }
+        solution
+    }
+
+    fn report(&self, goal: &Targets<D>, run: MinimizationResult<D>, warnings: Vec<String>) -> Solution<D> {
+        let Targets { pins, handles } = goal;
+        let metrics = self.distortion.metrics(&run.handles);
+        let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
+        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let evidence = Evidence {
+            pins,
+            settings: &self.settings,
+            constraints: &self.constraints,
+            bounds: [self.grid.lo, self.grid.hi],
+            diagonal: self.grid.diagonal(),
+        };
+        let folds = self.folds(&lattice);
+        let report = SolveReport {
+            pin_residuals: pin_residuals::residuals(&evidence, &pin_errors),
+            pin_errors,
+            folded_cells: folds.cells.len(),
+            folded_model_cells: folds.active_count,
+            min_cell_det: folds.min_det,
+            min_det: metrics.min_det(),
+            angular: metrics.angular(),
+            area: metrics.area(),
+            handle_errors: handles.iter().map(|held| distance(&lattice.handles[held.index], &held.target)).collect(),
+            stopped_at: None,
+            iterations: run.iterations,
+            is_converged: run.is_converged,
+            conflicts: pins::conflicts(&self.grid, pins),
+            warnings,
+        };
+        Solution { lattice, report }
+    }
+
+    fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
+        let target = pins::held_target(&self.grid, pin, &self.settings);
+        let held = pins::held_point(&self.grid, pin, &self.settings);
+        distance(&lattice.evaluate(held), &target)
+    }
+}
+
+fn shape_warnings<const D: usize>(problem: &Problem<D>) -> Vec<String> {
+    let Problem { grid, shape, settings, .. } = *problem;
+    let is_inside = |corner: &u32| {
+        let point = shape.points[*corner as usize];
+        (0..D).all(|axis| (grid.lo[axis]..=grid.hi[axis]).contains(&point[axis]))
+    };
+    let mut warnings: Vec<String> = energy::fitting(shape, settings).1.into_iter().collect();
+    let mut corners = shape.triangles.iter().flatten().chain(shape.strokes.iter().flatten());
+    let is_empty = shape.triangles.is_empty() && shape.strokes.is_empty();
+    if !is_empty && !corners.any(is_inside) {
+        warnings.push("no corner of the shape lies inside the lattice box; check the box".into());
+    }
+    warnings
+}

@@ -1,0 +1,54 @@
+//! The terms of the energy without rotations, and the factors of all terms.
+//!
+//! In: settings and rows. Out: [`Terms`], [`Scales`].
+
+use super::least_squares::LeastSquaresRows;
+use super::problem::{HandlePin, PointPin};
+use super::regularizer::RegularizerTerm;
+use super::settings::{Scaling, Settings};
+use crate::lattice::Grid;
+use std::sync::Arc;
+
+/// Factors of the four terms and of the Tikhonov term towards the rigid fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    pub(crate) shape: f64,
+    pub(crate) pins: f64,
+    pub(crate) handles: f64,
+    pub(crate) regularizer: f64,
+    pub(crate) tikhonov: f64,
+}
+
+/// The terms without rotations.
+#[derive(Clone, Debug)]
+pub(crate) struct Terms<const D: usize> {
+    pub(crate) pins: LeastSquaresRows<D>,
+    pub(crate) handles: LeastSquaresRows<D>,
+    /// Shared: it does not depend on targets.
+    pub(crate) regularizer: Arc<RegularizerTerm<D>>,
+}
+
+/// Targets, and the terms that contain them.
+pub(crate) struct TargetTerms<'a, const D: usize> {
+    pub(crate) pins: &'a [PointPin<D>],
+    pub(crate) handles: &'a [HandlePin<D>],
+    pub(crate) terms: &'a Terms<D>,
+}
+
+impl Scales {
+    pub(crate) fn of<const D: usize>(grid: &Grid<D>, settings: &Settings, mass: f64) -> Self {
+        let lambdas = settings.lambdas;
+        let [shape, pins] = match settings.scaling {
+            Scaling::Plain => [1.0, 1.0],
+            // Negative cotangents can make the mass zero.
+            Scaling::Dimensionless => [if mass > 0.0 { 1.0 / mass } else { 1.0 }, 1.0 / grid.diagonal().powi(2)],
+        };
+        Self {
+            shape: shape * lambdas.shape,
+            pins: pins * lambdas.pins,
+            handles: pins * lambdas.handles,
+            regularizer: lambdas.regularizer,
+            tikhonov: 0.0,
+        }
+    }
+}
