@@ -2,7 +2,7 @@
 //!
 //! In: a path, and what the frame would say about itself if it were written now. Out: it is kept, or the reason why not.
 
-use super::own::{self, OwnFields};
+use super::provenance::{self, Provenance};
 use super::{PictureKind, complete, exr_guard, exr_head, png_note};
 use crate::space::FrameSize;
 use std::fmt;
@@ -100,7 +100,7 @@ fn check_exr(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo>
     let first = head.headers.first().ok_or(Redo::Damaged)?;
     let window = first.shared_attributes.display_window.size;
     let size = [window.width(), window.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    expected.check(&own::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size)?;
+    expected.check(&provenance::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size)?;
     if depth == Depth::Pixels && !is_checksum_right(path).unwrap_or(false) {
         return Err(Redo::Checksum);
     }
@@ -108,9 +108,9 @@ fn check_exr(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo>
 }
 
 impl Expected<'_> {
-    fn check(&self, found: &OwnFields, [width, height]: [u32; 2]) -> Result<(), Redo> {
+    fn check(&self, found: &Provenance, [width, height]: [u32; 2]) -> Result<(), Redo> {
         let is_of_size = self.size.is_none_or(|size| [size.width, size.height] == [width, height]);
-        if found.version != own::VERSION {
+        if found.version != provenance::VERSION {
             Err(Redo::OtherVersion(found.version.clone()))
         } else if found.frame != self.frame {
             Err(Redo::OtherFrame(found.frame))

@@ -5,7 +5,7 @@
 
 use super::cryptomatte::MatteHeader;
 use super::exr_file::text;
-use super::own;
+use super::provenance::{self, Provenance};
 use crate::space::{FrameSize, ScreenPoint};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
@@ -40,7 +40,7 @@ pub struct CameraMatrices {
 
 impl FrameMetadata {
     pub(super) fn add_to_layer(&self, layer: &mut LayerAttributes, frame: FrameSize) {
-        self.add_own_fields(layer);
+        self.add_provenance(layer);
         for (name, words) in self.mattes.iter().flat_map(MatteHeader::attributes) {
             layer.other.insert(text(&name), AttributeValue::Text(text(&words)));
         }
@@ -52,20 +52,30 @@ impl FrameMetadata {
         }
     }
 
-    /// What resuming asks for, and nothing that a plate of another program says itself.
-    pub(super) fn add_own_fields(&self, layer: &mut LayerAttributes) {
-        own::put(layer, self);
+    /// Adds what resuming asks for, and nothing that a plate of another program says itself.
+    pub(super) fn add_provenance(&self, layer: &mut LayerAttributes) {
+        provenance::put(layer, &self.provenance());
+    }
+
+    /// What resuming asks for.
+    pub(super) fn provenance(&self) -> Provenance {
+        Provenance {
+            frame: self.frame,
+            shot_hash: self.shot_hash.clone(),
+            device: self.device.clone(),
+            version: provenance::VERSION.to_owned(),
+        }
     }
 
     /// `None` where the file is not one of pinwarp's own. The camera is not read back.
     pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Self> {
-        let own = own::from_layer(layer)?;
+        let provenance = provenance::from_layer(layer)?;
         let rate = layer.frames_per_second.map_or(0.0, |(count, secs)| f64::from(count) / f64::from(secs.max(1)));
         Some(Self {
-            frame: own.frame,
+            frame: provenance.frame,
             frames_per_second: rate,
-            shot_hash: own.shot_hash,
-            device: own.device,
+            shot_hash: provenance.shot_hash,
+            device: provenance.device,
             camera: None,
             mattes: Vec::new(),
         })

@@ -125,7 +125,7 @@ impl Plate {
     /// plate says of its software, rate and camera stays.
     pub fn set_metadata(&mut self, metadata: &FrameMetadata) {
         if let Some(first) = self.parts.first_mut() {
-            metadata.add_own_fields(&mut first.attributes);
+            metadata.add_provenance(&mut first.attributes);
         }
     }
 }

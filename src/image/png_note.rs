@@ -4,7 +4,7 @@
 //! check sums of all its chunks.
 
 use super::FrameMetadata;
-use super::own::{self, OwnFields};
+use super::provenance::{self, Provenance};
 use std::io::{BufReader, Error, ErrorKind, Read, Result};
 use std::path::Path;
 
@@ -18,13 +18,13 @@ pub(super) struct Note {
     /// Width and height, pixels.
     pub(super) size: [u32; 2],
     /// `None`: another program wrote it.
-    pub(super) fields: Option<OwnFields>,
+    pub(super) fields: Option<Provenance>,
 }
 
 /// Puts the note behind the header chunk.
 pub(super) fn noted(mut png: Vec<u8>, metadata: &FrameMetadata) -> Vec<u8> {
     // Keyword, no compression, no language, no translated keyword.
-    let content = [b"iTXt", own::NAME.as_bytes(), &[0; 5], OwnFields::of(metadata).json().as_bytes()].concat();
+    let content = [b"iTXt", provenance::NAME.as_bytes(), &[0; 5], metadata.provenance().json().as_bytes()].concat();
     let length = u32::try_from(content.len() - 4).expect("a note is short");
     let chunk = [&length.to_be_bytes(), content.as_slice(), &crc32fast::hash(&content).to_be_bytes()].concat();
     if png.len() >= HEAD_END {
@@ -65,8 +65,8 @@ pub(super) fn read(path: &Path) -> Result<Note> {
     }
 }
 
-fn fields(content: &[u8]) -> Option<OwnFields> {
-    let json = content.strip_prefix(own::NAME.as_bytes())?.strip_prefix(&[0; 5])?;
+fn fields(content: &[u8]) -> Option<Provenance> {
+    let json = content.strip_prefix(provenance::NAME.as_bytes())?.strip_prefix(&[0; 5])?;
     serde_json::from_slice(json).ok()
 }
 

@@ -1,23 +1,22 @@
-//! What pinwarp notes in every frame that it writes, for `--resume`.
+//! Provenance of a frame: what pinwarp notes in every file that it writes, for `--resume`.
 //!
-//! In: [`FrameMetadata`]. Out: one JSON text, kept as an attribute of EXR files and as a text chunk of PNG files, and back.
+//! In: [`Provenance`]. Out: one JSON text, kept as an attribute of EXR files and as a text chunk of PNG files, and back.
 
-use super::FrameMetadata;
 use super::exr_file::text;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
 use serde::{Deserialize, Serialize};
 
-/// The attribute, or the keyword of the text chunk, that holds [`OwnFields`].
+/// The attribute, or the keyword of the text chunk, that holds [`Provenance`].
 pub(super) const NAME: &str = "pinwarp";
 
 /// The version that writes.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The fields, in the order in which they are written.
+/// Frame, shot, device and version, in the order in which they are written.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct OwnFields {
+pub(super) struct Provenance {
     pub(super) frame: i32,
     pub(super) shot_hash: String,
     pub(super) device: String,
@@ -26,30 +25,22 @@ pub(super) struct OwnFields {
     pub(super) version: String,
 }
 
-impl OwnFields {
-    pub(super) fn of(metadata: &FrameMetadata) -> Self {
-        Self {
-            frame: metadata.frame,
-            shot_hash: metadata.shot_hash.clone(),
-            device: metadata.device.clone(),
-            version: VERSION.to_owned(),
-        }
-    }
-
+impl Provenance {
+    /// As JSON.
     pub(super) fn json(&self) -> String {
         serde_json::to_string(self).expect("texts and a number are always JSON")
     }
 }
 
 /// The fields of an EXR file's part; `None` where another program wrote it.
-pub(super) fn from_layer(layer: &LayerAttributes) -> Option<OwnFields> {
+pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Provenance> {
     let AttributeValue::Text(json) = layer.other.get(&text(NAME))? else { return None };
     serde_json::from_slice(json.as_slice()).ok()
 }
 
 /// Puts the fields into a part, and room for the checksum of the file's pixels.
-pub(super) fn put(layer: &mut LayerAttributes, metadata: &FrameMetadata) {
-    layer.other.insert(text(NAME), AttributeValue::Text(text(&OwnFields::of(metadata).json())));
+pub(super) fn put(layer: &mut LayerAttributes, provenance: &Provenance) {
+    layer.other.insert(text(NAME), AttributeValue::Text(text(&provenance.json())));
     let room = "0".repeat(super::exr_head::CHECKSUM_DIGITS);
     layer.other.insert(Text::from(super::exr_head::CHECKSUM), AttributeValue::Text(Text::from(room.as_str())));
 }
