@@ -2,7 +2,7 @@
 //!
 //! In: schema rules and what the user wrote. Out: parts of messages.
 
-use super::structure::{choices, names, type_of};
+use super::schema::{choices, names, type_of};
 use crate::spelling::nearest;
 use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};

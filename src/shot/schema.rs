@@ -1,6 +1,6 @@
 //! The JSON schema of the shot file, made from the raw types: one definition for reading, checking and publishing.
 //!
-//! In: [`RawShot`]. Out: text for editors (`docs/shot.schema.json`), and the tree that [`super::structure`] walks.
+//! In: [`RawShot`]. Out: text for editors (`docs/shot.schema.json`), and the tree that [`super::structure`] walks; what a part of that tree says.
 
 use super::raw::RawShot;
 use schemars::generate::SchemaSettings;
@@ -23,6 +23,23 @@ pub fn schema() -> String {
 pub(super) fn inlined() -> &'static Value {
     static INLINED: LazyLock<Value> = LazyLock::new(|| generate(true));
     &INLINED
+}
+
+/// The rules a value may follow: those of an enum's cases, else the rules themselves.
+pub(super) fn choices(rules: &Value) -> Vec<&Value> {
+    let several = rules.get("oneOf").or_else(|| rules.get("anyOf")).and_then(Value::as_array);
+    several.map_or_else(|| vec![rules], |choices| choices.iter().collect())
+}
+
+/// The names a text may be; none: any text.
+pub(super) fn names(rules: &Value) -> Vec<&str> {
+    let listed = rules.get("enum").and_then(Value::as_array).into_iter().flatten();
+    listed.chain(rules.get("const")).filter_map(Value::as_str).collect()
+}
+
+/// The type's name in the schema; empty where there is none.
+pub(super) fn type_of(rules: &Value) -> &str {
+    rules.get("type").and_then(Value::as_str).unwrap_or_default()
 }
 
 fn generate(is_inlined: bool) -> Value {

@@ -3,7 +3,8 @@
 //! In: [`Document`]. Out: faults, each with its line, what was meant, and what is allowed.
 
 use super::document::{Document, child};
-use super::{ShotError, hints, schema};
+use super::schema::{self, choices, names, type_of};
+use super::{ShotError, hints};
 use serde_json::Value as Rules;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -100,23 +101,6 @@ impl Walk<'_> {
             self.fault(path, format!("{} is out of range", hints::found(number)), hints::range(rules));
         }
     }
-}
-
-/// The rules a value may follow: those of an enum's cases, else the rules themselves.
-pub(super) fn choices(rules: &Rules) -> Vec<&Rules> {
-    let several = rules.get("oneOf").or_else(|| rules.get("anyOf")).and_then(Rules::as_array);
-    several.map_or_else(|| vec![rules], |choices| choices.iter().collect())
-}
-
-/// The names a text may be; none: any text.
-pub(super) fn names(rules: &Rules) -> Vec<&str> {
-    let listed = rules.get("enum").and_then(Rules::as_array).into_iter().flatten();
-    listed.chain(rules.get("const")).filter_map(Rules::as_str).collect()
-}
-
-/// The type's name in the schema; empty where there is none.
-pub(super) fn type_of(rules: &Rules) -> &str {
-    rules.get("type").and_then(Rules::as_str).unwrap_or_default()
 }
 
 fn is_of_type(rules: &Rules, value: &DeValue) -> bool {
