@@ -3,17 +3,16 @@
 //! In: words of the command line. Out: one struct of plain values for each command.
 
 use super::frames::{FrameList, Scale};
+use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
 use super::warp_args::WarpArgs;
-use crate::image::{Durability, Existing};
+use crate::image::Existing;
 use crate::lattice::Basis;
 use crate::memory::MemoryLimit;
 use crate::raster::DeviceChoice;
-use crate::scene::FileAccess;
-use crate::shot::{CameraRule, Shot, ShotError};
-use clap::builder::TypedValueParser;
+use crate::shot::{CameraRule, Shot};
 use clap::{ArgAction, Parser, Subcommand};
 use clap_complete::Shell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Warps animated glTF scenes with pins placed on the screen, and writes EXR sequences.
 #[derive(Debug, Parser)]
@@ -182,75 +181,6 @@ impl CameraArg {
     pub(super) fn choose(&self, shot: &mut Shot) {
         if let Some(name) = &self.camera {
             shot.camera = CameraRule::Named(name.clone());
-        }
-    }
-}
-
-/// Which files a scene may refer to.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct OutsideArg {
-    /// Read buffers and images that the scene names outside its own folder.
-    #[arg(long)]
-    allow_outside: bool,
-}
-
-impl OutsideArg {
-    /// Reads a shot file; its scene may refer to what the user allows.
-    pub(super) fn read(self, path: &Path) -> Result<Shot, ShotError> {
-        Ok(self.allow(Shot::read(path)?))
-    }
-
-    /// The shot, with what the user allows.
-    pub(super) fn allow(self, shot: Shot) -> Shot {
-        Shot { allow_outside: self.allow_outside, ..shot }
-    }
-
-    /// The same for a scene that no shot names.
-    pub(super) const fn access(self) -> FileAccess {
-        if self.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder }
-    }
-}
-
-/// What happens to frames that are already there; without a flag nothing is done.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct ExistingArgs {
-    /// Keep the frames that this run would write again, make the rest.
-    ///
-    /// A frame is kept where its file is complete and says that the same version of pinwarp made it from the same state of
-    /// the shot, in the same size, on the same class of device. Every other frame is made again, and the reason is given.
-    #[arg(long, conflicts_with = "overwrite")]
-    resume: bool,
-    /// With --resume: read kept frames to the end and compare their pixels with their checksums.
-    #[arg(long, requires = "resume")]
-    verify: bool,
-    /// Replace files that are already there.
-    #[arg(long)]
-    overwrite: bool,
-}
-
-/// When a file counts as written.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct FsyncArg {
-    /// Wait until every frame is on the disk before it gets its name.
-    ///
-    /// Frames then survive a power failure. Without this flag they survive the end of the program, however it ends.
-    #[arg(long)]
-    fsync: bool,
-}
-
-impl From<FsyncArg> for Durability {
-    fn from(arg: FsyncArg) -> Self {
-        if arg.fsync { Self::Synced } else { Self::Cached }
-    }
-}
-
-impl From<ExistingArgs> for Existing {
-    fn from(args: ExistingArgs) -> Self {
-        match args {
-            ExistingArgs { verify: true, .. } => Self::Verify,
-            ExistingArgs { resume: true, .. } => Self::Resume,
-            ExistingArgs { overwrite: true, .. } => Self::Overwrite,
-            _ => Self::Refuse,
         }
     }
 }
@@ -504,16 +434,6 @@ pub(super) struct CompareArgs {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) outside: OutsideArg,
-}
-
-/// `auto`, `cpu`, anything else by name.
-pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
-    clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
-        "auto" => DeviceChoice::Auto,
-        "cpu" => DeviceChoice::Cpu,
-        "vulkan" => DeviceChoice::Vulkan,
-        _ => DeviceChoice::Named(text),
-    })
 }
 
 /// A basis by the name it has in shot files.

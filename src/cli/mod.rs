@@ -26,6 +26,7 @@ mod pick;
 mod progress;
 mod render;
 mod resize;
+mod shared_args;
 mod solve;
 mod transfer;
 mod warnings;

@@ -1,7 +1,7 @@
 //! Arguments of `pinwarp warp`.
 
-use super::args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
 use super::frames::FrameList;
+use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
 use crate::plate::{Filter, Matte};
 use crate::raster::DeviceChoice;
 use std::path::PathBuf;

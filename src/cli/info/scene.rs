@@ -3,7 +3,7 @@
 //! In: its path. Out: nodes as a tree, clips, cameras, materials, textures, bounds and counts.
 
 use super::Lines;
-use crate::cli::args::OutsideArg;
+use crate::cli::shared_args::OutsideArg;
 use crate::pose::{ClipChoice, pose};
 use crate::scene::{self, Lens, LightKind, Node, Scene};
 use crate::spelling::counted;
