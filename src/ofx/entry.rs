@@ -122,7 +122,7 @@ fn act(kind: PluginKind, name: *const c_char, handle: *const c_void, [args, out]
     }
     let Ok(suites) = host::suites() else { return Status::ERR_MISSING_HOST_FEATURE };
     let effect = Effect { suites: &suites, handle };
-    let call = Call { kind, effect, args: Props::new(&suites, args), out: Props::new(&suites, out) };
+    let call = Call { kind, effect, args: Props::new(suites.property, args), out: Props::new(suites.property, out) };
     caught(|| work(call)).unwrap_or_else(|words| Err(Fault::Panic(words))).unwrap_or_else(|fault| {
         if !fault.is_abort() {
             effect.show_error(&fault.to_string());

@@ -69,7 +69,7 @@ fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) 
     if name == interact::LOSE_FOCUS && known.is_none_or(|effect| pen::change(effect, Pen::rest)) {
         return Ok(Status::REPLY_DEFAULT);
     }
-    let (args, own) = (Props::new(suites, args), overlay.props());
+    let (args, own) = (Props::new(suites.property, args), overlay.props());
     if name == action::CREATE_INSTANCE {
         let of_pins = (0..PINS).flat_map(|pin| ["On", "Rest", "Target"].map(|end| pin_id(pin, end)));
         let ids: Vec<String> = ["overlay", "selected"].map(str::to_owned).into_iter().chain(of_pins).collect();

@@ -32,7 +32,7 @@ impl<'a> Effect<'a> {
             // SAFETY: the host's function with its own handle; the place outlives the call.
             let _stays_null = unsafe { get(self.handle, &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// The effect's parameters.
@@ -52,7 +52,7 @@ impl<'a> Effect<'a> {
             // SAFETY: as in `props`.
             let _stays_null = unsafe { define(self.handle, name.as_ptr(), &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// The clip of a name; `None`: this context has none.
@@ -87,7 +87,7 @@ impl<'a> Clip<'a> {
             // SAFETY: the host's function with its own handle; the place outlives the call.
             let _stays_null = unsafe { get(self.handle, &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// Where the clip has pixels at a time: left, lower, right, upper edge, canonical; `None`: nowhere, or the host does

@@ -117,7 +117,7 @@ impl<'a> Clip<'a> {
 
 impl<'a> Image<'a> {
     fn new(clip: Clip<'a>, set: PropertySet) -> Result<Self, HostError> {
-        let props = Props::new(clip.suites, set);
+        let props = Props::new(clip.suites.property, set);
         let told = |name| props.text(name).or_else(|| clip.props().text(name)).unwrap_or_default();
         let depth = told(image::PIXEL_DEPTH);
         let components = told(image::COMPONENTS);

@@ -26,7 +26,7 @@ impl<'a> Interact<'a> {
             // SAFETY: the host's function with its own handle; the place outlives the call.
             let _stays_null = unsafe { get(self.handle, &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// Asks to be drawn anew.

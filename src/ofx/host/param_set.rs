@@ -37,7 +37,7 @@ impl<'a> Params<'a> {
             // SAFETY: the host's function with its own handle; strings and place outlive the call.
             let _stays_null = unsafe { define(self.set, kind.as_ptr(), c_text(id).as_ptr(), &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// Properties of the whole set.
@@ -47,7 +47,7 @@ impl<'a> Params<'a> {
             // SAFETY: as in `define`.
             let _stays_null = unsafe { get(self.set, &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     fn handle(self, id: &str) -> Option<ParamHandle> {
@@ -99,7 +99,7 @@ impl<'a> Params<'a> {
             // SAFETY: the host's function with its own handle; the place outlives the call.
             let _stays_null = unsafe { get(param, &raw mut set) };
         }
-        Props::new(self.suites, set)
+        Props::new(self.suites.property, set)
     }
 
     /// Sets an int, boolean or choice.

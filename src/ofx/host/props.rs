@@ -2,8 +2,7 @@
 //!
 //! In: a handle of the host, which may be null. Out: values, or `None`; what cannot be set is not.
 
-use super::suites::Suites;
-use crate::ofx::api::{PropertySet, Status};
+use crate::ofx::api::{PropertySet, PropertySuiteV1, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 /// Reads one value of a property.
@@ -17,14 +16,14 @@ const UNWRITTEN: i32 = i32::MIN;
 /// A set of properties.
 #[derive(Clone, Copy)]
 pub(in crate::ofx) struct Props<'a> {
-    suites: &'a Suites,
+    suite: &'a PropertySuiteV1,
     set: PropertySet,
 }
 
 impl<'a> Props<'a> {
     /// The properties behind a handle of the host; null: there are none.
-    pub(in crate::ofx) fn new(suites: &'a Suites, set: PropertySet) -> Self {
-        Self { suites, set }
+    pub(in crate::ofx) fn new(suite: &'a PropertySuiteV1, set: PropertySet) -> Self {
+        Self { suite, set }
     }
 
     fn get<T>(self, get: Get<T>, name: &CStr, index: usize, mut value: T) -> Option<T> {
@@ -55,10 +54,10 @@ impl<'a> Props<'a> {
     pub(in crate::ofx) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
         let mut values = [UNWRITTEN; N];
         for (index, value) in values.iter_mut().enumerate() {
-            *value = self.get(self.suites.property.get_int, name, index, UNWRITTEN)?;
+            *value = self.get(self.suite.get_int, name, index, UNWRITTEN)?;
         }
         if values.contains(&UNWRITTEN) {
-            let written = self.get_all(self.suites.property.get_int_n, name, values)?;
+            let written = self.get_all(self.suite.get_int_n, name, values)?;
             return Some(written).filter(|values| !values.contains(&UNWRITTEN));
         }
         Some(values)
@@ -73,8 +72,7 @@ impl<'a> Props<'a> {
     pub(in crate::ofx) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
         let mut values = [0.0; N];
         for (index, value) in values.iter_mut().enumerate() {
-            *value =
-                self.get(self.suites.property.get_double, name, index, f64::NAN).filter(|value| value.is_finite())?;
+            *value = self.get(self.suite.get_double, name, index, f64::NAN).filter(|value| value.is_finite())?;
         }
         Some(values)
     }
@@ -86,51 +84,51 @@ impl<'a> Props<'a> {
 
     /// A string, copied.
     pub(in crate::ofx) fn text(self, name: &CStr) -> Option<String> {
-        let text = self.get(self.suites.property.get_string, name, 0, std::ptr::null_mut())?;
+        let text = self.get(self.suite.get_string, name, 0, std::ptr::null_mut())?;
         owned(text)
     }
 
     /// A pointer that is not null.
     pub(in crate::ofx) fn pointer(self, name: &CStr) -> Option<*mut c_void> {
-        self.get(self.suites.property.get_pointer, name, 0, std::ptr::null_mut()).filter(|pointer| !pointer.is_null())
+        self.get(self.suite.get_pointer, name, 0, std::ptr::null_mut()).filter(|pointer| !pointer.is_null())
     }
 
     /// Sets an int.
     pub(in crate::ofx) fn set_int(self, name: &CStr, value: i32) {
-        self.set(self.suites.property.set_int, name, 0, value);
+        self.set(self.suite.set_int, name, 0, value);
     }
 
     /// Sets ints.
     pub(in crate::ofx) fn set_ints(self, name: &CStr, values: &[i32]) {
         for (index, value) in values.iter().enumerate() {
-            self.set(self.suites.property.set_int, name, index, *value);
+            self.set(self.suite.set_int, name, index, *value);
         }
     }
 
     /// Sets doubles.
     pub(in crate::ofx) fn set_doubles(self, name: &CStr, values: &[f64]) {
         for (index, value) in values.iter().enumerate() {
-            self.set(self.suites.property.set_double, name, index, *value);
+            self.set(self.suite.set_double, name, index, *value);
         }
     }
 
     /// Sets strings.
     pub(in crate::ofx) fn set_names(self, name: &CStr, values: &[&CStr]) {
         for (index, value) in values.iter().enumerate() {
-            self.set(self.suites.property.set_string, name, index, value.as_ptr());
+            self.set(self.suite.set_string, name, index, value.as_ptr());
         }
     }
 
     /// Sets strings of our own making.
     pub(in crate::ofx) fn set_texts(self, name: &CStr, values: &[&str]) {
         for (index, value) in values.iter().enumerate() {
-            self.set(self.suites.property.set_string, name, index, c_text(value).as_ptr());
+            self.set(self.suite.set_string, name, index, c_text(value).as_ptr());
         }
     }
 
     /// Sets a pointer.
     pub(in crate::ofx) fn set_pointer(self, name: &CStr, value: *mut c_void) {
-        self.set(self.suites.property.set_pointer, name, 0, value);
+        self.set(self.suite.set_pointer, name, 0, value);
     }
 }
 

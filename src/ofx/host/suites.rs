@@ -120,7 +120,7 @@ pub(in crate::ofx) fn suites() -> Result<Arc<Suites>, HostError> {
 impl Suites {
     /// Properties of the host.
     pub(in crate::ofx) fn host(&self) -> Props<'_> {
-        Props::new(self, self.properties)
+        Props::new(self.property, self.properties)
     }
 
     /// Whether the host ends the program when asked for what it does not have.
