@@ -4,7 +4,7 @@
 //! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
-use super::{LiveError, Render, Warp, take_planes};
+use super::{Render, Warp, take_planes};
 use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resample_part};
 use crate::space::PixelRect;
 use rayon::prelude::*;
@@ -33,20 +33,6 @@ pub(super) struct Compositor<'a> {
     is_straight: bool,
     /// The alpha of the source is not 0 everywhere: then it says what is transparent.
     has_coverage: bool,
-}
-
-impl Render<'_> {
-    /// Refuses planes that do not fit.
-    pub(super) fn check(&self) -> Result<(), LiveError> {
-        self.source.check("the source")?;
-        if let Some(mask) = self.mask {
-            mask.check("the mask")?;
-        }
-        let Some(background) = self.background else { return Ok(()) };
-        background.check("the background")?;
-        let (found, wanted) = (background.planes.len(), self.source.planes.len());
-        if found == wanted { Ok(()) } else { Err(LiveError::PlaneCount { found, wanted }) }
-    }
 }
 
 impl<'a> Compositor<'a> {

@@ -3,6 +3,7 @@
 //! In: a [`Warp`], and how its host names pins and measures places. Out: [`Notice`]s.
 
 use super::Warp;
+use super::warp::{ActingPin, Warning};
 use crate::solve::{PinResidual, ResidualReason, SolveReport};
 use crate::space::ScreenPoint;
 use crate::spelling::counted;
@@ -12,31 +13,6 @@ const LEAST_PX: f64 = 0.05;
 
 /// Pins that are named in one sentence.
 const MOST_NAMES: usize = 8;
-
-/// Something unexpected that a solve found.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
-    /// A sentence.
-    Text(String),
-    /// A pin has no surface under it, so it is fixed on the screen.
-    OffModel {
-        /// Index of the pin in the controls.
-        pin: usize,
-        /// Where it was placed.
-        at: ScreenPoint,
-        /// The frame in which it was placed.
-        frame: i32,
-    },
-}
-
-/// A pin that acts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum ActingPin {
-    /// One of the shot file's, by its name.
-    OfShot(String),
-    /// One of the controls', by its index.
-    OfControls(usize),
-}
 
 /// A sentence for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,35 +6,13 @@ use super::composite::Compositor;
 use super::map_tiles::MapTile;
 use super::mix::Mix;
 use super::picture::{Alpha, Picture};
-use super::{LiveError, Warp, recycle_planes};
-use crate::plate::Filter;
-use crate::space::{FrameSize, PixelRect};
+use super::{LiveError, Render, Warp, recycle_planes};
+use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Tiles that are drawn at a time, a thread: some are done sooner than others.
 const SIDE_BY_SIDE: usize = 2;
-
-/// What is rendered.
-#[derive(Clone, Copy)]
-pub struct Render<'a> {
-    /// The display window, in pixels of this render (proxies have fewer).
-    pub frame: FrameSize,
-    /// The pixels that are wanted; may lie outside the frame.
-    pub window: PixelRect,
-    /// The picture that is warped; [`Warp::source_of`] tells how much of it is needed.
-    pub source: &'a Picture<'a>,
-    /// One plane, 0 to 1: what is moved. The rest of the picture stays. Where it has no samples nothing is moved.
-    pub mask: Option<&'a Picture<'a>>,
-    /// What is seen where something moved away, or the picture does not reach: as many planes as the source.
-    pub background: Option<&'a Picture<'a>>,
-    /// How it is resampled.
-    pub filter: Filter,
-    /// How much of the result is seen.
-    pub mix: Mix<'a>,
-    /// Asked now and then, by the thread that renders; true: the picture is not wanted any more.
-    pub abort: &'a (dyn Fn() -> bool + Sync),
-}
 
 /// A finished part of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]

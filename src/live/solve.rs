@@ -6,8 +6,7 @@
 use super::base_scene::{BaseScene, Goals, driven_layer};
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
-use super::notices::{ActingPin, Warning};
-use super::warp::PinPlace;
+use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::pipeline::{LayerTask, Pinned, PipelineError, Prepared, Setup};
 use crate::plate::Field;

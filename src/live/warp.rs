@@ -3,7 +3,6 @@
 //! In: a solved lattice. Out: where points go; lines, handles and pins as points of the screen.
 
 use super::key::Key;
-use super::notices::{ActingPin, Warning};
 use crate::lattice::ScreenLattice;
 use crate::plate::Field;
 use crate::solve::SolveReport;
@@ -26,6 +25,31 @@ pub struct Warp {
     pub(super) acting: Vec<ActingPin>,
     /// What stands for all that it was solved from.
     pub(super) key: Key,
+}
+
+/// Something unexpected that a solve found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A sentence.
+    Text(String),
+    /// A pin has no surface under it, so it is fixed on the screen.
+    OffModel {
+        /// Index of the pin in the controls.
+        pin: usize,
+        /// Where it was placed.
+        at: ScreenPoint,
+        /// The frame in which it was placed.
+        frame: i32,
+    },
+}
+
+/// A pin that acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum ActingPin {
+    /// One of the shot file's, by its name.
+    OfShot(String),
+    /// One of the controls', by its index.
+    OfControls(usize),
 }
 
 /// A pin at the moment of the warp.
