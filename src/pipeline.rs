@@ -10,6 +10,7 @@ mod claims;
 mod coarse;
 mod draw;
 mod error;
+mod events;
 mod fit;
 mod follow;
 mod jerk;
@@ -44,10 +45,11 @@ mod write;
 pub use anchors::{Pinned, Rest};
 pub use bake::BakeTimes;
 pub use error::PipelineError;
+pub use events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
 pub use fit::{Registration, picture_shape, register};
-pub use jerk::{Jerk, JerkMeter};
+pub use jerk::JerkMeter;
 pub use moment::{LayerState, Moment, PinState};
-pub use options::{Event, Existing, FrameReport, LayerReport, RenderOptions, Summary};
+pub use options::{Existing, RenderOptions};
 pub use passes::{PassPlan, plan_passes};
 pub use plates::{
     Coverage, PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames,
@@ -55,7 +57,6 @@ pub use plates::{
 pub use posed::PosedLayer;
 pub use render::{render, render_on};
 pub use report::report;
-pub use resume::Redone;
 #[cfg(feature = "cli")]
 pub(crate) use resume::{Todo, refuse_existing};
 pub use screen_layer::{LayerTask, Prepared};

@@ -3,11 +3,10 @@
 //! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks and
 //! nothing that it follows does. It looks and never changes a picture.
 
-use super::{FrameReport, Moment, Setup};
+use super::{FrameReport, Jerk, Moment, Setup};
 use crate::lattice::ScreenLattice;
 use crate::shot::Rotation;
 use crate::space::{ScreenPoint, ScreenVector};
-use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Points of a layer's surface that are looked at, beside its pins.
@@ -21,15 +20,6 @@ const AMPLIFIED: f64 = 6.0;
 
 /// A turn of a pin moves its surroundings by this part of the lattice's diagonal a radian.
 const LEVER: f64 = 0.25;
-
-/// |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, the greatest of all points, pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Jerk {
-    /// Of the displacement that the warp makes.
-    pub warp_px: f64,
-    /// Of what it follows: the model's points on the screen before the warp, and what the keys ask of pins and handles.
-    pub input_px: f64,
-}
 
 /// Measures frames; what it knows of the last ones is kept, what it does not know is solved.
 #[derive(Debug, Default)]

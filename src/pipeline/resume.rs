@@ -2,26 +2,13 @@
 //!
 //! In: wanted frames, and a check of a single one. Out: [`Todo`].
 
-use super::PipelineError;
 use super::output::prepare_folder;
 use super::run_lock::RunLock;
+use super::{PipelineError, Redone};
 use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
 use crate::spelling::counted;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-
-/// A frame that is there and is made again.
-#[derive(Clone, Debug, Serialize)]
-pub struct Redone {
-    /// Its number.
-    pub frame: i32,
-    /// The file.
-    #[serde(serialize_with = "super::options::lossy")]
-    pub path: PathBuf,
-    /// Why, in words.
-    pub reason: String,
-}
 
 /// What a run has to do.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! What a warp of finished frames is asked to do, and what it tells while it does.
 
-use super::super::options::lossy;
+use super::super::events::lossy;
 use super::super::{Existing, Redone, Setup};
 use crate::export::LatticeFile;
 use crate::image::Durability;
