@@ -7,7 +7,7 @@
 
 use super::alike::Alike;
 use super::canvas::{Canvas, Sheet};
-use super::filter::{BAND, bands, footprint, footprint_box};
+use super::filter::{BAND, bands, footprint_bounds, footprint_taps};
 use super::over::Overlay;
 use super::resampler::Tools;
 use crate::image::cryptomatte::{Coverage, MatteId};
@@ -105,13 +105,13 @@ impl Canvas<'_> {
     fn find_taps(&self, alike: &Alike, sheet: &Sheet, (place, at): (usize, [i32; 2]), taps: &mut Vec<(usize, f32)>) {
         match &sheet.map {
             Some(map) => {
-                let one = footprint_box(map, place, self.source).and_then(|ends| alike.one_of(ends));
+                let one = footprint_bounds(map, place, self.source).and_then(|ends| alike.one_of(ends));
                 match one {
                     Some(sample) => {
                         taps.clear();
                         taps.push((sample, 1.0));
                     }
-                    None => footprint(map, place, self.source, taps),
+                    None => footprint_taps(map, place, self.source, taps),
                 }
             }
             None => {

@@ -40,7 +40,7 @@ mod warp;
 pub use color_layers::{ColorLayer, color_layers};
 pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table};
-pub use filter::{NotFinite, Planes, footprint, resample_into, resample_part, resampled};
+pub use filter::{NotFinite, Planes, footprint_taps, resample_into, resample_part, resampled};
 pub use map::WarpMap;
 pub(crate) use over::{laid, left_below};
 pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};

@@ -6,7 +6,8 @@ use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{
-    Field, LayerJob, Matte, MotionRule, NormalRule, PlateJob, WarpMap, WarpRules, footprint, remap_plate, undo_plate,
+    Field, LayerJob, Matte, MotionRule, NormalRule, PlateJob, WarpMap, WarpRules, footprint_taps, remap_plate,
+    undo_plate,
 };
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::BTreeMap;
@@ -76,7 +77,7 @@ fn coverage_is_what_the_footprint_sees() {
     let mut taps = Vec::new();
     let mut mixed = 0;
     for pixel in 0..FRAME.area() {
-        footprint(&map, pixel, FRAME, &mut taps);
+        footprint_taps(&map, pixel, FRAME, &mut taps);
         let mut expected: BTreeMap<u32, f32> = BTreeMap::new();
         for &(index, weight) in &taps {
             let (x, y) = (index as u32 % FRAME.width, index as u32 / FRAME.width);

@@ -1,29 +1,29 @@
 //! A part of the source, made ready for filters: four planes side by side, borders filled in, no infinities.
 //!
-//! In: planes, a rectangle of samples that may reach over their borders. Out: texels; and where samples are not a
+//! In: planes, a rectangle of samples that may extend over their borders. Out: texels; and where samples are not a
 //! number, texels that say so.
 
 use super::border::Extent;
 use pulp::{Simd, WithSimd};
 
 /// What infinities become: the greatest finite half, as sums of it stay finite.
-const GREATEST: f32 = 65504.0;
+const MAX_HALF: f32 = 65504.0;
 /// Texels after the last that kernels may read (times a weight of 0).
-const SPARE: usize = 8;
+const PADDING: usize = 8;
 
 /// Four planes' samples at one place.
 pub(super) type Texel = [f32; 4];
 
-/// A rectangle of the source; may reach over its borders.
+/// A rectangle of the source; may extend over its borders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Reach {
+pub(super) struct SampleRect {
     /// First sample on both axes.
     pub(super) low: [i32; 2],
     /// One after the last.
     pub(super) high: [i32; 2],
 }
 
-impl Reach {
+impl SampleRect {
     pub(super) fn size(&self, axis: usize) -> usize {
         (self.high[axis] - self.low[axis]).max(0) as usize
     }
@@ -47,7 +47,7 @@ pub(super) struct FillBlock<'a> {
     pub(super) block: &'a mut Block,
     pub(super) planes: &'a [&'a [f32]],
     pub(super) extents: &'a [Extent; 2],
-    pub(super) reach: &'a Reach,
+    pub(super) rect: &'a SampleRect,
 }
 
 impl WithSimd for FillBlock<'_> {
@@ -55,15 +55,15 @@ impl WithSimd for FillBlock<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { block, planes, extents, reach } = self;
-        block.low = reach.low;
-        block.stride = reach.size(0);
-        block.texels.resize(block.stride * reach.size(1) + SPARE, [0.0; 4]);
+        let Self { block, planes, extents, rect } = self;
+        block.low = rect.low;
+        block.stride = rect.size(0);
+        block.texels.resize(block.stride * rect.size(1) + PADDING, [0.0; 4]);
         block.presence.clear();
         let mut all_finite = true;
-        for (row, texels) in block.texels.chunks_exact_mut(block.stride).take(reach.size(1)).enumerate() {
-            match extents[1].sample(reach.low[1] + row as i32) {
-                Some(y) => all_finite &= fill_row(planes, y, &extents[0], reach.low[0], texels),
+        for (row, texels) in block.texels.chunks_exact_mut(block.stride).take(rect.size(1)).enumerate() {
+            match extents[1].sample(rect.low[1] + row as i32) {
+                Some(y) => all_finite &= fill_row(planes, y, &extents[0], rect.low[0], texels),
                 None => texels.fill([0.0; 4]),
             }
         }
@@ -86,9 +86,9 @@ impl Block {
     }
 }
 
-/// Infinities as [`GREATEST`]; other samples as they are.
+/// Infinities as [`MAX_HALF`]; other samples as they are.
 fn finite(sample: f32) -> f32 {
-    if sample.is_infinite() { GREATEST.copysign(sample) } else { sample }
+    if sample.is_infinite() { MAX_HALF.copysign(sample) } else { sample }
 }
 
 /// Reads a row from sample `low`; whether all samples are finite.

@@ -1,104 +1,155 @@
-//! The samples below one output pixel, for what may be weighed but not interpolated beyond its values.
+//! The footprint of an output pixel in the source: how far, and in which direction, the warp shrinks there.
 //!
-//! In: a map and a pixel. Out: source samples and weights, never negative: a tent as wide as the pixel's footprint.
+//! In: the offsets around a pixel. Out: the map that takes source distances to filter distances.
+//!
+//! P. Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, chapter 3: a round pixel becomes an ellipse
+//! with J Jᵀ, J = d source / d output. Its axes are held at 1 or more, so that magnified samples are interpolated, not blurred:
+//! H = max(1, √(J Jᵀ)) by eigenvalues, and a filter is read at H⁻¹ (source − position). H = 1 wherever the warp turns, shifts or magnifies.
 
-use super::border::Extent;
-use super::shape::Shape;
+use super::simd::LANES;
 use crate::plate::WarpMap;
-use crate::space::PixelRect;
 
-/// Collects the samples below an output pixel: (index into the source window, weight).
-///
-/// Weights are positive and sum to 1 inside the picture, to less where part of the pixel sees nothing; no taps where
-/// the map holds NaN or leads out of the picture. One tap of weight 1 where nothing moves. `taps` is emptied first.
-pub fn footprint(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
-    taps.clear();
-    if source_window.area() == 0 {
-        return;
+/// Greatest shrink that is filtered in full; a footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
+const SHRINK_LIMIT: f32 = 16.0;
+/// Shrinks up to this factor count as none: rounding of maps must not widen a filter.
+const SLACK: f32 = 1.02;
+
+/// Filter distances from source distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Footprint {
+    /// H⁻¹: xx, xy = yx, yy.
+    pub(super) filter_from_source: [f32; 3],
+    /// Source distance along x and y of the corners of the filter's square of "radius" 1.
+    pub(super) half_extent: [f32; 2],
+}
+
+impl Footprint {
+    /// No shrink.
+    pub(super) const UNIT: Self = Self { filter_from_source: [1.0, 0.0, 1.0], half_extent: [1.0, 1.0] };
+
+    /// Whether the plain filter serves.
+    #[inline(always)]
+    pub(super) fn is_unit(&self) -> bool {
+        self.half_extent == Self::UNIT.half_extent
     }
-    let width = map.window.width as usize;
-    let (column, row) = (pixel % width, pixel / width);
-    let extents = Extent::of_window(source_window, map.frame.window());
-    let offset = map.offsets[pixel];
-    let start = [
-        i64::from(map.window.x) + column as i64 - i64::from(source_window.x),
-        i64::from(map.window.y) + row as i64 - i64::from(source_window.y),
-    ];
-    let Some(places) = places(offset, start, extents) else { return };
-    let shape = Shape::at(map, column, row);
-    let coverage =
-        extents[0].coverage(places[0].0 as f32, places[0].1) * extents[1].coverage(places[1].0 as f32, places[1].1);
-    let sum = gather(&places, &shape, extents, source_window.width as usize, taps);
-    // Far beyond a held side every tap is the last sample, but nothing of it is covered.
-    taps.retain_mut(|(_, weight)| {
-        *weight *= coverage / sum;
-        *weight > 0.0
-    });
-}
 
-/// The first and the last sample (column and row of the source window) of the rectangle that holds all below a pixel's
-/// footprint; `None` where the map tells nothing.
-pub(crate) fn footprint_box(map: &WarpMap, pixel: usize, source: PixelRect) -> Option<[[i32; 2]; 2]> {
-    let width = map.window.width as usize;
-    let (column, row) = (pixel % width, pixel / width);
-    let extents = Extent::of_window(source, map.frame.window());
-    let start = [
-        i64::from(map.window.x) + column as i64 - i64::from(source.x),
-        i64::from(map.window.y) + row as i64 - i64::from(source.y),
-    ];
-    let places = places(map.offsets[pixel], start, extents)?;
-    let shape = Shape::at(map, column, row);
-    let end = |axis: usize, reach: f32| places[axis].1 + reach * shape.reach[axis];
-    let low = [0, 1].map(|axis| places[axis].0 + end(axis, -1.0).ceil() as i32);
-    let high = [0, 1].map(|axis| places[axis].0 + end(axis, 1.0).floor() as i32);
-    Some([low, high])
-}
+    /// The footprint of the pixel with that index.
+    #[inline(always)]
+    pub(super) fn at(map: &WarpMap, column: usize, row: usize) -> Self {
+        let (width, height) = (map.window.width as usize, map.window.height as usize);
+        let index = row * width + column;
+        let across = steepness(&map.offsets, index, 1, [column > 0, column + 1 < width]);
+        let down = steepness(&map.offsets, index, width, [row > 0, row + 1 < height]);
+        Self::of_jacobian(jacobian(across, down))
+    }
 
-/// Sample and fraction on both axes; `None` where the place is not near the picture.
-fn places(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<[(i32, f32); 2]> {
-    let place = |axis: usize| {
-        let whole = offset[axis].floor();
-        let sample = start[axis] as f32 + whole;
-        let near = sample > -1e6 && sample < extents[axis].count as f32 + 1e6;
-        near.then(|| (sample as i32, offset[axis] - whole))
-    };
-    Some([place(0)?, place(1)?])
-}
+    /// The footprints of pixels side by side, none of them at the border of the map.
+    #[inline(always)]
+    pub(super) fn of_inner(map: &WarpMap, column: usize, row: usize) -> [Self; LANES] {
+        let width = map.window.width as usize;
+        let index = row * width + column;
+        let step = |k: usize, stride: usize| {
+            let here = map.offsets[index + k];
+            let before = difference(here, map.offsets[index + k - stride]);
+            smaller(before, difference(map.offsets[index + k + stride], here))
+        };
+        // Whether anything shrinks is asked of all at once, in wide registers; few footprints have to be found then.
+        let jacobians: [_; LANES] = std::array::from_fn(|k| jacobian(step(k, 1), step(k, width)));
+        let longest = jacobians.map(|jacobian| Ellipse::of_jacobian(jacobian).longest());
+        std::array::from_fn(|k| if shrinks(longest[k]) { Self::of_jacobian(jacobians[k]) } else { Self::UNIT })
+    }
 
-/// Adds taps with plain tent weights; the sum of all weights, also of those that met nothing.
-fn gather(
-    places: &[(i32, f32); 2],
-    shape: &Shape,
-    extents: [Extent; 2],
-    width: usize,
-    taps: &mut Vec<(usize, f32)>,
-) -> f32 {
-    let [xx, xy, yy] = shape.filter_from_source;
-    let range = |axis: usize| {
-        let fraction = places[axis].1;
-        (fraction - shape.reach[axis]).ceil() as i32..=(fraction + shape.reach[axis]).floor() as i32
-    };
-    let mut sum = 0.0;
-    for y in range(1) {
-        let dy = y as f32 - places[1].1;
-        for x in range(0) {
-            let dx = x as f32 - places[0].1;
-            let tent = |t: f32| (1.0 - t.abs()).max(0.0);
-            let weight = tent(xx * dx + xy * dy) * tent(xy * dx + yy * dy);
-            sum += weight;
-            let sample = extents[0].sample(places[0].0 + x).zip(extents[1].sample(places[1].0 + y));
-            if let Some((x, y)) = sample.filter(|_| weight > 0.0) {
-                add(taps, y * width + x, weight);
-            }
+    /// From J, rows first.
+    #[inline(always)]
+    fn of_jacobian(jacobian: [f32; 4]) -> Self {
+        let ellipse = Ellipse::of_jacobian(jacobian);
+        let longest = ellipse.longest();
+        if !shrinks(longest) {
+            return Self::UNIT;
+        }
+        let Ellipse { mean, half, b, radius } = ellipse;
+        let (long, short) = (held(longest), held(mean - radius));
+        // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
+        let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
+        let (along, aside) = (half * scale, b * scale);
+        let (p, q) = (0.5 * (1.0 / long + 1.0 / short), 0.5 * (1.0 / long - 1.0 / short));
+        let (s, t) = (0.5 * (long + short), 0.5 * (long - short));
+        let corner = (t * aside).abs();
+        Self {
+            filter_from_source: [p + q * along, q * aside, p - q * along],
+            half_extent: [s + t * along + corner, s - t * along + corner],
         }
     }
-    sum
 }
 
-/// A held border names a sample more than once.
-fn add(taps: &mut Vec<(usize, f32)>, index: usize, weight: f32) {
-    match taps.last_mut() {
-        Some(last) if last.0 == index => last.1 += weight,
-        _ => taps.push((index, weight)),
+/// J Jᵀ by its eigenvalues, mean ± radius.
+#[derive(Clone, Copy)]
+struct Ellipse {
+    mean: f32,
+    /// Half the difference of the elements xx and yy.
+    half: f32,
+    /// The element xy.
+    b: f32,
+    radius: f32,
+}
+
+impl Ellipse {
+    /// From J, rows first.
+    #[inline(always)]
+    fn of_jacobian([xx, xy, yx, yy]: [f32; 4]) -> Self {
+        let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
+        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        Self { mean, half, b, radius: (half * half + b * b).sqrt() }
     }
+
+    #[inline(always)]
+    fn longest(self) -> f32 {
+        self.mean + self.radius
+    }
+}
+
+/// J, rows first, from how the offsets change to the right and down.
+#[inline(always)]
+fn jacobian(across: [f32; 2], down: [f32; 2]) -> [f32; 4] {
+    [1.0 + across[0], down[0], across[1], 1.0 + down[1]]
+}
+
+/// Whether the longer eigenvalue of J Jᵀ widens the footprint.
+#[inline(always)]
+fn shrinks(longest: f32) -> bool {
+    longest > SLACK * SLACK && longest < f32::INFINITY
+}
+
+/// A half axis of the footprint from an eigenvalue of J Jᵀ.
+#[inline(always)]
+fn held(squared: f32) -> f32 {
+    (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT)
+}
+
+/// How offsets change along an axis, a pixel: the smaller of both sides' differences, since the other may cross a fold
+/// or a hole. 0 where neither side has one.
+#[inline(always)]
+fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]) -> [f32; 2] {
+    let here = offsets[index];
+    let before = if sides[0] { difference(here, offsets[index - stride]) } else { [f32::NAN; 2] };
+    let after = if sides[1] { difference(offsets[index + stride], here) } else { [f32::NAN; 2] };
+    smaller(before, after)
+}
+
+/// The smaller difference; the other one where one is NaN, 0 where both are.
+#[inline(always)]
+fn smaller(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
+    let first = before[0] * before[0] + before[1] * before[1];
+    let second = after[0] * after[0] + after[1] * after[1];
+    let is_before = second.is_nan() | (first <= second);
+    let is_nothing = first.is_nan() & second.is_nan();
+    [0, 1].map(|axis| {
+        let step = if is_before { before[axis] } else { after[axis] };
+        if is_nothing { 0.0 } else { step }
+    })
+}
+
+#[inline(always)]
+fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [a[0] - b[0], a[1] - b[1]]
 }

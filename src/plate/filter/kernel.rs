@@ -4,9 +4,9 @@
 //! range of their nearest texels, since the negative weights beside a flame of 400 would dig a black rim.
 
 use super::block::{Block, Texel};
-use super::places::Place;
+use super::footprint::Footprint;
+use super::positions::SourcePosition;
 use super::profile::{Cubic, Lanczos, Profile, Weights, catmull_rom};
-use super::shape::Shape;
 use super::simd::{LANES, load, store};
 use crate::plate::Filter;
 use pulp::{Simd, WithSimd};
@@ -67,7 +67,7 @@ impl<S: Simd> Range<S> {
     }
 }
 
-/// The four texels around a place; `texels` begins at the one before it.
+/// The four texels around a position; `texels` begins at the one before it.
 #[inline(always)]
 fn around<S: Simd>(simd: S, texels: &[Texel], stride: usize) -> Range<S> {
     let nothing = simd.splat_f32s(0.0);
@@ -99,34 +99,34 @@ fn separable<const PAIRS: usize, S: Simd>(
 }
 
 /// Catmull-Rom along the axes of a widened footprint, normalised: `N` groups of planes share its weights. `texels` are
-/// whole blocks, `base` the place in them of the sample before the pixel's place, `fraction` how far behind that sample the
-/// place lies.
+/// whole blocks, `base` the position in them of the sample before the pixel's position, `fraction` how far behind that sample the
+/// position lies.
 #[inline(always)]
 fn widened<const N: usize, S: Simd>(
     simd: S,
     (texels, stride): ([&[Texel]; N], usize),
     base: [usize; 2],
     fraction: [f32; 2],
-    shape: &Shape,
+    footprint: &Footprint,
 ) -> [Texel; N] {
     let (mut sums, mut weight_sum) = ([simd.splat_f32s(0.0); N], simd.splat_f32s(0.0));
     let mut near = [Range::empty(simd); N];
-    let reach = [2.0 * shape.reach[0], 2.0 * shape.reach[1]];
-    let edges = Edges::of(shape);
-    let (mut first, mut last) = whole(fraction[0] - reach[0], fraction[0] + reach[0]);
+    let half_extent = [2.0 * footprint.half_extent[0], 2.0 * footprint.half_extent[1]];
+    let edges = Edges::of(footprint);
+    let (mut first, mut last) = whole(fraction[0] - half_extent[0], fraction[0] + half_extent[0]);
     let is_narrow = last - first < LANES as i32;
-    let (top, bottom) = whole(fraction[1] - reach[1], fraction[1] + reach[1]);
-    let inner = Inner::of(fraction, shape);
+    let (top, bottom) = whole(fraction[1] - half_extent[1], fraction[1] + half_extent[1]);
+    let inner = Inner::of(fraction, footprint);
     for y in top..bottom + 1 {
         let dy = y as f32 - fraction[1];
         if !is_narrow {
-            let [low, high] = edges.chord(dy, reach[0]);
+            let [low, high] = edges.chord(dy, half_extent[0]);
             (first, last) = whole(fraction[0] + low, fraction[0] + high);
         }
         let row = (base[1] as i32 + y) * stride as i32 + base[0] as i32;
         let mut x = first;
         while x <= last {
-            let (weights, out) = weights(simd, [x as f32 - fraction[0], dy], shape.filter_from_source);
+            let (weights, out) = weights(simd, [x as f32 - fraction[0], dy], footprint.filter_from_source);
             let taps = texels.map(|texels| texels[(row + x) as usize..][..LANES].as_flattened());
             let (each, out) = (store::<S>(weights), store::<S>(out));
             // Pairs beyond the last sample weigh nothing.
@@ -159,10 +159,10 @@ struct Inner {
 
 impl Inner {
     #[inline(always)]
-    fn of(fraction: [f32; 2], shape: &Shape) -> Self {
+    fn of(fraction: [f32; 2], footprint: &Footprint) -> Self {
         // A little more, since rounding decides what is inside.
-        let reach = [1.001 * shape.reach[0], 1.001 * shape.reach[1]];
-        let [x, y] = [0, 1].map(|axis| whole(fraction[axis] - reach[axis], fraction[axis] + reach[axis]));
+        let half_extent = [1.001 * footprint.half_extent[0], 1.001 * footprint.half_extent[1]];
+        let [x, y] = [0, 1].map(|axis| whole(fraction[axis] - half_extent[axis], fraction[axis] + half_extent[axis]));
         Self { low: [x.0, y.0], high: [x.1, y.1] }
     }
 
@@ -206,25 +206,25 @@ struct Edges {
 
 impl Edges {
     #[inline(always)]
-    fn of(shape: &Shape) -> Self {
-        let [xx, xy, yy] = shape.filter_from_source;
+    fn of(footprint: &Footprint) -> Self {
+        let [xx, xy, yy] = footprint.filter_from_source;
         // Edges along the rows are never met: any distance that no footprint has will do.
         let level = [0.0, 1e6];
         let second = if xy.abs() < 1e-5 { level } else { [-yy / xy, 2.0 / xy.abs()] };
         Self { pairs: [[-xy / xx, 2.0 / xx], second] }
     }
 
-    /// Where a row cuts the square: from and to, within `reach`.
+    /// Where a row cuts the square: from and to, within `half_extent`.
     #[inline(always)]
-    fn chord(&self, dy: f32, reach: f32) -> [f32; 2] {
+    fn chord(&self, dy: f32, half_extent: f32) -> [f32; 2] {
         let [[a, b], [c, d]] = self.pairs;
         let low = (a * dy - b).max(c * dy - d);
-        [low.max(-reach), (a * dy + b).min(c * dy + d).min(reach)]
+        [low.max(-half_extent), (a * dy + b).min(c * dy + d).min(half_extent)]
     }
 }
 
-/// Filters an area: `N` groups of up to four planes that share places and weights.
-pub(super) struct Sums<'a, const N: usize> {
+/// Filters an area: `N` groups of up to four planes that share positions and weights.
+pub(super) struct Accumulate<'a, const N: usize> {
     pub(super) filter: Filter,
     /// Weights of Lanczos.
     pub(super) table: &'a [Weights],
@@ -232,62 +232,62 @@ pub(super) struct Sums<'a, const N: usize> {
     pub(super) texels: [&'a [Texel]; N],
     /// Where the blocks lie, the same for all.
     pub(super) block: &'a Block,
-    pub(super) places: &'a [Place],
-    /// As many as places, or none: all are plain.
-    pub(super) shapes: &'a [Shape],
-    /// As many as places.
+    pub(super) positions: &'a [SourcePosition],
+    /// As many as positions, or none: all are plain.
+    pub(super) footprints: &'a [Footprint],
+    /// As many as positions.
     pub(super) sums: &'a mut [[Texel; N]],
 }
 
-impl<const N: usize> WithSimd for Sums<'_, N> {
+impl<const N: usize> WithSimd for Accumulate<'_, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let table = self.table;
         match self.filter {
-            Filter::Ewa => self.run_shapes(simd),
+            Filter::Ewa => self.run_footprints(simd),
             Filter::Lanczos => self.run_plain::<3, S>(simd, Lanczos(table)),
             Filter::Cubic | Filter::Nearest => self.run_plain::<2, S>(simd, Cubic),
         }
     }
 }
 
-impl<const N: usize> Sums<'_, N> {
+impl<const N: usize> Accumulate<'_, N> {
     /// The same filter for all pixels.
     #[inline(always)]
     fn run_plain<const PAIRS: usize, S: Simd>(self, simd: S, profile: impl Profile<PAIRS>) {
         let (stride, low) = (self.block.stride, self.block.low);
         let low = [(low[0] + PAIRS as i32 - 1) as f32, (low[1] + PAIRS as i32 - 1) as f32];
-        for (place, sums) in self.places.iter().zip(self.sums) {
+        for (position, sums) in self.positions.iter().zip(self.sums) {
             // Nowhere is NaN, and so becomes texel 0; its sum is not used.
             let first =
-                (place.sample[1] - low[1]) as i32 as usize * stride + (place.sample[0] - low[0]) as i32 as usize;
-            let across = profile.weights(simd, place.fraction[0]);
-            let down = profile.weights(simd, place.fraction[1]);
+                (position.sample[1] - low[1]) as i32 as usize * stride + (position.sample[0] - low[0]) as i32 as usize;
+            let across = profile.weights(simd, position.fraction[0]);
+            let down = profile.weights(simd, position.fraction[1]);
             for (sum, texels) in sums.iter_mut().zip(self.texels) {
                 let found = separable::<PAIRS, S>(simd, &texels[first..], stride, [&across, &down]);
-                *sum = if place.is_nowhere() { [0.0; 4] } else { found };
+                *sum = if position.is_nowhere() { [0.0; 4] } else { found };
             }
         }
     }
 
     /// Footprints.
     #[inline(always)]
-    fn run_shapes<S: Simd>(self, simd: S) {
+    fn run_footprints<S: Simd>(self, simd: S) {
         let (stride, low) = (self.block.stride, [self.block.low[0] as f32, self.block.low[1] as f32]);
-        for ((place, shape), sums) in self.places.iter().zip(self.shapes).zip(self.sums) {
-            if place.is_nowhere() {
+        for ((position, footprint), sums) in self.positions.iter().zip(self.footprints).zip(self.sums) {
+            if position.is_nowhere() {
                 *sums = [[0.0; 4]; N];
                 continue;
             }
-            let base = [(place.sample[0] - low[0]) as i32 as usize, (place.sample[1] - low[1]) as i32 as usize];
-            if !shape.is_unit() {
-                *sums = widened(simd, (self.texels, stride), base, place.fraction, shape);
+            let base = [(position.sample[0] - low[0]) as i32 as usize, (position.sample[1] - low[1]) as i32 as usize];
+            if !footprint.is_unit() {
+                *sums = widened(simd, (self.texels, stride), base, position.fraction, footprint);
                 continue;
             }
-            let across = Cubic.weights(simd, place.fraction[0]);
-            let down = Cubic.weights(simd, place.fraction[1]);
+            let across = Cubic.weights(simd, position.fraction[0]);
+            let down = Cubic.weights(simd, position.fraction[1]);
             let first = (base[1] - 1) * stride + base[0] - 1;
             for (sum, texels) in sums.iter_mut().zip(self.texels) {
                 let found = separable::<2, S>(simd, &texels[first..], stride, [&across, &down]);

@@ -4,25 +4,26 @@
 //! of threads; or the weights of one pixel's footprint. What happens at borders and to samples that are no numbers:
 //! docs/PLATES.md, "Filters".
 
+mod area;
 mod block;
 mod border;
 mod footprint;
 mod kernel;
 mod nearest;
-mod places;
+mod positions;
 mod profile;
-mod shape;
 mod simd;
+mod taps;
 mod tile;
 
 #[cfg(test)]
 mod tests;
 
 pub(crate) use border::Extent;
-pub use footprint::footprint;
-pub(super) use footprint::footprint_box;
 pub(super) use nearest::{NOWHERE, copy_samples, nearest_in_row};
 pub(crate) use profile::lanczos_table;
+pub(super) use taps::footprint_bounds;
+pub use taps::footprint_taps;
 
 use super::{Filter, WarpMap};
 use crate::space::PixelRect;

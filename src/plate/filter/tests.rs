@@ -190,7 +190,7 @@ proptest! {
     fn footprints_are_shares(a in -2.0_f32..2.0, b in -2.0_f32..2.0, c in -2.0_f32..2.0, d in -2.0_f32..2.0) {
         let bent = map(|x, y| [a * (x - 45.0) + b * (y - 35.0) + 0.3, c * (x - 45.0) + d * (y - 35.0) - 0.2]);
         let mut taps = Vec::new();
-        footprint(&bent, 35 * 90 + 45, WINDOW, &mut taps);
+        footprint_taps(&bent, 35 * 90 + 45, WINDOW, &mut taps);
         let sum: f32 = taps.iter().map(|tap| tap.1).sum();
         prop_assert!((sum - 1.0).abs() < 1e-5, "{}", sum);
         prop_assert!(taps.iter().all(|tap| tap.1 > 0.0 && tap.0 < WINDOW.area()));
@@ -200,11 +200,11 @@ proptest! {
 #[test]
 fn a_footprint_that_does_not_move_is_its_pixel() {
     let mut taps = vec![(3, 0.5)];
-    footprint(&map(|_, _| [0.0; 2]), 4321, WINDOW, &mut taps);
+    footprint_taps(&map(|_, _| [0.0; 2]), 4321, WINDOW, &mut taps);
     assert_eq!(taps, [(4321, 1.0)]);
-    footprint(&map(|_, _| [0.5, 0.0]), 4321, WINDOW, &mut taps);
+    footprint_taps(&map(|_, _| [0.5, 0.0]), 4321, WINDOW, &mut taps);
     assert_eq!(taps, [(4321, 0.5), (4322, 0.5)]);
-    footprint(&map(|_, _| [f32::NAN; 2]), 4321, WINDOW, &mut taps);
+    footprint_taps(&map(|_, _| [f32::NAN; 2]), 4321, WINDOW, &mut taps);
     assert!(taps.is_empty());
 }
 

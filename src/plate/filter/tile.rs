@@ -1,17 +1,18 @@
 //! Resampling tile by tile, so that the samples a tile needs stay in the cache.
 //!
-//! In: a map and planes. Out: bands of rows. A tile finds places, footprints and the rectangle of the source below it once
+//! In: a map and planes. Out: bands of rows. A tile finds positions, footprints and the rectangle of the source below it once
 //! for all planes (cut in half while that is too large); for some planes at a time it copies that into [`Block`]s and
 //! runs a kernel that needs no tests for borders.
 
 use super::Planes;
-use super::block::{Block, FillBlock, Reach, Texel};
+use super::area::Area;
+use super::block::{Block, FillBlock, SampleRect, Texel};
 use super::border::Extent;
-use super::kernel::Sums;
+use super::footprint::Footprint;
+use super::kernel::Accumulate;
 use super::nearest::{FindNearest, copy_samples, nearest_sample};
-use super::places::{FindPlaces, FindShapes, Found, Place};
+use super::positions::{FindFootprints, FindPositions, FoundPositions, SourcePosition};
 use super::profile::{Weights, lanczos_table};
-use super::shape::Shape;
 use super::simd::dispatch;
 use crate::plate::{Filter, WarpMap};
 use crate::space::PixelRect;
@@ -43,23 +44,14 @@ pub(super) struct Tiles<'a> {
 #[derive(Default)]
 pub(super) struct Scratch {
     blocks: [Block; GROUPS],
-    places: Vec<Place>,
-    shapes: Vec<Shape>,
+    positions: Vec<SourcePosition>,
+    footprints: Vec<Footprint>,
     sums: Vec<Texel>,
     presence: Vec<Texel>,
     samples: Vec<u32>,
 }
 
-/// A rectangle of the map.
-#[derive(Clone, Copy)]
-pub(super) struct Area {
-    pub(super) column: usize,
-    pub(super) row: usize,
-    pub(super) width: usize,
-    pub(super) height: usize,
-}
-
-/// Rows of the planes that a band writes, and the place of their first pixel in the map.
+/// Rows of the planes that a band writes, and the position of their first pixel in the map.
 struct Band<'a, 'b> {
     planes: &'a mut [&'b mut [f32]],
     column: usize,
@@ -68,28 +60,10 @@ struct Band<'a, 'b> {
 }
 
 impl Band<'_, '_> {
-    /// Place of a pixel of the map in the planes.
+    /// Index into the planes of a pixel of the map.
     #[inline(always)]
-    const fn place(&self, column: usize, row: usize) -> usize {
+    const fn index(&self, column: usize, row: usize) -> usize {
         (row - self.row) * self.width + column - self.column
-    }
-}
-
-impl Area {
-    fn halves(self) -> [Self; 2] {
-        if self.width >= self.height {
-            let left = self.width / 2;
-            let right = Self { column: self.column + left, width: self.width - left, ..self };
-            [Self { width: left, ..self }, right]
-        } else {
-            let upper = self.height / 2;
-            let lower = Self { row: self.row + upper, height: self.height - upper, ..self };
-            [Self { height: upper, ..self }, lower]
-        }
-    }
-
-    fn rows(self) -> std::ops::Range<usize> {
-        self.row..self.row + self.height
     }
 }
 
@@ -114,22 +88,22 @@ impl<'a> Tiles<'a> {
     }
 
     fn write_area(&self, area: Area, band: &mut Band, scratch: &mut Scratch) {
-        let Scratch { places, shapes, .. } = scratch;
-        let taps = self.find_shapes(area, shapes);
-        let found = self.find_places(area, taps, places);
-        // A narrow tile may stand still beside a part that shrinks: then its footprints reach out of it.
-        if found.still == area.width * area.height && shapes.iter().all(Shape::is_unit) {
+        let Scratch { positions, footprints, .. } = scratch;
+        let taps = self.find_footprints(area, footprints);
+        let found = self.find_positions(area, taps, positions);
+        // A narrow tile may stand still beside a part that shrinks: then its footprints extend out of it.
+        if found.still == area.width * area.height && footprints.iter().all(Footprint::is_unit) {
             return self.copy_still(area, band);
         }
-        let Some(reach) = found.reach(taps) else { return self.clear(area, band) };
-        if reach.size(0) * reach.size(1) > BLOCK && area.width * area.height > 1 {
+        let Some(rect) = found.rect(taps) else { return self.clear(area, band) };
+        if rect.size(0) * rect.size(1) > BLOCK && area.width * area.height > 1 {
             return area.halves().into_iter().for_each(|half| self.write_area(half, band, scratch));
         }
         for first in (0..self.source.planes.len()).step_by(GROUP * GROUPS) {
             let planes = &self.source.planes[first..];
             match planes.len().div_ceil(GROUP) {
-                1 => self.write_groups::<1>((area, reach), first, band, scratch),
-                _ => self.write_groups::<GROUPS>((area, reach), first, band, scratch),
+                1 => self.write_groups::<1>((area, rect), first, band, scratch),
+                _ => self.write_groups::<GROUPS>((area, rect), first, band, scratch),
             }
         }
         if found.still > 0 {
@@ -140,34 +114,34 @@ impl<'a> Tiles<'a> {
     /// Filters `N` groups of planes from the plane `first` on.
     fn write_groups<const N: usize>(
         &self,
-        (area, reach): (Area, Reach),
+        (area, rect): (Area, SampleRect),
         first: usize,
         band: &mut Band,
         scratch: &mut Scratch,
     ) {
-        let Scratch { blocks, places, shapes, sums, presence, .. } = scratch;
+        let Scratch { blocks, positions, footprints, sums, presence, .. } = scratch;
         let groups = self.source.planes[first..].chunks(GROUP);
         for (block, planes) in blocks.iter_mut().zip(groups).take(N) {
-            dispatch(FillBlock { block, planes, extents: &self.extents, reach: &reach });
+            dispatch(FillBlock { block, planes, extents: &self.extents, rect: &rect });
         }
         let texels: [&[Texel]; N] = std::array::from_fn(|n| &blocks[n].texels[..]);
-        self.filter_texels(&blocks[0], texels, (places, shapes), sums);
+        self.filter_texels(&blocks[0], texels, (positions, footprints), sums);
         for (n, block) in blocks.iter().take(N).enumerate().filter(|(_, block)| !block.presence.is_empty()) {
-            self.filter_texels(block, [&block.presence[..]], (places, shapes), presence);
+            self.filter_texels(block, [&block.presence[..]], (positions, footprints), presence);
             let sums = sums.iter_mut().skip(n).step_by(N);
             sums.zip(presence.iter()).for_each(|(sum, present)| renormalize(sum, present));
         }
         let sums = sums.as_chunks_mut::<N>().0;
-        if (0..2).any(|axis| reach.low[axis] < 0 || reach.high[axis] > self.extents[axis].count) {
-            self.cover(places, sums);
+        if (0..2).any(|axis| rect.low[axis] < 0 || rect.high[axis] > self.extents[axis].count) {
+            self.cover(positions, sums);
         }
         let last = self.source.planes.len().min(first + N * GROUP);
-        let (begin, width) = (band.place(area.column, area.row), band.width);
+        let (begin, width) = (band.index(area.column, area.row), band.width);
         let planes = &mut band.planes[first..last];
         dispatch(Scatter { area, sums, planes, begin, width });
     }
 
-    /// A pixel's own place in samples of the source.
+    /// A pixel's own position in samples of the source.
     #[inline(always)]
     fn start(&self, column: usize, row: usize) -> [i32; 2] {
         let (to, from) = (self.map.window, self.source.window);
@@ -175,17 +149,17 @@ impl<'a> Tiles<'a> {
     }
 
     /// Footprints, where the filter has them, and taps on each side of the widest.
-    fn find_shapes(&self, area: Area, shapes: &mut Vec<Shape>) -> i32 {
+    fn find_footprints(&self, area: Area, footprints: &mut Vec<Footprint>) -> i32 {
         match self.filter {
-            Filter::Ewa => dispatch(FindShapes { map: self.map, area, shapes }),
+            Filter::Ewa => dispatch(FindFootprints { map: self.map, area, footprints }),
             Filter::Lanczos => 3,
             Filter::Cubic | Filter::Nearest => 2,
         }
     }
 
-    fn find_places(&self, area: Area, taps: i32, places: &mut Vec<Place>) -> Found {
+    fn find_positions(&self, area: Area, taps: i32, positions: &mut Vec<SourcePosition>) -> FoundPositions {
         let start = self.start(area.column, area.row);
-        dispatch(FindPlaces { map: self.map, area, start, extents: &self.extents, taps, places })
+        dispatch(FindPositions { map: self.map, area, start, extents: &self.extents, taps, positions })
     }
 
     /// Runs the filter over an area: one sum a group, pixel after pixel.
@@ -193,18 +167,18 @@ impl<'a> Tiles<'a> {
         &self,
         block: &Block,
         texels: [&[Texel]; N],
-        (places, shapes): (&[Place], &[Shape]),
+        (positions, footprints): (&[SourcePosition], &[Footprint]),
         sums: &mut Vec<Texel>,
     ) {
-        sums.resize(N * places.len(), [0.0; 4]);
+        sums.resize(N * positions.len(), [0.0; 4]);
         let sums = sums.as_chunks_mut::<N>().0;
-        dispatch(Sums { filter: self.filter, table: self.table, block, texels, places, shapes, sums });
+        dispatch(Accumulate { filter: self.filter, table: self.table, block, texels, positions, footprints, sums });
     }
 
     /// The softness of the picture's own edges.
-    fn cover<const N: usize>(&self, places: &[Place], sums: &mut [[Texel; N]]) {
-        for (place, sums) in places.iter().zip(sums).filter(|(place, _)| !place.is_nowhere()) {
-            let [x, y] = [0, 1].map(|axis| self.extents[axis].coverage(place.sample[axis], place.fraction[axis]));
+    fn cover<const N: usize>(&self, positions: &[SourcePosition], sums: &mut [[Texel; N]]) {
+        for (position, sums) in positions.iter().zip(sums).filter(|(position, _)| !position.is_nowhere()) {
+            let [x, y] = [0, 1].map(|axis| self.extents[axis].coverage(position.sample[axis], position.fraction[axis]));
             sums.as_flattened_mut().iter_mut().for_each(|sample| *sample *= x * y);
         }
     }
@@ -215,7 +189,7 @@ impl<'a> Tiles<'a> {
         for row in area.rows() {
             for column in area.column..area.column + area.width {
                 let is_still = self.map.offsets[row * width + column] == [0.0; 2];
-                if is_still && (self.filter != Filter::Ewa || Shape::at(self.map, column, row).is_unit()) {
+                if is_still && (self.filter != Filter::Ewa || Footprint::at(self.map, column, row).is_unit()) {
                     let sample = nearest_sample([0.0; 2], self.start(column, row), &self.extents);
                     self.copy_sample(sample, [column, row], band);
                 }
@@ -226,7 +200,7 @@ impl<'a> Tiles<'a> {
     /// Copies a sample of all planes to a pixel; nothing is 0.
     #[inline(always)]
     fn copy_sample(&self, sample: u32, [column, row]: [usize; 2], band: &mut Band) {
-        let index = band.place(column, row);
+        let index = band.index(column, row);
         for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
             to[index] = from.get(sample as usize).copied().unwrap_or(0.0);
         }
@@ -242,7 +216,7 @@ impl<'a> Tiles<'a> {
             let start = self.start(area.column, row);
             dispatch(FindNearest { offsets, start, extents: &self.extents, samples });
         }
-        let begin = band.place(area.column, area.row);
+        let begin = band.index(area.column, area.row);
         for (from, to) in self.source.planes.iter().zip(band.planes.iter_mut()) {
             let rows = to[begin..].chunks_mut(band.width);
             for (to, samples) in rows.zip(samples.chunks_exact(area.width)) {
@@ -254,7 +228,7 @@ impl<'a> Tiles<'a> {
     /// Fills an area with nothing.
     fn clear(&self, area: Area, band: &mut Band) {
         for row in area.rows() {
-            let begin = band.place(area.column, row);
+            let begin = band.index(area.column, row);
             band.planes.iter_mut().for_each(|plane| plane[begin..begin + area.width].fill(0.0));
         }
     }
@@ -277,7 +251,7 @@ struct Scatter<'a, 'b, const N: usize> {
     area: Area,
     sums: &'a [[Texel; N]],
     planes: &'a mut [&'b mut [f32]],
-    /// Place of the area's first pixel in the planes.
+    /// SourcePosition of the area's first pixel in the planes.
     begin: usize,
     /// Pixels of a row of the planes.
     width: usize,

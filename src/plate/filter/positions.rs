@@ -3,27 +3,27 @@
 //! In: the offsets of a map, the picture's extent. Out: for each pixel the sample before it and how far behind that it
 //! lies; the rectangle of the source that its filter needs.
 
-use super::block::Reach;
+use super::area::Area;
+use super::block::SampleRect;
 use super::border::Extent;
-use super::shape::Shape;
+use super::footprint::Footprint;
 use super::simd::LANES as WIDE;
-use super::tile::Area;
 use crate::plate::WarpMap;
 use pulp::{Simd, WithSimd};
 
 /// Pixels side by side in a register: x and y of each.
 const LANES: usize = 4;
 
-/// Place of a pixel in the source; NaN where it lies nowhere near the picture.
+/// SourcePosition of a pixel in the source; NaN where it lies nowhere near the picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SourcePosition {
     /// The sample before it on both axes: whole numbers.
     pub(super) sample: [f32; 2],
     /// How far behind that sample it lies, 0 to 1.
     pub(super) fraction: [f32; 2],
 }
 
-impl Place {
+impl SourcePosition {
     const NOWHERE: Self = Self { sample: [f32::NAN; 2], fraction: [f32::NAN; 2] };
 
     #[inline(always)]
@@ -32,9 +32,9 @@ impl Place {
     }
 }
 
-/// What [`FindPlaces`] found out.
+/// What [`FindPositions`] found out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(super) struct FoundPositions {
     /// Samples before the pixels that lie near the picture: least and greatest on both axes; none where least > greatest.
     low: [f32; 2],
     high: [f32; 2],
@@ -42,7 +42,7 @@ pub(super) struct Found {
     pub(super) still: usize,
 }
 
-impl Found {
+impl FoundPositions {
     /// NaN counts for nothing: comparisons with it fail.
     #[inline(always)]
     fn include(&mut self, sample: [f32; 2]) {
@@ -53,54 +53,54 @@ impl Found {
     }
 
     /// The samples that filters with so many taps on each side need.
-    pub(super) fn reach(&self, taps: i32) -> Option<Reach> {
+    pub(super) fn rect(&self, taps: i32) -> Option<SampleRect> {
         let low = self.low.map(|least| (least as i32).saturating_add(1 - taps));
         let high = self.high.map(|greatest| (greatest as i32).saturating_add(1 + taps));
-        (self.low[0] <= self.high[0]).then_some(Reach { low, high })
+        (self.low[0] <= self.high[0]).then_some(SampleRect { low, high })
     }
 }
 
-/// Finds the places of an area.
-pub(super) struct FindPlaces<'a> {
+/// Finds the positions of an area.
+pub(super) struct FindPositions<'a> {
     pub(super) map: &'a WarpMap,
     pub(super) area: Area,
-    /// The sample at the place of the area's first pixel.
+    /// The sample at the position of the area's first pixel.
     pub(super) start: [i32; 2],
     pub(super) extents: &'a [Extent; 2],
     /// Taps on each side: pixels further from the picture see nothing.
     pub(super) taps: i32,
-    pub(super) places: &'a mut Vec<Place>,
+    pub(super) positions: &'a mut Vec<SourcePosition>,
 }
 
-impl WithSimd for FindPlaces<'_> {
-    type Output = Found;
+impl WithSimd for FindPositions<'_> {
+    type Output = FoundPositions;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Found {
-        let mut found = Found { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], still: 0 };
+    fn with_simd<S: Simd>(self, _: S) -> FoundPositions {
+        let mut found = FoundPositions { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], still: 0 };
         let limit = -self.taps as f32;
         let beyond = [(self.extents[0].count + self.taps) as f32, (self.extents[1].count + self.taps) as f32];
-        self.places.clear();
+        self.positions.clear();
         for row in 0..self.area.height {
             let offsets = self.map.row(self.area.row + row, self.area.column, self.area.width);
             let y = (self.start[1] + row as i32) as f32;
             for (chunk, offsets) in offsets.chunks(LANES).enumerate() {
                 let x = self.start[0] as f32 + (chunk * LANES) as f32;
-                let mut places = [Place::NOWHERE; LANES];
-                for (k, (place, offset)) in places.iter_mut().zip(offsets).enumerate() {
+                let mut positions = [SourcePosition::NOWHERE; LANES];
+                for (k, (position, offset)) in positions.iter_mut().zip(offsets).enumerate() {
                     let whole = [offset[0].floor(), offset[1].floor()];
                     let sample = [x + k as f32 + whole[0], y + whole[1]];
                     let near =
                         (sample[0] >= limit) & (sample[0] < beyond[0]) & (sample[1] >= limit) & (sample[1] < beyond[1]);
                     found.still += usize::from((offset[0] == 0.0) & (offset[1] == 0.0));
                     if near {
-                        *place = Place { sample, fraction: [offset[0] - whole[0], offset[1] - whole[1]] };
+                        *position = SourcePosition { sample, fraction: [offset[0] - whole[0], offset[1] - whole[1]] };
                     }
                 }
-                for place in &places {
-                    found.include(place.sample);
+                for position in &positions {
+                    found.include(position.sample);
                 }
-                self.places.extend_from_slice(&places[..offsets.len()]);
+                self.positions.extend_from_slice(&positions[..offsets.len()]);
             }
         }
         found
@@ -108,36 +108,37 @@ impl WithSimd for FindPlaces<'_> {
 }
 
 /// Finds the footprints of an area; the greatest number of taps on each side that one of them needs.
-pub(super) struct FindShapes<'a> {
+pub(super) struct FindFootprints<'a> {
     pub(super) map: &'a WarpMap,
     pub(super) area: Area,
-    pub(super) shapes: &'a mut Vec<Shape>,
+    pub(super) footprints: &'a mut Vec<Footprint>,
 }
 
-impl WithSimd for FindShapes<'_> {
+impl WithSimd for FindFootprints<'_> {
     type Output = i32;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> i32 {
         let Area { column, row, width, height } = self.area;
         let [columns, rows] = [self.map.window.width as usize, self.map.window.height as usize];
-        self.shapes.clear();
+        self.footprints.clear();
         for row in row..row + height {
             let mut at = column;
             while at < column + width {
                 let is_inner = at > 0 && at + WIDE < columns.min(column + width + 1) && row > 0 && row + 1 < rows;
                 if is_inner {
-                    self.shapes.extend_from_slice(&Shape::of_inner(self.map, at, row));
+                    self.footprints.extend_from_slice(&Footprint::of_inner(self.map, at, row));
                     at += WIDE;
                 } else {
-                    self.shapes.push(Shape::at(self.map, at, row));
+                    self.footprints.push(Footprint::at(self.map, at, row));
                     at += 1;
                 }
             }
         }
-        let furthest = |reach: f32, shape: &Shape| reach.max(shape.reach[0]).max(shape.reach[1]);
-        let reach = self.shapes.iter().fold(0.0, furthest);
-        if reach > 1.0 { (2.0 * reach) as i32 + 1 } else { 2 }
+        let largest =
+            |largest: f32, footprint: &Footprint| largest.max(footprint.half_extent[0]).max(footprint.half_extent[1]);
+        let largest = self.footprints.iter().fold(0.0, largest);
+        if largest > 1.0 { (2.0 * largest) as i32 + 1 } else { 2 }
     }
 }
 

@@ -1,0 +1,104 @@
+//! The samples below one output pixel, for what may be weighed but not interpolated beyond its values.
+//!
+//! In: a map and a pixel. Out: source samples and weights, never negative: a tent as wide as the pixel's footprint.
+
+use super::border::Extent;
+use super::footprint::Footprint;
+use crate::plate::WarpMap;
+use crate::space::PixelRect;
+
+/// Collects the samples below an output pixel: (index into the source window, weight).
+///
+/// Weights are positive and sum to 1 inside the picture, to less where part of the pixel sees nothing; no taps where
+/// the map holds NaN or leads out of the picture. One tap of weight 1 where nothing moves. `taps` is emptied first.
+pub fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
+    taps.clear();
+    if source_window.area() == 0 {
+        return;
+    }
+    let width = map.window.width as usize;
+    let (column, row) = (pixel % width, pixel / width);
+    let extents = Extent::of_window(source_window, map.frame.window());
+    let offset = map.offsets[pixel];
+    let start = [
+        i64::from(map.window.x) + column as i64 - i64::from(source_window.x),
+        i64::from(map.window.y) + row as i64 - i64::from(source_window.y),
+    ];
+    let Some(positions) = positions(offset, start, extents) else { return };
+    let footprint = Footprint::at(map, column, row);
+    let coverage = extents[0].coverage(positions[0].0 as f32, positions[0].1)
+        * extents[1].coverage(positions[1].0 as f32, positions[1].1);
+    let sum = gather(&positions, &footprint, extents, source_window.width as usize, taps);
+    // Far beyond a held side every tap is the last sample, but nothing of it is covered.
+    taps.retain_mut(|(_, weight)| {
+        *weight *= coverage / sum;
+        *weight > 0.0
+    });
+}
+
+/// The first and the last sample (column and row of the source window) of the rectangle that holds all below a pixel's
+/// footprint; `None` where the map tells nothing.
+pub(crate) fn footprint_bounds(map: &WarpMap, pixel: usize, source: PixelRect) -> Option<[[i32; 2]; 2]> {
+    let width = map.window.width as usize;
+    let (column, row) = (pixel % width, pixel / width);
+    let extents = Extent::of_window(source, map.frame.window());
+    let start = [
+        i64::from(map.window.x) + column as i64 - i64::from(source.x),
+        i64::from(map.window.y) + row as i64 - i64::from(source.y),
+    ];
+    let positions = positions(map.offsets[pixel], start, extents)?;
+    let footprint = Footprint::at(map, column, row);
+    let end = |axis: usize, side: f32| positions[axis].1 + side * footprint.half_extent[axis];
+    let low = [0, 1].map(|axis| positions[axis].0 + end(axis, -1.0).ceil() as i32);
+    let high = [0, 1].map(|axis| positions[axis].0 + end(axis, 1.0).floor() as i32);
+    Some([low, high])
+}
+
+/// Sample and fraction on both axes; `None` where the position is not near the picture.
+fn positions(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<[(i32, f32); 2]> {
+    let position = |axis: usize| {
+        let whole = offset[axis].floor();
+        let sample = start[axis] as f32 + whole;
+        let near = sample > -1e6 && sample < extents[axis].count as f32 + 1e6;
+        near.then(|| (sample as i32, offset[axis] - whole))
+    };
+    Some([position(0)?, position(1)?])
+}
+
+/// Adds taps with plain tent weights; the sum of all weights, also of those that met nothing.
+fn gather(
+    positions: &[(i32, f32); 2],
+    footprint: &Footprint,
+    extents: [Extent; 2],
+    width: usize,
+    taps: &mut Vec<(usize, f32)>,
+) -> f32 {
+    let [xx, xy, yy] = footprint.filter_from_source;
+    let range = |axis: usize| {
+        let fraction = positions[axis].1;
+        (fraction - footprint.half_extent[axis]).ceil() as i32..=(fraction + footprint.half_extent[axis]).floor() as i32
+    };
+    let mut sum = 0.0;
+    for y in range(1) {
+        let dy = y as f32 - positions[1].1;
+        for x in range(0) {
+            let dx = x as f32 - positions[0].1;
+            let tent = |t: f32| (1.0 - t.abs()).max(0.0);
+            let weight = tent(xx * dx + xy * dy) * tent(xy * dx + yy * dy);
+            sum += weight;
+            let sample = extents[0].sample(positions[0].0 + x).zip(extents[1].sample(positions[1].0 + y));
+            if let Some((x, y)) = sample.filter(|_| weight > 0.0) {
+                add(taps, y * width + x, weight);
+            }
+        }
+    }
+    sum
+}
+
+/// A held border names a sample more than once.
+fn add(taps: &mut Vec<(usize, f32)>, index: usize, weight: f32) {
+    match taps.last_mut() {
+        Some(last) if last.0 == index => last.1 += weight,
+        _ => taps.push((index, weight)),
+    }
+}
