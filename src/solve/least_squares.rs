@@ -72,6 +72,15 @@ impl<const D: usize> LeastSquaresRows<D> {
         }
     }
 
+    /// row·P.
+    pub(crate) fn image(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
+        let mut image = [0.0; D];
+        for &(handle, coefficient) in self.row(index) {
+            (0..D).for_each(|d| image[d] += coefficient * handles[handle][d]);
+        }
+        image
+    }
+
     /// row·P − target.
     pub(crate) fn miss(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
         let mut miss = self.targets[index].map(|x| -x);

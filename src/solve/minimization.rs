@@ -73,7 +73,8 @@ impl<const D: usize> Minimization<'_, D> {
         let gp = self.terms.handles.energy(handles);
         let gr = self.terms.regularizer.energy(handles);
         let scales = self.scales;
-        let total = scales.shape * ml + scales.pins * mp + scales.handles * gp + scales.regularizer * gr;
+        let proximal = scales.proximal * self.terms.proximal.energy(handles);
+        let total = scales.shape * ml + scales.pins * mp + scales.handles * gp + scales.regularizer * gr + proximal;
         Energies { ml, mp, gp, gr, total }
     }
 
@@ -88,6 +89,7 @@ impl<const D: usize> Minimization<'_, D> {
             + self.scales.handles * self.terms.handles.energy(state)
             + self.scales.regularizer * self.terms.regularizer.energy(state)
             + self.scales.tikhonov * state.iter().zip(&self.start).map(|(x, start)| squared_gap(x, start)).sum::<f64>()
+            + self.scales.proximal * self.terms.proximal.energy(state)
     }
 
     /// The part of the right side that does not depend on rotations.
@@ -96,6 +98,7 @@ impl<const D: usize> Minimization<'_, D> {
         self.terms.pins.add_right_side(self.scales.pins, &mut right_side);
         self.terms.handles.add_right_side(self.scales.handles, &mut right_side);
         self.terms.regularizer.add_right_side(self.scales.regularizer, &mut right_side);
+        self.terms.proximal.add_right_side(self.scales.proximal, &mut right_side);
         right_side
     }
 }

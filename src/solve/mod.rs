@@ -36,6 +36,7 @@ mod stiffness;
 mod system;
 mod targets;
 mod terms;
+mod trajectory;
 mod validate;
 mod winding;
 
@@ -55,3 +56,4 @@ pub use settings::{
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
+pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};

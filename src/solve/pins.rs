@@ -15,13 +15,28 @@ pub(crate) struct RigidMotion<const D: usize> {
     rotation: SquareMatrix<D>,
     from: [f64; D],
     to: [f64; D],
+    /// How definite the rotation is, 0 or more: in 2D |z| / Σ w |rest|², z = Σ w rest̄·now in complex numbers about the
+    /// means. It is 1 for a rigid motion; at 0 every rotation fits as well. In 3D, and where all pins share a point, 1.
+    definiteness: f64,
 }
+
+/// Rotations at least this definite are followed as they are, see [`RigidMotion::continuous`].
+const DEFINITE: f64 = 0.25;
 
 impl<const D: usize> RigidMotion<D> {
     /// Where a point goes.
     pub(crate) fn image(&self, point: &[f64; D]) -> [f64; D] {
         let turned = apply(&self.rotation, &minus(point, &self.from));
         std::array::from_fn(|d| turned[d] + self.to[d])
+    }
+
+    /// The same motion where the rotation is definite; towards the places where it is not, all points draw together at
+    /// the mean target, so that the images are continuous in the targets.
+    pub(crate) fn continuous(mut self) -> Self {
+        let t = (self.definiteness / DEFINITE).clamp(0.0, 1.0);
+        let share = t * t * (3.0 - 2.0 * t);
+        self.rotation = self.rotation.map(|row| row.map(|x| x * share));
+        self
     }
 
     /// Its rotation.
@@ -35,7 +50,7 @@ impl<const D: usize> RigidMotion<D> {
         let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
         let total: f64 = pairs.iter().map(|pair| pair.2).sum();
         if total <= 0.0 {
-            return Self { rotation: identity(), from: [0.0; D], to: [0.0; D] };
+            return Self { rotation: identity(), from: [0.0; D], to: [0.0; D], definiteness: 1.0 };
         }
         let (mut from, mut to) = ([0.0; D], [0.0; D]);
         for (rest, now, weight) in &pairs {
@@ -60,8 +75,12 @@ impl<const D: usize> RigidMotion<D> {
         let spread: f64 = (0..D).map(|d| s[d].iter().map(|x| x.abs()).sum::<f64>()).sum();
         // Rounding must not choose a direction; where many rotations are best, the smallest one is taken.
         let noise = 1e-13 * grid.diagonal().powi(2);
+        let square = |rest: &[f64; D]| minus(rest, &from).iter().map(|x| x * x).sum::<f64>();
+        let extent = pairs.iter().map(|(rest, _, weight)| weight / total * square(rest)).sum::<f64>();
+        let definiteness =
+            if D == 2 && extent > noise { (s[0][0] + s[1][1]).hypot(s[0][1] - s[1][0]) / extent } else { 1.0 };
         (0..D).for_each(|d| s[d][d] += 1e-12 * spread + noise);
-        Self { rotation: best_rotation(&s), from, to }
+        Self { rotation: best_rotation(&s), from, to, definiteness }
     }
 }
 
@@ -123,6 +142,17 @@ pub(crate) fn retarget<const D: usize>(
             row += 1;
         }
     }
+}
+
+/// Rows of points of the model, together of weight 1.
+pub(crate) fn point_rows<const D: usize>(grid: &Grid<D>, points: &[[f64; D]]) -> LeastSquaresRows<D> {
+    let mut rows = LeastSquaresRows::new();
+    let weight = 1.0 / points.len().max(1) as f64;
+    for &point in points {
+        let point = grid.clamp_to_box(point);
+        rows.push(weight, grid.weights(point), point);
+    }
+    rows
 }
 
 /// Rows of the moved handles, λgp = 1 (paper, equation 7).

@@ -5,7 +5,7 @@
 use super::active_cells::active_cells;
 use super::cancel::Cancel;
 use super::constraints::Constraints;
-use super::energy::{Distortion, WithPinNeighbourhoods};
+use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
 use super::error::SolveError;
 use super::least_squares::LeastSquaresRows;
 use super::linalg::factorization::Factorization;
@@ -31,6 +31,8 @@ pub(crate) struct System<const D: usize> {
     grid: Grid<D>,
     settings: Settings,
     distortion: Box<dyn Distortion<D>>,
+    /// The matrix without the proximal term.
+    constant: NormalMatrix,
     normal: NormalMatrix,
     factor: Factorization,
     constraints: Constraints,
@@ -49,6 +51,8 @@ pub(crate) struct Parts<const D: usize> {
     pub(crate) distortion: Box<dyn Distortion<D>>,
     pub(crate) pin_rows: LeastSquaresRows<D>,
     pub(crate) warnings: Vec<String>,
+    /// Points of the model, each a row of the proximal term.
+    pub(crate) proximal: LeastSquaresRows<D>,
 }
 
 /// Part of the mean diagonal of shape and regulariser that draws handles to the rigid fit (Tikhonov regularisation): it
@@ -61,6 +65,11 @@ const MIN_GUARDED_DET: f64 = 0.01;
 impl<const D: usize> System<D> {
     /// Samples the shape and factors the matrix.
     pub(crate) fn new(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
+        Self::with_points(problem, &[], cancel)
+    }
+
+    /// As [`Self::new`], with points of the model that a proximal term may draw to places ([`Self::draw_points`]).
+    pub(crate) fn with_points(problem: &Problem<D>, points: &[[f64; D]], cancel: &Cancel) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
         let distortion = energy::build(grid, problem.shape, problem.pins, settings, cancel)?;
@@ -68,13 +77,14 @@ impl<const D: usize> System<D> {
             distortion: WithPinNeighbourhoods::around(distortion, grid, problem.pins, settings),
             pin_rows: pins::pin_rows(grid, problem.pins, settings),
             warnings: shape_warnings(problem),
+            proximal: pins::point_rows(grid, points),
         };
         Self::assemble(problem, parts, cancel)
     }
 
     /// Factors a checked problem whose parts are built already.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
-        let Parts { distortion, pin_rows, warnings } = parts;
+        let Parts { distortion, pin_rows, warnings, proximal } = parts;
         let (grid, settings) = (problem.grid, problem.settings);
         let mut moved = vec![false; grid.handle_count()];
         problem.handles.iter().for_each(|handle| moved[handle.index] = true);
@@ -82,9 +92,11 @@ impl<const D: usize> System<D> {
             pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
             regularizer: Arc::new(RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling)),
+            proximal,
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
         let bandwidth = terms.pins.bandwidth().max(terms.regularizer.bandwidth()).max(distortion.bandwidth());
+        let bandwidth = bandwidth.max(terms.proximal.bandwidth());
         let mut normal = NormalMatrix::zero(grid.handle_count(), bandwidth);
         distortion.add_normal(scales.shape, &mut normal, cancel);
         cancel.check()?;
@@ -97,15 +109,14 @@ impl<const D: usize> System<D> {
         terms.handles.add_normal(scales.handles, &mut normal, cancel);
         let factor = Factorization::new(&normal, cancel);
         cancel.check()?;
-        let factor = factor.ok_or_else(|| SolveError::Singular {
-            what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
-            hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
-        })?;
+        let factor = factor.ok_or_else(|| singular(settings))?;
         let constraints = Constraints::new((&normal, &factor), &terms, problem.pins, settings, cancel)?;
+        let constant = if terms.proximal.len() > 0 { normal.clone() } else { NormalMatrix::zero(0, 0) };
         Ok(Self {
             grid: grid.clone(),
             settings: settings.clone(),
             distortion,
+            constant,
             normal,
             factor,
             constraints,
@@ -116,6 +127,47 @@ impl<const D: usize> System<D> {
             is_active: active_cells(grid, problem.shape),
             warnings,
         })
+    }
+
+    /// Draws the points of the proximal term to `places` with this weight.
+    pub(crate) fn draw_points(
+        &mut self,
+        places: impl IntoIterator<Item = [f64; D]>,
+        weight: f64,
+        cancel: &Cancel,
+    ) -> Result<(), SolveError> {
+        places.into_iter().enumerate().for_each(|(row, place)| self.terms.proximal.set_target(row, place));
+        if weight == self.scales.proximal {
+            return Ok(());
+        }
+        self.scales.proximal = weight;
+        self.normal = self.constant.clone();
+        self.terms.proximal.add_normal(weight, &mut self.normal, cancel);
+        let factor = Factorization::new(&self.normal, cancel);
+        cancel.check()?;
+        self.factor = factor.ok_or_else(|| singular(&self.settings))?;
+        self.constraints =
+            Constraints::new((&self.normal, &self.factor), &self.terms, &self.pins, &self.settings, cancel)?;
+        Ok(())
+    }
+
+    /// Whether energy and proximal term of this weight are convex at `handles`: their second derivative is positive definite.
+    /// True where the energy does not implement it.
+    pub(crate) fn is_convex(&self, handles: &[[f64; D]], weight: f64, cancel: &Cancel) -> bool {
+        if self.distortion.flops().is_none() {
+            return true;
+        }
+        let mut normal = self.constant.clone();
+        self.terms.proximal.add_normal(weight, &mut normal, cancel);
+        let mut second = normal.kron_identity::<D>(Vec::new());
+        let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
+        self.distortion.subtract_rotation_hessian(handles, hessian, &mut second, cancel);
+        Factorization::of_positive(second, cancel).is_some()
+    }
+
+    /// Where the points of the proximal term are under `handles`.
+    pub(crate) fn point_images(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
+        (0..self.terms.proximal.len()).map(|row| self.terms.proximal.image(row, handles)).collect()
     }
 
     /// The grid at rest.
@@ -251,6 +303,13 @@ impl<const D: usize> System<D> {
         let target = pins::held_target(&self.grid, pin, &self.settings);
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.evaluate(held), &target)
+    }
+}
+
+fn singular(settings: &Settings) -> SolveError {
+    SolveError::Singular {
+        what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
+        hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
     }
 }
 

@@ -17,6 +17,8 @@ pub(crate) struct Scales {
     pub(crate) handles: f64,
     pub(crate) regularizer: f64,
     pub(crate) tikhonov: f64,
+    /// Of the proximal term: 0 in a solve of one time alone.
+    pub(crate) proximal: f64,
 }
 
 /// The terms without rotations.
@@ -26,6 +28,8 @@ pub(crate) struct Terms<const D: usize> {
     pub(crate) handles: LeastSquaresRows<D>,
     /// Shared: it does not depend on targets.
     pub(crate) regularizer: Arc<RegularizerTerm<D>>,
+    /// Points of the model and the places they are drawn to; none in a solve of one time alone.
+    pub(crate) proximal: LeastSquaresRows<D>,
 }
 
 /// Targets, and the terms that contain them.
@@ -49,6 +53,7 @@ impl Scales {
             handles: pins * lambdas.handles,
             regularizer: lambdas.regularizer,
             tikhonov: 0.0,
+            proximal: 0.0,
         }
     }
 }

@@ -28,7 +28,12 @@ pub(super) fn run<const D: usize>(file: &ProblemFile) -> Result<ResultFile, Prob
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: &settings };
     validate::problem(&problem)?;
     let distortion = WithPinNeighbourhoods::around(distortion(file, &problem)?, &grid, &pins, &settings);
-    let parts = Parts { distortion, pin_rows: pin_rows(file, &problem), warnings: Vec::new() };
+    let parts = Parts {
+        distortion,
+        pin_rows: pin_rows(file, &problem),
+        warnings: Vec::new(),
+        proximal: LeastSquaresRows::new(),
+    };
     let solver = Solver::assemble(&problem, parts)?;
     let mut energies = Vec::new();
     let solution = solver.solve_observed(|energy| energies.push(energy));

@@ -1,0 +1,162 @@
+//! Trajectories: the lattice of a layer as a continuous function of time.
+//!
+//! In: a [`Timeline`] and a [`Coupling`]. Out: a [`Trajectory`], which solves any time between its knots. After A. Mielke and
+//! R. Rossi, "Existence and uniqueness results for a class of rate-independent hysteresis problems", 2007 (vanishing viscosity);
+//! docs/METHOD.md, "Time", has the definition and what it guarantees.
+
+mod chain;
+mod knot;
+mod timeline;
+
+pub use timeline::{Coupling, TimedProblem, Timeline};
+
+use super::cancel::Cancel;
+use super::error::SolveError;
+use super::minimization::MinimizationResult;
+use super::report::Solution;
+use chain::Chain;
+use knot::{Descent, Displacement, Knot};
+use rayon::prelude::*;
+
+/// Nearer to a knot than this part of an interval, the state is the knot's.
+const AT_KNOT: f64 = 1e-7;
+
+/// The lattice of a layer over time, by its knots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory<const D: usize> {
+    coupling: Coupling,
+    /// One a knot; `None` where nothing is solved.
+    states: Vec<Option<Displacement<D>>>,
+    /// One an interval: its weight over its length, in squared units of the space.
+    weights: Vec<f64>,
+    /// That of an interval whose weight was not raised.
+    weight: f64,
+    /// Where weights were raised.
+    spreads: Vec<Spread>,
+}
+
+/// A snap that was spread over time.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Spread {
+    /// First and last frame.
+    pub frames: [f64; 2],
+    /// Greatest speed of a point of the model in it, relative to the rigid fit of the pins; units of the space a frame.
+    pub speed: f64,
+}
+
+impl<const D: usize> Trajectory<D> {
+    /// Solves all knots.
+    ///
+    /// # Errors
+    /// Those of the timeline and of its solves, and [`SolveError::Cancelled`].
+    pub fn solve<T>(timeline: &T, coupling: Coupling, cancel: &Cancel) -> Result<Self, T::Error>
+    where
+        T: Timeline<D> + Sync,
+        T::Error: Send,
+    {
+        let build = |index: usize| -> Result<Option<Knot<D>>, T::Error> {
+            let Some(problem) = timeline.at(coupling.knot_time(index))? else { return Ok(None) };
+            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
+        };
+        let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
+        let knots: Result<Vec<_>, _> = (0..count).into_par_iter().map(build).collect();
+        let mut chain = Chain::new(knots?, &coupling, cancel);
+        chain.solve()?;
+        let spreads = spreads(&chain, &coupling);
+        let (weights, weight) = (chain.weights.clone(), chain.weight);
+        Ok(Self { coupling, states: chain.into_states(), weights, weight, spreads })
+    }
+
+    /// The snaps that were spread over time.
+    #[must_use]
+    pub fn spreads(&self) -> &[Spread] {
+        &self.spreads
+    }
+
+    /// Solves a time; `None` where nothing is solved. The same time gives the same bits, whatever was solved before.
+    ///
+    /// # Errors
+    /// Those of the timeline and of the solve, and [`SolveError::Cancelled`].
+    pub fn at<T: Timeline<D>>(
+        &self,
+        timeline: &T,
+        time: f64,
+        cancel: &Cancel,
+    ) -> Result<Option<Solution<D>>, T::Error> {
+        let Some(problem) = timeline.at(time)? else { return Ok(None) };
+        let mut knot = Knot::new(problem, timeline.settings(), cancel)?;
+        let result = self.solve_knot(&mut knot, time, cancel)?;
+        let goal = knot.goal().cloned();
+        Ok(goal.map(|goal| knot.system.finish(&goal, result, None)))
+    }
+
+    /// The state of a knot where the time is one, else the proximal step between its neighbours.
+    fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
+        match self.neighbourhood(time) {
+            Neighbourhood::Alone => knot.solve_alone(cancel),
+            Neighbourhood::At(state) => {
+                knot.displacement = state.clone();
+                Ok(MinimizationResult { handles: knot.handles(), iterations: 0, is_converged: true })
+            }
+            Neighbourhood::Near(state, weight) => {
+                knot.displacement = state;
+                let points = knot.displacement.points.clone();
+                knot.solve_near((&points, weight), Descent::Cold, cancel)
+            }
+        }
+    }
+
+    /// What draws a time. Between two knots: E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), s the part of the interval that
+    /// has passed; up to a constant this is one square, ω/(s (1 − s)) ‖d − (1 − s) d_k − s d_{k+1}‖². Before the first knot, after the last,
+    /// and beside a gap one knot alone draws, the less the farther it is.
+    fn neighbourhood(&self, time: f64) -> Neighbourhood<'_, D> {
+        let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
+        let last = self.states.len() as f64 - 1.0;
+        if let Some(state) = self.state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
+            return Neighbourhood::At(state);
+        }
+        let before = place.floor().min(last);
+        let after = place.ceil().max(0.0);
+        match (self.state(before), self.state(after)) {
+            (Some(from), Some(to)) => {
+                let s = place - before;
+                Neighbourhood::Near(from.interpolated(to, s), self.weights[before as usize] / (s * (1.0 - s)))
+            }
+            (Some(only), None) => Neighbourhood::Near(only.clone(), self.weight / (place - before)),
+            (None, Some(only)) => Neighbourhood::Near(only.clone(), self.weight / (after - place)),
+            (None, None) => Neighbourhood::Alone,
+        }
+    }
+
+    /// The state of a knot by its number; `None` where nothing is solved, or there is no such knot.
+    fn state(&self, knot: f64) -> Option<&Displacement<D>> {
+        if knot < 0.0 { None } else { self.states.get(knot as usize)?.as_ref() }
+    }
+}
+
+/// What draws a time.
+enum Neighbourhood<'a, const D: usize> {
+    /// Nothing.
+    Alone,
+    /// It is a knot.
+    At(&'a Displacement<D>),
+    /// A displacement, with a weight.
+    Near(Displacement<D>, f64),
+}
+
+/// Runs of intervals whose weights were raised.
+fn spreads<const D: usize>(chain: &Chain<D>, coupling: &Coupling) -> Vec<Spread> {
+    let mut spreads: Vec<Spread> = Vec::new();
+    for index in (0..chain.weights.len()).filter(|&index| chain.weights[index] > chain.weight) {
+        let [Some(knot), Some(next)] = &chain.knots[index..=index + 1] else { continue };
+        let speed = knot.displacement.farthest(&next.displacement) * f64::from(coupling.knots_per_frame);
+        let frames = [index, index + 1].map(|knot| coupling.knot_time(knot));
+        match spreads.last_mut() {
+            Some(last) if last.frames[1] == frames[0] => {
+                *last = Spread { frames: [last.frames[0], frames[1]], speed: last.speed.max(speed) };
+            }
+            _ => spreads.push(Spread { frames, speed }),
+        }
+    }
+    spreads
+}

@@ -1,0 +1,67 @@
+//! What a trajectory is solved for: the problem of a layer at any time, and how its times hang together.
+//!
+//! In: implemented by the pipeline and by tests. Out: [`TimedProblem`]s.
+
+use crate::lattice::Grid;
+use crate::solve::error::SolveError;
+use crate::solve::problem::Shape;
+use crate::solve::settings::Settings;
+use crate::solve::targets::Targets;
+
+/// The problem of one time. Grid, shape, pins and targets all may move.
+#[derive(Clone, Debug)]
+pub struct TimedProblem<const D: usize> {
+    /// The rest grid.
+    pub grid: Grid<D>,
+    /// The shape to preserve.
+    pub shape: Shape<D>,
+    /// How pins and handles came to their targets, which are the last; see [`crate::solve::Solver::follow`].
+    pub path: Vec<Targets<D>>,
+    /// Points of the model, the same ones at every time, #points; those outside the box count where they are nearest to it.
+    pub points: Vec<[f64; D]>,
+}
+
+/// The problem of a layer as a function of time.
+pub trait Timeline<const D: usize> {
+    /// What goes wrong.
+    type Error: From<SolveError>;
+
+    /// The settings of all times.
+    fn settings(&self) -> &Settings;
+
+    /// The problem at a time; `None` where nothing is solved.
+    ///
+    /// # Errors
+    /// Those of the implementation.
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<D>>, Self::Error>;
+}
+
+/// How the times of a trajectory hang together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling {
+    /// Time of the first knot, frames.
+    pub first: f64,
+    /// Time of the last knot, at most; frames.
+    pub last: f64,
+    /// Knots a frame, 1 or more.
+    pub knots_per_frame: u32,
+    /// Weight of the mean squared speed, in box diagonals a frame, against the shape's energy; frames.
+    pub weight: f64,
+    /// A speed, in units of the space a frame, that needs no reason.
+    pub least_speed: f64,
+}
+
+impl Coupling {
+    /// Number of knots.
+    #[must_use]
+    pub fn knot_count(&self) -> usize {
+        let frames = (self.last - self.first).max(0.0);
+        (frames * f64::from(self.knots_per_frame) + 1e-9).floor() as usize + 1
+    }
+
+    /// The time of a knot.
+    #[must_use]
+    pub fn knot_time(&self, knot: usize) -> f64 {
+        self.first + knot as f64 / f64::from(self.knots_per_frame)
+    }
+}

@@ -1,0 +1,257 @@
+//! Trajectories are continuous in time: random limb animations, bisected wherever they move.
+
+#[path = "support/limbs.rs"]
+mod limbs;
+
+use limbs::{Key, Limb, PIXEL};
+use pinwarp::lattice::Lattice;
+use pinwarp::solve::{Cancel, Coupling, PointPin, Problem, Targets, Timeline, Trajectory, solve};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Frames of an animation.
+const LAST: f64 = 12.0;
+
+/// The temporal weight.
+const WEIGHT: f64 = 0.3;
+
+fn coupling(weight: f64) -> Coupling {
+    Coupling { first: 0.0, last: LAST, knots_per_frame: 2, weight, least_speed: PIXEL }
+}
+
+/// A motion that is looked at: the shape's points at any time.
+struct Motion<'a> {
+    limb: &'a Limb,
+    trajectory: Option<Trajectory<2>>,
+}
+
+impl<'a> Motion<'a> {
+    fn new(limb: &'a Limb, weight: f64) -> Self {
+        let solve = || Trajectory::solve(limb, coupling(weight), &Cancel::never()).expect("solved");
+        Self { limb, trajectory: (weight > 0.0).then(solve) }
+    }
+
+    fn points(&self, time: f64) -> Vec<[f64; 2]> {
+        let lattice = match &self.trajectory {
+            Some(trajectory) => {
+                let solution = trajectory.at(self.limb, time, &Cancel::never()).expect("solved");
+                solution.expect("pins act").lattice
+            }
+            None => alone(self.limb, time),
+        };
+        self.limb.points().iter().map(|&point| lattice.evaluate(point)).collect()
+    }
+
+    /// Farthest jump between two times, pixels: the half that moves farther is halved again.
+    fn jump(&self, from: (f64, &[[f64; 2]]), to: (f64, &[[f64; 2]])) -> f64 {
+        let moved = farthest(from.1, to.1);
+        if moved < 1.0 || to.0 - from.0 < 1e-6 {
+            return moved;
+        }
+        let middle = f64::midpoint(from.0, to.0);
+        let points = self.points(middle);
+        if farthest(from.1, &points) > farthest(&points, to.1) {
+            self.jump(from, (middle, &points))
+        } else {
+            self.jump((middle, &points), to)
+        }
+    }
+}
+
+fn alone(limb: &Limb, time: f64) -> Lattice<2> {
+    let problem = limb.at(time).expect("a problem").expect("pins act");
+    let Targets { pins, handles } = &problem.path[0];
+    let bare = Problem { grid: &problem.grid, shape: &problem.shape, pins, handles, settings: limb.settings() };
+    solve(&bare).expect("solved").lattice
+}
+
+/// Farthest move of a point, pixels.
+fn farthest(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+    moves.fold(0.0, f64::max) / PIXEL
+}
+
+/// The rigid motion that fits pins best, of all points.
+fn rigid(points: &[[f64; 2]], pins: &[PointPin<2>]) -> Vec<[f64; 2]> {
+    let mean = |place: fn(&PointPin<2>) -> [f64; 2]| -> [f64; 2] {
+        std::array::from_fn(|d| pins.iter().map(|pin| place(pin)[d]).sum::<f64>() / pins.len() as f64)
+    };
+    let (from, to) = (mean(|pin| pin.at), mean(|pin| pin.target));
+    let mut z = [0.0; 2];
+    for pin in pins {
+        let [a, b] = [[pin.at[0] - from[0], pin.at[1] - from[1]], [pin.target[0] - to[0], pin.target[1] - to[1]]];
+        z = [z[0] + a[0] * b[0] + a[1] * b[1], z[1] + a[0] * b[1] - a[1] * b[0]];
+    }
+    let length = z[0].hypot(z[1]);
+    let [cos, sin] = z.map(|x| x / length);
+    let image = |p: &[f64; 2]| {
+        let [x, y] = [p[0] - from[0], p[1] - from[1]];
+        [to[0] + cos * x - sin * y, to[1] + sin * x + cos * y]
+    };
+    points.iter().map(image).collect()
+}
+
+/// What was found in an animation.
+#[derive(Clone, Copy, Debug, Default)]
+struct Finding {
+    /// Farthest jump, pixels.
+    jump: f64,
+    /// Steps between frames, and those that move farther than four times what gives reason to, and 2 pixels.
+    steps: usize,
+    hasty: usize,
+    /// Greatest move over that.
+    ratio: f64,
+}
+
+fn look(limb: &Limb, weight: f64) -> Finding {
+    let motion = Motion::new(limb, weight);
+    let mut finding = Finding::default();
+    let mut last: Option<Vec<[f64; 2]>> = None;
+    for frame in 0..=LAST as i32 {
+        let time = f64::from(frame);
+        let points = motion.points(time);
+        if let Some(before) = &last {
+            let (old, new) = (limb.pins(time - 1.0), limb.pins(time));
+            let pins = old.iter().zip(&new).map(|(a, b)| farthest(&[a.target], &[b.target])).fold(0.0, f64::max);
+            let reason = pins.max(farthest(&rigid(limb.points(), &old), &rigid(limb.points(), &new)));
+            let ratio = farthest(before, &points) / (4.0 * reason + 2.0);
+            finding.steps += 1;
+            finding.hasty += usize::from(ratio > 1.0);
+            finding.ratio = finding.ratio.max(ratio);
+            finding.jump = finding.jump.max(motion.jump((time - 1.0, before), (time, &points)));
+        }
+        last = Some(points);
+    }
+    finding
+}
+
+/// Findings of many random animations, on all cores.
+fn look_at_many(seeds: std::ops::Range<u64>, shortening: f64, weight: f64) -> Vec<Finding> {
+    let next = AtomicUsize::new(seeds.start as usize);
+    let threads: Vec<Vec<(u64, Finding)>> = std::thread::scope(|scope| {
+        let work = || {
+            let mut found = Vec::new();
+            loop {
+                let seed = next.fetch_add(1, Ordering::Relaxed) as u64;
+                if seed >= seeds.end {
+                    return found;
+                }
+                found.push((seed, look(&Limb::random(seed, shortening, LAST), weight)));
+            }
+        };
+        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    let mut found: Vec<_> = threads.into_iter().flatten().collect();
+    found.sort_by_key(|(seed, _)| *seed);
+    for (seed, finding) in &found {
+        if finding.jump > 1.0 || finding.hasty > 0 {
+            eprintln!("seed {seed}: {finding:?}");
+        }
+    }
+    found.into_iter().map(|(_, finding)| finding).collect()
+}
+
+fn tell(name: &str, findings: &[Finding]) {
+    let count = findings.len();
+    let jumps = |px: f64| findings.iter().filter(|finding| finding.jump > px).count();
+    let (steps, hasty) = findings.iter().fold((0, 0), |(a, b), finding| (a + finding.steps, b + finding.hasty));
+    let greatest = findings.iter().map(|finding| finding.jump).fold(0.0, f64::max);
+    eprintln!(
+        "{name}: of {count} animations {} jump by more than 1 px, {} by more than 5 px, at most {greatest:.1} px; \
+         {hasty} of {steps} steps are hasty",
+        jumps(1.0),
+        jumps(5.0)
+    );
+}
+
+#[test]
+#[ignore = "minutes; PINWARP_LIMBS=first..end, PINWARP_WEIGHT"]
+fn many_random_limbs() {
+    let var = |name: &str, default: f64| std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default);
+    let count = var("PINWARP_LIMBS", 500.0) as u64;
+    let weight = var("PINWARP_WEIGHT", WEIGHT);
+    let begun = std::time::Instant::now();
+    tell(&format!("weight {weight}"), &look_at_many(0..count, var("PINWARP_SHORT", 0.3), weight));
+    eprintln!("{:.1} s", begun.elapsed().as_secs_f64());
+}
+
+/// A limb of bones in a line, posed from the first key to the second.
+fn posed(rest: &[f64], is_pinned: &[bool], bones: [&[[f64; 2]]; 2]) -> Limb {
+    let keys = bones.iter().zip([0.0, LAST]).map(|(bones, frame)| Key { frame, bones: bones.to_vec() });
+    Limb::new(rest.to_vec(), is_pinned.to_vec(), keys.collect())
+}
+
+/// A hand is pulled towards the shoulder; nothing holds the elbow.
+fn elbow() -> Limb {
+    let pulled: &[[f64; 2]] = &[[0.0, 1.0], [1.5, 0.2], [0.0, 0.2], [-1.5, 0.2]];
+    posed(&[0.1, 0.1, -0.1, -0.1], &[true, true, false, false, true], [&[[0.0, 1.0]; 4], pulled])
+}
+
+/// A forearm is turned by 180 degrees against the upper arm.
+fn turned_arm() -> Limb {
+    let turned: &[[f64; 2]] = &[[0.0, 1.0], [0.0, 1.0], [std::f64::consts::PI, 1.0], [0.0, 1.0]];
+    posed(&[0.1, 0.1, 0.1, 0.1], &[true; 5], [&[[0.0, 1.0]; 4], turned])
+}
+
+#[test]
+fn a_trajectory_of_random_limbs_has_no_jumps() {
+    let alone = look_at_many(0..12, 0.3, 0.0);
+    tell("each frame alone", &alone);
+    assert!(alone.iter().filter(|finding| finding.jump > 5.0).count() >= 3, "these limbs are no test of jumps");
+    let together = look_at_many(0..60, 0.3, WEIGHT);
+    tell("trajectories", &together);
+    let [steps, hasty] = [|finding: &Finding| finding.steps, |finding: &Finding| finding.hasty]
+        .map(|of| together.iter().map(of).sum::<usize>());
+    assert!(together.iter().all(|finding| finding.jump <= 1.0), "a trajectory jumps");
+    assert!(hasty * 200 <= steps, "{hasty} of {steps} steps are hasty");
+}
+
+#[test]
+fn an_elbow_and_a_turned_arm_do_not_snap() {
+    for (name, limb) in [("elbow", elbow()), ("turned arm", turned_arm())] {
+        let [alone, together] = [0.0, WEIGHT].map(|weight| look(&limb, weight));
+        eprintln!("{name}: alone {alone:?}, together {together:?}");
+        assert!(alone.jump > 20.0, "{name}: {alone:?}");
+        assert!(together.jump <= 1.0 && together.hasty <= 1, "{name}: {together:?}");
+    }
+    let trajectory = Trajectory::solve(&elbow(), coupling(WEIGHT), &Cancel::never()).expect("solved");
+    assert!(!trajectory.spreads().is_empty(), "the elbow's snap is told");
+}
+
+#[test]
+fn no_order_and_no_thread_changes_a_bit() {
+    let limb = elbow();
+    let solve = || Trajectory::solve(&limb, coupling(WEIGHT), &Cancel::never()).expect("solved");
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    let (first, second) = (solve(), alone.install(solve));
+    assert_eq!(first, second);
+    let at = |trajectory: &Trajectory<2>, time: f64| {
+        trajectory.at(&limb, time, &Cancel::never()).expect("solved").expect("pins act").lattice
+    };
+    let times = [3.0, 11.3, 7.25, 24.0, 25.5, -0.5];
+    let forward: Vec<_> = times.iter().map(|&time| at(&first, time)).collect();
+    let backward: Vec<_> = times.iter().rev().map(|&time| at(&second, time)).collect();
+    assert!(forward.iter().eq(backward.iter().rev()));
+}
+
+#[test]
+fn without_weight_each_time_is_solved_alone() {
+    let limb = Limb::random(3, 0.3, LAST);
+    let trajectory = Trajectory::solve(&limb, coupling(0.0), &Cancel::never()).expect("solved");
+    for time in [0.0, 5.5, 12.0] {
+        let solution = trajectory.at(&limb, time, &Cancel::never()).expect("solved").expect("pins act");
+        assert_eq!(solution.lattice, alone(&limb, time));
+    }
+    assert!(trajectory.spreads().is_empty());
+}
+
+#[test]
+fn what_moves_rigidly_does_not_lag() {
+    let still: &[[f64; 2]] = &[[0.0, 1.0]; 3];
+    let limb = posed(&[0.2, -0.3, 0.3], &[true; 4], [still, &[[1.4, 1.0], [0.0, 1.0], [0.0, 1.0]]]);
+    let motion = Motion::new(&limb, WEIGHT);
+    for time in [0.0, 3.5, 8.2, 12.0, 20.0] {
+        let off = farthest(&motion.points(time), &rigid(limb.points(), &limb.pins(time)));
+        assert!(off < 0.01, "{off} px at {time}");
+    }
+}
