@@ -2,8 +2,8 @@
 //!
 //! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`, or a file.
 
-use super::Warp;
 use super::map_tiles::MapTile;
+use super::{OutputGuard, Warp};
 use crate::image::{Compression, FrameMetadata, ImageError, Plate, Storage, read_any_head, write_exr};
 use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
@@ -62,11 +62,14 @@ pub struct StMapFile<'a> {
     pub rate: f64,
 }
 
-/// Whether an STMap may be written there: where nothing is, or a map that this program has written.
+/// Whether an STMap may be written there: where nothing is, or a map that this program has written and the shape is not
+/// read from.
 ///
 /// # Errors
-/// [`ImageError::Frame`] where another file lies there.
-pub fn check_stmap_path(path: &Path) -> Result<(), ImageError> {
+/// [`ImageError::Frame`] where another file lies there; [`ImageError::Refused`] as [`OutputGuard::check`].
+pub fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageError> {
+    // First of all: opening a pipe would wait for ever.
+    guard.check(path)?;
     if !path.exists() || read_any_head(path).is_ok_and(|head| is_own_stmap(&head)) {
         return Ok(());
     }
@@ -86,8 +89,8 @@ fn is_own_stmap(head: &Plate) -> bool {
 ///
 /// # Errors
 /// [`ImageError`] as [`check_stmap_path`] gives, and where the file cannot be written.
-pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile) -> Result<(), ImageError> {
-    check_stmap_path(file.path)?;
+pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
+    check_stmap_path(file.path, guard)?;
     let map = WarpMap::backward(&warp.field, size, size.window());
     let metadata = FrameMetadata {
         frame: file.frame,

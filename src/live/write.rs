@@ -3,7 +3,7 @@
 //! In: a [`WriteShot`]. Out: a checked file; comments and everything that parameters do not speak of stay.
 
 use super::read::{PinTrack, TrackKey};
-use super::{Controls, LiveError, Moved, OwnPins, ShapeSource, ShotShape, solve};
+use super::{Controls, LiveError, Moved, OutputGuard, OwnPins, ShapeSource, ShotShape, solve};
 use crate::image::replace_text;
 use crate::plate::Filter;
 use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_filter, put_layer};
@@ -61,10 +61,11 @@ pub enum Subject<'a> {
 /// file. Strength and smoothness are multiplied into those of the base: a host that goes on over that file sets its own to 1.
 ///
 /// # Errors
-/// [`LiveError`] where base or file are no shots, the file is the base, cannot be written, or there are pins that would act
-/// beside these.
+/// [`LiveError`] where base or file are no shots, the file is the base, one that the base reads or no regular file, cannot be
+/// written, or there are pins that would act beside these.
 pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     job.check_base()?;
+    job.guard()?.check(job.path)?;
     let origin = job.origin();
     let text = match origin {
         Some(path) => std::fs::read_to_string(path).map_err(|source| io(path, source))?,
@@ -111,6 +112,13 @@ impl WriteShot<'_> {
         let hint = format!("write another file beside {}", base.display());
         Err(LiveError::Layer { path: self.path.to_owned(), what: what.into(), hint })
     }
+
+    /// Guards what the base is read from; a file that goes on from itself reads nothing else.
+    fn guard(&self) -> Result<OutputGuard, LiveError> {
+        let Some(base) = self.base else { return Ok(OutputGuard::default()) };
+        OutputGuard::of(&ShapeSource::Shot(self.shape(base)), self.new.size)
+    }
+
     /// A shot without pins.
     fn blank(&self) -> String {
         let NewShot { subject, frames: [first, last], rate, size } = self.new;

@@ -14,7 +14,10 @@ use super::render::fetched;
 use super::settings::{ShapeChoice, settings_of};
 use super::values::ParamValues;
 use crate::image::SequencePath;
-use crate::live::{self, HostFrame, NewShot, OwnedPicture, PinRegion, PinTrack, StMapFile, Subject, WriteShot};
+use crate::live::{
+    self, HostFrame, NewShot, OutputGuard, OwnedPicture, PinRegion, PinTrack, ShapeSource, StMapFile, Subject,
+    WriteShot,
+};
 use crate::spelling::counted;
 use std::ffi::CStr;
 use std::path::PathBuf;
@@ -204,7 +207,12 @@ fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Resu
     let pattern = SequencePath::parse(&stmap_pattern(values)?)?;
     let [first, last] = frames(call, values.time);
     pattern.check_frame_count((last - first + 1) as usize)?;
-    (first..=last).try_for_each(|frame| live::check_stmap_path(&pattern.path_of(frame)))?;
+    let shape = match settings_of(call, f64::from(first), host_frame)?.shape {
+        ShapeChoice::Shot(shot) => ShapeSource::Shot(shot),
+        ShapeChoice::Frame | ShapeChoice::Alpha => ShapeSource::Frame,
+    };
+    let guard = OutputGuard::of(&shape, host_frame.frame)?;
+    (first..=last).try_for_each(|frame| live::check_stmap_path(&pattern.path_of(frame), &guard))?;
     for frame in first..=last {
         if call.effect.is_aborted() {
             return Err(Fault::Aborted);
@@ -215,7 +223,7 @@ fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Resu
         let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, host_frame)? } else { None };
         let warp = settings.warp(call.effect, host_frame, source.as_ref().and_then(OwnedPicture::coverage))?;
         let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
-        live::save_stmap(&warp, host_frame.frame, file)?;
+        live::save_stmap(&warp, host_frame.frame, file, &guard)?;
     }
     Ok(format!("wrote {}", counted(last - first + 1, "STMap", "STMaps")))
 }

@@ -14,6 +14,7 @@ use super::params::{PINS, SHAPES, ShapeFrom, pin_id, table};
 use super::pins;
 use super::values::ParamValues;
 use crate::live;
+use crate::spelling::escaped;
 
 /// A new instance: what does not matter is greyed out.
 pub(super) fn created(call: Call) -> Result<Status, Fault> {
@@ -40,12 +41,12 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     // What was wrong before the edit is shown again, or is over.
     call.effect.clear_messages();
     if let Some(done) = buttons::press_pins(call.effect, &id, values) {
-        done.iter().for_each(|told| call.effect.inform(told));
+        done.iter().for_each(|told| call.effect.inform(&escaped(told)));
         open_groups(values);
         return Ok(Status::OK);
     }
     if let Some(done) = buttons::press(call, &id, values) {
-        call.effect.inform(&done?);
+        call.effect.inform(&escaped(&done?));
         enable(values);
         return Ok(Status::OK);
     }

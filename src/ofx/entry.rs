@@ -7,7 +7,8 @@ use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
 use super::call::{Action, Call, PluginKind};
 use super::fault::Fault;
 use super::host::{self, Effect, Props, action_name, caught, guarded};
-use super::{changed, describe, pen, regions, render};
+use super::{budget, changed, describe, pen, regions, render};
+use crate::spelling::escaped;
 use std::ffi::{CStr, c_char, c_int, c_void};
 
 /// Actions on effects. All others are answered with "reply default".
@@ -125,7 +126,7 @@ fn act(kind: PluginKind, name: *const c_char, handle: *const c_void, [args, out]
     let call = Call { kind, effect, args: Props::new(suites.property, args), out: Props::new(suites.property, out) };
     caught(|| work(call)).unwrap_or_else(|words| Err(Fault::Panic(words))).unwrap_or_else(|fault| {
         if !fault.is_abort() {
-            effect.show_error(&fault.to_string());
+            effect.show_error(&escaped(&fault.to_string()));
         }
         fault.status()
     })

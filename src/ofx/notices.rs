@@ -8,6 +8,7 @@ use super::params::pin_id;
 use super::settings::Settings;
 use super::values::ParamValues;
 use crate::live::{Warp, Wording};
+use crate::spelling::escaped;
 
 /// Everything worth a warning about the frame at the time of `values`.
 pub(super) fn warning(
@@ -33,6 +34,6 @@ pub(super) fn warning(
         notices.iter().map(|notice| notice.subject.clone()).collect(),
         notices.into_iter().map(|notice| notice.text).collect(),
     ];
-    let text = format!("Frame {}: {}", values.time, texts.join("; "));
+    let text = escaped(&format!("Frame {}: {}", values.time, texts.join("; "))).into_owned();
     Some(FrameWarning { time: values.time, subject: subjects.join("; "), text })
 }

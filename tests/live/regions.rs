@@ -2,7 +2,7 @@
 
 use crate::support::{WIDE, bent, job, noise, picture};
 use pinwarp::image::{Compression, Frame, Storage};
-use pinwarp::live::{Alpha, Render, StMapFile, render, save_stmap, stmap};
+use pinwarp::live::{Alpha, OutputGuard, Render, StMapFile, render, save_stmap, stmap};
 use pinwarp::plate::{Filter, WarpMap, stmap_of};
 use pinwarp::space::PixelRect;
 
@@ -49,16 +49,17 @@ fn stmaps_are_written_over_stmaps_alone() {
     let (warp, folder) = (bent(), tempfile::tempdir().expect("a folder"));
     let path = folder.path().join("map.exr");
     let file = StMapFile { path: &path, frame: 7, rate: 25.0 };
-    save_stmap(&warp, WIDE, file).expect("written");
-    save_stmap(&warp, WIDE, file).expect("written again");
+    let guard = OutputGuard::default();
+    save_stmap(&warp, WIDE, file, &guard).expect("written");
+    save_stmap(&warp, WIDE, file, &guard).expect("written again");
     let told = pinwarp::image::read_metadata(&path).expect("readable").expect("ours");
     assert_eq!((told.frame, told.frames_per_second), (7, 25.0));
     let render = Frame::blank(WIDE.window(), WIDE.window(), &["R", "G", "B", "A"].map(|name| (name, Storage::Half)));
     pinwarp::image::write_exr(&path, &render, &told, Compression::Zip).expect("written");
-    let refused = save_stmap(&warp, WIDE, file).expect_err("a render");
+    let refused = save_stmap(&warp, WIDE, file, &guard).expect_err("a render");
     assert!(refused.to_string().contains("no STMap of this program"), "{refused}");
     std::fs::write(&path, b"my notes").expect("written");
-    save_stmap(&warp, WIDE, file).expect_err("notes");
+    save_stmap(&warp, WIDE, file, &guard).expect_err("notes");
     assert_eq!(std::fs::read(&path).expect("there"), b"my notes");
 }
 

@@ -92,6 +92,73 @@ fn buttons_without_a_path_say_what_is_missing() {
     host.finish();
 }
 
+/// A shot over a drawing, both in a folder, and a host whose node follows it.
+fn over_a_shot(folder: &std::path::Path) -> (Host, crate::host::Node) {
+    let window = pinwarp::space::PixelRect { x: 0, y: 0, width: 16, height: 9 };
+    let channels = ["R", "G", "B", "A"].map(|name| (name, pinwarp::image::Storage::Float));
+    let mut drawing = pinwarp::image::Frame::blank(window, window, &channels);
+    drawing.channels.iter_mut().for_each(|channel| channel.samples.fill(1.0));
+    let metadata = pinwarp::image::FrameMetadata {
+        frame: 0,
+        frames_per_second: 24.0,
+        shot_hash: String::new(),
+        device: "CPU".into(),
+        camera: None,
+        mattes: Default::default(),
+    };
+    // Of the form of an STMap of this program: only the guard keeps it.
+    let path = folder.join("drawing.0001.exr");
+    pinwarp::image::write_exr(&path, &drawing, &metadata, pinwarp::image::Compression::Zip).expect("written");
+    let shot = "version = 1\nimage = \"drawing.0001.exr\"\nframes = { first = 0, last = 0 }\nsize = [16, 9]\n";
+    std::fs::write(folder.join("shot.toml"), shot).expect("written");
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
+    host.set(node, "shape", 2);
+    host.set(node, "shotFile", folder.join("shot.toml").to_str().expect("plain letters"));
+    (host, node)
+}
+
+#[test]
+#[cfg(unix)]
+fn buttons_write_over_no_input_and_nothing_special() {
+    let folder = folder();
+    let (host, node) = over_a_shot(folder.path());
+    let path = |name: &str| folder.path().join(name);
+    std::fs::hard_link(path("drawing.0001.exr"), path("other.0002.exr")).expect("linked");
+    std::fs::hard_link(path("shot.toml"), path("link.toml")).expect("linked");
+    std::os::unix::fs::symlink(path("drawing.0001.exr"), path("link.0000.exr")).expect("linked");
+    assert!(
+        Command::new("mkfifo").args([path("pipe.0000.exr"), path("pipe.toml")]).status().expect("it runs").success()
+    );
+    let before = names(folder.path());
+    let kept = ["drawing.0001.exr", "shot.toml"].map(|name| std::fs::read(path(name)).expect("there"));
+    for (button, id, target, why) in [
+        ("writeStmaps", "stmapPath", "drawing.####.exr", "read by this job"),
+        ("writeStmaps", "stmapPath", "other.####.exr", "read by this job"),
+        ("writeStmaps", "stmapPath", "link.####.exr", "read by this job"),
+        ("writeStmaps", "stmapPath", "pipe.####.exr", "not a regular file"),
+        ("writeShot", "writePath", "drawing.0001.exr", "read by this job"),
+        ("writeShot", "writePath", "shot.toml", "the shot that is read"),
+        ("writeShot", "writePath", "link.toml", "read by this job"),
+        ("writeShot", "writePath", "pipe.toml", "not a regular file"),
+    ] {
+        host.set(node, id, path(target).to_str().expect("plain letters"));
+        assert_eq!(host.press(node, button), Status::FAILED, "{target}: {:?}", host.said());
+        let said = host.said();
+        assert!(said.len() == 1 && said[0].text.contains(why) && !said[0].text.contains("-o"), "{target}: {said:?}");
+    }
+    // A new file may be neither.
+    host.set(node, "shape", 0);
+    for special in [path("pipe.toml"), "/dev/null".into()] {
+        host.set(node, "writePath", special.to_str().expect("plain letters"));
+        assert_eq!(host.press(node, "writeShot"), Status::FAILED, "{:?}", host.said());
+        assert!(host.said()[0].text.contains("not a regular file"), "{:?}", host.said());
+    }
+    assert_eq!(names(folder.path()), before);
+    assert_eq!(["drawing.0001.exr", "shot.toml"].map(|name| std::fs::read(path(name)).expect("there")), kept);
+    host.finish();
+}
+
 /// Names of the files in a folder, sorted.
 fn names(folder: &std::path::Path) -> Vec<String> {
     let files = std::fs::read_dir(folder).expect("a folder").map(|file| file.expect("readable").file_name());

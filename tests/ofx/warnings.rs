@@ -127,6 +127,32 @@ fn pins_that_cannot_be_meant_are_told_in_pixels() {
 }
 
 #[test]
+fn nothing_in_a_name_drives_a_terminal_or_breaks_a_line() {
+    let nasty = "no\u{1b}[31mse\n\u{202e}gpj";
+    let is_plain = |text: &str| !text.contains(|letter: char| letter.is_control() || letter == '\u{202e}');
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = host.node();
+    host.through(node, &Pixels::scenery(SIZE, 4));
+    host.pin(node, 1, [80.0, 45.0], [90.0, 45.0]);
+    host.pin(node, 2, [80.0, 45.0], [70.0, 45.0]);
+    host.set(node, "pin2Name", nasty);
+    host.render(node, Frame::default()).expect("it renders");
+    host.set(node, "shape", 2);
+    host.set(node, "shotFile", format!("/nowhere/{nasty}.toml").as_str());
+    host.press(node, "readShot");
+    host.set(node, "stmapFolder", "/nowhere");
+    host.set(node, "stmapName", format!("{nasty}/").as_str());
+    host.set(node, "shape", 0);
+    host.press(node, "writeStmaps");
+    let heard = host.heard();
+    assert_eq!(heard.len(), 3, "{heard:?}");
+    for said in heard {
+        assert!(is_plain(&said.text) && said.text.contains(r"no\u{1b}[31mse\n\u{202e}gpj"), "{said:?}");
+    }
+    host.finish();
+}
+
+#[test]
 fn news_come_without_a_format() {
     let folder = tempfile::Builder::new().prefix("100% sure").tempdir().expect("a folder");
     let mut host = Host::start(&RESOLVE, Which::PinWarp);
