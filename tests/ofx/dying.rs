@@ -106,6 +106,37 @@ fn overlays_of_ended_effects_touch_nothing_in_any_order() {
 }
 
 #[test]
+fn actions_of_ended_effects_and_their_overlays_touch_nothing_in_any_order() {
+    let mut order: u64 = 0x9E37_79B9_7F4A_7C15;
+    let mut draw = |count: usize| {
+        order = order.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (order >> 33) as usize % count
+    };
+    for round in 0..12 {
+        let mut host = Host::start(if round % 2 == 0 { &BOOK } else { &NATRON }, Which::PinWarp);
+        // Another instance lives on meanwhile.
+        let [node, living] = [0, 1].map(|_| pulled(&mut host, &Pixels::scenery(SIZE, 4)));
+        let before = host.render(living, Frame::default()).expect("it renders");
+        let overlay = host.overlay(node, 1.0).expect("there is one").detached();
+        if draw(2) == 0 {
+            overlay.pen(interact::PEN_DOWN, "PenDown", [96.0, 54.0]);
+        }
+        host.destroy(node);
+        for _ in 0..40 {
+            let name = draw(ACTIONS.len() + OVERLAY_ACTIONS.len());
+            match ACTIONS.get(name) {
+                Some(name) => _ = host.ask((name, "of an ended effect"), node.0, Vec::new()),
+                None => _ = overlay.pen(OVERLAY_ACTIONS[name - ACTIONS.len()], "of an ended effect", [96.0, 54.0]),
+            }
+        }
+        assert!(host.render(living, Frame::default()).expect("it renders") == before, "round {round}");
+        overlay.close();
+        host.forgive_open_edits();
+        host.finish();
+    }
+}
+
+#[test]
 fn an_overlay_closes_while_its_effect_and_itself_are_half_gone() {
     for is_dragging in [false, true] {
         let mut host = Host::start(&NATRON, Which::PinWarp);
