@@ -7,9 +7,13 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, LazyLock, Mutex, PoisonError};
+use std::time::Duration;
 
 /// Share of the system's memory that is used unless a limit is set, in percent.
 const DEFAULT_PERCENT: f64 = 75.0;
+
+/// How long a thread that waits for memory sleeps before it asks whether that is still wanted.
+const NAP: Duration = Duration::from_millis(10);
 
 /// The limit in bytes; 0: not set.
 static LIMIT: AtomicU64 = AtomicU64::new(0);
@@ -72,14 +76,28 @@ pub fn check(bytes: u128) -> Result<(), OverBudget> {
 /// # Errors
 /// [`OverBudget`] where they are more than the limit, however long one waits.
 pub fn reserve(bytes: u128) -> Result<Reservation, OverBudget> {
+    Ok(reserve_until(bytes, &|| false)?.expect("nothing gives it up"))
+}
+
+/// As [`reserve`]; while it waits, `stop` is asked every few milliseconds whether the bytes are still wanted, by the thread
+/// that called. `None`: they are not.
+///
+/// # Errors
+/// As [`reserve`].
+pub fn reserve_until(bytes: u128, stop: &dyn Fn() -> bool) -> Result<Option<Reservation>, OverBudget> {
     check(bytes)?;
     let bytes = bytes as u64;
-    let mut reserved = RESERVED.lock().unwrap_or_else(PoisonError::into_inner);
-    while *reserved > 0 && reserved.saturating_add(bytes) > limit() {
-        reserved = RELEASED.wait(reserved).unwrap_or_else(PoisonError::into_inner);
+    loop {
+        let mut reserved = RESERVED.lock().unwrap_or_else(PoisonError::into_inner);
+        if *reserved == 0 || reserved.saturating_add(bytes) <= limit() {
+            *reserved += bytes;
+            return Ok(Some(Reservation { bytes }));
+        }
+        drop(RELEASED.wait_timeout(reserved, NAP));
+        if stop() {
+            return Ok(None);
+        }
     }
-    *reserved += bytes;
-    Ok(Reservation { bytes })
 }
 
 impl Drop for Reservation {
@@ -129,7 +147,8 @@ impl fmt::Display for OverBudget {
         let (needed, limit) = (megabytes(self.needed), megabytes(self.limit.into()));
         write!(
             f,
-            "needs about {needed} MB of memory, {limit} MB may be used; raise --max-memory or use smaller pictures"
+            "needs about {needed} MB of memory, {limit} MB may be used; raise --max-memory (in plugins PINWARP_MAX_MEMORY) or \
+             use smaller pictures (in plugins a proxy)"
         )
     }
 }
@@ -184,5 +203,11 @@ mod tests {
         let second = std::thread::spawn(move || reserve(most).map(drop));
         drop(first);
         second.join().expect("no panic").expect("it fits when the first has ended");
+        // And one that is no longer wanted does not wait for ever.
+        let _first = reserve(most).expect("it fits");
+        let asked = std::cell::Cell::new(0);
+        let stop = || asked.replace(asked.get() + 1) == 2;
+        assert!(reserve_until(most, &stop).expect("it would fit").is_none());
+        assert_eq!(asked.get(), 3);
     }
 }

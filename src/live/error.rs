@@ -1,6 +1,7 @@
 //! What can go wrong on the way from parameters to pixels.
 
 use crate::image::ImageError;
+use crate::memory::OverBudget;
 use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
@@ -63,6 +64,14 @@ pub enum LiveError {
         what: String,
         /// How to fix it.
         hint: String,
+    },
+    /// A lattice whose matrices do not fit into the memory budget.
+    #[error("a lattice of {} x {} handles {source}; fewer columns and rows, or B-splines, take less", dims[0], dims[1])]
+    Memory {
+        /// Handles across and up.
+        dims: [usize; 2],
+        /// What it needs, and what there is.
+        source: OverBudget,
     },
     /// Planes that are not as large as their window.
     #[error(

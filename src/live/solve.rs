@@ -8,6 +8,8 @@ use super::cache::Cache;
 use super::key::{Key, KeyWriter};
 use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
+use crate::lattice::Support;
+use crate::memory;
 use crate::pipeline::{LayerTask, Pinned, PipelineError, Prepared, Setup};
 use crate::plate::Field;
 use crate::shot::{FrameRange, Layer};
@@ -22,6 +24,9 @@ const KEPT_BYTES: usize = 1 << 27;
 /// What a solver holds for a handle and each of those that it shares a sample with: 2 MB at 10 x 10 handles of B-splines,
 /// measured.
 const PAIR_BYTES: usize = 1250;
+/// Bytes that a solve takes at once for an entry of the matrix's band: the matrices of one coordinate and of both, and
+/// their factors; measured.
+const BAND_ENTRY_BYTES: u128 = 120;
 /// Last warps over alphas that are kept.
 const KEPT_SHOWN: usize = 64;
 /// Solved warps kept: a few KB each.
@@ -213,6 +218,7 @@ impl Task<'_> {
     fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
         let layer = self.layer(Goals::AtRest);
         self.check_handles(&layer)?;
+        self.check_memory()?;
         let (pinned, warnings) = self.pinned(base)?;
         let own = layer.pins.len() - pinned.len();
         let anchors: Vec<Pinned> = self.setup.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
@@ -236,6 +242,18 @@ impl Task<'_> {
             what: format!("layer '{}' moves handle {:?}, a lattice of {dims:?} has none", layer.name, handle.index),
             hint: format!("set the lattice to {nx} x {ny} as in the file"),
         })
+    }
+
+    /// Whether the matrices of the lattice may be held.
+    fn check_memory(&self) -> Result<(), LiveError> {
+        let Controls { dims, basis, .. } = *self.controls;
+        let handles = dims[0] * dims[1];
+        let band = match basis.support() {
+            Support::Global => handles,
+            Support::Tensor { width } => handles.min(width * dims[0]),
+            Support::Simplex => handles.min(2 * dims[0]),
+        };
+        memory::check((handles * band) as u128 * BAND_ENTRY_BYTES).map_err(|source| LiveError::Memory { dims, source })
     }
 
     /// What the pins of the controls are tied to.

@@ -3,6 +3,7 @@
 //! In: the parameters with their keys. Out: parameters, set in one step to undo; files.
 
 use super::api::names::image;
+use super::budget;
 use super::call::Call;
 use super::fault::Fault;
 use super::host::{Clip, Effect, When};
@@ -10,7 +11,7 @@ use super::host_frame::host_frame_of;
 use super::params::{BASES, FILTERS, PINS, SHAPES, ShapeFrom, number_of, pin_id};
 use super::pen;
 use super::pins;
-use super::render::fetched;
+use super::render::{image_of, picture_of};
 use super::settings::{ShapeChoice, settings_of};
 use super::values::ParamValues;
 use crate::image::SequencePath;
@@ -213,6 +214,8 @@ fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Resu
     };
     let guard = OutputGuard::of(&shape, host_frame.frame)?;
     (first..=last).try_for_each(|frame| live::check_stmap_path(&pattern.path_of(frame), &guard))?;
+    let size = host_frame.frame;
+    let written = size.window().area() as u128 * (budget::MAP_BYTES + budget::planes(4, 1));
     for frame in first..=last {
         if call.effect.is_aborted() {
             return Err(Fault::Aborted);
@@ -220,7 +223,10 @@ fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Resu
         let time = f64::from(frame);
         let settings = settings_of(call, time, host_frame)?;
         let is_of_alpha = settings.shape == ShapeChoice::Alpha;
-        let source = if is_of_alpha { fetched(call, image::SOURCE_CLIP, time, host_frame)? } else { None };
+        let source = if is_of_alpha { image_of(call, image::SOURCE_CLIP, time)? } else { None };
+        let read = source.as_ref().map_or(0, |source| budget::image(source, 1));
+        let _memory = budget::reserve(call.effect, read + written, [size.width, size.height])?;
+        let source = source.map(|source| picture_of(&source, host_frame));
         let warp = settings.warp(call.effect, host_frame, source.as_ref().and_then(OwnedPicture::coverage))?;
         let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
         live::save_stmap(&warp, host_frame.frame, file, &guard)?;

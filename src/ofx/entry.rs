@@ -105,6 +105,7 @@ fn act(kind: PluginKind, name: *const c_char, handle: *const c_void, [args, out]
     let Some(name) = (unsafe { action_name(name) }) else { return Status::ERR_UNKNOWN };
     // Loading is answered with OK, never with "by default": MLT takes any other answer for a failure.
     if name == action::LOAD {
+        budget::read_limit();
         return host::load().map_or_else(|error| Fault::from(error).status(), |_| Status::OK);
     }
     let handle = EffectHandle(handle.cast_mut());

@@ -6,6 +6,8 @@ use super::api::Status;
 use super::host::HostError;
 use crate::image::ImageError;
 use crate::live::LiveError;
+use crate::memory::OverBudget;
+use std::error::Error as _;
 use thiserror::Error;
 
 /// A failed action.
@@ -37,6 +39,17 @@ pub(super) enum Fault {
     /// The engine cannot do it.
     #[error(transparent)]
     Live(#[from] LiveError),
+    /// A picture that does not fit into the memory budget.
+    #[error("a picture of {} x {} pixels {source}", size[0], size[1])]
+    Memory {
+        /// Pixels across and down.
+        size: [u32; 2],
+        /// What it needs, and what there is.
+        source: OverBudget,
+    },
+    /// The user's limit cannot be read.
+    #[error("{0}; correct it and start the host anew")]
+    Limit(String),
     /// A panic.
     #[error("pinwarp stumbled over a fault of its own: {0}; please report this with your project")]
     Panic(String),
@@ -53,6 +66,10 @@ impl Fault {
 
     /// The status that tells the host.
     pub(super) fn status(&self) -> Status {
+        let mut causes = std::iter::successors(self.source(), |error| (*error).source());
+        if causes.any(|error| error.is::<OverBudget>()) {
+            return Status::ERR_MEMORY;
+        }
         match self {
             Self::Host(HostError::MissingSuite(_)) => Status::ERR_MISSING_HOST_FEATURE,
             Self::Host(HostError::Missing(_)) => Status::ERR_BAD_HANDLE,
@@ -65,6 +82,8 @@ impl Fault {
             | Self::FarPin { .. }
             | Self::Write(_)
             | Self::Live(_)
+            | Self::Memory { .. }
+            | Self::Limit(_)
             | Self::Panic(_) => Status::FAILED,
         }
     }

@@ -13,6 +13,7 @@
 #![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 
 pub mod api;
+mod budget;
 mod buttons;
 mod call;
 mod changed;

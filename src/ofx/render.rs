@@ -4,6 +4,7 @@
 
 use super::api::Status;
 use super::api::names::{image, prop};
+use super::budget;
 use super::call::{Call, PluginKind};
 use super::clips::{BACKGROUND_CLIP, MASK_CLIP, MATTE_CLIP, connected};
 use super::fault::Fault;
@@ -13,6 +14,7 @@ use super::notices;
 use super::settings::{Settings, ShapeChoice, exposed_settings};
 use super::values::ParamValues;
 use crate::live::{self, Alpha, HostFrame, Mix, OwnedPicture, Render, Warp};
+use crate::memory::Reservation;
 use crate::space::PixelRect;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -32,24 +34,21 @@ struct Task<'a> {
     exposed: Vec<Settings>,
 }
 
-/// A clip's picture at a time; `None`: it has none.
-pub(super) fn fetched(
-    call: Call,
-    name: &'static CStr,
-    time: f64,
-    host_frame: &HostFrame,
-) -> Result<Option<OwnedPicture>, Fault> {
-    let image = call.effect.clip(name).map(|clip| clip.image(time)).transpose()?.flatten();
-    Ok(image.map(|image| {
-        let mut planes = live::take_planes(image.channels, image.area());
-        image.read(&mut planes);
-        let alpha = match (image.channels, image.is_straight) {
-            (3, _) => Alpha::Opaque,
-            (_, true) => Alpha::Straight,
-            (_, false) => Alpha::Premultiplied,
-        };
-        OwnedPicture { window: host_frame.window(image.bounds), planes, alpha }
-    }))
+/// A clip's image at a time, in the host's memory; `None`: it has none.
+pub(super) fn image_of<'a>(call: Call<'a>, name: &'static CStr, time: f64) -> Result<Option<Image<'a>>, Fault> {
+    Ok(call.effect.clip(name).map(|clip| clip.image(time)).transpose()?.flatten())
+}
+
+/// The picture in an image.
+pub(super) fn picture_of(image: &Image, host_frame: &HostFrame) -> OwnedPicture {
+    let mut planes = live::take_planes(image.channels, image.area());
+    image.read(&mut planes);
+    let alpha = match (image.channels, image.is_straight) {
+        (3, _) => Alpha::Opaque,
+        (_, true) => Alpha::Straight,
+        (_, false) => Alpha::Premultiplied,
+    };
+    OwnedPicture { window: host_frame.window(image.bounds), planes, alpha }
 }
 
 /// Draws a window of the output.
@@ -108,8 +107,24 @@ impl<'a> Task<'a> {
         self.output.target(self.rows)
     }
 
-    fn fetch(&self, name: &'static CStr) -> Result<Option<OwnedPicture>, Fault> {
-        fetched(self.call, name, self.time, &self.host_frame)
+    fn image(&self, name: &'static CStr) -> Result<Option<Image<'a>>, Fault> {
+        image_of(self.call, name, self.time)
+    }
+
+    /// The image of a clip that may be left unconnected.
+    fn connected_image(&self, name: &'static CStr) -> Result<Option<Image<'a>>, Fault> {
+        connected(self.call, name).map_or(Ok(None), |_| self.image(name))
+    }
+
+    fn picture(&self, image: &Image) -> OwnedPicture {
+        picture_of(image, &self.host_frame)
+    }
+
+    /// Reserves what these images take as planes, and so many bytes for each pixel that is drawn.
+    fn reserve(&self, images: &[Option<&Image>], bytes_per_pixel: u128) -> Result<Reservation, Fault> {
+        let (effect, window) = (self.call.effect, self.window());
+        let read: u128 = images.iter().flatten().map(|image| budget::image(image, self.output.channels)).sum();
+        budget::reserve(effect, read + window.area() as u128 * bytes_per_pixel, [window.width, window.height])
     }
 
     /// The settings in the middle of the shutter.
@@ -123,28 +138,33 @@ impl<'a> Task<'a> {
     }
 
     /// A mask or matte; one that is connected and has no image is black everywhere.
-    fn mask(&self, name: &'static CStr) -> Result<Option<OwnedPicture>, Fault> {
-        if connected(self.call, name).is_none() {
-            return Ok(None);
-        }
-        Ok(Some(self.fetch(name)?.map_or_else(OwnedPicture::black_mask, |mask| mask.with_channels(1))))
+    fn mask(&self, name: &'static CStr, image: Option<&Image>) -> Option<OwnedPicture> {
+        connected(self.call, name)?;
+        Some(image.map_or_else(OwnedPicture::black_mask, |image| self.picture(image).with_channels(1)))
     }
 
     /// Draws the picture; the warp in the middle of the shutter, if there was a source.
     fn draw_picture(&self) -> Result<Option<Arc<Warp>>, Fault> {
         let (window, channels) = (self.window(), self.output.channels);
-        let Some(source) = self.fetch(image::SOURCE_CLIP)? else {
+        let images = [
+            self.image(image::SOURCE_CLIP)?,
+            self.connected_image(MASK_CLIP)?,
+            self.connected_image(MATTE_CLIP)?,
+            self.connected_image(BACKGROUND_CLIP)?,
+        ];
+        let images = images.each_ref().map(Option::as_ref);
+        let sets = if self.exposed.len() > 1 { 2 } else { 1 };
+        let _memory = self.reserve(&images, budget::MAP_BYTES + budget::planes(sets * channels, 1))?;
+        let [source, mask, matte, background] = images;
+        let Some(source) = source.map(|source| self.picture(source)) else {
             self.target().write(self.pixels, &vec![vec![0.0; window.area()]; channels]);
             return Ok(None);
         };
         let warps: Vec<Arc<Warp>> =
             self.exposed.iter().map(|settings| self.warp(settings, Some(&source))).collect::<Result<_, _>>()?;
         let source = source.with_channels(channels);
-        let (mask, matte) = (self.mask(MASK_CLIP)?, self.mask(MATTE_CLIP)?);
-        let background = match connected(self.call, BACKGROUND_CLIP) {
-            Some(_) => self.fetch(BACKGROUND_CLIP)?.map(|picture| picture.with_channels(channels)),
-            None => None,
-        };
+        let (mask, matte) = (self.mask(MASK_CLIP, mask), self.mask(MATTE_CLIP, matte));
+        let background = background.map(|image| self.picture(image).with_channels(channels));
         let [mask_shown, matte_shown, background_shown] =
             [&mask, &matte, &background].map(|one| one.as_ref().map(OwnedPicture::picture));
         let effect = self.call.effect;
@@ -176,7 +196,10 @@ impl<'a> Task<'a> {
             return Err(HostError::Image { clip: "Output".to_owned(), what }.into());
         }
         let is_of_alpha = self.settings().shape == ShapeChoice::Alpha;
-        let source = if is_of_alpha { self.fetch(image::SOURCE_CLIP)? } else { None };
+        let source = if is_of_alpha { self.image(image::SOURCE_CLIP)? } else { None };
+        // Tiles of the map, the whole of it, and four planes.
+        let _memory = self.reserve(&[source.as_ref()], 2 * budget::MAP_BYTES + budget::planes(4, 1))?;
+        let source = source.map(|source| self.picture(&source));
         let warp = self.warp(self.settings(), source.as_ref())?;
         let [own, project] = [self.host_frame.frame, self.project.frame];
         let map = live::stmap(&warp, own, self.window());

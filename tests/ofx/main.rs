@@ -15,6 +15,7 @@ mod dying;
 mod host;
 mod life;
 mod maps;
+mod memory;
 mod overlay;
 mod picture;
 mod pixels;
