@@ -36,6 +36,10 @@ impl BaseScene {
         };
         match shape {
             ShapeSource::Frame => made(Source::Frame, BoxRule::Frame, frame_card(frame.aspect())),
+            ShapeSource::Window(window) => {
+                let picture = Picture { path: PathBuf::new(), name: LAYER.to_owned(), window: *window, alpha: None };
+                made(Source::Images(Vec::new()), BoxRule::Follow, picture_cards(frame, &[picture])?)
+            }
             ShapeSource::Coverage(coverage) => match outlined(coverage, frame)? {
                 Some(scene) => made(Source::Images(Vec::new()), BoxRule::Follow, scene),
                 None => Ok(Self { setup: None, layer: 0 }),

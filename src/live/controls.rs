@@ -119,15 +119,6 @@ impl Controls {
         self.strength == 0.0 || !self.pins.iter().any(moves)
     }
 
-    /// How far a warp carries a point at most, frame heights, where nothing can be solved yet: no sensible one carries any
-    /// further than its furthest pin and half more, or, turning, than across the frame.
-    #[must_use]
-    pub fn reach(&self) -> f64 {
-        let furthest = self.pins.iter().map(|pin| (pin.target - pin.rest).0.length()).fold(0.0, f64::max);
-        let turns = self.pins.iter().any(|pin| pin.rotation.is_some());
-        self.strength.abs() * furthest * 1.5 + if turns { 1.0 } else { 0.0 }
-    }
-
     /// Refuses what no slider may send: numbers that are none, and values out of range.
     pub(super) fn check(&self) -> Result<(), LiveError> {
         let fault = |what: String, hint: &str| Err(LiveError::Controls { what, hint: hint.to_owned() });

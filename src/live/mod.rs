@@ -50,6 +50,7 @@ pub use owned::OwnedPicture;
 pub use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
+pub use regions::destination_of_any_alpha;
 pub use render::{Piece, render, render_mean, render_pieces};
 pub use render_job::Render;
 pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};

@@ -5,7 +5,7 @@
 use super::cache::Cache;
 use super::key::{Key, KeyWriter};
 use super::map_tiles::MapTile;
-use super::{Controls, LiveError, Warp};
+use super::{Controls, LiveError, Moved, ShapeSource, Stop, Warp, warp_until};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
@@ -82,12 +82,23 @@ impl Warp {
     }
 }
 
-impl Controls {
-    /// Pixels that a picture's window may be carried to, as far as can be told without solving ([`Controls::reach`]).
-    #[must_use]
-    pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
-        window.grown((self.reach() * f64::from(frame.height)).ceil().clamp(0.0, 1e5) as u32)
-    }
+/// Every pixel that a picture of that window may be carried to whose alpha, not known yet, gives the shape: where the pins
+/// take it when it covers all of the window. A compact shape stays within; thin parts that reach far beyond the
+/// pins, and parts that lie apart, may go further.
+///
+/// # Errors
+/// As [`warp_until`].
+pub fn destination_of_any_alpha(
+    controls: &Controls,
+    window: PixelRect,
+    frame: FrameSize,
+    stop: &Stop,
+) -> Result<PixelRect, LiveError> {
+    let free = Controls { moved: Moved::Masked, ..controls.clone() };
+    // Of a picture that has no end, what lies within the frame gives the shape.
+    let shape = if window.intersection(around(frame)) == window { window } else { frame.window() };
+    let warp = warp_until(&free, &ShapeSource::Window(shape), frame, stop)?;
+    Ok(window.union(warp.destination_of(window, frame)))
 }
 
 /// Left, top, right and bottom of what is read, in pixels.

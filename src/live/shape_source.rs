@@ -20,6 +20,8 @@ const KEPT_SHOTS: usize = 16;
 pub enum ShapeSource<'a> {
     /// The whole frame, as one flat card.
     Frame,
+    /// A picture that covers all of its window, in pixels of the frame.
+    Window(PixelRect),
     /// What the picture's alpha shows.
     Coverage(Coverage<'a>),
     /// The animated model of a shot file: the lattice follows it, pins stick to it.
@@ -72,6 +74,14 @@ impl ShapeSource<'_> {
         let mut key = KeyWriter::new();
         match self {
             Self::Frame => _ = key.word(0).float(frame.aspect()),
+            Self::Window(window) => {
+                let sides = [window.x as u64, window.y as u64, window.width.into(), window.height.into()];
+                key.word(3).words(&sides).words(&[
+                    frame.width.into(),
+                    frame.height.into(),
+                    frame.pixel_aspect.to_bits(),
+                ]);
+            }
             Self::Coverage(Coverage { window, alpha }) => {
                 let sides = [window.x as u64, window.y as u64, window.width.into(), window.height.into()];
                 let size = [frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()];

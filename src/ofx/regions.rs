@@ -13,6 +13,7 @@ use super::host_frame::{HostFrame, is_endless, project_at};
 use super::params::{SHAPES, ShapeFrom};
 use super::settings::{Settings, ShapeChoice, at_arguments};
 use super::values::ParamValues;
+use crate::live;
 use std::ffi::{CStr, CString};
 
 /// Where the output has pixels.
@@ -60,7 +61,9 @@ fn shown(call: Call, settings: &Settings, host_frame: &HostFrame, source: [f64; 
     }
     let frame = host_frame.frame;
     let window = match settings.shape {
-        ShapeChoice::Alpha => settings.controls.destination_of(window, frame),
+        ShapeChoice::Alpha => {
+            live::destination_of_any_alpha(&settings.controls, window, frame, &|| call.effect.is_aborted())?
+        }
         _ => settings.warp(call.effect, host_frame, None)?.destination_of(window, frame),
     };
     Ok(host_frame.region(window))

@@ -1,5 +1,6 @@
 //! The host-neutral core: warps of one moment, their caches, pixels and shot files.
 
+mod alpha_regions;
 mod files;
 mod pixels;
 mod regions;

@@ -65,6 +65,22 @@ fn the_region_grows_with_the_picture() {
 }
 
 #[test]
+fn the_region_of_a_shape_from_alpha_grows_only_where_the_picture_goes() {
+    let mut host = Host::start(&BOOK, Which::PinWarp);
+    let node = host.node();
+    host.through(node, &Pixels::scenery(SIZE, 4));
+    host.set(node, "shape", 1);
+    host.pin(node, 1, [80.0, 45.0], [110.0, 35.0]);
+    let [width, height] = SIZE.map(f64::from);
+    let region = host.region(node, [1.0, 1.0]).expect("it has its own");
+    // The picture goes 30 pixels to the right and 10 down; a filter reaches three pixels further.
+    assert_eq!([region[0], region[3]], [0.0, height], "{region:?}");
+    assert!((width + 30.0..=width + 34.0).contains(&region[2]), "{region:?}");
+    assert!((-14.0..=-10.0).contains(&region[1]), "{region:?}");
+    host.finish();
+}
+
+#[test]
 fn what_is_needed_holds_where_pixels_come_from() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
