@@ -37,6 +37,7 @@ mod screen_layer;
 mod setup;
 mod stiffness;
 mod strokes;
+mod trajectories;
 mod transfer;
 mod visibility;
 mod world;

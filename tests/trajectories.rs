@@ -5,7 +5,7 @@ mod limbs;
 
 use limbs::{Key, Limb, PIXEL};
 use pinwarp::lattice::Lattice;
-use pinwarp::solve::{Cancel, Coupling, PointPin, Problem, Targets, Timeline, Trajectory, solve};
+use pinwarp::solve::{Cancel, Coupling, PointPin, Problem, Solution, Targets, Timeline, Trajectory, solve};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Frames of an animation.
@@ -32,10 +32,7 @@ impl<'a> Motion<'a> {
 
     fn points(&self, time: f64) -> Vec<[f64; 2]> {
         let lattice = match &self.trajectory {
-            Some(trajectory) => {
-                let solution = trajectory.at(self.limb, time, &Cancel::never()).expect("solved");
-                solution.expect("pins act").lattice
-            }
+            Some(trajectory) => at(self.limb, trajectory, time).lattice,
             None => alone(self.limb, time),
         };
         self.limb.points().iter().map(|&point| lattice.evaluate(point)).collect()
@@ -55,6 +52,11 @@ impl<'a> Motion<'a> {
             self.jump((middle, &points), to)
         }
     }
+}
+
+fn at(limb: &Limb, trajectory: &Trajectory<2>, time: f64) -> Solution<2> {
+    let problem = limb.at(time).expect("a problem").expect("pins act");
+    trajectory.solve_at(time, problem, limb.settings(), &Cancel::never()).expect("solved")
 }
 
 fn alone(limb: &Limb, time: f64) -> Lattice<2> {
@@ -225,12 +227,9 @@ fn no_order_and_no_thread_changes_a_bit() {
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let (first, second) = (solve(), alone.install(solve));
     assert_eq!(first, second);
-    let at = |trajectory: &Trajectory<2>, time: f64| {
-        trajectory.at(&limb, time, &Cancel::never()).expect("solved").expect("pins act").lattice
-    };
     let times = [3.0, 11.3, 7.25, 24.0, 25.5, -0.5];
-    let forward: Vec<_> = times.iter().map(|&time| at(&first, time)).collect();
-    let backward: Vec<_> = times.iter().rev().map(|&time| at(&second, time)).collect();
+    let forward: Vec<_> = times.iter().map(|&time| at(&limb, &first, time).lattice).collect();
+    let backward: Vec<_> = times.iter().rev().map(|&time| at(&limb, &second, time).lattice).collect();
     assert!(forward.iter().eq(backward.iter().rev()));
 }
 
@@ -239,8 +238,7 @@ fn without_weight_each_time_is_solved_alone() {
     let limb = Limb::random(3, 0.3, LAST);
     let trajectory = Trajectory::solve(&limb, coupling(0.0), &Cancel::never()).expect("solved");
     for time in [0.0, 5.5, 12.0] {
-        let solution = trajectory.at(&limb, time, &Cancel::never()).expect("solved").expect("pins act");
-        assert_eq!(solution.lattice, alone(&limb, time));
+        assert_eq!(at(&limb, &trajectory, time).lattice, alone(&limb, time));
     }
     assert!(trajectory.spreads().is_empty());
 }

@@ -4,7 +4,7 @@
 
 use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
 use crate::shot::{Layer, LayerSpace};
-use crate::solve::{ResidualReason, SolveReport};
+use crate::solve::{ResidualReason, SolveReport, Spread};
 use crate::spelling::counted;
 
 /// A pin farther than this from its target is reported, pixels.
@@ -30,6 +30,9 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
+        if let Ok(Some(spread)) = setup.spread_at(index, frame) {
+            report.warnings.push(spread_warning(layer, &spread, height_px));
+        }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
@@ -41,6 +44,16 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
         });
     }
     report
+}
+
+/// A snap that the temporal weight spreads over frames.
+fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
+    let ([first, last], speed) = (spread.frames, spread.speed * height_px);
+    let name = &layer.name;
+    format!(
+        "layer '{name}': a snap is spread over frames {first} to {last} (up to {speed:.1} pixels a frame beside the rigid fit of its \
+         pins); another pin where it bends decides for it"
+    )
 }
 
 /// How far each pin that acts misses its target as the camera sees it, pixels; 0 for those it does not see.

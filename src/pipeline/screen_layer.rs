@@ -67,6 +67,9 @@ impl Setup {
         if layer.pins.is_empty() && layer.handles.is_empty() {
             return Ok(LayerState::default());
         }
+        if self.has_trajectory(index) {
+            return self.solve_on_trajectory(moment, index);
+        }
         // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
         let path = self.shot.pin_path(index, self.key_frame(layer, moment.frame));
         let task = LayerTask { index, layer, anchors: &self.anchors[index], weights: &[] };
@@ -88,19 +91,8 @@ impl Setup {
         path: &[PinTargets],
         cancel: &Cancel,
     ) -> Result<Option<Prepared>, PipelineError> {
-        let LayerTask { index, layer, anchors, weights } = *task;
-        let LayerSpace::Screen { dims, bounds } = layer.space else { return Ok(None) };
-        let Some(rest_box) = self.lattice_box(moment, index, bounds) else { return Ok(None) };
-        let mesh = moment.mesh();
-        let mut prepared = Prepared {
-            frame: moment.frame,
-            rest_box,
-            grid: Grid::over(rest_box, dims, layer.basis),
-            rests: anchors.iter().map(|pinned| pinned.rest(&mesh, &moment.camera)).collect(),
-            weights: weights.to_vec(),
-            border: self.border(layer, bounds),
-            solver: None,
-        };
+        let LayerTask { index, layer, .. } = *task;
+        let Some(mut prepared) = self.unprepared(moment, task) else { return Ok(None) };
         let Some((_, goal)) = path.last().map(|targets| prepared.targets(layer, targets)) else {
             return Ok(Some(prepared));
         };
@@ -112,6 +104,23 @@ impl Setup {
             prepared.solver = Some(solver);
         }
         Ok(Some(prepared))
+    }
+
+    /// Box, grid and pins of a screen layer, without a solver.
+    pub(super) fn unprepared(&self, moment: &Moment, task: &LayerTask) -> Option<Prepared> {
+        let LayerTask { index, layer, anchors, weights } = *task;
+        let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
+        let rest_box = self.lattice_box(moment, index, bounds)?;
+        let mesh = moment.mesh();
+        Some(Prepared {
+            frame: moment.frame,
+            rest_box,
+            grid: Grid::over(rest_box, dims, layer.basis),
+            rests: anchors.iter().map(|pinned| pinned.rest(&mesh, &moment.camera)).collect(),
+            weights: weights.to_vec(),
+            border: self.border(layer, bounds),
+            solver: None,
+        })
     }
 
     /// Where a layer moves a whole plate from edge to edge, nothing is known beyond the edge, and a background must not
@@ -227,7 +236,7 @@ impl Prepared {
     }
 
     /// The pins that act, and everything the solver is told, for one place of the path.
-    fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
+    pub(super) fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
         let (states, pins) = self.point_pins(layer, targets);
         let mut handles = moved_handles(layer, &self.grid, targets);
         if self.border == Border::Held {

@@ -9,6 +9,7 @@ use super::mattes::Mattes;
 use super::passes::mid_shutter;
 use super::pictures::Gallery;
 use super::screen_layer::corners;
+use super::trajectories::KeptTrajectories;
 use super::transfer::{self, Loaded};
 use super::{Moment, Pinned, PipelineError, Rest, anchors, claims, lighting, missing, stiffness, visibility};
 use crate::pose::{ClipChoice, Pose, PosedLight, PosedPart, pose};
@@ -65,6 +66,8 @@ pub struct Setup {
     moments: Mutex<VecDeque<Arc<Moment>>>,
     screen_bounds: KeptBounds<2>,
     world_bounds: KeptBounds<3>,
+    /// Of the layers whose frames are solved together.
+    pub(super) trajectories: KeptTrajectories,
 }
 
 impl Setup {
@@ -130,6 +133,7 @@ impl Setup {
             moments: Mutex::default(),
             screen_bounds: KeptBounds::new(),
             world_bounds: KeptBounds::new(),
+            trajectories: KeptTrajectories::default(),
         };
         setup.rig = lighting::neutral_rig(&setup.view(f64::from(setup.shot.frames.first)).1);
         if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&setup.scene, part)) {

@@ -38,6 +38,8 @@ pub struct Shot {
     pub is_looped: bool,
     /// Frames and rate.
     pub frames: FrameRange,
+    /// First and last frame that layers with a temporal weight are solved over.
+    pub solve_range: [i32; 2],
     /// Motion blur.
     pub shutter: Shutter,
     /// The frame.

@@ -177,6 +177,8 @@ pub struct Settings {
     /// Window of the Anderson acceleration, which precedes Newton steps (docs/METHOD.md, "Convergence");
     /// 0: the plain local-global iteration without either.
     pub acceleration: usize,
+    /// Temporal weight, frames: how firmly a [`super::Trajectory`] holds neighbouring times together; 0: each time is solved alone.
+    pub temporal: f64,
 }
 
 impl Settings {
@@ -248,6 +250,7 @@ impl Default for Settings {
             iteration_limit: 200,
             tolerance: 1e-6,
             acceleration: 5,
+            temporal: 0.0,
         }
     }
 }

@@ -25,5 +25,6 @@ mod repeat;
 mod stiffness;
 mod support;
 mod temporal;
+mod trajectories;
 mod winding;
 mod world;

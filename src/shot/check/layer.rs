@@ -161,6 +161,7 @@ impl Check<'_> {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
+        settings.temporal = raw.temporal.unwrap_or(settings.temporal);
         settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
     }
 }

@@ -107,6 +107,7 @@ impl Check<'_> {
             clip: raw.frames.clip.map(ClipName::from),
             is_looped: raw.frames.is_looped,
             frames,
+            solve_range: self.solve_range(raw.solve_range, frames),
             shutter: raw.shutter.map_or(CLOSED, Shutter::from),
             size,
             samples: raw.samples,
@@ -126,6 +127,15 @@ impl Check<'_> {
             self.fault("frames.last", what, format!("give a last frame of {first} or later"));
         }
         FrameRange { first, last, rate, clip_start: raw.clip_start.unwrap_or(first) }
+    }
+
+    fn solve_range(&mut self, raw: Option<[i32; 2]>, frames: FrameRange) -> [i32; 2] {
+        let [first, last] = raw.unwrap_or([frames.first, frames.last]);
+        if first > last && raw.is_some() {
+            let what = format!("the range {first} to {last} is empty");
+            self.fault("solve_range", what, format!("give a last frame of {first} or later"));
+        }
+        [first, last]
     }
 
     /// A key of the shot was told to be unknown that was probably meant to be one of these.

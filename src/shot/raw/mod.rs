@@ -52,6 +52,10 @@ pub(super) struct RawShot {
     /// Frames, rate and clip.
     #[schemars(example = serde_json::json!({ "first": 1, "last": 48, "rate": 24 }))]
     pub(super) frames: RawFrames,
+    /// First and last frame that layers with a temporal weight are solved over: frames inside keep their bits when the shot is
+    /// trimmed. Default: the frames of the shot.
+    #[schemars(inner(range(min = -1_000_000, max = 1_000_000)), example = serde_json::json!([1, 48]))]
+    pub(super) solve_range: Option<[i32; 2]>,
     /// Motion blur; without this table there is none.
     pub(super) shutter: Option<RawShutter>,
     /// Width and height of the frame, pixels; default: [1920, 1080], of pictures the size of the first.

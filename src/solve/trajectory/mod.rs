@@ -14,6 +14,8 @@ use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::MinimizationResult;
 use super::report::Solution;
+use super::settings::Settings;
+use super::targets::Targets;
 use chain::Chain;
 use knot::{Descent, Displacement, Knot};
 use rayon::prelude::*;
@@ -73,21 +75,21 @@ impl<const D: usize> Trajectory<D> {
         &self.spreads
     }
 
-    /// Solves a time; `None` where nothing is solved. The same time gives the same bits, whatever was solved before.
+    /// Solves the problem of a time. The same time gives the same bits, whatever was solved before.
     ///
     /// # Errors
-    /// Those of the timeline and of the solve, and [`SolveError::Cancelled`].
-    pub fn at<T: Timeline<D>>(
+    /// [`SolveError`] where the problem is malformed, or the solve is cancelled.
+    pub fn solve_at(
         &self,
-        timeline: &T,
         time: f64,
+        problem: TimedProblem<D>,
+        settings: &Settings,
         cancel: &Cancel,
-    ) -> Result<Option<Solution<D>>, T::Error> {
-        let Some(problem) = timeline.at(time)? else { return Ok(None) };
-        let mut knot = Knot::new(problem, timeline.settings(), cancel)?;
+    ) -> Result<Solution<D>, SolveError> {
+        let mut knot = Knot::new(problem, settings, cancel)?;
         let result = self.solve_knot(&mut knot, time, cancel)?;
-        let goal = knot.goal().cloned();
-        Ok(goal.map(|goal| knot.system.finish(&goal, result, None)))
+        let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
+        Ok(knot.system.finish(&goal, result, None))
     }
 
     /// The state of a knot where the time is one, else the proximal step between its neighbours.

@@ -1,0 +1,94 @@
+//! Layers with a temporal weight: no snaps, also within a frame, and each frame the same alone and among others.
+
+use crate::support::Studio;
+use crate::tiny::{Tiny, grid};
+use pinwarp::lattice::ScreenLattice;
+use pinwarp::pipeline::{Setup, report};
+use std::fmt::Write;
+
+/// A strip that is pressed to two thirds, its upper end swinging from left to right: it buckles to one side, then to the other.
+fn swing(solve: &str) -> Studio {
+    let strip = grid("Strip", [-0.05, -0.42, 0.05, 0.42], 8);
+    let mut pins = String::new();
+    let mut pin = |triangle: usize, barycentric: &str, keys: &str| {
+        let anchor = format!("{{ node = \"Strip\", triangle = {triangle}, barycentric = {barycentric} }}");
+        writeln!(pins, "[[layer.pin]]\nanchor = {anchor}\nkeys = [{keys}]").expect("text can be written");
+    };
+    pin(0, "[1, 0, 0]", "");
+    pin(14, "[0, 1, 0]", "");
+    let keys = "{ frame = 1, offset = [-0.2, -0.3] }, { frame = 9, offset = [0.2, -0.3] }";
+    pin(113, "[0, 0, 1]", keys);
+    pin(126, "[0, 0, 1]", keys);
+    Studio::tiny(&Tiny::of(vec![strip]), &format!("[[layer]]\nname = \"strip\"\nsolve = {{ {solve} }}\n{pins}"))
+}
+
+fn lattice(setup: &Setup, frame: f64) -> ScreenLattice {
+    let moment = setup.moment(frame).expect("it is solved");
+    moment.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
+}
+
+/// Farthest move of a point of the strip, pixels of 1080 lines.
+fn moved(a: &ScreenLattice, b: &ScreenLattice) -> f64 {
+    let points = (0..33).map(|k| [0.76 + 0.04 * f64::from(k % 3), 0.1 + 0.8 * f64::from(k / 3) / 10.0]);
+    let moves = points.map(|at| {
+        let [from, to] = [a, b].map(|lattice| lattice.evaluate(at));
+        (from[0] - to[0]).hypot(from[1] - to[1])
+    });
+    moves.fold(0.0, f64::max) * 1080.0
+}
+
+/// Farthest jump between two times: the half that moves farther is halved again.
+fn jump(setup: &Setup, [from, to]: [f64; 2]) -> f64 {
+    let (mut low, mut high) = ((from, lattice(setup, from)), (to, lattice(setup, to)));
+    while moved(&low.1, &high.1) > 1.0 && high.0 - low.0 > 1e-6 {
+        let time = f64::midpoint(low.0, high.0);
+        let middle = lattice(setup, time);
+        if moved(&low.1, &middle) > moved(&middle, &high.1) {
+            high = (time, middle);
+        } else {
+            low = (time, middle);
+        }
+    }
+    moved(&low.1, &high.1)
+}
+
+fn farthest_jump(solve: &str) -> f64 {
+    let setup = swing(solve).setup();
+    (1..9).map(|frame| jump(&setup, [f64::from(frame), f64::from(frame + 1)])).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_temporal_weight_leaves_no_snap_between_two_moments() {
+    let alone = farthest_jump("temporal = 0");
+    assert!(alone > 50.0, "the strip snaps where each frame is solved alone: {alone} px");
+    let together = farthest_jump("temporal = 0.3");
+    assert!(together <= 1.0, "{together} px");
+}
+
+#[test]
+fn frames_of_a_trajectory_are_the_same_alone_in_any_order_and_in_a_trimmed_shot() {
+    let times = [2.0, 5.25, 7.0, 9.5];
+    let setup = swing("temporal = 0.3").setup();
+    let forward = times.map(|time| lattice(&setup, time));
+    let mut trimmed = swing("temporal = 0.3");
+    trimmed.shot.frames.first = 5;
+    let setup = trimmed.setup();
+    let mut backward = times;
+    backward.reverse();
+    let mut found = backward.map(|time| lattice(&setup, time));
+    found.reverse();
+    assert_eq!(forward, found);
+    // Another range is another trajectory.
+    let mut other = swing("temporal = 0.3");
+    other.shot.solve_range = [4, 9];
+    assert_ne!(lattice(&other.setup(), 5.25), forward[1]);
+}
+
+#[test]
+fn a_spread_snap_is_told() {
+    let setup = swing("temporal = 0.3").setup();
+    let warnings = |frame: i32| report(&setup, frame, &setup.exposed(frame).expect("it is solved")).warnings;
+    let told: Vec<String> =
+        (1..=9).flat_map(warnings).filter(|text| text.contains("a snap is spread over frames")).collect();
+    assert!(!told.is_empty());
+}
