@@ -49,6 +49,7 @@ fn warp(folder: &Path, setup: &Setup, output: &str, frames: Vec<i32>, tell: &(dy
         existing: Existing::Refuse,
         device: DeviceChoice::Cpu,
         durability: pinwarp::image::Durability::Cached,
+        inputs: Vec::new(),
     };
     let summary = warp_frames(&job, &AtomicBool::new(false), &|_| tell()).expect("warped");
     assert_eq!(summary.failed, 0);

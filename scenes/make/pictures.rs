@@ -132,6 +132,7 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
         has_preview: true,
         has_overlay: false,
         durability: Durability::Cached,
+        inputs: Vec::new(),
     };
     let tell = |event: Event| {
         if let Event::FrameDone(report) = event {

@@ -7,15 +7,16 @@ use super::outcome::Outcome;
 use super::progress::Teller;
 use crate::pipeline::{self, RenderOptions, Setup};
 use crate::shot::Shot;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
-    draw(Shot::read(&args.shot)?, &args.draw)
+    draw(Shot::read(&args.shot)?, &args.draw, Vec::new())
 }
 
-/// Renders a shot as asked.
-pub(super) fn draw(mut shot: Shot, args: &DrawArgs) -> anyhow::Result<Outcome> {
+/// Renders a shot as asked. `inputs`: files that it was made from beside those that it names.
+pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> anyhow::Result<Outcome> {
     shot.size = args.scale.of(shot.size);
     args.camera.choose(&mut shot);
     shot = args.outside.allow(shot);
@@ -30,6 +31,7 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs) -> anyhow::Result<Outcome> {
         has_preview: args.preview,
         has_overlay: args.overlay,
         durability: args.fsync.into(),
+        inputs,
     };
     let cancel = cancel_on_interrupt()?;
     let setup = Setup::new(shot)?;

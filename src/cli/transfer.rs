@@ -26,7 +26,7 @@ pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
         FileKind::Shot => onto_shot(args, &lattices, &fit)?,
         target => onto_file(args, (&lattices, &fit), target)?,
     };
-    render::draw(shot, &args.draw)
+    render::draw(shot, &args.draw, args.landmarks.iter().map(PathBuf::from).collect())
 }
 
 /// What lattices are laid over.

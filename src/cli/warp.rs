@@ -32,6 +32,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         existing: args.existing.into(),
         device: args.device.clone(),
         durability: args.fsync.into(),
+        inputs: args.lattice.iter().cloned().collect(),
     };
     let cancel = cancel_on_interrupt()?;
     let teller = Teller::new(args.json).of_holes(&job.rules.holes);

@@ -5,6 +5,7 @@
 use crate::image::Durability;
 pub use crate::image::Existing;
 use crate::raster::DeviceChoice;
+use std::path::PathBuf;
 
 /// How a shot is rendered.
 #[derive(Clone, Debug, Default)]
@@ -21,4 +22,6 @@ pub struct RenderOptions {
     pub has_overlay: bool,
     /// When a frame counts as written.
     pub durability: Durability,
+    /// Files that the shot was made from beside those that it names: no frame is written over them.
+    pub inputs: Vec<PathBuf>,
 }

@@ -90,7 +90,8 @@ impl<'a> Work<'a> {
         };
         check_extension(&setup.shot.output.path)?;
         output.check_frame_count(wanted.len())?;
-        let inputs = setup.inputs()?;
+        let mut inputs = setup.inputs()?;
+        options.inputs.iter().for_each(|path| inputs.add(path));
         let files: Vec<_> = wanted.iter().flat_map(|&frame| files_of(&output, options, frame)).collect();
         files.iter().try_for_each(|path| inputs.refuse(path))?;
         if options.existing == Existing::Refuse {

@@ -22,7 +22,9 @@ fn bench() -> Bench {
         std::fs::copy(bench.path(&format!("out/f.000{frame}.exr")), bench.path(&format!("in/b.000{frame}.exr")))
             .expect("copied");
     }
+    std::fs::copy(bench.path("in/b.0001.exr"), bench.path("in/c.0001.exr")).expect("copied");
     std::fs::remove_dir_all(bench.path("out")).expect("removed");
+    bench.run("export shot.toml --to stmap -o in/m.####.exr").says(0, &[]);
     bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
     let picture = image::RgbaImage::from_fn(64, 36, |x, y| {
         image::Rgba(if (20..44).contains(&x) && (6..30).contains(&y) { [200, 100, 50, 255] } else { [0; 4] })
@@ -63,6 +65,24 @@ const COMMANDS: &[(&str, &[&str])] = &[
     ("export shot.toml --to stmap --frames 1 -o OUT", &["shot.toml", "in/b.0001.exr"]),
     ("render shot.toml --device cpu --frames 1 -o OUT.exr", &["in/b.0001"]),
     ("warp --shot shot.toml --frames 1 -o OUT.exr", &["in/b.0001", "in/b.0002"]),
+    ("warp in/b.####.exr --shot shot.toml --clean in/c.####.exr --frames 1 -o OUT.exr", &["in/c.0001", "in/b.0001"]),
+    ("warp in/b.####.exr --lattice l.json --frames 1 -o OUT.exr", &["in/b.0001"]),
+    ("warp in/b.####.exr --stmap in/m.####.exr --frames 1 -o OUT.exr", &["in/m.0001", "in/b.0001"]),
+];
+
+/// Commands that write frames, whose files end in .exr, with what they read that is no frame.
+const FRAMES_FROM: &[(&str, &[&str])] = &[
+    ("render shot.toml --device cpu --frames 1 -o OUT", &["shot.toml", "tiny.gltf", "quad.bin"]),
+    ("warp --shot shot.toml --frames 1 -o OUT", &["shot.toml", "tiny.gltf", "quad.bin"]),
+    ("warp in/b.####.exr --lattice l.json --frames 1 -o OUT", &["l.json"]),
+    ("export shot.toml --to stmap --frames 1 -o OUT", &["shot.toml", "tiny.gltf", "quad.bin"]),
+    ("export l.json --to stmap --frames 1 -o OUT", &["l.json"]),
+    ("transfer --lattice l.json --onto cat.png --frames 1 -o OUT", &["l.json", "cat.png"]),
+    (
+        "transfer --lattice l.json --onto cat.png --landmarks marks.json --frames 1 -o OUT",
+        &["l.json", "cat.png", "marks.json"],
+    ),
+    ("transfer --lattice l.json --onto shot.toml --frames 1 -o OUT", &["l.json", "shot.toml", "tiny.gltf", "quad.bin"]),
 ];
 
 fn with(command: &str, out: &str) -> String {
@@ -90,6 +110,26 @@ fn no_command_writes_over_what_it_reads() {
             }
             for link in ["hard", "soft"] {
                 std::fs::remove_file(bench.path(&format!("{link}{ending}"))).expect("removed");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_frame_is_written_over_what_it_is_made_from_under_another_name() {
+    let bench = bench();
+    for (command, inputs) in FRAMES_FROM {
+        for input in *inputs {
+            let before = bench.read(input);
+            // Elsewhere, since every picture in the folder of the bench has to be whole.
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = |name: &str| folder.path().join(name);
+            std::fs::hard_link(bench.path(input), path("hard.0001.exr")).expect("linked");
+            std::os::unix::fs::symlink(bench.path(input), path("soft.0001.exr")).expect("linked");
+            for name in ["hard.####.exr", "soft.####.exr", "hard.0001.exr"] {
+                let output = path(name).display().to_string();
+                bench.run(&format!("{} --overwrite", with(command, &output))).says(2, READ);
+                assert_eq!(bench.read(input), before, "{command} with {name} for {input}");
             }
         }
     }

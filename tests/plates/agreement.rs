@@ -78,6 +78,7 @@ fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
         existing: Existing::Overwrite,
         device: DeviceChoice::Cpu,
         durability: pinwarp::image::Durability::Cached,
+        inputs: Vec::new(),
     };
     let tell = |event| {
         if std::env::var_os("SHOW").is_some() {

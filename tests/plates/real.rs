@@ -42,6 +42,7 @@ fn warp(plate: &Path, shot: Shot) -> (TempDir, Vec<WarpEvent>) {
         existing: Existing::Refuse,
         device: DeviceChoice::Cpu,
         durability: pinwarp::image::Durability::Cached,
+        inputs: Vec::new(),
     };
     let events = Mutex::new(Vec::new());
     let tell = |event| events.lock().expect("no test panics while it tells").push(event);

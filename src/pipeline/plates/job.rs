@@ -32,6 +32,8 @@ pub struct WarpJob<'a> {
     pub device: DeviceChoice,
     /// When a frame counts as written.
     pub durability: Durability,
+    /// Files that were read for the job beside those that it names, such as the lattice file: no frame is written over them.
+    pub inputs: Vec<PathBuf>,
 }
 
 /// What warps plates.

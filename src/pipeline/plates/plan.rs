@@ -47,6 +47,7 @@ impl Plan {
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
         let mut inputs = if let PlateWarp::Shot(setup) = &job.warp { setup.inputs()? } else { Inputs::default() };
+        job.inputs.iter().for_each(|path| inputs.add(path));
         [Some(&plate), clean.as_ref(), maps.as_ref()]
             .into_iter()
             .flatten()
