@@ -1,4 +1,4 @@
-//! The memory budget: what decoded pictures and frames may take together.
+//! The memory budget: what decoded pictures, scenes and frames may take together.
 //!
 //! In: a limit, the bytes that a step will hold at once. Out: leave to take them, or [`OverBudget`], before anything is decoded.
 //! Systems grant memory that they do not have and then end the whole program, so asking the allocator is no answer.

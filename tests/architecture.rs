@@ -39,7 +39,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("files", &[]),
     ("spelling", &[]),
     ("memory", &[]),
-    ("scene", &["files", "space", "spelling"]),
+    ("scene", &["files", "memory", "space", "spelling"]),
     ("pose", &["scene", "space"]),
     ("screen", &["pose", "scene", "space"]),
     ("lattice", &["space", "spelling"]),

@@ -12,7 +12,7 @@ use gltf::json::{Accessor, Index};
 use std::fmt::Arguments;
 
 /// Most elements an accessor without data may ask for: zeros cost the file nothing, but memory here.
-const MAX_ZEROS: u64 = 1 << 22;
+pub(super) const MAX_ZEROS: u64 = 1 << 22;
 
 /// How integers become floats.
 #[derive(Clone, Copy, PartialEq, Eq)]

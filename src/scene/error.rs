@@ -1,5 +1,6 @@
 //! What can go wrong while a scene is loaded.
 
+use crate::memory::OverBudget;
 use std::path::PathBuf;
 
 /// A scene that cannot be loaded. Each message says what, where and how to fix it.
@@ -31,6 +32,16 @@ pub enum SceneError {
         what: String,
         /// How to get on.
         hint: String,
+    },
+    /// Its textures, vertices and instances need more memory than may be used.
+    #[error("{path} ({what}) {source}, smaller textures, or fewer instances")]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it holds, counted.
+        what: String,
+        /// How much it needs and may use.
+        source: OverBudget,
     },
     /// Nothing of a picture can be seen.
     #[error(

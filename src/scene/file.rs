@@ -3,6 +3,7 @@
 //! In: what `json` parsed. Out: bytes of buffers, views and URIs; every index and range is checked.
 
 use super::{FileAccess, SceneError, access};
+use crate::memory::OverBudget;
 use crate::spelling::counted;
 use base64::Engine as _;
 use base64::engine::DecodePaddingMode;
@@ -87,6 +88,11 @@ impl File {
     /// An error about the contents of this file.
     pub(super) fn invalid(&self, what: impl Into<String>) -> SceneError {
         SceneError::Invalid { path: self.path.clone(), what: what.into() }
+    }
+
+    /// An error about how much there is in this file.
+    pub(super) fn too_large(&self, what: String, source: OverBudget) -> SceneError {
+        SceneError::TooLarge { path: self.path.clone(), what, source }
     }
 
     /// The bytes of a buffer view.

@@ -41,6 +41,18 @@ struct InstancePlacement {
     scale: Vec3,
 }
 
+impl Instances {
+    /// Index of the node in the file.
+    pub(super) const fn node(&self) -> usize {
+        self.node
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.placements.len()
+    }
+}
+
 /// Reads all instances of a file; `warnings` receives what is ignored.
 pub(super) fn read(file: &File, warnings: &mut Vec<String>) -> Result<Vec<Instances>, SceneError> {
     let mut found = Vec::new();

@@ -6,7 +6,8 @@
 use super::file::File;
 use super::nodes::References;
 use super::{
-    FileAccess, Mesh, Primitive, Scene, SceneError, access, animation, instances, json, materials, mesh, nodes, skin,
+    FileAccess, Mesh, Primitive, Scene, SceneError, access, animation, budget, instances, json, materials, mesh, nodes,
+    skin,
 };
 use std::path::{Path, PathBuf};
 
@@ -34,6 +35,7 @@ pub fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
     let parsed = json::parse(path, &bytes, &mut warnings)?;
     let mut file = File::resolve((path, access), parsed.root, bytes, parsed.binary)?;
     let instances = instances::read(&file, &mut warnings)?;
+    budget::check(&file, &instances, 0)?;
     instances::add_nodes(&mut file.root, &instances);
     let mut scene = build(&file, &mut warnings)?;
     scene.path = path.to_owned();

@@ -8,6 +8,7 @@ mod accessor;
 mod animation;
 mod approximate;
 mod attributes;
+mod budget;
 mod card;
 mod error;
 mod file;

@@ -4,11 +4,12 @@
 //! decoded is a warning, and the textures that show it are dropped.
 
 use super::file::File;
-use super::{Filter, Image, SceneError, Texture, Wrap};
+use super::{Filter, Image, SceneError, Texture, Wrap, budget};
 use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
@@ -37,8 +38,12 @@ pub(super) fn load(file: &File, uses: &BTreeSet<Use>, warnings: &mut Vec<String>
         sources.insert(one.texture, source(file, one.texture, warnings)?);
     }
     let numbers: BTreeSet<usize> = sources.values().copied().flatten().collect();
+    let encoded: Vec<(usize, Result<Encoded, String>)> =
+        numbers.into_iter().map(|number| (number, read(file, number))).collect();
+    let pixels = encoded.iter().filter_map(|(_, encoded)| Some(encoded.as_ref().ok()?.pixels)).sum();
+    budget::check(file, &[], pixels)?;
     let decoded: Vec<(usize, Result<Image, String>)> =
-        numbers.into_par_iter().map(|number| (number, decode(file, number))).collect();
+        encoded.into_par_iter().map(|(number, encoded)| (number, encoded.and_then(decode))).collect();
     let mut images = BTreeMap::new();
     for (number, result) in decoded {
         match result {
@@ -117,18 +122,40 @@ fn wrap(mode: Checked<WrappingMode>) -> Wrap {
     }
 }
 
-/// Reads and decodes an image of the file; 16-bit and grey images become RGBA8.
-fn decode(file: &File, number: usize) -> Result<Image, String> {
+/// An image as the file holds it.
+struct Encoded<'a> {
+    bytes: Cow<'a, [u8]>,
+    pixels: u128,
+}
+
+/// Reads an image of the file, and its size from its head.
+fn read(file: &File, number: usize) -> Result<Encoded<'_>, String> {
     let image = &file.root.images[number];
     let bytes = match (image.buffer_view, &image.uri) {
-        (Some(view), _) => file.view(view).map_err(|error| error.to_string())?.bytes.to_vec(),
-        (None, Some(uri)) => file.read_uri(uri).map_err(|error| error.to_string())?,
+        (Some(view), _) => Cow::Borrowed(file.view(view).map_err(|error| error.to_string())?.bytes),
+        (None, Some(uri)) => Cow::Owned(file.read_uri(uri).map_err(|error| error.to_string())?),
         (None, None) => return Err("it has neither data nor a uri".to_owned()),
     };
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    let (width, height) = reader(&bytes)?.into_dimensions().map_err(undecodable)?;
+    Ok(Encoded { bytes, pixels: u128::from(width) * u128::from(height) })
+}
+
+/// Decodes an image; 16-bit and grey ones become RGBA8.
+fn decode(encoded: Encoded) -> Result<Image, String> {
+    let pixels = reader(&encoded.bytes)?.decode().map_err(undecodable)?.into_rgba8();
+    Ok(Image { width: pixels.width(), height: pixels.height(), rgba: pixels.into_raw(), is_srgb: false })
+}
+
+fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, String> {
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err("it is neither PNG nor JPEG; export it as PNG or JPEG".to_owned());
     }
-    let pixels = reader.decode().map_err(|error| format!("it does not decode: {error}"))?.into_rgba8();
-    Ok(Image { width: pixels.width(), height: pixels.height(), rgba: pixels.into_raw(), is_srgb: false })
+    // The memory budget decides.
+    reader.no_limits();
+    Ok(reader)
+}
+
+fn undecodable(error: impl std::fmt::Display) -> String {
+    format!("it does not decode: {error}")
 }
