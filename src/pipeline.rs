@@ -8,6 +8,7 @@ mod bake;
 mod cameras;
 mod claims;
 mod coarse;
+mod contents;
 mod draw;
 mod error;
 mod events;
@@ -45,6 +46,8 @@ mod write;
 
 pub use anchors::{Pinned, Rest};
 pub use bake::BakeTimes;
+#[cfg(feature = "cli")]
+pub(crate) use contents::digest_with;
 pub use error::PipelineError;
 pub use events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
 pub use fit::{Registration, picture_shape, register};

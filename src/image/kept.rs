@@ -15,7 +15,7 @@ use std::path::Path;
 pub(crate) struct Expected<'a> {
     /// Its number.
     pub(crate) frame: i32,
-    /// Digest of all that it is made of.
+    /// Digest of all that it is made of: settings, a dot, and what files hold.
     pub(crate) shot_hash: &'a str,
     /// The display window; `None`: any.
     pub(crate) size: Option<FrameSize>,
@@ -49,6 +49,8 @@ pub(crate) enum Redo {
     OtherSize([u32; 2]),
     /// It was made from other settings or pins.
     OtherShot,
+    /// A file that it was made from held something else.
+    OtherContents,
     /// A device of another class drew it.
     OtherDevice(String),
     /// The pixels are not those that were written.
@@ -68,6 +70,9 @@ impl fmt::Display for Redo {
             Self::OtherFrame(frame) => write!(out, "the file holds frame {frame}"),
             Self::OtherSize([width, height]) => write!(out, "its size is {width} x {height}"),
             Self::OtherShot => out.write_str("it was made from another state of the shot"),
+            Self::OtherContents => {
+                out.write_str("a file that it is made from (scene, picture, plate or lattice) has changed")
+            }
             Self::OtherDevice(device) => write!(out, "it was drawn on {device}"),
             Self::Checksum => out.write_str("its pixels do not match their checksum"),
             Self::Preview => out.write_str("its preview is missing or out of date"),
@@ -117,7 +122,9 @@ impl Expected<'_> {
         } else if !is_of_size {
             Err(Redo::OtherSize([width, height]))
         } else if found.shot_hash != self.shot_hash {
-            Err(Redo::OtherShot)
+            let settings = |hash: &str| hash.split_once('.').map(|(settings, _)| settings.to_owned());
+            let is_same_shot = settings(&found.shot_hash).is_some_and(|own| settings(self.shot_hash) == Some(own));
+            Err(if is_same_shot { Redo::OtherContents } else { Redo::OtherShot })
         } else if is_processor(&found.device) != is_processor(self.device) {
             Err(Redo::OtherDevice(found.device.clone()))
         } else {

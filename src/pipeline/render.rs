@@ -71,6 +71,8 @@ struct Work<'a> {
     options: &'a RenderOptions,
     output: SequencePath,
     wanted: Vec<i32>,
+    /// Digest of the shot and of what its files hold.
+    digest: String,
 }
 
 impl<'a> Work<'a> {
@@ -97,17 +99,17 @@ impl<'a> Work<'a> {
         if options.existing == Existing::Refuse {
             refuse_existing(files)?;
         }
-        Ok(Self { begun, setup, options, output, wanted })
+        Ok(Self { begun, setup, options, output, wanted, digest: setup.digest() })
     }
 
     /// The frames to make on a device of that class.
     fn todo(&self, device: DeviceClass) -> Result<Todo, PipelineError> {
         let device = &device.to_string();
-        let (shot_hash, options) = (self.setup.shot.hash(), self.options);
+        let (shot_hash, options) = (&self.digest, self.options);
         let depth = if options.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
-        let preview_hash = preview_hash(&shot_hash, options);
+        let preview_hash = preview_hash(shot_hash, options);
         let todo = Todo::of(self.wanted.clone(), &self.output, options.existing, |frame| {
-            let expected = Expected { frame, shot_hash: &shot_hash, size: Some(self.setup.shot.size), device };
+            let expected = Expected { frame, shot_hash, size: Some(self.setup.shot.size), device };
             let path = self.output.path_of(frame);
             check_kept(&path, &expected, depth)?;
             if options.has_preview || options.has_overlay {
@@ -121,9 +123,9 @@ impl<'a> Work<'a> {
 
     /// Pictures are warped as pictures; no device draws them.
     fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
-        let Self { begun, setup, options, output, .. } = self;
+        let Self { begun, setup, options, output, digest, .. } = self;
         tell_notes(setup, &todo, tell);
-        let wanted = Wanted { options, output, frames: todo.frames.clone(), kept: todo.kept };
+        let wanted = Wanted { options, output, digest, frames: todo.frames.clone(), kept: todo.kept };
         let summary = render_pictures(setup, wanted, cancel, tell);
         finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, tell))
     }
@@ -134,10 +136,10 @@ impl<'a> Work<'a> {
         device: &mut dyn Raster,
         (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
     ) -> Summary {
-        let Self { begun, setup, options, output, .. } = self;
+        let Self { begun, setup, options, output, digest, .. } = self;
         tell_notes(setup, &todo, tell);
         tell(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
-        let mut writer = Writer::new(setup, options, output, device.class());
+        let mut writer = Writer::new(setup, options, (output, digest), device.class());
         let tiles = tiles(setup.shot.size.window(), device.max_side());
         let mut raster_ms = 0.0;
         std::thread::scope(|scope| {

@@ -28,8 +28,13 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(setup: &'a Setup, options: &'a RenderOptions, output: SequencePath, device: DeviceClass) -> Self {
-        let shot_hash = setup.shot.hash();
+    /// `shot_hash`: digest of the shot and of what its files hold.
+    pub(super) fn new(
+        setup: &'a Setup,
+        options: &'a RenderOptions,
+        (output, shot_hash): (SequencePath, String),
+        device: DeviceClass,
+    ) -> Self {
         Self { setup, options, output, device, shot_hash, summary: Summary::default() }
     }
 

@@ -123,6 +123,69 @@ fn what_this_run_would_write_is_kept_and_all_else_is_made_again() {
     }
 }
 
+/// The same file with other pixels, as long and as old as before.
+fn disguised(path: &std::path::Path, change: impl FnOnce()) {
+    let before = path.metadata().expect("it is there").modified().expect("a time");
+    change();
+    std::fs::File::options().append(true).open(path).expect("open").set_modified(before).expect("set");
+}
+
+#[test]
+fn frames_whose_files_hold_something_else_are_made_again() {
+    const WHY: &str = "a file that it is made from (scene, picture, plate or lattice) has changed";
+    for (kind, source) in kinds().iter().zip(["tiny.gltf", "cat.png", "tiny.gltf", "tiny.gltf"]) {
+        let bench = &kind.bench;
+        bench.run(kind.run).says(0, &[]);
+        let path = bench.path(source);
+        let good = bench.read(source);
+        disguised(&path, || match source {
+            "cat.png" => {
+                let mut cat = image::open(&path).expect("a picture").to_rgba8();
+                cat.put_pixel(30, 20, image::Rgba([1, 2, 3, 255]));
+                cat.save(&path).expect("saved");
+            }
+            // Blanks are no change of the scene, and still other bytes.
+            _ => bench.write(source, &[&good[..], b"\n"].concat()),
+        });
+        resumed(kind, "", &[(1, WHY), (2, WHY)]);
+        resumed(kind, "", &[]);
+        bench.write(source, &good);
+        resumed(kind, "", &[(1, WHY), (2, WHY)]);
+    }
+    // Of plates only the frame's own counts.
+    let [.., plates, pngs] = &kinds();
+    for (kind, source) in [(plates, "in/b.0002.exr"), (pngs, "in.0002.png")] {
+        kind.bench.run(kind.run).says(0, &[]);
+        let mut bytes = kind.bench.read(source);
+        bytes.push(0);
+        disguised(&kind.bench.path(source), || kind.bench.write(source, &bytes));
+        resumed(kind, "", &[(2, WHY)]);
+        resumed(kind, "", &[]);
+    }
+}
+
+#[test]
+fn lattices_and_clean_plates_that_changed_are_seen() {
+    let bench = Bench::new();
+    bench.render("-o in/b.####.exr").says(0, &[]);
+    bench.run("export shot.toml --to lattice-json -o l.json").says(0, &[]);
+    std::fs::copy(bench.path("in/b.0001.exr"), bench.path("clean.exr")).expect("copied");
+    let run = "warp in/b.####.exr --lattice l.json --clean clean.exr -o out/f.####.exr --device cpu";
+    let kind = Kind { bench, run, frames: ["out/f.0001.exr", "out/f.0002.exr"] };
+    kind.bench.run(run).says(0, &[]);
+    let mut clean = kind.bench.read("clean.exr");
+    clean.push(0);
+    kind.bench.write("clean.exr", &clean);
+    resumed(&kind, "", &[(1, "has changed"), (2, "has changed")]);
+    let lattice = String::from_utf8(kind.bench.read("l.json")).expect("text");
+    let place = lattice.rfind("handles").expect("handles");
+    let digit = place + lattice[place..].find(['1', '2', '3']).expect("a digit");
+    let mut other = lattice.into_bytes();
+    other[digit] = b'4';
+    kind.bench.write("l.json", &other);
+    resumed(&kind, "", &[(1, "another state"), (2, "another state")]);
+}
+
 #[test]
 fn a_changed_byte_is_found_on_request() {
     for kind in kinds() {

@@ -20,6 +20,8 @@ const DEVICE: &str = "the CPU, as pictures";
 pub(in crate::pipeline) struct Wanted<'a> {
     pub(in crate::pipeline) options: &'a RenderOptions,
     pub(in crate::pipeline) output: SequencePath,
+    /// Digest of the shot and of what its files hold.
+    pub(in crate::pipeline) digest: String,
     pub(in crate::pipeline) frames: Vec<i32>,
     /// How many stay as they are.
     pub(in crate::pipeline) kept: usize,
@@ -32,11 +34,11 @@ pub(in crate::pipeline) fn render_pictures(
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Summary {
-    let Wanted { options, output, frames, kept } = wanted;
+    let Wanted { options, output, digest, frames, kept } = wanted;
     let Some(gallery) = &setup.gallery else { return Summary { kept, ..Summary::default() } };
     tell_left_out(setup, tell);
     tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
-    let mut writer = Writer::new(setup, options, output, DeviceClass::Cpu);
+    let mut writer = Writer::new(setup, options, (output, digest), DeviceClass::Cpu);
     let mut painting =
         Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
     std::thread::scope(|scope| {

@@ -2,12 +2,15 @@
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
+use super::super::contents::FrameDigests;
 use super::super::resume::{Todo, refuse_existing};
 use super::super::{Existing, PipelineError, Setup};
 use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
-use crate::image::{Depth, Expected, ImageError, Inputs, PictureKind, SequencePath, check_kept, picture_size};
+use crate::image::{
+    Depth, Expected, ImageError, Inputs, PictureKind, Redo, SequencePath, check_kept, is_there, picture_size,
+};
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, digest};
 use crate::spelling;
@@ -27,8 +30,8 @@ pub(super) struct Plan {
     pub(super) todo: Todo,
     /// What the user should know before it begins.
     pub(super) notes: Vec<String>,
-    /// Digest of all that changes the frames.
-    pub(super) hash: String,
+    /// What each frame says of all that it is made of.
+    pub(super) digests: FrameDigests,
 }
 
 impl Plan {
@@ -56,27 +59,37 @@ impl Plan {
         if job.existing == Existing::Refuse {
             refuse_existing(wanted.iter().map(|&frame| output.path_of(frame)))?;
         }
-        let hash = hash(job, &layers);
-        let todo = todo(job, (wanted, &plate, &output), (&hash, device));
+        let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
+        let todo = todo(job, (wanted, &plate, &output), (&digests, device));
         let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
         notes.extend(heads::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
-        Ok(Self { plate, output, clean, maps, layers, todo, notes, hash })
+        Ok(Self { plate, output, clean, maps, layers, todo, notes, digests })
     }
 }
 
 /// The frames to warp. A kept frame has the size of its plate.
+/// What tells each frame from one that would be made of something else.
+fn digests(job: &WarpJob, layers: &[usize], sequences: [Option<&SequencePath>; 3]) -> FrameDigests {
+    let shared = if let PlateWarp::Shot(setup) = &job.warp { setup.files().collect() } else { Vec::new() };
+    FrameDigests::new(hash(job, layers), &shared, sequences.into_iter().flatten())
+}
+
 fn todo(
     job: &WarpJob,
     (wanted, plate, output): (Vec<i32>, &SequencePath, &SequencePath),
-    (hash, device): (&str, &str),
+    (digests, device): (&FrameDigests, &str),
 ) -> Todo {
     let depth = if job.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
     Todo::of(wanted, output, job.existing, |frame| {
         let size = picture_size(&plate.path_of(frame)).ok();
-        let expected = Expected { frame, shot_hash: hash, size, device };
-        check_kept(&output.path_of(frame), &expected, depth)
+        let path = output.path_of(frame);
+        if !is_there(&path) {
+            return Err(Redo::Missing);
+        }
+        let expected = Expected { frame, shot_hash: &digests.of(frame), size, device };
+        check_kept(&path, &expected, depth)
     })
 }
 
@@ -236,7 +249,7 @@ fn frames_of(file: &LatticeFile) -> Vec<i32> {
     frames.into_iter().collect()
 }
 
-/// Digest of all that changes the frames: what files are called counts, not where they lie.
+/// Digest of all settings that change the frames: what files are called counts, not where they lie.
 fn hash(job: &WarpJob, layers: &[usize]) -> String {
     let mut rules = job.rules.clone();
     if let Holes::Plate(clean) = &mut rules.holes {

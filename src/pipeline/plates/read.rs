@@ -51,8 +51,10 @@ impl Reader<'_> {
     }
 
     fn pictures(&self, frame: i32) -> Result<Pictures, PipelineError> {
-        let Plan { plate, clean, maps, .. } = self.plan;
+        let Plan { plate, clean, maps, digests, .. } = self.plan;
         let path = |path: &Option<SequencePath>| path.as_ref().map(|path| path.path_of(frame));
+        // Before the files are read: what changes while they are is another frame's.
+        digests.of(frame);
         let (plate, clean, map) = (plate.path_of(frame), path(clean), path(maps));
         let others = [&clean, &map].into_iter().flatten();
         let needed = warped_bytes(picture_extent(&plate)?)

@@ -81,7 +81,7 @@ impl<'a> Writer<'a> {
         plate.set_metadata(&FrameMetadata {
             frame: report.frame,
             frames_per_second: self.rate,
-            shot_hash: self.plan.hash.clone(),
+            shot_hash: self.plan.digests.of(report.frame),
             device: class_of(&report.device).to_string(),
             ..FrameMetadata::default()
         });
