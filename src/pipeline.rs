@@ -55,9 +55,7 @@ pub use jerk::JerkMeter;
 pub use moment::{LayerState, Moment, PinState};
 pub use options::{Existing, RenderOptions};
 pub use passes::{PassPlan, plan_passes};
-pub use plates::{
-    Coverage, PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames,
-};
+pub use plates::{PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use posed::PosedLayer;
 pub use render::{render, render_on};
 pub use report::report;

@@ -80,6 +80,11 @@ impl Teller {
                 let found = findings(&self.holes, report.hole_pixels, report.contained_samples);
                 let warnings: Vec<String> = report.warnings.iter().cloned().chain(found).collect();
                 self.frame_done(report.frame, &report.path, &warnings);
+                if !report.mattes.is_empty() {
+                    let from = &report.mattes;
+                    let remedy = "`matte` chooses other parts, matte = \"none\" the whole picture";
+                    self.line(&format!("note: layers without a matte move their own nodes, as in {from}; {remedy}"));
+                }
                 for channel in &report.channels {
                     tracing::info!("channel {}: {:?} ({:?})", channel.channel, channel.meaning, channel.reason);
                 }

@@ -9,7 +9,7 @@ use crate::plate::{Matte, WarpRules};
 use crate::scene::{Picture, Scene, SceneError, frame_card, picture_cards};
 use crate::shot::{
     Anchor, BoxRule, CameraRule, Ease, FrameRange, Goal, KeyLines, Layer, LayerSpace, OffsetUnit, Output, PinKey,
-    Rotation, Shot, Shutter, Source, Visibility,
+    Rotation, Shot, Shutter, Source, Unmatted, Visibility,
 };
 use crate::solve::{Guard, Settings};
 use crate::space::FrameSize;
@@ -139,6 +139,7 @@ fn layer(bounds: BoxRule) -> Layer {
         handles: Vec::new(),
         transfer: None,
         matte: None,
+        unmatted: Unmatted::default(),
     }
 }
 

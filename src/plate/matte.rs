@@ -51,6 +51,7 @@ impl Contents<'_> {
         };
         let pixels = match matte {
             Matte::Alpha => return Ok(Share::default()),
+            Matte::Drawn(coverage) => self.of_picture(coverage.over(ground.window, self.plate.frame_size()), ground),
             Matte::Channel(name) => of_channel(name, &|sample, _| sample.clamp(0.0, 1.0).max(0.0))?,
             Matte::Id { channel, values } => {
                 of_channel(channel, &|sample, storage| f32::from(u8::from(values.contains(&id_of(sample, storage)))))?
@@ -91,12 +92,24 @@ impl Contents<'_> {
     pub(super) fn check_matte(&self, layer: &str, matte: &Matte) -> Result<(), PlateError> {
         let view = self.entries.first().and_then(|entry| entry.name.view.as_deref());
         match matte {
-            Matte::Alpha => Ok(()),
+            Matte::Alpha | Matte::Drawn(_) => Ok(()),
             Matte::Channel(channel) | Matte::Id { channel, .. } => self.find(layer, channel, view).map(drop),
             Matte::Cryptomatte { layer: wanted, names } => {
                 self.picked(layer, (wanted.as_deref(), names), view).map(drop)
             }
         }
+    }
+
+    /// The share of what a pixel shows, where its coverage is known: what covers 0.3 of a pixel whose alpha is 0.3 is all of it.
+    fn of_picture(&self, mut coverage: Vec<f32>, ground: Ground) -> Vec<f32> {
+        let of_view = self.entries.iter().filter(|entry| entry.name.view.as_deref() == ground.view);
+        let mut colors = of_view.filter(|entry| entry.known.meaning == Meaning::Color);
+        if let Some(alpha) = colors.find_map(|entry| entry.alpha) {
+            let alpha = self.over(alpha, ground.window, 0.0);
+            let pixels = coverage.iter_mut().zip(alpha.iter()).filter(|(_, alpha)| **alpha > 0.0);
+            pixels.for_each(|(coverage, alpha)| *coverage = (*coverage / alpha).min(1.0));
+        }
+        coverage
     }
 
     fn cryptomatte_share(
@@ -108,7 +121,7 @@ impl Contents<'_> {
         let Picked { matte, ids, unknown } = self.picked(layer, wanted, ground.view)?;
         let missing = format!("layer \"{layer}\": not in {}: {}", matte.name, unknown.join("; "));
         Ok(Share {
-            pixels: Some(self.covered_by(&matte, &ids, ground.window)),
+            pixels: Some(self.of_picture(self.covered_by(&matte, &ids, ground.window), ground)),
             picked: Some((matte.name, ids)),
             warning: (!unknown.is_empty()).then_some(missing),
         })

@@ -2,11 +2,13 @@
 //!
 //! Plain data that the shot file fills.
 
+use super::Coverage;
 use crate::space::FrameSize;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// How finished frames are warped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,6 +131,8 @@ pub enum Matte {
         /// Names in its manifest, or ids as hexadecimal numbers.
         names: Vec<String>,
     },
+    /// Coverage that was drawn for this frame.
+    Drawn(Arc<Coverage>),
 }
 
 impl Matte {

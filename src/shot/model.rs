@@ -158,8 +158,20 @@ pub struct Layer {
     pub handles: Vec<HandleTrack>,
     /// Lattices solved elsewhere, instead of pins and handles.
     pub transfer: Option<Transfer>,
-    /// The part of a plate that the layer moves; `None`: the whole picture, background and all.
+    /// The part of a plate that the layer moves; `None`: see [`Self::unmatted`].
     pub matte: Option<Matte>,
+    /// What of a plate the layer moves where it names no matte.
+    pub unmatted: Unmatted,
+}
+
+/// What of a plate a layer moves that names no matte.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unmatted {
+    /// Its own nodes, where the shot has a scene and the layer does not move all of it; else the whole picture.
+    #[default]
+    OwnNodes,
+    /// The whole picture, background and all: `matte = "none"`.
+    Picture,
 }
 
 /// Lattices solved for another shot, laid over a layer.

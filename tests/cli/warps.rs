@@ -84,6 +84,20 @@ fn a_shot_warps_its_plate() {
 }
 
 #[test]
+fn layers_that_bend_each_others_parts_are_told_once() {
+    let two = SHOT.replace(
+        "[output]",
+        "[[layer]]\nname = \"other\"\n  [[layer.pin]]\n  anchor = { screen = [0.4, 0.5] }\n\n[output]",
+    );
+    let says = ["note: layers 'all', 'other' have no matte: each bends the whole picture", "matte = \"none\""];
+    let ended = bench(&two).run("warp --shot shot.toml").says(0, &says);
+    assert_eq!(ended.stderr.matches("have no matte").count(), 1, "{}", ended.stderr);
+    let meant = two.replace("name = \"other\"", "name = \"other\"\nmatte = \"none\"");
+    let ended = bench(&meant).run("warp --shot shot.toml").says(0, &[]);
+    assert!(!ended.stderr.contains("have no matte"), "{}", ended.stderr);
+}
+
+#[test]
 fn json_lines_tell_what_was_done() {
     let bench = bench(SHOT);
     let events = bench.run("warp --shot shot.toml --json").says(0, &[]).events();
@@ -414,6 +428,51 @@ fn pictures_that_unpack_to_too_much_are_refused_before_they_are_decoded() {
     bench
         .run("render huge.toml --device cpu --max-memory 1G")
         .says(2, &["huge.toml", "size", "16384 x 16384", "may be used"]);
+}
+
+/// The head of a PNG of that size, which holds no pixels.
+fn png_head(size: u32) -> Vec<u8> {
+    let mut head = [b"IHDR".as_slice(), &size.to_be_bytes(), &size.to_be_bytes(), &[8, 6, 0, 0, 0]].concat();
+    let sum = crc32fast::hash(&head);
+    head.extend(sum.to_be_bytes());
+    [b"\x89PNG\r\n\x1a\n\0\0\0\r".as_slice(), &head, b"\0\0\0\0IDAT\x35\xaf\x06\x1e"].concat()
+}
+
+#[test]
+fn scenes_that_hold_too_much_are_refused_before_they_are_decoded() {
+    let mut scene = square().json();
+    let bench = Bench::with(&scene, &square_shot("size = [64, 36]"));
+    bench.run("check shot.toml --max-memory 64M").says(0, &[]);
+    // Two textures that would fit alone.
+    scene["images"] = serde_json::json!([{ "uri": "a.png" }, { "uri": "b.png" }]);
+    scene["textures"] = serde_json::json!([{ "source": 0 }, { "source": 1 }]);
+    scene["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = serde_json::json!({ "index": 0 });
+    scene["materials"][0]["emissiveTexture"] = serde_json::json!({ "index": 1 });
+    bench.write("tiny.gltf", scene.to_string().as_bytes());
+    ["a.png", "b.png"].into_iter().for_each(|name| bench.write(name, &png_head(4096)));
+    let words =
+        ["tiny.gltf", "33.6 million pixels of textures", "256 MB may be used", "--max-memory", "smaller textures"];
+    bench.run("check shot.toml --max-memory 256M").says(2, &words);
+    // One of them fits.
+    scene["materials"][0]["emissiveTexture"] = serde_json::Value::Null;
+    bench.write("tiny.gltf", scene.to_string().as_bytes());
+    bench.run("check shot.toml --max-memory 256M").says(0, &[]);
+    // Instances: each is a node of its own.
+    let instanced = |count: usize| {
+        let mut scene = square().json();
+        let accessors = scene["accessors"].as_array_mut().expect("accessors");
+        accessors.push(serde_json::json!({ "componentType": 5126, "count": count, "type": "VEC3" }));
+        let accessor = accessors.len() - 1;
+        scene["extensionsUsed"] = serde_json::json!(["EXT_mesh_gpu_instancing", "KHR_materials_unlit"]);
+        scene["nodes"][0]["extensions"] =
+            serde_json::json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": accessor } } });
+        bench.write("tiny.gltf", scene.to_string().as_bytes());
+    };
+    instanced(200_000);
+    let words = ["tiny.gltf", "nodes", "256 MB may be used", "--max-memory", "fewer instances"];
+    bench.run("check shot.toml --max-memory 256M").says(2, &words);
+    instanced(1_000_000);
+    bench.run("check shot.toml").says(2, &["1000000 instances", "export fewer"]);
 }
 
 /// A shot of the square, of that size.

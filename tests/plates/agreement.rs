@@ -7,8 +7,8 @@
 use pinwarp::image::{Frame, read_exr};
 use pinwarp::pipeline::{Existing, PlateWarp, RenderOptions, Setup, WarpDirection, WarpJob, render, warp_frames};
 use pinwarp::plate::{Holes, Matte, MotionRule, WarpRules};
-use pinwarp::raster::DeviceChoice;
-use pinwarp::shot::Shot;
+use pinwarp::raster::{ChannelGroup, DeviceChoice};
+use pinwarp::shot::{Shot, Unmatted};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -168,6 +168,47 @@ fn a_matted_thing_and_the_scene_behind_it_agree_too() {
     for outcome in check(&shot, &Holes::Geometry) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
+}
+
+/// The gnome of three layers in front of a meadow, in small.
+fn walker() -> Shot {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/shot.toml");
+    let mut shot = Shot::read(&path).expect("a right shot");
+    (shot.size, shot.samples) = (FrameSize::new(320, 180), 4);
+    shot
+}
+
+/// Pixels of the frame in which colour is off by more than a tenth.
+fn pixels_off(plate: &Frame, geometry: &Frame) -> usize {
+    let places = (0..180).flat_map(|y| (0..320).map(move |x| (x, y)));
+    let is_off = |&(x, y): &(i32, i32)| {
+        let sample = |frame: &Frame, channel: &str| at(frame, channel, x, y).unwrap_or(0.0);
+        ["R", "G", "B", "A"].iter().any(|channel| (sample(plate, channel) - sample(geometry, channel)).abs() > 0.1)
+    };
+    places.filter(is_off).count()
+}
+
+#[test]
+fn layers_without_mattes_move_their_own_nodes_only() {
+    let geometry = TempDir::new().expect("a folder");
+    let expected = rendered(walker(), geometry.path());
+    let off = |with_names: bool, unmatted: Unmatted| -> usize {
+        let plates = TempDir::new().expect("a folder");
+        let mut plate = still(&walker());
+        if with_names {
+            plate.output.channels.push(ChannelGroup::Cryptomatte);
+        }
+        rendered(plate, plates.path());
+        let mut shot = walker();
+        shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
+        let warped = warped(shot, Holes::Geometry, plates.path());
+        let off = warped.iter().zip(&expected).map(|(plate, geometry)| pixels_off(plate, geometry));
+        off.inspect(|off| eprintln!("{unmatted:?}, names {with_names}: {off} pixels off")).max().expect("frames")
+    };
+    // 57600 pixels: what differs are edges, where samples of raster and filter fall differently.
+    assert!(off(false, Unmatted::OwnNodes) < 400, "drawn from the scene");
+    assert!(off(true, Unmatted::OwnNodes) < 400, "named by the plate's Cryptomatte");
+    assert!(off(false, Unmatted::Picture) > 2000, "each layer bends the meadow and the others");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{GOOD, parse, replaced};
 use pinwarp::plate::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule};
-use pinwarp::shot::{BoxRule, LayerSpace, Shot, Source};
+use pinwarp::shot::{BoxRule, LayerSpace, Shot, Source, Unmatted};
 use std::path::{Path, PathBuf};
 
 /// A shot without a scene. Tests count its lines.
@@ -47,11 +47,22 @@ fn mattes_are_written_in_four_ways() {
         shot.layers[0].matte.clone()
     };
     assert_eq!(matte("\"alpha\""), Some(Matte::Alpha));
+    assert_eq!(matte("\"none\""), None);
     assert_eq!(matte("{ channel = \"mask.R\" }"), Some(Matte::Channel("mask.R".into())));
     let id = Matte::Id { channel: "id.object".into(), values: vec![3, 4_294_967_295] };
     assert_eq!(matte("{ id = \"id.object\", values = [3, 4294967295] }"), Some(id));
     let names = Matte::Cryptomatte { layer: None, names: vec!["a".into()] };
     assert_eq!(matte("{ cryptomatte = [\"a\"] }"), Some(names));
+}
+
+#[test]
+fn a_layer_without_a_matte_says_whether_it_moves_the_whole_picture() {
+    let unmatted = |text: &str| {
+        parse(&replaced(PLATE, "{ cryptomatte = [\"Body*\"], of = \"CryptoObject\" }", text)).unwrap().layers[0]
+            .unmatted
+    };
+    assert_eq!(unmatted("\"none\""), Unmatted::Picture);
+    assert_eq!(unmatted("\"alpha\""), Unmatted::OwnNodes);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
-use crate::pipeline::{Setup, Silhouette, Todo, refuse_existing};
+use crate::pipeline::{Setup, Silhouette, Todo, digest_with, refuse_existing};
 use crate::plate::{Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
@@ -33,6 +33,10 @@ pub(super) struct Maps {
     window: PixelRect,
     direction: Direction,
     reach: Reach,
+    /// The layers as the shot counts them, where each moves its own nodes; `None`: each bends the whole picture.
+    parts: Option<Vec<usize>>,
+    /// Digest of what the shot's files hold, whose surfaces decide what a map shows; empty for lattice files.
+    contents: String,
     /// What must not be written over.
     pub(super) inputs: Inputs,
 }
@@ -75,16 +79,30 @@ impl Maps {
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
-        Ok((Self { lattices, size, window, direction, reach, inputs }, setup))
+        let parts = setup.as_deref().filter(|_| reach == Reach::Picture).and_then(|setup| parts_of(&lattices, setup));
+        if reach == Reach::Picture && parts.is_none() && lattices.layers.len() > 1 {
+            let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
+            writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
+        }
+        let contents = setup.as_deref().map(Setup::contents_digest).unwrap_or_default();
+        Ok((Self { lattices, size, window, direction, reach, parts, contents, inputs }, setup))
     }
 
     /// Maps of each layer alone, for elements that are matted.
     pub(super) fn by_layer(self) -> Vec<(String, Self)> {
-        let Self { lattices: LatticeFile { frame_aspect, rate, layers }, size, window, direction, inputs, .. } = self;
+        let Self {
+            lattices: LatticeFile { frame_aspect, rate, layers },
+            size,
+            window,
+            direction,
+            inputs,
+            contents,
+            ..
+        } = self;
         let alone = |layer: LatticeTrack| {
-            let (name, inputs) = (layer.name.clone(), inputs.clone());
+            let (name, inputs, contents) = (layer.name.clone(), inputs.clone(), contents.clone());
             let lattices = LatticeFile { frame_aspect, rate, layers: vec![layer] };
-            (name, Self { lattices, size, window, direction, reach: Reach::Layer, inputs })
+            (name, Self { lattices, size, window, direction, reach: Reach::Layer, parts: None, contents, inputs })
         };
         layers.into_iter().map(alone).collect()
     }
@@ -101,13 +119,13 @@ impl Maps {
         all.into_iter().collect()
     }
 
-    /// 32 hexadecimal digits over everything that changes the map of a frame.
+    /// Digest of everything that changes the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
-        let Self { lattices, size, window, direction, reach, inputs: _ } = self;
+        let Self { lattices, size, window, direction, reach, parts, contents, inputs: _ } = self;
         let of_frame =
             |layer: &LatticeTrack| format!("{} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)));
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
-        digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?}"))
+        digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?} {parts:?}")), contents)
     }
 
     /// What the file of a frame says.
@@ -123,7 +141,19 @@ impl Maps {
 
     /// The map of a frame: all layers, one after the other as they lie over each other in the shot. Where it folds, what the
     /// silhouette does not have hides nothing that it has.
-    pub(super) fn map(&self, frame: i32, silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+    pub(super) fn map(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+        if let (Some(layers), Some(silhouette)) = (&self.parts, silhouette.as_deref_mut())
+            && let Some(coverage) = silhouette.of_layers(frame, layers)?
+        {
+            let of_layer = |layer: &LatticeTrack| screen(layer)?.get(&frame).cloned();
+            let fields = self.lattices.layers.iter().map(of_layer).map(|lattice| lattice.map(Field::of_layer));
+            let fields = fields.map(|field| field.unwrap_or_else(Field::identity));
+            let (parts, place) = (fields.zip(coverage).collect::<Vec<_>>(), (self.size, self.window));
+            return Ok(match self.direction {
+                Direction::Backward => WarpMap::backward_of_parts(&parts, place),
+                Direction::Forward => WarpMap::forward_of_parts(&parts, place),
+            });
+        }
         let lattices = self.lattices.layers.iter().filter_map(|layer| screen(layer)?.get(&frame).cloned());
         let field = match self.reach {
             Reach::Picture => Field::chain(lattices.map(Field::of_picture).collect()),
@@ -166,6 +196,14 @@ impl Maps {
         (!map.folded_pixels.is_empty())
             .then(|| format!("frame {frame}: the warp of {layers} lays the picture over itself in {pixels}: {remedy}"))
     }
+}
+
+/// The layers of a shot that the lattices are of, where there are several and each moves its own nodes.
+fn parts_of(lattices: &LatticeFile, setup: &Setup) -> Option<Vec<usize>> {
+    let index = |track: &LatticeTrack| setup.shot.layers.iter().position(|layer| layer.name == track.name);
+    let of_track = |track: &LatticeTrack| index(track).filter(|&layer| setup.moves_own_nodes(layer));
+    let layers: Option<Vec<usize>> = lattices.layers.iter().map(of_track).collect();
+    layers.filter(|layers| layers.len() > 1)
 }
 
 fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {

@@ -40,6 +40,17 @@ impl<'a> SceneAtRest<'a> {
         self
     }
 
+    /// Its layers go by [`Self::number_of`], so that none is called as what no layer claims.
+    pub(super) fn with_numbered_layers(mut self) -> Self {
+        self.shot.layers.iter_mut().enumerate().for_each(|(index, layer)| layer.name = Self::number_of(index));
+        self
+    }
+
+    /// The name of a numbered layer.
+    pub(super) fn number_of(layer: usize) -> String {
+        format!("layer {layer}")
+    }
+
     /// A frame with these channels, and what its file would say about itself.
     pub(super) fn draw(
         &mut self,

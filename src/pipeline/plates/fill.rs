@@ -14,7 +14,7 @@ pub(super) struct Filler<'a>(SceneAtRest<'a>);
 impl<'a> Filler<'a> {
     /// `None` where no layer has a matte, or nothing would be left to draw.
     pub(super) fn of(setup: &'a Setup, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
-        let has_matte = |&&layer: &&usize| setup.shot.layers[layer].matte.is_some();
+        let has_matte = |&&layer: &&usize| setup.shot.layers[layer].matte.is_some() || setup.moves_own_nodes(layer);
         let hidden: Vec<usize> = layers.iter().filter(has_matte).copied().collect();
         let is_hidden = |owner: &&Option<usize>| owner.is_some_and(|layer| hidden.contains(&layer));
         let hidden_parts = setup.owners.iter().filter(is_hidden).count();

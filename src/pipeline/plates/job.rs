@@ -134,6 +134,10 @@ pub struct WarpReport {
     /// What every channel was taken for; only where it differs from the frame before.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<ChannelReport>,
+    /// Where the mattes come from of layers that name none: a Cryptomatte of the plate, or the scene; only where it differs
+    /// from the frame before.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub mattes: String,
     /// What the user should know about this frame.
     pub warnings: Vec<String>,
 }

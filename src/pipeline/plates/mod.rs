@@ -8,6 +8,7 @@
 //! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
 
 mod at_rest;
+mod default_mattes;
 mod fill;
 mod heads;
 mod job;
@@ -18,7 +19,7 @@ mod stage;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
-pub use silhouette::{Coverage, Silhouette};
+pub use silhouette::Silhouette;
 
 use super::PipelineError;
 use super::resume::Todo;

@@ -12,7 +12,7 @@ use crate::image::{
     Depth, Expected, ImageError, Inputs, PictureKind, Redo, SequencePath, check_kept, is_there, picture_size,
 };
 use crate::plate::Holes;
-use crate::shot::{LayerSpace, digest};
+use crate::shot::{LayerSpace, Unmatted, digest};
 use crate::spelling;
 use std::path::{Path, PathBuf};
 
@@ -47,6 +47,7 @@ impl Plan {
         check_inverse(job, &layers)?;
         check_matte(job, &layers)?;
         check_mattes_differ(job, &layers)?;
+        notes.extend(note_unmatted(job, &layers));
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
         let mut inputs = if let PlateWarp::Shot(setup) = &job.warp { setup.inputs()? } else { Inputs::default() };
@@ -69,13 +70,13 @@ impl Plan {
     }
 }
 
-/// The frames to warp. A kept frame has the size of its plate.
 /// What tells each frame from one that would be made of something else.
 fn digests(job: &WarpJob, layers: &[usize], sequences: [Option<&SequencePath>; 3]) -> FrameDigests {
     let shared = if let PlateWarp::Shot(setup) = &job.warp { setup.files().collect() } else { Vec::new() };
     FrameDigests::new(hash(job, layers), &shared, sequences.into_iter().flatten())
 }
 
+/// The frames to warp. A kept frame has the size of its plate.
 fn todo(
     job: &WarpJob,
     (wanted, plate, output): (Vec<i32>, &SequencePath, &SequencePath),
@@ -83,11 +84,11 @@ fn todo(
 ) -> Todo {
     let depth = if job.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
     Todo::of(wanted, output, job.existing, |frame| {
-        let size = picture_size(&plate.path_of(frame)).ok();
         let path = output.path_of(frame);
         if !is_there(&path) {
             return Err(Redo::Missing);
         }
+        let size = picture_size(&plate.path_of(frame)).ok();
         let expected = Expected { frame, shot_hash: &digests.of(frame), size, device };
         check_kept(&path, &expected, depth)
     })
@@ -172,6 +173,30 @@ fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     Err(unusable(what, format!("choose one with --layer; {}", spelling::list(names))))
 }
 
+/// Says that several layers bend the whole picture, each the parts of the others, where nothing says that it is meant.
+fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
+    let is_whole = |&&layer: &&usize| match &job.warp {
+        PlateWarp::Shot(setup) => {
+            let settings = &setup.shot.layers[layer];
+            settings.matte.is_none() && settings.unmatted == Unmatted::OwnNodes && !setup.moves_own_nodes(layer)
+        }
+        PlateWarp::Lattices { matte, .. } => matte.is_none(),
+        PlateWarp::Maps(_) => false,
+    };
+    let names: Vec<String> =
+        layers.iter().filter(is_whole).map(|&layer| format!("'{}'", job.warp.layer(layer).0)).collect();
+    let remedy = match &job.warp {
+        PlateWarp::Lattices { .. } => "warp with --shot, which knows their parts, or one --layer with its --matte",
+        _ => "give each a `matte`, or say that it is meant: matte = \"none\"",
+    };
+    (names.len() > 1).then(|| {
+        format!(
+            "layers {} have no matte: each bends the whole picture, the others' parts too; {remedy}",
+            names.join(", ")
+        )
+    })
+}
+
 /// Two layers with the same matte would move the same pixels twice.
 fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let PlateWarp::Shot(setup) = &job.warp else { return Ok(()) };
@@ -189,7 +214,9 @@ fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineEr
 /// What mattes took apart cannot be put together again, since what lay behind is gone.
 fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let is_matted = match &job.warp {
-        PlateWarp::Shot(setup) => layers.iter().any(|&layer| setup.shot.layers[layer].matte.is_some()),
+        PlateWarp::Shot(setup) => {
+            layers.iter().any(|&layer| setup.shot.layers[layer].matte.is_some() || setup.moves_own_nodes(layer))
+        }
         PlateWarp::Lattices { matte, .. } => matte.is_some(),
         PlateWarp::Maps(_) => {
             let hint = "make one with `pinwarp export --to stmap --inverse` and warp with that";
@@ -199,7 +226,10 @@ fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     };
     if is_matted && job.direction == WarpDirection::Inverse {
         let what = "a warp with mattes cannot be undone: what the layers covered is not in the plate";
-        return Err(unusable(what, "choose layers without a matte (--layer)"));
+        return Err(unusable(
+            what,
+            "choose layers without a matte (--layer), or bend the whole picture there and back: matte = \"none\"",
+        ));
     }
     Ok(())
 }

@@ -5,9 +5,9 @@
 use super::super::{PipelineError, Setup};
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
-use crate::plate::color_layers;
+use crate::plate::{Coverage, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameSize;
 
 /// What no layer moves counts less than what layers move, and more than nothing: half of a pixel decides.
 const UNCLAIMED: f32 = 0.25;
@@ -18,30 +18,6 @@ pub struct Silhouette<'a> {
     /// Of this layer alone.
     layer: Option<usize>,
     scene: Option<SceneAtRest<'a>>,
-}
-
-/// How much of every pixel of a picture can be seen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Coverage {
-    /// The display window that was looked at.
-    frame: FrameSize,
-    /// Its pixels that have coverage.
-    window: PixelRect,
-    /// #pixels of the window, 0 to 1.
-    samples: Vec<f32>,
-}
-
-impl Coverage {
-    /// Of the pixel of a picture of any size that shows the same frame; 0 outside the window.
-    #[must_use]
-    pub fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
-        let scale = [
-            f64::from(self.frame.width) / f64::from(size.width),
-            f64::from(self.frame.height) / f64::from(size.height),
-        ];
-        let own = [0, 1].map(|axis| ((f64::from(pixel[axis]) + 0.5) * scale[axis]).floor() as i32);
-        self.window.place_of(own).map_or(0.0, |place| self.samples[place])
-    }
 }
 
 impl<'a> Silhouette<'a> {
@@ -61,13 +37,24 @@ impl<'a> Silhouette<'a> {
         let size = self.setup.shot.size;
         if let Some(scene) = &mut self.scene {
             let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
-            return Ok(of_render(drawn, size, self.layer));
+            return Ok(of_render(&drawn, size, self.layer));
         }
         if let Some(gallery) = &self.setup.gallery {
             let shown = |index: usize| self.layer.is_none_or(|layer| self.setup.owners[index] == Some(layer));
             return Ok(Some(Coverage { frame: size, window: size.window(), samples: gallery.coverage(shown) }));
         }
         Ok(self.of_plate(frame))
+    }
+
+    /// The coverage of each of these layers of a scene alone, in a frame; `None` where nothing of the scene is in the frame.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene cannot be drawn.
+    pub fn of_layers(&mut self, frame: i32, layers: &[usize]) -> Result<Option<Vec<Coverage>>, PipelineError> {
+        let size = self.setup.shot.size;
+        let Some(scene) = &mut self.scene else { return Ok(None) };
+        let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
+        Ok(layers.iter().map(|&layer| of_render(&drawn, size, Some(layer))).collect())
     }
 
     /// The alpha of the shot's plate, where that is there and has one.
@@ -83,7 +70,7 @@ impl<'a> Silhouette<'a> {
 }
 
 /// What layers move covers wholly, all else a little.
-fn of_render(drawn: Frame, size: FrameSize, layer: Option<usize>) -> Option<Coverage> {
+fn of_render(drawn: &Frame, size: FrameSize, layer: Option<usize>) -> Option<Coverage> {
     let ids = drawn.channel("id.layer")?;
     let share = |(alpha, id): (&f32, &f32)| {
         let own = layer.map_or(*id > 0.0, |layer| *id == layer as f32 + 1.0);

@@ -3,6 +3,7 @@
 //! In: [`Loaded`] frames. Out: [`Warped`] ones.
 
 use super::super::PipelineError;
+use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
 use super::heads::check_shape;
 use super::plan::Plan;
@@ -22,7 +23,22 @@ pub(super) struct Stage<'a> {
     job: &'a WarpJob<'a>,
     plan: &'a Plan,
     filler: Option<Filler<'a>>,
+    default_mattes: Option<DefaultMattes<'a>>,
     warper: Warper,
+}
+
+/// A layer and its lattices; `None` where it is not moved.
+struct MovedLayer {
+    layer: usize,
+    now: Option<ScreenLattice>,
+    /// In the frames before and after.
+    around: Option<[Option<ScreenLattice>; 2]>,
+}
+
+impl MovedLayer {
+    fn is_still(&self) -> bool {
+        self.now.is_none() && self.around.iter().flatten().all(Option::is_none)
+    }
 }
 
 impl<'a> Stage<'a> {
@@ -33,7 +49,11 @@ impl<'a> Stage<'a> {
             }
             _ => None,
         };
-        Self { job, plan, filler, warper }
+        let default_mattes = match (&job.warp, job.direction) {
+            (PlateWarp::Shot(setup), WarpDirection::Forward) => DefaultMattes::of(setup, &job.device, &plan.layers),
+            _ => None,
+        };
+        Self { job, plan, filler, default_mattes, warper }
     }
 
     /// Warps everything that arrives.
@@ -45,7 +65,7 @@ impl<'a> Stage<'a> {
                 self.warper.recycle(pictures.plate);
                 warped.map(|warped| (warped, pictures.memory))
             });
-            let outcome = outcome.map(|((plate, report), memory)| {
+            let outcome = outcome.map(|((plate, report, mattes), memory)| {
                 let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
@@ -57,6 +77,7 @@ impl<'a> Stage<'a> {
                     folded_pixels,
                     contained_samples,
                     channels,
+                    mattes,
                     warnings,
                     ..WarpReport::default()
                 };
@@ -68,53 +89,61 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport), PipelineError> {
+    /// The warped plate, what was done to it, and where the mattes come from of layers that name none.
+    fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport, String), PipelineError> {
         let Pictures { plate, clean, map, .. } = pictures;
         let size = plate.frame_size();
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let rules = self.job.rules.in_pixels(size);
         if let Some(map) = map {
             let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &rules));
-            return warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source });
+            let (warped, report) =
+                warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source })?;
+            return Ok((warped, report, String::new()));
         }
-        let layers = self.layers(frame, has_motion(plate, &rules))?;
+        let moved = self.moved(frame, has_motion(plate, &rules))?;
+        let found = match &mut self.default_mattes {
+            Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &rules))?,
+            _ => FoundMattes::default(),
+        };
+        let layers = moved.into_iter().map(|moved| self.layer_job(moved, &found)).collect();
         if self.job.direction == WarpDirection::Inverse {
-            return Ok(self.warper.undo(plate, &PlateJob { layers, rules: &rules, fill: None }, plate.reach())?);
+            let job = PlateJob { layers, rules: &rules, fill: None };
+            let (warped, report) = self.warper.undo(plate, &job, plate.reach())?;
+            return Ok((warped, report, found.source));
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &rules))).transpose()?;
         let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
-        Ok(self.warper.warp(plate, &job)?)
+        let (warped, report) = self.warper.warp(plate, &job)?;
+        Ok((warped, report, found.source))
     }
 
     fn map_path(&self, frame: i32) -> PathBuf {
         self.plan.maps.as_ref().map(|maps| maps.path_of(frame)).unwrap_or_default()
     }
 
-    /// What warps a frame: one a layer that moves. The neighbours' lattices are looked at where motion is stored.
-    fn layers(&self, frame: i32, has_motion: bool) -> Result<Vec<LayerJob>, PipelineError> {
-        let at = |frame: i32| self.lattices(frame);
-        let now = at(frame)?;
-        let around = if has_motion { Some([at(frame - 1)?, at(frame + 1)?]) } else { None };
-        let jobs = self.plan.layers.iter().zip(now).enumerate().filter_map(|(place, (&layer, lattice))| {
-            let (name, matte) = self.job.warp.layer(layer);
-            let field = |lattice: &ScreenLattice| match matte {
-                Some(_) => Field::of_layer(lattice.clone()),
-                None => Field::of_picture(lattice.clone()),
-            };
-            let beside = |side: usize| {
-                around.as_ref().map(|around| around[side][place].as_ref().map_or_else(Field::identity, field))
-            };
-            let is_still = lattice.is_none()
-                && around.as_ref().is_none_or(|around| around.iter().all(|layers| layers[place].is_none()));
-            (!is_still).then(|| LayerJob {
-                name: name.to_owned(),
-                field: lattice.as_ref().map_or_else(Field::identity, field),
-                previous: beside(0),
-                next: beside(1),
-                matte: matte.cloned(),
-            })
+    /// The layers that move in a frame. The neighbours' lattices are looked at where motion is stored.
+    fn moved(&self, frame: i32, has_motion: bool) -> Result<Vec<MovedLayer>, PipelineError> {
+        let now = self.lattices(frame)?;
+        let around = if has_motion { Some([self.lattices(frame - 1)?, self.lattices(frame + 1)?]) } else { None };
+        let layers = self.plan.layers.iter().zip(now).enumerate().map(|(place, (&layer, now))| {
+            let around = around.as_ref().map(|around| around.each_ref().map(|lattices| lattices[place].clone()));
+            MovedLayer { layer, now, around }
         });
-        Ok(jobs.collect())
+        Ok(layers.filter(|layer| !layer.is_still()).collect())
+    }
+
+    /// What warps a plate for a layer.
+    fn layer_job(&self, MovedLayer { layer, now, around }: MovedLayer, found: &FoundMattes) -> LayerJob {
+        let (name, matte) = self.job.warp.layer(layer);
+        let matte = matte.or_else(|| found.mattes.get(&layer)).cloned();
+        let field = |lattice: Option<ScreenLattice>| match (lattice, &matte) {
+            (None, _) => Field::identity(),
+            (Some(lattice), Some(_)) => Field::of_layer(lattice),
+            (Some(lattice), None) => Field::of_picture(lattice),
+        };
+        let [previous, next] = around.map_or([None, None], |around| around.map(|lattice| Some(field(lattice))));
+        LayerJob { name: name.to_owned(), field: field(now), previous, next, matte: matte.clone() }
     }
 
     /// The lattices of a frame: one a layer that warps; `None` where it is not moved.

@@ -25,6 +25,8 @@ pub(super) struct Writer<'a> {
     durability: Durability,
     /// What the channels of the frame before were taken for.
     told: Vec<ChannelReport>,
+    /// Where the mattes of the frame before came from.
+    mattes_told: String,
     /// What of the plates before was not read.
     left_out: Vec<String>,
     summary: WarpSummary,
@@ -38,7 +40,15 @@ impl<'a> Writer<'a> {
             PlateWarp::Maps(_) => 0.0,
         };
         let durability = job.durability;
-        Self { plan, rate, durability, told: Vec::new(), left_out: Vec::new(), summary: WarpSummary::default() }
+        Self {
+            plan,
+            rate,
+            durability,
+            told: Vec::new(),
+            mattes_told: String::new(),
+            left_out: Vec::new(),
+            summary: WarpSummary::default(),
+        }
     }
 
     /// Writes everything that arrives; one failed frame does not stop the others.
@@ -94,6 +104,11 @@ impl<'a> Writer<'a> {
             report.channels.clear();
         } else {
             self.told.clone_from(&report.channels);
+        }
+        if report.mattes == self.mattes_told {
+            report.mattes.clear();
+        } else if !report.mattes.is_empty() {
+            self.mattes_told.clone_from(&report.mattes);
         }
         Ok(report)
     }

@@ -4,10 +4,15 @@
 
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::MAX_HANDLES_IN_ALL;
-use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawPreset, RawSolve, RawSpace};
-use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
+use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace};
+use crate::shot::{BoxRule, Layer, LayerSpace, Unmatted, WorldBoxRule};
 use crate::solve::Settings;
 use crate::space::{ScreenBox, ScreenPoint};
+
+/// Whether a layer over a plate says no part of it.
+fn is_whole(layer: &RawLayer) -> bool {
+    matches!(layer.matte, None | Some(RawMatte::Named(RawNamedMatte::None)))
+}
 
 impl Check<'_> {
     pub(super) fn layers(&mut self, raw: Vec<RawLayer>, shot: &LayerDefaults) -> Vec<Layer> {
@@ -25,6 +30,10 @@ impl Check<'_> {
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
         Layer {
             transfer,
+            unmatted: match raw.matte {
+                Some(RawMatte::Named(RawNamedMatte::None)) => Unmatted::Picture,
+                _ => Unmatted::OwnNodes,
+            },
             matte: raw.matte.as_ref().and_then(|matte| self.matte(matte, &format!("{key}.matte"), shot)),
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             nodes: raw.nodes.unwrap_or_default(),
@@ -43,7 +52,7 @@ impl Check<'_> {
         let raw = &layer.lattice;
         let default = match raw.space {
             // The border of a whole picture is held: what is left inside is to move as freely as elsewhere.
-            RawSpace::Screen if shot.source == Kind::Frame && layer.matte.is_none() => [16, 16, 1],
+            RawSpace::Screen if shot.source == Kind::Frame && is_whole(layer) => [16, 16, 1],
             RawSpace::Screen => [10, 10, 1],
             RawSpace::World => [5, 5, 5],
         };

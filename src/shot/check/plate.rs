@@ -7,8 +7,8 @@ use crate::image::{ImageError, SequencePath};
 use crate::plate::{Holes, Matte, MotionRule, MotionScale, WarpRules};
 use crate::shot::Source;
 use crate::shot::raw::{
-    RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedUnit, RawPart, RawShot, RawSpace,
-    RawUpright, RawWarp,
+    RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedMatte, RawNamedUnit, RawPart, RawShot,
+    RawSpace, RawUpright, RawWarp,
 };
 use std::path::{Path, PathBuf};
 
@@ -77,7 +77,8 @@ impl Check<'_> {
             self.fault(key, what, "remove it, or `space = \"world\"`");
         }
         match raw {
-            RawMatte::Named(_) => Some(Matte::Alpha),
+            RawMatte::Named(RawNamedMatte::Alpha) => Some(Matte::Alpha),
+            RawMatte::Named(RawNamedMatte::None) => None,
             RawMatte::Part(part) => self.part(part, key),
         }
     }

@@ -18,8 +18,8 @@ pub(in crate::shot) struct RawLayer {
     /// Patterns of node names with * and ?; each claims its subtree. Default: all nodes.
     #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Teapot*"]))]
     pub(in crate::shot) nodes: Option<Vec<String>>,
-    /// The part of a plate that the layer moves: "alpha", a channel, ids, or names of a Cryptomatte; default: the whole
-    /// picture.
+    /// The part of a plate that the layer moves: "alpha", a channel, ids, names of a Cryptomatte, or "none" for the whole
+    /// picture; default: the layer's nodes where the shot has a scene, else the whole picture.
     #[schemars(example = &"alpha")]
     pub(in crate::shot) matte: Option<super::RawMatte>,
     /// The grid of handles.

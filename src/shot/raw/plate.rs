@@ -129,7 +129,7 @@ pub(in crate::shot) struct RawMeaning {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(in crate::shot) enum RawMatte {
-    /// `alpha`: all that is there, for pictures of one thing over nothing.
+    /// `alpha`: all that is there, for pictures of one thing over nothing; `none`: the whole picture.
     Named(RawNamedMatte),
     /// What a channel, ids or a Cryptomatte select.
     Part(RawPart),
@@ -141,6 +141,8 @@ pub(in crate::shot) enum RawMatte {
 pub(in crate::shot) enum RawNamedMatte {
     /// All that is there.
     Alpha,
+    /// None: the layer moves the whole picture.
+    None,
 }
 
 /// As for [`RawNamedUnit`].
@@ -150,7 +152,7 @@ impl JsonSchema for RawNamedMatte {
     }
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "type": "string", "enum": ["alpha"] })
+        schemars::json_schema!({ "type": "string", "enum": ["alpha", "none"] })
     }
 }
 

@@ -1,0 +1,105 @@
+//! The mattes of layers over a scene that name none: each moves its own nodes, as in a render.
+//!
+//! In: a [`Setup`], a plate. Out: one matte a layer, from a Cryptomatte of the plate that knows the nodes, else drawn from the
+//! scene at rest as a render draws it.
+
+use super::super::{PipelineError, Setup};
+use super::at_rest::SceneAtRest;
+use crate::image::Plate;
+use crate::image::cryptomatte::clean_name;
+use crate::plate::{Matte, WarpRules, coverage_of, mattes_of_names};
+use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
+use crate::shot::{LayerSpace, Source, Unmatted};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Finds the mattes of layers that name none.
+pub(super) struct DefaultMattes<'a> {
+    setup: &'a Setup,
+    /// The layers, by index.
+    layers: Vec<usize>,
+    /// The nodes of each; `None` where a name belongs to several layers, so that no Cryptomatte tells them apart.
+    names: Option<Vec<Vec<String>>>,
+    device: &'a DeviceChoice,
+    /// Opened when the first plate needs it.
+    scene: Option<SceneAtRest<'a>>,
+}
+
+/// The mattes of one plate.
+#[derive(Debug, Default)]
+pub(super) struct FoundMattes {
+    /// By layer.
+    pub(super) mattes: BTreeMap<usize, Matte>,
+    /// Where they come from, in words.
+    pub(super) source: String,
+}
+
+impl Setup {
+    /// Whether a layer that names no matte takes its own nodes out of a plate: something moves it, and the shot has a scene with
+    /// more in it than they.
+    pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
+        let settings = &self.shot.layers[layer];
+        let is_moved = !settings.pins.is_empty() || !settings.handles.is_empty() || settings.transfer.is_some();
+        is_moved
+            && matches!(self.shot.source, Source::Scene(_))
+            && matches!(settings.space, LayerSpace::Screen { .. })
+            && settings.matte.is_none()
+            && settings.unmatted == Unmatted::OwnNodes
+            && self.owners.iter().any(|owner| *owner != Some(layer))
+    }
+
+    /// The names of what a layer moves.
+    fn node_names(&self, layer: Option<usize>) -> BTreeSet<String> {
+        let nodes = self.part_nodes.iter().zip(&self.owners).filter(|(_, owner)| **owner == layer);
+        nodes.map(|(&node, _)| clean_name(&self.scene.nodes[node].name)).collect()
+    }
+}
+
+impl<'a> DefaultMattes<'a> {
+    /// `None` where no layer needs one.
+    pub(super) fn of(setup: &'a Setup, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
+        let layers: Vec<usize> = layers.iter().copied().filter(|&layer| setup.moves_own_nodes(layer)).collect();
+        let everyone = (0..setup.shot.layers.len()).map(Some).chain([None]);
+        let mut seen = BTreeSet::new();
+        let is_unique = everyone.flat_map(|owner| setup.node_names(owner)).all(|name| seen.insert(name));
+        let names = || layers.iter().map(|&layer| setup.node_names(Some(layer)).into_iter().collect()).collect();
+        let names = is_unique.then(names);
+        (!layers.is_empty()).then_some(Self { setup, layers, names, device, scene: None })
+    }
+
+    /// The mattes for a frame's plate.
+    pub(super) fn at(
+        &mut self,
+        frame: i32,
+        (plate, rules): (&Plate, &WarpRules),
+    ) -> Result<FoundMattes, PipelineError> {
+        let known = self.names.as_ref().and_then(|names| mattes_of_names(plate, names, rules));
+        let (mattes, source) = match known {
+            Some(mattes) => {
+                let source = match mattes.first() {
+                    Some(Matte::Cryptomatte { layer: Some(name), .. }) => format!("{name} of the plate"),
+                    _ => String::new(),
+                };
+                (mattes, source)
+            }
+            None => (self.drawn(frame, plate)?, "the scene, drawn at rest".to_owned()),
+        };
+        Ok(FoundMattes { mattes: self.layers.iter().copied().zip(mattes).collect(), source })
+    }
+
+    /// What each layer covers of the frame, with the samples and the shutter of a render.
+    fn drawn(&mut self, frame: i32, plate: &Plate) -> Result<Vec<Matte>, PipelineError> {
+        let scene = self
+            .scene
+            .get_or_insert_with(|| SceneAtRest::new(self.setup, self.device, Vec::new()).with_numbered_layers());
+        let (drawn, metadata) = scene.draw(frame, (plate.frame_size(), &[ChannelGroup::Cryptomatte]))?;
+        let drawn = Plate::from_render(drawn, &metadata);
+        let of_layers = MATTE_LAYERS.last().map(|name| (*name).to_owned());
+        let matte = |&layer: &usize| {
+            let names = vec![SceneAtRest::number_of(layer)];
+            let matte = Matte::Cryptomatte { layer: of_layers.clone(), names };
+            Ok(Matte::Drawn(Arc::new(coverage_of(&drawn, &matte, &WarpRules::default())?)))
+        };
+        self.layers.iter().map(matte).collect()
+    }
+}

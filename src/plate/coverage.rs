@@ -1,0 +1,52 @@
+//! How much of every pixel of a picture something covers.
+//!
+//! In: samples of a window, from a render or an alpha. Out: the coverage at any pixel of a picture of the same frame.
+
+use crate::space::{FrameSize, PixelRect};
+
+/// How much of every pixel of a picture something covers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// The display window that was looked at.
+    pub frame: FrameSize,
+    /// Its pixels that have coverage, from the upper left corner of the display window.
+    pub window: PixelRect,
+    /// #pixels of the window, 0 to 1.
+    pub samples: Vec<f32>,
+}
+
+impl Coverage {
+    /// Of the pixel of a picture of any size that shows the same frame; 0 outside the window.
+    #[must_use]
+    pub fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
+        let scale = [
+            f64::from(self.frame.width) / f64::from(size.width),
+            f64::from(self.frame.height) / f64::from(size.height),
+        ];
+        let own = [0, 1].map(|axis| ((f64::from(pixel[axis]) + 0.5) * scale[axis]).floor() as i32);
+        self.window.place_of(own).map_or(0.0, |place| self.samples[place])
+    }
+
+    /// The same over a window of a picture of that size, #pixels. A pixel outside the frame has what the nearest one inside has.
+    #[must_use]
+    pub fn over(&self, window: PixelRect, size: FrameSize) -> Vec<f32> {
+        let last = [size.width, size.height].map(|side| i32::try_from(side).unwrap_or(i32::MAX) - 1);
+        let inside = |pixel: [i32; 2]| [0, 1].map(|axis| pixel[axis].clamp(0, last[axis].max(0)));
+        (0..window.area()).map(|index| self.at(inside(window.pixel_at(index)), size)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coverage_of_another_size_and_beyond_the_frame() {
+        let frame = FrameSize::new(2, 1);
+        let half = Coverage { frame, window: frame.window(), samples: vec![0.25, 0.75] };
+        let twice = FrameSize::new(4, 2);
+        let seen = half.over(twice.window().grown(1), twice);
+        assert_eq!(seen, [0.25, 0.25, 0.25, 0.75, 0.75, 0.75].repeat(4));
+        assert_eq!((half.at([3, 1], twice), half.at([4, 1], twice)), (0.75, 0.0));
+    }
+}

@@ -1,0 +1,95 @@
+//! One map for a picture whose parts move by themselves.
+//!
+//! In: a [`Field`] and a [`Coverage`] for each part, from back to front. Out: a [`WarpMap`] that shows at every pixel the front
+//! part that is there.
+
+use super::nearest::{HALF, nearest_source};
+use super::{Coverage, Field, WarpMap};
+use crate::space::{FrameSize, PixelRect};
+use std::collections::BTreeSet;
+
+impl WarpMap {
+    /// For every pixel of the warped picture: where it came from. A part takes the pixels along that it covers by half; the
+    /// rest stays. Nothing is seen where a part left and no other is.
+    #[must_use]
+    pub fn backward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
+        let mut map = Self::identity(frame, window);
+        let is_taken = |index: usize| {
+            let pixel = window.pixel_at(index);
+            parts.iter().any(|(_, coverage)| coverage.at(pixel, frame) >= HALF)
+        };
+        (0..window.area()).filter(|&index| is_taken(index)).for_each(|index| map.offsets[index] = [f32::NAN; 2]);
+        let mut folded = BTreeSet::new();
+        for (field, coverage) in parts {
+            let covered = |pixel| coverage.at(pixel, frame);
+            let part = Self::backward_showing(field, (frame, window), covered);
+            let is_shown = |index: usize| {
+                let source = nearest_source(window.pixel_at(index), part.offsets[index]);
+                source.is_some_and(|source| covered(source) >= HALF)
+            };
+            for index in (0..window.area()).filter(|&index| is_shown(index)) {
+                map.offsets[index] = part.offsets[index];
+                folded.remove(&(index as u32));
+            }
+            folded.extend(part.folded_pixels.iter().copied().filter(|&index| is_shown(index as usize)));
+        }
+        map.folded_pixels = folded.into_iter().collect();
+        map
+    }
+
+    /// For every pixel of a picture: where its centre goes with the part that covers it by half; the rest stays.
+    #[must_use]
+    pub fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
+        let mut map = Self::identity(frame, window);
+        let mut folded = BTreeSet::new();
+        for (field, coverage) in parts {
+            let part = Self::forward(field, frame, window);
+            let is_own = |index: usize| coverage.at(window.pixel_at(index), frame) >= HALF;
+            (0..window.area())
+                .filter(|&index| is_own(index))
+                .for_each(|index| map.offsets[index] = part.offsets[index]);
+            folded.extend(part.folded_pixels.iter().copied().filter(|&index| is_own(index as usize)));
+        }
+        map.folded_pixels = folded.into_iter().collect();
+        map
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::{Basis, Grid};
+
+    const FRAME: FrameSize = FrameSize { width: 40, height: 20, pixel_aspect: 1.0 };
+
+    /// Everything moved right by that many pixels.
+    fn shift(pixels: f64) -> Field {
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [2.0, 1.0] };
+        let mut lattice = grid.at_rest();
+        lattice.handles.iter_mut().for_each(|handle| handle[0] += pixels / 20.0);
+        Field::of_layer(lattice)
+    }
+
+    /// Columns.
+    fn columns(range: std::ops::Range<i32>) -> Coverage {
+        let samples = (0..800).map(|index| f32::from(u8::from(range.contains(&(index % 40))))).collect();
+        Coverage { frame: FRAME, window: FRAME.window(), samples }
+    }
+
+    #[test]
+    fn parts_move_by_themselves_and_leave_nothing_behind() {
+        let parts = [(shift(4.0), columns(4..12)), (shift(0.0), columns(12..20))];
+        let map = WarpMap::backward_of_parts(&parts, (FRAME, FRAME.window()));
+        let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
+        let expected = |x: i32| match x {
+            4..8 => None,
+            // The second part stays, and lies over the first.
+            8..12 => Some(x - 4),
+            _ => Some(x),
+        };
+        (0..40).for_each(|x| assert_eq!(source(x), expected(x), "{x}"));
+        let there = WarpMap::forward_of_parts(&parts, (FRAME, FRAME.window()));
+        let target = |x: i32| there.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
+        (0..40).for_each(|x| assert_eq!(target(x), Some(if (4..12).contains(&x) { x + 4 } else { x }), "{x}"));
+    }
+}
