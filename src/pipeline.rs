@@ -41,6 +41,7 @@ mod strokes;
 mod trajectories;
 mod transfer;
 mod visibility;
+mod whole_layer;
 mod world;
 mod write;
 

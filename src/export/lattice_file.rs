@@ -7,6 +7,7 @@ use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
 use crate::files::{LATTICE_BYTES, read_text};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
+use crate::plate::WholeWarp;
 use crate::spelling::counted;
 use glam::DMat3;
 use std::collections::BTreeMap;
@@ -38,6 +39,8 @@ pub struct LatticeTrack {
     pub track: Track,
     /// Tracks in the scene: the rigid frame that box and handles of a frame stand in; left out: the scene's own.
     pub placements: BTreeMap<i32, BoxFrame>,
+    /// Tracks of whole pictures whose border rests: the warps that the lattices are part of. Files do not hold them.
+    pub wholes: BTreeMap<i32, WholeWarp>,
 }
 
 /// Lattices by frame, all with the same dims and basis.
@@ -139,7 +142,8 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
             RawSpace::Screen => Track::Screen(lattices(&layer, &key)?),
             RawSpace::World => Track::World(lattices(&layer, &key)?),
         };
-        layers.push(LatticeTrack { placements: placements(&layer, &key)?, name: layer.name, track });
+        let placements = placements(&layer, &key)?;
+        layers.push(LatticeTrack { placements, wholes: BTreeMap::new(), name: layer.name, track });
     }
     if layers.is_empty() {
         return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
@@ -236,7 +240,12 @@ mod tests {
     fn file() -> LatticeFile {
         let screen = [(1, grid(0.0).at_rest()), (3, grid(0.5).at_rest())].into();
         let world = [(-2, grid(0.1).at_rest())].into();
-        let track = |name: &str, track| LatticeTrack { name: name.to_owned(), track, placements: BTreeMap::new() };
+        let track = |name: &str, track| LatticeTrack {
+            name: name.to_owned(),
+            track,
+            placements: BTreeMap::new(),
+            wholes: BTreeMap::new(),
+        };
         let mut layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];
         let turned = glam::DMat4::from_rotation_y(0.3);
         layers[1].placements.insert(-2, BoxFrame::of(glam::DMat4::from_translation(DVec3::ONE) * turned));

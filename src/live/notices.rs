@@ -41,6 +41,11 @@ impl Warp {
         let mut notices: Vec<Notice> = self.report.iter().flat_map(|report| self.of_report(report, wording)).collect();
         notices.extend(self.warnings.iter().map(|warning| match warning {
             Warning::Text(text) => Notice { subject: text.clone(), text: text.clone() },
+            Warning::BorderGivesWay { pin, by } => {
+                let (name, by) = (self.name_of(*pin, wording), pixels(by * wording.pixels));
+                let text = format!("pin {name} is dragged to the border or past it, which gives way there by {by}");
+                Notice { subject: format!("border at pin {name}"), text }
+            }
             Warning::OffModel { pin, at, frame } => {
                 let (name, at) = ((wording.pin)(*pin), (wording.place)(*at));
                 let text = format!(

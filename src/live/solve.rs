@@ -11,7 +11,6 @@ use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, 
 use crate::lattice::Support;
 use crate::memory;
 use crate::pipeline::{LayerTask, Pinned, PipelineError, Prepared, Setup};
-use crate::plate::Field;
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
@@ -281,6 +280,12 @@ impl Task<'_> {
         let layer = self.layer(Goals::Reached);
         let path = layer.pin_path(self.frames(), self.key_frame());
         let state = prepared.solve_cancellable(&layer, &path, cancel).map_err(aborted)?;
+        let is_whole = matches!(
+            (self.controls.moved, self.shape, &layer.matte),
+            (Moved::Picture, ShapeSource::Frame | ShapeSource::Shot(_), None)
+        );
+        let field = state.field(is_whole).unwrap_or_default();
+        let given_way = state.whole.iter().flat_map(|whole| whole.given_way.iter().copied()).collect::<Vec<_>>();
         let (lattice, report) = match state.solution {
             Some(solution) => (solution.lattice, Some(solution.report)),
             None => (prepared.grid().at_rest(), None),
@@ -290,21 +295,18 @@ impl Task<'_> {
         let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
             rest: rest.point,
             target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),
-            moved: lattice.warp(rest.point),
+            moved: field.carry(rest.point),
             presence: rest.presence,
         });
         let mut warnings = ready.warnings.clone();
         warnings.extend(report.iter().flat_map(|report| report.warnings.iter().cloned().map(Warning::Text)));
+        warnings.extend(given_way.into_iter().map(|(pin, by)| Warning::BorderGivesWay { pin, by }));
         let acting = state.pins.iter().map(|pin| match pin.pin.checked_sub(own) {
             Some(index) => ActingPin::OfControls(index),
             None => ActingPin::OfShot(layer.pins[pin.pin].name.clone()),
         });
         let acting = acting.collect();
         let pins = pins.collect();
-        let field = match (self.controls.moved, self.shape, &layer.matte) {
-            (Moved::Picture, ShapeSource::Frame | ShapeSource::Shot(_), None) => Field::of_picture(lattice.clone()),
-            _ => Field::of_layer(lattice.clone()),
-        };
         Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, acting, key })
     }
 }

@@ -32,6 +32,13 @@ pub struct Warp {
 pub enum Warning {
     /// A sentence.
     Text(String),
+    /// The border, which rests elsewhere, gives way to a pin that is dragged to it or past it.
+    BorderGivesWay {
+        /// Place among the pins that [`SolveReport::pin_errors`](crate::solve::SolveReport::pin_errors) speaks of.
+        pin: usize,
+        /// How far it moves at most, frame heights.
+        by: f64,
+    },
     /// A pin has no surface under it, so it is fixed on the screen.
     OffModel {
         /// Index of the pin in the controls.
@@ -126,7 +133,7 @@ impl Warp {
                         on_box(lattice, place)
                     })
                     .collect();
-                let moved = rest.iter().map(|&point| lattice.warp(point)).collect();
+                let moved = rest.iter().map(|&point| self.field.carry(point)).collect();
                 lines.push(GridLine { rest, moved });
             }
         }

@@ -5,6 +5,7 @@
 use super::passes::mid_shutter;
 use super::{PipelineError, Setup, WorldSolution};
 use crate::lattice::ScreenLattice;
+use crate::plate::{Field, WholeWarp};
 use crate::pose::Pose;
 use crate::screen::{Camera, ScreenMesh, project};
 use crate::shot::{Layer, LayerSpace};
@@ -32,6 +33,8 @@ pub struct Moment {
 pub struct LayerState {
     /// The solved lattice of a screen layer; `None` where it is out of sight or has neither handles nor pins that act.
     pub solution: Option<Solution<2>>,
+    /// The warp of a whole picture whose border rests: its lattice is that of `solution`.
+    pub whole: Option<WholeWarp>,
     /// The solved lattice of a world layer; `None` where it has neither handles nor pins that act.
     pub world: Option<WorldSolution>,
     /// One a pin that acts.
@@ -59,6 +62,40 @@ impl LayerState {
     pub fn report(&self) -> Option<&SolveReport> {
         let world = self.world.as_ref().map(|world| &world.report);
         self.solution.as_ref().map(|solution| &solution.report).or(world)
+    }
+}
+
+impl LayerState {
+    /// Where the points of a plate go; `None` where the layer is not warped. `is_whole`: no matte cuts it out.
+    #[must_use]
+    pub fn field(&self, is_whole: bool) -> Option<Field> {
+        Some(self.screen_warp()?.field(is_whole))
+    }
+
+    /// What moves the layer on the screen; `None` where it is not warped.
+    pub(super) fn screen_warp(&self) -> Option<ScreenWarp> {
+        let whole = self.whole.clone().map(ScreenWarp::Whole);
+        whole.or_else(|| Some(ScreenWarp::Lattice(self.solution.as_ref()?.lattice.clone())))
+    }
+}
+
+/// What moves a layer on the screen.
+#[derive(Clone, Debug)]
+pub(super) enum ScreenWarp {
+    /// Its lattice.
+    Lattice(ScreenLattice),
+    /// A whole picture whose border rests: a lattice and more.
+    Whole(WholeWarp),
+}
+
+impl ScreenWarp {
+    /// Where the points of a plate go; `is_whole`: no matte cuts the layer out.
+    pub(super) fn field(self, is_whole: bool) -> Field {
+        match self {
+            Self::Whole(whole) if is_whole => Field::of_whole(&whole),
+            Self::Lattice(lattice) if is_whole => Field::of_picture(lattice),
+            Self::Lattice(lattice) | Self::Whole(WholeWarp { lattice, .. }) => Field::of_layer(lattice),
+        }
     }
 }
 

@@ -34,6 +34,7 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
             report.warnings.push(spread_warning(layer, &spread, height_px));
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
+        report.warnings.extend(border_warnings(layer, state, height_px));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
@@ -97,6 +98,15 @@ fn pin_warnings(
         format!("layer '{}': pin '{name}' is {off_px:.2} px off its target: {why}", layer.name)
     });
     solve.conflicts.iter().map(contradiction).chain(missed).collect()
+}
+
+/// Where the border of a whole picture gives way.
+fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<String> {
+    let told = |&(pin, by): &(usize, f64)| {
+        let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
+        format!("layer '{layer}': pin '{pin}' is dragged to the border or past it, which gives way there by {by:.1} px")
+    };
+    state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
 }
 
 /// Moved handles that the guard stopped.

@@ -4,7 +4,7 @@
 
 use super::follow::{FollowWindow, thickened};
 use super::layer_pins::{fade, faded_weight, held_border, moved_handles, region};
-use super::{LayerState, Moment, PinState, Pinned, PipelineError, Rest, Setup, strokes};
+use super::{LayerState, Moment, PinState, Pinned, PipelineError, Rest, Setup, strokes, whole_layer};
 use crate::lattice::Grid;
 use crate::pose::Pose;
 use crate::screen::{Camera, Extent, ScreenMesh, bounds, clip_near, primitive, reach_of_frame};
@@ -48,8 +48,10 @@ pub struct Prepared {
 enum Border {
     /// It moves as the pins want.
     Free,
-    /// Its handles stay at rest.
+    /// Its handles stay at rest: the layer moves others by keys.
     Held,
+    /// It rests, and takes no handles away from the pins.
+    Rests,
 }
 
 impl Setup {
@@ -99,7 +101,11 @@ impl Setup {
         if !(goal.pins.is_empty() && goal.handles.is_empty()) {
             let shape = self.shape(moment, index);
             let Targets { pins, handles } = &goal;
-            let problem = Problem { grid: &prepared.grid, shape: &shape, pins, handles, settings: &layer.settings };
+            let settings = match prepared.border {
+                Border::Rests => whole_layer::compliant(&layer.settings),
+                Border::Free | Border::Held => layer.settings.clone(),
+            };
+            let problem = Problem { grid: &prepared.grid, shape: &shape, pins, handles, settings: &settings };
             let solver = Solver::build(&problem, cancel).map_err(|source| prepared.fault(layer, source))?;
             prepared.solver = Some(solver);
         }
@@ -127,8 +133,17 @@ impl Setup {
     /// slide; with a scene the plate follows what the geometry does instead.
     fn border(&self, layer: &Layer, bounds: BoxRule) -> Border {
         match (&self.shot.source, bounds, &layer.matte) {
+            (Source::Frame, BoxRule::Frame, None) if layer.handles.is_empty() => Border::Rests,
             (Source::Frame, BoxRule::Frame, None) => Border::Held,
             _ => Border::Free,
+        }
+    }
+
+    /// Whether a layer moves a whole picture whose border rests.
+    pub(super) fn border_rests(&self, layer: &Layer) -> bool {
+        match layer.space {
+            LayerSpace::Screen { bounds, .. } => self.border(layer, bounds) == Border::Rests,
+            LayerSpace::World { .. } => false,
         }
     }
 
@@ -228,21 +243,34 @@ impl Prepared {
             return Ok(LayerState::default());
         };
         let mut solution = solver.with_cancel(cancel).follow(&way).map_err(|source| self.fault(layer, source))?;
+        if self.border == Border::Rests {
+            let whole_pins = path.last().map(|targets| {
+                let weights: Vec<f64> = pins.iter().map(|state| state.presence * self.weight(state.pin)).collect();
+                whole_layer::whole_pins(&pins, targets, &weights)
+            });
+            let whole = whole_pins.map(|pins| whole_layer::finish(&mut solution, &pins));
+            return Ok(LayerState { solution: Some(solution), pins, whole, world: None });
+        }
         let presence = pins.iter().map(|pin| pin.presence).fold(0.0, f64::max);
         if handles.is_empty() && presence < 1.0 {
             fade(&mut solution, (solver, points), presence);
         }
-        Ok(LayerState { solution: Some(solution), pins, world: None })
+        Ok(LayerState { solution: Some(solution), pins, ..LayerState::default() })
     }
 
     /// The pins that act, and everything the solver is told, for one place of the path.
     pub(super) fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
         let (states, pins) = self.point_pins(layer, targets);
         let mut handles = moved_handles(layer, &self.grid, targets);
-        if self.border == Border::Held {
+        if self.border != Border::Free {
             handles.extend(held_border(&self.grid, &handles));
         }
         (states, Targets { pins, handles })
+    }
+
+    /// The weight of a pin of the layer.
+    fn weight(&self, pin: usize) -> f64 {
+        self.weights.get(pin).copied().unwrap_or(1.0)
     }
 
     fn fault(&self, layer: &Layer, source: SolveError) -> PipelineError {
@@ -266,7 +294,9 @@ impl Prepared {
                 // Those are of world layers; on the screen the checks refuse them.
                 Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
             };
-            let gradient = (target.rotation.is_some() || target.log_scale.is_some()).then(|| {
+            let is_turned = target.rotation.is_some() || target.log_scale.is_some();
+            // Where the border rests, discs of the flow turn and scale.
+            let gradient = (is_turned && self.border != Border::Rests).then(|| {
                 let angle = match target.rotation {
                     Some(Rotation::InView(angle)) => angle,
                     _ => 0.0,
@@ -279,7 +309,7 @@ impl Prepared {
             points.push(PointPin {
                 at: rest.point.0.to_array(),
                 target: goal.0.to_array(),
-                weight: faded_weight(rest.presence * self.weights.get(pin).copied().unwrap_or(1.0)),
+                weight: faded_weight(rest.presence * self.weight(pin)),
                 gradient,
                 region: region(&layer.pins[pin], self.rest_box.size().length()),
             });

@@ -49,6 +49,8 @@ impl Setup {
             && is_moved
             && is_screen
             && self.loaded[index].is_none()
+            // Its lattice is compliant, and what is left depends on this moment's pins.
+            && !self.border_rests(layer)
     }
 
     /// The state of a layer whose frames are solved together.
@@ -70,7 +72,7 @@ impl Setup {
             let solver = Solver::new(&Problem { grid, shape: &shape, pins, handles, settings }).map_err(fault)?;
             fade(&mut solution, (&solver, pins), presence);
         }
-        Ok(LayerState { solution: Some(solution), pins: states, world: None })
+        Ok(LayerState { solution: Some(solution), pins: states, ..LayerState::default() })
     }
 
     /// A snap of a layer that is spread over a frame.

@@ -6,6 +6,7 @@ use super::layer_pins::unmeasured;
 use super::{LayerState, Moment, PipelineError, Setup};
 use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
 use crate::lattice::{BoxFrame, Lattice, LatticeFit};
+use crate::plate::WholeWarp;
 use crate::shot::{BoxRule, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
 use crate::spelling;
@@ -111,11 +112,13 @@ struct Solved {
     screen: BTreeMap<i32, Lattice<2>>,
     world: BTreeMap<i32, Lattice<3>>,
     placements: BTreeMap<i32, BoxFrame>,
+    wholes: BTreeMap<i32, WholeWarp>,
 }
 
 impl Solved {
     fn add(&mut self, frame: i32, state: &LayerState) {
         self.screen.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
+        self.wholes.extend(state.whole.as_ref().map(|whole| (frame, whole.clone())));
         let world = state.world.as_ref().map(|world| &world.lattice);
         self.world.extend(world.map(|placed| (frame, placed.lattice.clone())));
         self.placements.extend(world.map(|placed| (frame, placed.frame)));
@@ -123,13 +126,13 @@ impl Solved {
 
     /// `None` where the layer is never warped.
     fn track(self, name: &str) -> Option<LatticeTrack> {
-        let Self { screen, world, placements } = self;
+        let Self { screen, world, placements, wholes } = self;
         let track = match (screen.is_empty(), world.is_empty()) {
             (true, true) => return None,
             (_, true) => Track::Screen(screen),
             (_, false) => Track::World(world),
         };
-        Some(LatticeTrack { name: name.to_owned(), track, placements })
+        Some(LatticeTrack { name: name.to_owned(), track, placements, wholes })
     }
 }
 

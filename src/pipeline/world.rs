@@ -186,7 +186,8 @@ impl WorldLayer<'_> {
         let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
         let lattice = SceneLattice { frame: self.frame, lattice };
         let world = Some(WorldSolution { lattice, report, pins: in_scene });
-        Ok(LayerState { solution: None, world, pins: pins.into_iter().map(|pin| pin.state).collect() })
+        let pins = pins.into_iter().map(|pin| pin.state).collect();
+        Ok(LayerState { world, pins, ..LayerState::default() })
     }
 
     /// The layer's triangles and lines in the frame of the box.

@@ -3,6 +3,7 @@
 //! In: a lattice of the screen. Out: displacement and its gradient at any point, in frame heights. Handles count as
 //! displacements, so that what does not move gets exactly 0.
 
+use super::ramp::Ramp;
 use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
 use glam::{DMat2, DVec2};
 
@@ -41,6 +42,8 @@ enum Around {
         /// Where the displacement has.
         margin: f64,
     },
+    /// A factor brings the displacement to rest at the border, and nothing moves outside.
+    Rests(Ramp),
 }
 
 /// Displacement at a box point and its derivatives.
@@ -75,6 +78,16 @@ impl Link {
             if moved.length() < STILL { DVec2::ZERO } else { moved }
         });
         Self { grid: lattice.grid.clone(), moved: moved.collect(), around: Around::Nearest }
+    }
+
+    /// The displacement times a factor that is 0 from the border of the box outwards.
+    pub(super) fn resting(lattice: &ScreenLattice, ramp: Ramp) -> Self {
+        Self { around: Around::Rests(ramp), ..Self::held(lattice) }
+    }
+
+    /// Whether it is known to be one-to-one.
+    pub(super) fn is_one_to_one(&self) -> bool {
+        matches!(self.around, Around::Rests(_))
     }
 
     /// Around the box the displacement goes on smoothly and fades to zero.
@@ -123,7 +136,7 @@ impl Link {
     pub(super) fn reach(&self) -> f64 {
         let inside = self.moved.iter().map(|moved| moved.length()).fold(0.0, f64::max);
         match self.around {
-            Around::Nearest => inside,
+            Around::Nearest | Around::Rests(_) => inside,
             Around::Fade { bend, .. } => inside.max(self.swell(bend)),
         }
     }
@@ -136,7 +149,7 @@ impl Link {
     /// Whether the displacement is smooth within a box that is less than half a cell wide: no crease of the basis and
     /// no border that creases runs through it.
     pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
-        let is_small = (hi - lo).cmple(self.pitch() * 0.5).all();
+        let is_small = (hi - lo).cmple(self.pitch() * 0.5).all() && self.is_ramp_smooth_within(lo, hi);
         let has_cells = self.grid.basis.is_piecewise_linear();
         if !is_small || (self.around != Around::Nearest && !has_cells) {
             return is_small;
@@ -148,6 +161,10 @@ impl Link {
         };
         let is_one_cell = (0..2).all(|axis| cell(0, axis) == cell(1, axis));
         is_one_cell && (self.grid.basis.support() != Support::Simplex || self.is_off_diagonal(ends))
+    }
+
+    fn is_ramp_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        if let Around::Rests(ramp) = &self.around { ramp.is_smooth_within(lo, hi) } else { true }
     }
 
     /// Whether a box within a cell keeps off the diagonal that cuts the cell.
@@ -169,7 +186,9 @@ impl Link {
         let fade = x.f * y.f;
         let slope_x = (dx + dxy * y.c) * (x.c_slope * fade) + value * (x.f_slope * y.f);
         let slope_y = (dy + dxy * x.c) * (y.c_slope * fade) + value * (x.f * y.f_slope);
-        (value * fade, DMat2::from_cols(slope_x, slope_y))
+        let Around::Rests(ramp) = &self.around else { return (value * fade, DMat2::from_cols(slope_x, slope_y)) };
+        let (factor, fall) = ramp.at(point);
+        (value * factor, DMat2::from_cols(slope_x * factor + value * fall.x, slope_y * factor + value * fall.y))
     }
 
     /// How the displacement goes on `out` of the box.

@@ -2,10 +2,13 @@
 //!
 //! In: lattices of the screen. Out: where any point of the screen goes, the gradient there, and where it came from.
 
+use super::WholeWarp;
 use super::around::Link;
+use super::flow::Flow;
 use crate::lattice::ScreenLattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
+use std::sync::Arc;
 
 /// Newton steps after which an inverse counts as not found.
 const MOST_STEPS: usize = 40;
@@ -26,7 +29,56 @@ const CLOSE: f64 = 1e-9;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
-    links: Vec<Link>,
+    links: Vec<Part>,
+}
+
+/// One of the maps that follow each other.
+#[derive(Clone, Debug, PartialEq)]
+enum Part {
+    Lattice(Link),
+    Flow(Arc<Flow>),
+}
+
+impl Part {
+    fn lattice(&self) -> Option<&Link> {
+        if let Self::Lattice(link) = self { Some(link) } else { None }
+    }
+
+    fn is_at_rest(&self) -> bool {
+        match self {
+            Self::Lattice(link) => link.is_at_rest(),
+            Self::Flow(flow) => flow.is_at_rest(),
+        }
+    }
+
+    fn is_one_to_one(&self) -> bool {
+        self.is_at_rest() || self.lattice().is_none_or(Link::is_one_to_one)
+    }
+
+    fn reach(&self) -> f64 {
+        match self {
+            Self::Lattice(link) => link.reach(),
+            Self::Flow(flow) => flow.reach(),
+        }
+    }
+
+    fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        match self {
+            Self::Lattice(link) => link.is_smooth_within(lo, hi),
+            Self::Flow(flow) => flow.is_smooth_within(lo, hi),
+        }
+    }
+
+    /// Displacement, and the gradient of the map.
+    fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
+        match self {
+            Self::Lattice(link) => {
+                let (by, slope) = link.displace(point);
+                (by, DMat2::IDENTITY + slope)
+            }
+            Self::Flow(flow) => flow.displace(point),
+        }
+    }
 }
 
 impl Field {
@@ -40,14 +92,20 @@ impl Field {
     /// point does.
     #[must_use]
     pub fn of_layer(lattice: ScreenLattice) -> Self {
-        Self { links: vec![Link::held(&lattice)] }
+        Self { links: vec![Part::Lattice(Link::held(&lattice))] }
     }
 
     /// The warp of a whole picture: around the box the displacement goes on smoothly and fades to zero, so that the
     /// background neither slides nor kinks (docs/PLATES.md).
     #[must_use]
     pub fn of_picture(lattice: ScreenLattice) -> Self {
-        Self { links: vec![Link::fading(&lattice)] }
+        Self { links: vec![Part::Lattice(Link::fading(&lattice))] }
+    }
+
+    /// The warp of a whole picture whose border rests: nothing folds, and pins are met.
+    #[must_use]
+    pub fn of_whole(whole: &WholeWarp) -> Self {
+        Self { links: vec![Part::Lattice(whole.link()), Part::Flow(Arc::clone(whole.flow()))] }
     }
 
     /// One field after the other: the first moves the picture, the next moves what came out.
@@ -59,7 +117,12 @@ impl Field {
     /// Nothing moves anywhere.
     #[must_use]
     pub fn is_identity(&self) -> bool {
-        self.links.iter().all(Link::is_at_rest)
+        self.links.iter().all(Part::is_at_rest)
+    }
+
+    /// It is known that no two points meet.
+    pub(super) fn is_one_to_one(&self) -> bool {
+        self.links.iter().all(Part::is_one_to_one)
     }
 
     /// Where a point goes.
@@ -85,12 +148,12 @@ impl Field {
     /// No point moves further, in frame heights.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        self.links.iter().map(Link::reach).sum()
+        self.links.iter().map(Part::reach).sum()
     }
 
     /// Distances of rest handles, an axis, of every lattice.
     pub(super) fn pitches(&self) -> impl Iterator<Item = DVec2> {
-        self.links.iter().map(Link::pitch)
+        self.links.iter().filter_map(Part::lattice).map(Link::pitch)
     }
 
     /// Whether the field is smooth between four points that lie near each other.
@@ -108,45 +171,74 @@ impl Field {
 
     /// How far a point moves (exactly 0 where nothing does), and the gradient of [`Self::carry`].
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
-        let (mut moved, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
-        for link in &self.links {
-            let (by, slope) = link.displace(point + moved);
-            moved += by;
-            gradient = (DMat2::IDENTITY + slope) * gradient;
-        }
-        (moved, gradient)
+        displace(&self.links, point)
     }
 
     /// What has to be added to a point to find where it came from, and the gradient of [`Self::carry`] there.
-    ///
-    /// Newton's method on o + d(x + o) = 0; a step is halved until the miss shrinks.
     pub(super) fn back(&self, point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
-        let mut offset = start;
-        let (mut moved, mut gradient) = self.displace(point + offset);
-        let mut miss = offset + moved;
-        for _ in 0..MOST_STEPS {
-            if miss.length_squared() <= CLOSE * CLOSE {
-                // Where nothing moves this is 0, to the bit.
-                return Some((-moved, gradient));
+        back(&self.links, point, start)
+    }
+}
+
+fn displace(parts: &[Part], point: DVec2) -> (DVec2, DMat2) {
+    let (mut moved, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
+    for part in parts {
+        let (by, slope) = part.displace(point + moved);
+        moved += by;
+        gradient = slope * gradient;
+    }
+    (moved, gradient)
+}
+
+/// Flows know their inverse; lattices that follow each other are searched together.
+fn back(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
+    let Some(last) = parts.iter().rposition(|part| part.lattice().is_none()) else {
+        return search(parts, point, start);
+    };
+    let (before, after) = (&parts[..last], &parts[last + 1..]);
+    let (mut offset, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
+    if !after.is_empty() {
+        (offset, gradient) = search(after, point, DVec2::ZERO)?;
+    }
+    if let Part::Flow(flow) = &parts[last] {
+        let (by, slope) = flow.back(point + offset);
+        offset += by;
+        gradient *= slope;
+    }
+    if before.is_empty() {
+        return Some((offset, gradient));
+    }
+    let (by, slope) = back(before, point + offset, start - offset)?;
+    Some((offset + by, gradient * slope))
+}
+
+/// Newton's method on o + d(x + o) = 0; a step is halved until the miss shrinks.
+fn search(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
+    let mut offset = start;
+    let (mut moved, mut gradient) = displace(parts, point + offset);
+    let mut miss = offset + moved;
+    for _ in 0..MOST_STEPS {
+        if miss.length_squared() <= CLOSE * CLOSE {
+            // Where nothing moves this is 0, to the bit.
+            return Some((-moved, gradient));
+        }
+        let step = newton_step(gradient, miss);
+        let mut share = 1.0;
+        loop {
+            let next = offset - step * share;
+            let (next_moved, next_gradient) = displace(parts, point + next);
+            let next_miss = next + next_moved;
+            if next_miss.length_squared() < miss.length_squared() {
+                (offset, moved, gradient, miss) = (next, next_moved, next_gradient, next_miss);
+                break;
             }
-            let step = newton_step(gradient, miss);
-            let mut share = 1.0;
-            loop {
-                let next = offset - step * share;
-                let (next_moved, next_gradient) = self.displace(point + next);
-                let next_miss = next + next_moved;
-                if next_miss.length_squared() < miss.length_squared() {
-                    (offset, moved, gradient, miss) = (next, next_moved, next_gradient, next_miss);
-                    break;
-                }
-                share *= 0.5;
-                if share < 1e-3 || !next_miss.is_finite() {
-                    return None;
-                }
+            share *= 0.5;
+            if share < 1e-3 || !next_miss.is_finite() {
+                return None;
             }
         }
-        None
     }
+    None
 }
 
 /// J⁻¹ r; near a crease, where J is singular, the damped least-squares step (J^T J + μ I)⁻¹ J^T r.

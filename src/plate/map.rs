@@ -114,6 +114,11 @@ impl WarpMap {
         if field.is_identity() || window.area() == 0 {
             return (map, Folds::NONE);
         }
+        if field.is_one_to_one() {
+            let nodes = Nodes::solve(view, window, &vec![DVec2::ZERO; Nodes::count(window).iter().product()]);
+            map_blocks::fill(view, &nodes, &[], &mut map);
+            return (map, Folds::NONE);
+        }
         let net = Net::behind(view, window);
         let starts = net.starts(center(window.x, window.y), LARGEST as f64, Nodes::count(window));
         let nodes = Nodes::solve(view, window, &starts);
@@ -132,7 +137,7 @@ impl WarpMap {
     #[must_use]
     pub fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let mut map = Self::forward_alone(field, frame, window);
-        if !(field.is_identity() || window.area() == 0) {
+        if !(field.is_one_to_one() || window.area() == 0) {
             map.folded_pixels = map.overlapping(View { field, frame, direction: Direction::Forward });
         }
         map

@@ -55,7 +55,7 @@ impl Field {
     /// Whether any of a window of the warped picture is folded.
     pub(super) fn folds_in(&self, frame: FrameSize, window: PixelRect) -> bool {
         let view = View { field: self, frame, direction: Direction::Backward };
-        !self.is_identity() && window.area() > 0 && !flags(view, &Net::behind(view, window), window).is_empty()
+        !self.is_one_to_one() && window.area() > 0 && !flags(view, &Net::behind(view, window), window).is_empty()
     }
 }
 

@@ -25,8 +25,9 @@ impl Field {
         let (lo, hi) = (corner(window), corner(window) + extent(window));
         let image = |point: DVec2| point + view.displace(point).0;
         let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let folded = (!self.is_one_to_one()).then(|| folded_points(view, lo, hi)).into_iter().flatten();
         // The image of a picture that does not fold ends at the image of its border.
-        for point in border(window).map(image).chain(folded_points(view, lo, hi).map(image)) {
+        for point in border(window).map(image).chain(folded.map(image)) {
             if !point.is_finite() {
                 return window;
             }

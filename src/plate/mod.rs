@@ -19,6 +19,7 @@ mod draw;
 mod field;
 mod fill;
 mod filter;
+mod flow;
 mod map;
 mod map_blocks;
 mod map_folds;
@@ -33,12 +34,15 @@ mod motion;
 mod nearest;
 mod normals;
 mod over;
+mod ramp;
 mod report;
 mod resampler;
 mod rules;
 mod stmap;
+mod swirl;
 mod vectors;
 mod warp;
+mod whole;
 
 pub use color_layers::{ColorLayer, color_layers};
 pub use coverage::Coverage;
@@ -56,3 +60,4 @@ pub use warp::{
     LayerJob, PlateJob, Warper, channel_meanings, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate,
     warp_plate,
 };
+pub use whole::{WholePin, WholeWarp};

@@ -143,9 +143,14 @@ fn stmaps_that_are_none_are_named() {
 
 #[test]
 fn lattices_warp_what_is_there() {
-    let bench = bench(&format!("size = [64, 36]\n{SHOT}"));
+    let whole = bench(&format!("size = [64, 36]\n{SHOT}"));
+    whole.run("export shot.toml --to lattice-json").says(0, &["layer 'all': its lattice is only part of its warp"]);
+    // A fixed box is the lattice's alone.
+    let fixed = SHOT.replace("\"all\"\n", "\"all\"\nlattice = { fixed = [0.0, 0.0, 1.7777, 1.0] }\n");
+    let bench = bench(&format!("size = [64, 36]\n{fixed}"));
     bench.run("warp --shot shot.toml").says(0, &[]);
-    bench.run("export shot.toml --to lattice-json").says(0, &[]);
+    let told = bench.run("export shot.toml --to lattice-json").says(0, &[]);
+    assert!(!told.stderr.contains("only part"), "{}", told.stderr);
     bench.run("warp in/b.####.exr --lattice shot.lattice.json -o by/l.####.exr").says(0, &["2 frames found, 1 to 2"]);
     for frame in ["0001", "0002"] {
         let [of_shot, of_file] = [format!("out/w.{frame}.exr"), format!("by/l.{frame}.exr")]

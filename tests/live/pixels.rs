@@ -2,7 +2,7 @@
 
 use crate::support::{WIDE, bent, job, noise, picture};
 use glam::DVec2;
-use pinwarp::live::{Alpha, Controls, LiveError, Pin, Render, ShapeSource, render, render_pieces, warp};
+use pinwarp::live::{Alpha, Controls, LiveError, Moved, Pin, Render, ShapeSource, render, render_pieces, warp};
 use pinwarp::plate::Filter;
 use pinwarp::space::{ImagePoint, PixelRect, ScreenPoint};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -176,7 +176,8 @@ fn what_is_transparent_in_front_of_a_fold_hides_nothing() {
     // Two pins that change places: the transparent right half comes to lie over the opaque left one.
     let pins = [[0.8, 0.5, 0.9, 0.0], [1.7, 0.5, -1.1, 0.0], [0.1, 0.5, 0.0, 0.0], [2.3, 0.5, 0.0, 0.0]];
     let pin = |[x, y, dx, dy]: [f64; 4]| Pin::new(ScreenPoint::new(x, y), ScreenPoint::new(x + dx, y + dy));
-    let controls = Controls { dims: [12, 10], pins: pins.map(pin).to_vec(), ..Controls::default() };
+    let pins = pins.map(pin).to_vec();
+    let controls = Controls { dims: [12, 10], pins, moved: Moved::Masked, ..Controls::default() };
     let (warp, window) = (warp(&controls, &ShapeSource::Frame, WIDE).expect("solves"), WIDE.window());
     let is_left = |k: usize| k % 700 < 300;
     let alpha: Vec<f32> = (0..window.area()).map(|k| f32::from(u8::from(is_left(k)))).collect();

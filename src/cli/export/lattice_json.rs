@@ -13,6 +13,11 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     source.inputs(args)?.refuse(&output)?;
     let (file, _) = source.lattices(args)?;
     file.write(&output)?;
+    for layer in file.layers.iter().filter(|layer| !layer.wholes.is_empty()) {
+        let text = "its lattice is only part of its warp, which rests at the border and meets the pins; maps hold all of it \
+                    (--to stmap, nuke, after-effects)";
+        writeln!(io::stderr(), "note: layer '{}': {text}", layer.name)?;
+    }
     let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
     let count = file.layers.iter().map(frame_count).max().unwrap_or(0);
     let frames = counted(count, "frame", "frames");

@@ -122,8 +122,9 @@ impl Maps {
     /// Digest of everything that changes the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
         let Self { lattices, size, window, direction, reach, parts, contents, inputs: _ } = self;
-        let of_frame =
-            |layer: &LatticeTrack| format!("{} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)));
+        let of_frame = |layer: &LatticeTrack| {
+            format!("{} {:?} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)), layer.wholes.get(&frame))
+        };
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
         digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?} {parts:?}")), contents)
     }
@@ -154,11 +155,17 @@ impl Maps {
                 Direction::Forward => WarpMap::forward_of_parts(&parts, place),
             });
         }
-        let lattices = self.lattices.layers.iter().filter_map(|layer| screen(layer)?.get(&frame).cloned());
-        let field = match self.reach {
-            Reach::Picture => Field::chain(lattices.map(Field::of_picture).collect()),
-            Reach::Layer => Field::chain(lattices.map(Field::of_layer).collect()),
+        let field = |layer: &LatticeTrack| {
+            if let Some(whole) = layer.wholes.get(&frame) {
+                return Some(Field::of_whole(whole));
+            }
+            let lattice = screen(layer)?.get(&frame)?.clone();
+            Some(match self.reach {
+                Reach::Picture => Field::of_picture(lattice),
+                Reach::Layer => Field::of_layer(lattice),
+            })
         };
+        let field = Field::chain(self.lattices.layers.iter().filter_map(field).collect());
         let map = match self.direction {
             Direction::Backward => WarpMap::backward(&field, self.size, self.window),
             Direction::Forward => return Ok(WarpMap::forward(&field, self.size, self.window)),

@@ -3,6 +3,7 @@
 //! In: [`Loaded`] frames. Out: [`Warped`] ones.
 
 use super::super::PipelineError;
+use super::super::moment::ScreenWarp;
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
 use super::heads::check_shape;
@@ -12,7 +13,6 @@ use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{Track, lattice_at};
 use crate::image::Plate;
-use crate::lattice::ScreenLattice;
 use crate::plate::{Field, Holes, LayerJob, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
@@ -27,12 +27,12 @@ pub(super) struct Stage<'a> {
     warper: Warper,
 }
 
-/// A layer and its lattices; `None` where it is not moved.
+/// A layer and what moves it; `None` where it is not moved.
 struct MovedLayer {
     layer: usize,
-    now: Option<ScreenLattice>,
+    now: Option<ScreenWarp>,
     /// In the frames before and after.
-    around: Option<[Option<ScreenLattice>; 2]>,
+    around: Option<[Option<ScreenWarp>; 2]>,
 }
 
 impl MovedLayer {
@@ -122,12 +122,12 @@ impl<'a> Stage<'a> {
         self.plan.maps.as_ref().map(|maps| maps.path_of(frame)).unwrap_or_default()
     }
 
-    /// The layers that move in a frame. The neighbours' lattices are looked at where motion is stored.
+    /// The layers that move in a frame. The neighbours' warps are looked at where motion is stored.
     fn moved(&self, frame: i32, has_motion: bool) -> Result<Vec<MovedLayer>, PipelineError> {
-        let now = self.lattices(frame)?;
-        let around = if has_motion { Some([self.lattices(frame - 1)?, self.lattices(frame + 1)?]) } else { None };
+        let now = self.warps(frame)?;
+        let around = if has_motion { Some([self.warps(frame - 1)?, self.warps(frame + 1)?]) } else { None };
         let layers = self.plan.layers.iter().zip(now).enumerate().map(|(place, (&layer, now))| {
-            let around = around.as_ref().map(|around| around.each_ref().map(|lattices| lattices[place].clone()));
+            let around = around.as_ref().map(|around| around.each_ref().map(|warps| warps[place].clone()));
             MovedLayer { layer, now, around }
         });
         Ok(layers.filter(|layer| !layer.is_still()).collect())
@@ -137,30 +137,28 @@ impl<'a> Stage<'a> {
     fn layer_job(&self, MovedLayer { layer, now, around }: MovedLayer, found: &FoundMattes) -> LayerJob {
         let (name, matte) = self.job.warp.layer(layer);
         let matte = matte.or_else(|| found.mattes.get(&layer)).cloned();
-        let field = |lattice: Option<ScreenLattice>| match (lattice, &matte) {
-            (None, _) => Field::identity(),
-            (Some(lattice), Some(_)) => Field::of_layer(lattice),
-            (Some(lattice), None) => Field::of_picture(lattice),
-        };
-        let [previous, next] = around.map_or([None, None], |around| around.map(|lattice| Some(field(lattice))));
+        let field = |warp: Option<ScreenWarp>| warp.map_or_else(Field::identity, |warp| warp.field(matte.is_none()));
+        let [previous, next] = around.map_or([None, None], |around| around.map(|warp| Some(field(warp))));
         LayerJob { name: name.to_owned(), field: field(now), previous, next, matte: matte.clone() }
     }
 
-    /// The lattices of a frame: one a layer that warps; `None` where it is not moved.
-    fn lattices(&self, frame: i32) -> Result<Vec<Option<ScreenLattice>>, PipelineError> {
+    /// What moves a frame: one a layer that warps; `None` where it is not moved.
+    fn warps(&self, frame: i32) -> Result<Vec<Option<ScreenWarp>>, PipelineError> {
         let layers = self.plan.layers.iter();
         match &self.job.warp {
             PlateWarp::Shot(setup) => {
                 let moment = setup.exposed(frame)?;
-                let lattice = |&layer: &usize| Some(moment.layers[layer].solution.as_ref()?.lattice.clone());
-                Ok(layers.map(lattice).collect())
+                Ok(layers.map(|&layer| moment.layers[layer].screen_warp()).collect())
             }
             PlateWarp::Lattices { file, strength, .. } => {
-                let lattice = |&layer: &usize| match &file.layers[layer].track {
-                    Track::Screen(lattices) => Some(lattice_at(lattices, f64::from(frame)).with_strength(*strength)),
+                let warp = |&layer: &usize| match &file.layers[layer].track {
+                    Track::Screen(lattices) => {
+                        let lattice = lattice_at(lattices, f64::from(frame)).with_strength(*strength);
+                        Some(ScreenWarp::Lattice(lattice))
+                    }
                     Track::World(_) => None,
                 };
-                Ok(layers.map(lattice).collect())
+                Ok(layers.map(warp).collect())
             }
             PlateWarp::Maps(_) => Ok(Vec::new()),
         }

@@ -1,0 +1,233 @@
+//! The warp of a whole picture whose border rests: what a lattice can do smoothly, and a flow that meets the pins.
+//!
+//! In: a lattice that was solved with compliant pins, the pins. Out: the parts of a [`Field`](super::Field) (docs/METHOD.md, "Whole pictures").
+//!
+//! ```text
+//! x ↦ flow(x + α w(x) L(x)),   L: displacement of the lattice,  w: 0 at the border,  α: 0 to 1
+//! ```
+
+use super::around::Link;
+use super::flow::{Flow, Mover, inside};
+use super::ramp::Ramp;
+use crate::lattice::ScreenLattice;
+use crate::space::{ScreenBox, ScreenPoint};
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Least and greatest width of the ramp, parts of the frame's shorter side.
+const RAMP: [f64; 2] = [0.02, 0.2];
+/// The lattice may press the picture together by this part at most, where it is looked at.
+const PRESS: f64 = 0.75;
+/// No point moves further than this times the furthest pin; a single pin, several.
+const AMPLIFY: [f64; 2] = [1.04, 1.4];
+/// What is left to the flow may be this much steeper than all of it, by a factor and in itself.
+const STEEPER: [f64; 2] = [1.2, 0.1];
+/// Looks a span of the lattice, and an axis at least and at most.
+const LOOKS: (usize, [usize; 2]) = (6, [48, 160]);
+/// The border gives way when a pin comes nearer to it than this part of its way.
+const NEAR: f64 = 0.1;
+/// The disc of such a pin reaches beyond the border by this times what is missing.
+const GIVE: f64 = 3.0;
+/// How far turned and scaled pins reach, frame heights.
+const LEVER: f64 = 0.15;
+/// The border's points that are looked at, an axis.
+const BORDER_LOOKS: usize = 2048;
+
+/// A pin of a whole picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WholePin {
+    /// Where it is before the warp.
+    pub rest: ScreenPoint,
+    /// Where it has to go.
+    pub target: ScreenPoint,
+    /// 0 to 1: the part of the way that it goes.
+    pub weight: f64,
+    /// The turn that it holds, radians.
+    pub rotation: Option<f64>,
+    /// The logarithm of the scale that it holds.
+    pub log_scale: Option<f64>,
+}
+
+/// The warp of a whole picture whose border rests but where pins are dragged past it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WholeWarp {
+    /// The lattice as far as it is used; its displacement counts times a factor that is 0 at the border.
+    pub lattice: ScreenLattice,
+    ramp: Ramp,
+    flow: Arc<Flow>,
+    /// Pins at which the border gives way, by index, and how far it moves there, frame heights.
+    pub given_way: Vec<(usize, f64)>,
+    /// Where every pin ends.
+    pub ends: Vec<ScreenPoint>,
+}
+
+impl WholeWarp {
+    /// Takes of a lattice what keeps the picture whole, and carries the pins the rest of their ways.
+    #[must_use]
+    pub fn fit(lattice: &ScreenLattice, pins: &[WholePin]) -> Self {
+        let grid = &lattice.grid;
+        let bounds = ScreenBox::new(ScreenPoint(grid.lo.into()), ScreenPoint(grid.hi.into()));
+        let ramp = Ramp::new(bounds, widths(bounds, pins));
+        let full = Link::resting(lattice, ramp);
+        let share = share(&full, &ramp, (lattice, bounds), pins);
+        let lattice = lattice.with_strength(share);
+        let link = Link::resting(&lattice, ramp);
+        let movers: Vec<Mover> = pins.iter().map(|pin| pin.mover(&link, bounds)).collect();
+        let flow = Flow::of(&movers, bounds);
+        let ends = flow.ends().iter().map(|&end| ScreenPoint(end)).collect();
+        let given_way = given_way(&flow, &movers, bounds);
+        Self { lattice, ramp, flow: Arc::new(flow), given_way, ends }
+    }
+
+    /// The lattice's part.
+    pub(super) fn link(&self) -> Link {
+        Link::resting(&self.lattice, self.ramp)
+    }
+
+    /// The flow's part.
+    pub(super) fn flow(&self) -> &Arc<Flow> {
+        &self.flow
+    }
+}
+
+impl WholePin {
+    /// What its way leaves to the flow, after the lattice.
+    fn mover(&self, link: &Link, bounds: ScreenBox) -> Mover {
+        let (moved, slope) = link.displace(self.rest.0);
+        let from = self.rest.0 + moved;
+        let gradient = DMat2::IDENTITY + slope;
+        // The lattice never turns by a quarter: it presses less than that would.
+        let turned = (gradient.x_axis.y - gradient.y_axis.x).atan2(gradient.x_axis.x + gradient.y_axis.y);
+        let swollen = 0.5 * gradient.determinant().ln();
+        let turn = [
+            self.rotation.map_or(0.0, |angle| (angle - turned) * self.weight),
+            self.log_scale.map_or(0.0, |scale| (scale - swollen) * self.weight),
+        ];
+        Mover { from, to: from.lerp(self.target.0, self.weight), weight: self.weight, give: self.give(bounds), turn }
+    }
+
+    fn way(&self) -> DVec2 {
+        (self.target.0 - self.rest.0) * self.weight
+    }
+
+    /// How far the border gives way to it.
+    fn give(&self, bounds: ScreenBox) -> f64 {
+        let room = inside(bounds, self.rest.0).min(inside(bounds, self.rest.0 + self.way()));
+        GIVE * (NEAR * self.way().length() - room).clamp(0.0, 1.0 / GIVE)
+    }
+
+    /// How far a turn and a scale move what is around the pin.
+    fn lever(&self) -> f64 {
+        let most = |part: Option<f64>| part.map_or(0.0, |part| part.abs().min(1.0));
+        LEVER * (most(self.rotation) + most(self.log_scale)) * self.weight
+    }
+}
+
+/// The ramp is as wide as the pin nearest to each side is far from it, so that the lattice acts on all of them.
+fn widths(bounds: ScreenBox, pins: &[WholePin]) -> [[f64; 2]; 2] {
+    let side = bounds.size().min_element();
+    let [least, most] = RAMP.map(|part| part * side);
+    let nearest = |distance: &dyn Fn(DVec2) -> f64| {
+        let near = pins.iter().map(|pin| distance(pin.rest.0).max(0.0) / pin.weight.max(1e-3));
+        near.fold(most, f64::min).max(least)
+    };
+    [0, 1].map(|axis| [nearest(&|at| at[axis] - bounds.min.0[axis]), nearest(&|at| bounds.max.0[axis] - at[axis])])
+}
+
+/// The part of the lattice that is used: all of it, unless it presses the picture together, moves any point further than the
+/// pins go, or leaves the flow more than it takes. All three are convex in the part, so it changes steadily with the pins.
+fn share(full: &Link, ramp: &Ramp, (lattice, bounds): (&ScreenLattice, ScreenBox), pins: &[WholePin]) -> f64 {
+    let longest = pins.iter().map(|pin| pin.way().length() + pin.lever()).fold(0.0, f64::max);
+    if longest == 0.0 {
+        return 0.0;
+    }
+    let [swell, press] = looks(full, ramp, lattice);
+    let carried: Vec<DVec2> = pins.iter().map(|pin| full.displace(pin.rest.0).0 * pin.weight).collect();
+    let still: Vec<Mover> = pins
+        .iter()
+        .map(|pin| Mover {
+            from: pin.rest.0,
+            to: pin.rest.0,
+            weight: pin.weight,
+            give: pin.give(bounds),
+            turn: [0.0; 2],
+        })
+        .collect();
+    let radii = Flow::first_radii(&still, bounds);
+    let left = |part: f64| pins.iter().zip(&carried).map(move |(pin, by)| (pin.way() - *by * part).length());
+    let steepness = |part: f64| {
+        let steep = left(part).zip(&radii).filter(|(_, radius)| **radius > 0.0).map(|(left, radius)| left / radius);
+        steep.fold(0.0, f64::max)
+    };
+    let moving = pins.iter().filter(|pin| pin.way() != DVec2::ZERO).count();
+    let most = AMPLIFY[usize::from(pins.len() > 1 && moving > 0)] * longest;
+    let steepest = STEEPER[0] * steepness(0.0) + STEEPER[1];
+    let is_good = |part: f64| {
+        part * swell + left(part).fold(0.0, f64::max) <= most && steepness(part) <= steepest && part * press <= PRESS
+    };
+    if is_good(1.0) {
+        return 1.0;
+    }
+    let (mut lo, mut hi) = (0.0, 1.0);
+    for _ in 0..52 {
+        let middle = 0.5 * (lo + hi);
+        if is_good(middle) { lo = middle } else { hi = middle }
+    }
+    lo
+}
+
+/// How far the lattice's part moves a point at most, and by how much it presses the picture together: the greatest
+/// −λ of the symmetric part of its gradient. Below 1 the map is one-to-one on the frame, which is convex.
+fn looks(full: &Link, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
+    let grid = &lattice.grid;
+    let places = |axis: usize| {
+        let (many, [least, most]) = LOOKS;
+        let count = (many * grid.basis.spans(grid.dims[axis])).clamp(least, most);
+        let even = (0..=count).map(|k| grid.lo[axis] + grid.size(axis) * k as f64 / count as f64);
+        let mut places: Vec<f64> = even.chain(ramp.places(axis)).collect();
+        places.sort_by(f64::total_cmp);
+        places
+    };
+    let (columns, rows) = (places(0), places(1));
+    let look = |&y: &f64| {
+        let along = columns.iter().map(|&x| {
+            let (moved, slope) = full.displace(DVec2::new(x, y));
+            let (a, d) = (slope.x_axis.x, slope.y_axis.y);
+            let b = 0.5 * (slope.x_axis.y + slope.y_axis.x);
+            [moved.length(), (0.25 * (a - d).powi(2) + b * b).sqrt() - 0.5 * (a + d)]
+        });
+        along.fold([0.0, 0.0], greater)
+    };
+    rows.par_iter().map(look).reduce(|| [0.0, 0.0], greater)
+}
+
+fn greater(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].max(b[1])]
+}
+
+/// At which pins the flow moves the border, and how far.
+fn given_way(flow: &Flow, movers: &[Mover], bounds: ScreenBox) -> Vec<(usize, f64)> {
+    let mut found: Vec<(usize, f64)> = Vec::new();
+    let free = || movers.iter().enumerate().filter(|(_, mover)| mover.give > 0.0 && mover.from != mover.to);
+    if free().next().is_none() {
+        return found;
+    }
+    let (lo, hi) = (bounds.min.0, bounds.max.0);
+    let border = (0..=BORDER_LOOKS).flat_map(|k| {
+        let place = lo.lerp(hi, k as f64 / BORDER_LOOKS as f64);
+        [DVec2::new(place.x, lo.y), DVec2::new(place.x, hi.y), DVec2::new(lo.x, place.y), DVec2::new(hi.x, place.y)]
+    });
+    for point in border {
+        let moved = flow.displace(point).0.length();
+        let off = |mover: &Mover| mover.from.distance_squared(point).min(mover.to.distance_squared(point));
+        let nearest = free().min_by(|(_, a), (_, b)| off(a).total_cmp(&off(b)));
+        let Some((pin, _)) = nearest.filter(|_| moved > 0.0) else { continue };
+        match found.iter_mut().find(|(other, _)| *other == pin) {
+            Some((_, most)) => *most = most.max(moved),
+            None => found.push((pin, moved)),
+        }
+    }
+    found.sort_by_key(|(pin, _)| *pin);
+    found
+}
