@@ -23,8 +23,8 @@ const KEPT_BYTES: usize = 1 << 27;
 /// What a solver holds for a handle and each of those that it shares a sample with: 2 MB at 10 x 10 handles of B-splines,
 /// measured.
 const PAIR_BYTES: usize = 1250;
-/// Bytes that a solve takes at once for an entry of the matrix's band: the matrices of one coordinate and of both, and
-/// their factors; measured.
+/// Bytes that a solve takes at once for an entry of the matrix's band: counted from the sizes of the matrices of one
+/// coordinate and of both, and of their factors, not measured.
 const BAND_ENTRY_BYTES: u128 = 120;
 /// Last warps over alphas that are kept.
 const KEPT_SHOWN: usize = 64;
