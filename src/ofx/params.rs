@@ -123,7 +123,7 @@ const ROWS: &[Row] = &[
     ("lattice", "strength", "Strength", ParamKind::Double(1.0, [-10.0, 10.0], [0.0, 1.0], param::DOUBLE_SCALE),
      "Scales all offsets and rotations; 0 is no warp."),
     ("lattice", "holdBorder", "Hold the border", ParamKind::Toggle(1),
-     "The border of the frame stays where it is, so that a background neither slides nor tears. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held."),
+     "The border of the frame stays where it is, so that a background neither slides nor tears; nothing folds, whatever the pins ask for. It gives way only to pins that are dragged to it or past it, with a message. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held."),
     ("lattice", "guard", "Stop before folds", ParamKind::Toggle(0),
      "Pins stop on their way before the picture folds over. Off: folds are warned of; with a shot file, as its layer says."),
     ("lattice", "filter", "Filter", ParamKind::Choice(&words(&FILTERS)),

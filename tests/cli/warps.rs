@@ -146,7 +146,7 @@ fn lattices_warp_what_is_there() {
     let whole = bench(&format!("size = [64, 36]\n{SHOT}"));
     whole.run("export shot.toml --to lattice-json").says(0, &["layer 'all': its lattice is only part of its warp"]);
     // A fixed box is the lattice's alone.
-    let fixed = SHOT.replace("\"all\"\n", "\"all\"\nlattice = { fixed = [0.0, 0.0, 1.7777, 1.0] }\n");
+    let fixed = SHOT.replace("\"all\"\n", "\"all\"\nlattice = { box = { fixed = [0.0, 0.0, 1.7777, 1.0] } }\n");
     let bench = bench(&format!("size = [64, 36]\n{fixed}"));
     bench.run("warp --shot shot.toml").says(0, &[]);
     let told = bench.run("export shot.toml --to lattice-json").says(0, &[]);
