@@ -3,7 +3,7 @@
 //! Run with `cargo bench --bench frame`. Prints the memory of a long render after its first frames and at its end; then,
 //! for each scene, the time every stage was busy, the wall time, and its ratio to the slowest stage.
 
-use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, Summary, render};
+use pinwarp::pipeline::{Event, Existing, PreparedShot, RenderOptions, Summary, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
 use std::path::Path;
@@ -19,14 +19,14 @@ const SETTLED: usize = 20;
 fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder can be made");
     // First, while the process has held nothing else.
-    if let Some(setup) = setup("teapot", folder.path(), 4) {
+    if let Some(prepared) = prepared("teapot", folder.path(), 4) {
         let memory = Mutex::new(Vec::new());
         let look = |event: Event| {
             if matches!(event, Event::FrameDone(_)) {
                 memory.lock().expect("no panic holds it").push(resident_mib());
             }
         };
-        run(&setup, (1..=LONG).collect(), DeviceChoice::Cpu, &look);
+        run(&prepared, (1..=LONG).collect(), DeviceChoice::Cpu, &look);
         let memory = memory.into_inner().expect("no panic holds it");
         let late = memory[SETTLED..].iter().fold(0.0, |a: f64, &b| a.max(b));
         println!(
@@ -40,16 +40,16 @@ fn main() {
     );
     for scene in ["teapot", "gingerman", "walker"] {
         for (name, device) in [("cpu", DeviceChoice::Cpu), ("auto", DeviceChoice::Auto)] {
-            let Some(setup) = setup(scene, folder.path(), 1) else { continue };
-            let frames = (setup.shot.frames.first..=setup.shot.frames.last).take(12).collect();
-            let summary = run(&setup, frames, device, &|_| {});
+            let Some(prepared) = prepared(scene, folder.path(), 1) else { continue };
+            let frames = (prepared.shot.frames.first..=prepared.shot.frames.last).take(12).collect();
+            let summary = run(&prepared, frames, device, &|_| {});
             print_row(&format!("{scene}, {name}"), &summary);
         }
     }
 }
 
 /// A scene of the repository, its size divided by `shrink`, written into `folder`.
-fn setup(scene: &str, folder: &Path, shrink: u32) -> Option<Setup> {
+fn prepared(scene: &str, folder: &Path, shrink: u32) -> Option<PreparedShot> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene).join("shot.toml");
     let mut shot = match Shot::read(&path) {
         Ok(shot) => shot,
@@ -61,12 +61,12 @@ fn setup(scene: &str, folder: &Path, shrink: u32) -> Option<Setup> {
     shot.size.width /= shrink;
     shot.size.height /= shrink;
     shot.output.path = folder.join("frame.####.exr");
-    Some(Setup::new(shot).expect("the scenes of the repository fit their shots"))
+    Some(PreparedShot::new(shot).expect("the scenes of the repository fit their shots"))
 }
 
-fn run(setup: &Setup, frames: Vec<i32>, device: DeviceChoice, look: &(dyn Fn(Event) + Sync)) -> Summary {
+fn run(prepared: &PreparedShot, frames: Vec<i32>, device: DeviceChoice, look: &(dyn Fn(Event) + Sync)) -> Summary {
     let options = RenderOptions { frames, device, existing: Existing::Overwrite, ..RenderOptions::default() };
-    render(setup, &options, &AtomicBool::new(false), look).expect("the scenes of the repository render")
+    render(prepared, &options, &AtomicBool::new(false), look).expect("the scenes of the repository render")
 }
 
 fn print_row(name: &str, summary: &Summary) {

@@ -1,68 +1,93 @@
 //! Runs the stages over a frame range: overlap, progress, cancel, per-frame errors.
 //!
 //! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s on the way, a [`Summary`].
+//!
+//! ```text
+//! once a shot    Shot ─prepare─▶ PreparedShot: scene, layer assignment, pin anchors, camera, clip
+//! once a time    PreparedShot ─evaluate─▶ TimeSample: pose ─▶ world layers ─▶ projection ─▶ screen layers
+//! once a layer   shape, pins ─factor─▶ Solver ─solve─▶ lattice         (the same on the screen and in the scene)
+//! once a frame   TimeSamples ─geometry thread─▶ passes ─draw─▶ Frame ─write─▶ files
+//! ```
+//!
 //! Frame N is a function of the shot and N alone; what is kept between frames is only what would be computed again.
 
+// Once a shot.
 mod anchors;
-mod bake;
 mod cameras;
-mod claims;
-mod coarse;
-mod contents;
-mod draw;
-mod error;
-mod events;
-mod fit;
-mod follow;
-mod jerk;
-mod lattice_objects;
-mod layer_pins;
+mod layer_assignment;
 mod lighting;
 mod mattes;
-mod missing;
-mod moment;
-mod options;
-mod output;
+mod mesh_resolution;
+mod missing_files;
+mod prepare;
+mod prepared_shot;
+mod stiffness;
+mod transfer;
+mod visibility;
+
+// Once a time.
+mod evaluate;
+mod followed_box;
+mod frame_cache;
+mod lattice_box;
+mod layer_pins;
+mod layer_solve;
+mod screen_layer;
+mod screen_shape;
+mod time_sample;
+mod trajectories;
+mod watched_trajectory;
+mod whole_layer;
+mod world_layer;
+
+// Once a frame.
+mod draw;
+mod geometry_thread;
+mod jerk;
 mod overlay;
 mod overlay_legend;
 mod passes;
-mod pictures;
-mod plates;
-mod posed;
-mod produce;
-mod render;
 mod report;
-mod resume;
-mod run_lock;
-mod screen_layer;
-mod setup;
-mod stiffness;
-mod strokes;
-mod trajectories;
-mod transfer;
-mod visibility;
-mod whole_layer;
-mod world;
 mod write;
 
-pub use anchors::{Pinned, Rest};
+// Runs over frames: of a scene, of pictures, of plates.
+mod contents;
+mod error;
+mod events;
+mod options;
+mod output;
+mod pictures;
+mod plates;
+mod render;
+mod resume;
+mod run_lock;
+
+// For other programs.
+mod bake;
+mod lattice_objects;
+mod lattice_tracks;
+mod layer_problem;
+mod registration;
+
+pub use anchors::{PinAnchor, RestPoint};
 pub use bake::BakeTimes;
 #[cfg(feature = "cli")]
 pub(crate) use contents::digest_with;
 pub use error::PipelineError;
 pub use events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
-pub use fit::{Registration, picture_shape, register};
 pub use jerk::JerkMeter;
-pub use moment::{LayerState, Moment, PinState};
+pub use lattice_tracks::lattices;
+pub use layer_assignment::LayerAssignment;
+pub use layer_problem::{LayerProblem, layer_problem};
 pub use options::{Existing, RenderOptions};
+pub(crate) use output::input_files;
 pub use passes::{PassPlan, plan_passes};
 pub use plates::{PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
-pub use posed::PosedLayer;
+pub use prepared_shot::PreparedShot;
+pub use registration::{Registration, layer_shape, picture_shape, register};
 pub use render::{render, render_on};
 pub use report::report;
 #[cfg(feature = "cli")]
 pub(crate) use resume::{Todo, refuse_existing};
-pub use screen_layer::{LayerTask, Prepared};
-pub use setup::Setup;
-pub use transfer::lattices;
-pub use world::{ScenePin, WorldSolution};
+pub use screen_layer::{LayerSolver, LayerTask};
+pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};

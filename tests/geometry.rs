@@ -4,7 +4,7 @@ use glam::{DVec2, Mat4, Quat, Vec2, Vec3};
 use pinwarp::lattice::{Basis, Grid, ScreenLattice};
 use pinwarp::pose::{Pose, PosedPart};
 use pinwarp::raster::Geometry;
-use pinwarp::raster::geometry::{Assembly, Moment, assemble};
+use pinwarp::raster::geometry::{Assembly, PosedScene, assemble};
 use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use pinwarp::screen::Camera;
 use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
@@ -78,7 +78,7 @@ fn bulge() -> ScreenLattice {
 fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometry {
     let camera = camera();
     let lattices = vec![lattice; pose.parts.len()];
-    let now = Moment { pose, camera: &camera, lattices: &lattices };
+    let now = PosedScene { pose, camera: &camera, lattices: &lattices };
     let layer_ids = vec![1; pose.parts.len()];
     assemble(&Assembly {
         scene,

@@ -3,8 +3,8 @@
 //! A program of its own, so that no other test uses memory beside it.
 
 use pinwarp::image::{Channel, Frame, Plate, Storage, write_plate};
-use pinwarp::pipeline::{Existing, PlateWarp, Setup, WarpDirection, WarpJob, warp_frames};
-use pinwarp::plate::WarpRules;
+use pinwarp::pipeline::{Existing, PlateWarp, PreparedShot, WarpDirection, WarpJob, warp_frames};
+use pinwarp::plate::WarpSettings;
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
 use pinwarp::space::FrameSize;
@@ -20,7 +20,7 @@ const SHOT: &str = "plate = 'p.####.exr'\nframes = { first = 1, last = 100 }\nsi
 const PLATE_MB: f64 = 480.0 * 270.0 * 8.0 * 4.0 / 1e6;
 
 /// One plate for all frames, in a folder.
-fn studio() -> (TempDir, Setup) {
+fn studio() -> (TempDir, PreparedShot) {
     let folder = TempDir::new().expect("a folder");
     let window = FrameSize::new(480, 270).window();
     let names = ["R", "G", "B", "A", "depth.Z", "forward.u", "forward.v", "P.X"];
@@ -33,16 +33,17 @@ fn studio() -> (TempDir, Setup) {
     let channels = names.iter().enumerate().map(channel).collect();
     let plate = Plate::from_frame(Frame { display: window, data_window: window, pixel_aspect: 1.0, channels });
     write_plate(&folder.path().join("p.exr"), &plate).expect("written");
-    let setup = Setup::new(Shot::parse(SHOT, Path::new("shot.toml")).expect("a right shot")).expect("a plate's shot");
-    (folder, setup)
+    let prepared =
+        PreparedShot::new(Shot::parse(SHOT, Path::new("shot.toml")).expect("a right shot")).expect("a plate's shot");
+    (folder, prepared)
 }
 
-fn warp(folder: &Path, setup: &Setup, output: &str, frames: Vec<i32>, tell: &(dyn Fn() + Sync)) {
+fn warp(folder: &Path, prepared: &PreparedShot, output: &str, frames: Vec<i32>, tell: &(dyn Fn() + Sync)) {
     let job = WarpJob {
         plate: folder.join("p.exr"),
         output: folder.join(output),
-        warp: PlateWarp::Shot(setup),
-        rules: WarpRules::default(),
+        warp: PlateWarp::Shot(prepared),
+        settings: WarpSettings::default(),
         direction: WarpDirection::Forward,
         layers: Vec::new(),
         frames,
@@ -64,10 +65,10 @@ fn resident_mb() -> Option<f64> {
 
 #[test]
 fn memory_does_not_grow_with_the_length_of_a_sequence() {
-    let (folder, setup) = studio();
+    let (folder, prepared) = studio();
     let seen = std::sync::Mutex::new(Vec::new());
     let tell = || seen.lock().expect("nothing panics here").extend(resident_mb());
-    warp(folder.path(), &setup, "w.####.exr", Vec::new(), &tell);
+    warp(folder.path(), &prepared, "w.####.exr", Vec::new(), &tell);
     let seen = seen.into_inner().expect("all threads ended");
     if seen.is_empty() {
         eprintln!("SKIPPED: the system does not tell how much memory is used");
@@ -81,12 +82,12 @@ fn memory_does_not_grow_with_the_length_of_a_sequence() {
 
 #[test]
 fn a_frame_does_not_depend_on_its_neighbours() {
-    let (folder, setup) = studio();
+    let (folder, prepared) = studio();
     let path = |name: &str| folder.path().join(name);
-    warp(folder.path(), &setup, "a.####.exr", vec![40, 41, 42], &|| ());
-    warp(folder.path(), &setup, "b.####.exr", vec![42], &|| ());
+    warp(folder.path(), &prepared, "a.####.exr", vec![40, 41, 42], &|| ());
+    warp(folder.path(), &prepared, "b.####.exr", vec![42], &|| ());
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    one_thread.install(|| warp(folder.path(), &setup, "c.####.exr", vec![42, 1], &|| ()));
+    one_thread.install(|| warp(folder.path(), &prepared, "c.####.exr", vec![42, 1], &|| ()));
     let [a, b, c] = ["a.0042.exr", "b.0042.exr", "c.0042.exr"].map(|name| std::fs::read(path(name)).expect("a frame"));
     assert!(a == b && a == c, "the same bytes, alone or among others, on any number of threads");
 }

@@ -93,11 +93,11 @@ fn hare_is_closed_and_about_as_fine_as_the_bunny_of_the_paper() {
 #[test]
 fn hare_turns_with_its_lattice() {
     let shot = pinwarp::shot::Shot::read(&scenes().join("hare/shot.toml")).unwrap_or_else(|error| panic!("{error}"));
-    let setup = pinwarp::pipeline::Setup::new(shot).unwrap_or_else(|error| panic!("{error}"));
+    let prepared = pinwarp::pipeline::PreparedShot::new(shot).unwrap_or_else(|error| panic!("{error}"));
     // Offsets are in box sizes and equal in both frames; the hare faces left in one and right in the other.
     let handles = [8.0, 24.0].map(|frame| {
-        let moment = setup.moment(frame).unwrap_or_else(|error| panic!("{error}"));
-        let world = moment.layers[0].world.as_ref().expect("the layer is warped");
+        let sample = prepared.sample_at(frame).unwrap_or_else(|error| panic!("{error}"));
+        let world = sample.layers[0].world.as_ref().expect("the layer is warped");
         assert!(world.report.is_converged && world.report.pin_errors.iter().all(|error| *error < 1e-5));
         (world.lattice.lattice.handles.clone(), world.lattice.frame)
     });

@@ -8,7 +8,7 @@ mod flag_sheet;
 use anyhow::{Context as _, bail};
 use image::{RgbImage, RgbaImage, imageops};
 use pinwarp::image::Durability;
-use pinwarp::pipeline::{Event, Existing, RenderOptions, Setup, lattices, render};
+use pinwarp::pipeline::{Event, Existing, PreparedShot, RenderOptions, lattices, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::{Shot, Transfer, TransferFit};
 use pinwarp::solve::{Settings, SmoothingDisc};
@@ -92,7 +92,7 @@ fn transfer(folder: &Path) -> anyhow::Result<RgbImage> {
     let scratch = tempfile::tempdir()?;
     let file = scratch.path().join("ginger.json");
     let ginger = Shot::read(&folder.join("gingerman/shot.toml"))?;
-    lattices(&Setup::new(ginger.clone())?, &[1, FRAME], |_| ())?.write(&file)?;
+    lattices(&PreparedShot::new(ginger.clone())?, &[1, FRAME], |_| ())?.write(&file)?;
     let mut cat = Shot::read(&folder.join("cat/shot.toml"))?;
     for layer in &mut cat.layers {
         layer.pins.clear();
@@ -139,7 +139,7 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
             println!("{path}: {:?}", report.warnings);
         }
     };
-    let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
+    let summary = render(&PreparedShot::new(shot)?, &options, &AtomicBool::new(false), &tell)?;
     if summary.rendered != 1 {
         bail!("frame {frame} of {path} was not rendered");
     }

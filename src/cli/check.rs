@@ -6,7 +6,7 @@ use super::args::CheckArgs;
 use super::outcome::Outcome;
 use super::warnings::Warnings;
 use crate::image::SequencePath;
-use crate::pipeline::{Jerk, JerkMeter, LayerReport, Setup, report};
+use crate::pipeline::{Jerk, JerkMeter, LayerReport, PreparedShot, report};
 use crate::spelling::counted;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -44,13 +44,13 @@ impl Peaks {
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut shot = args.outside.read(&args.shot)?;
     args.camera.choose(&mut shot);
-    let setup = Setup::new(shot)?;
-    let shot = &setup.shot;
+    let prepared = PreparedShot::new(shot)?;
+    let shot = &prepared.shot;
     let frames = args.frames.clone().map_or_else(|| (shot.frames.first..=shot.frames.last).collect(), |list| list.0);
     let output = SequencePath::parse(&shot.output.path)?;
     output.check_frame_count(frames.len())?;
     let mut out = io::stdout().lock();
-    for note in &setup.notes {
+    for note in &prepared.notes {
         writeln!(out, "note: {note}")?;
     }
     let there = frames.iter().filter(|&&frame| output.path_of(frame).exists()).count();
@@ -63,10 +63,10 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut jerk = JerkMeter::default();
     let mut warnings = Warnings::default();
     for &frame in &frames {
-        match setup.exposed(frame) {
-            Ok(moment) => {
-                let mut report = report(&setup, frame, &moment);
-                jerk.watch(&setup, &moment, &mut report);
+        match prepared.mid_exposure(frame) {
+            Ok(sample) => {
+                let mut report = report(&prepared, frame, &sample);
+                jerk.watch(&prepared, &sample, &mut report);
                 report.warnings.iter().for_each(|warning| warnings.add(frame, warning));
                 for layer in report.layers {
                     peaks.entry(layer.layer.clone()).or_default().add(frame, &layer);
@@ -81,14 +81,15 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     for warning in warnings.lines() {
         writeln!(out, "{warning}")?;
     }
-    let triangles: usize = setup.scene.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len()).sum();
+    let triangles: usize =
+        prepared.scene.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len()).sum();
     writeln!(
         out,
         "{}: {}, {}, {}, {}",
         args.shot.display(),
         counted(frames.len(), "frame", "frames"),
         counted(shot.layers.len(), "layer", "layers"),
-        counted(setup.scene.nodes.len(), "node", "nodes"),
+        counted(prepared.scene.nodes.len(), "node", "nodes"),
         counted(triangles, "triangle", "triangles")
     )?;
     for (layer, peaks) in &peaks {

@@ -7,7 +7,7 @@ use super::outcome::{Outcome, OutputCutOff};
 use super::outputs;
 use crate::compare::{self, ColorRun, Entry, SheetModel};
 use crate::image::{FileKind, write_png};
-use crate::pipeline::Setup;
+use crate::pipeline::{PreparedShot, input_files, layer_problem};
 use crate::solve::Problem;
 use crate::solve::methods::{self, Deformer};
 use crate::solve::problem_file::{self, Figures};
@@ -51,11 +51,11 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
         }
     };
     let title = names.get(layer).map(|name| titled(name, &format!("frame {frame}"))).unwrap_or_default();
-    let setup = Setup::new(shot)?;
+    let prepared = PreparedShot::new(shot)?;
     if let Some(path) = &args.output {
-        setup.inputs()?.refuse(path)?;
+        input_files(&prepared)?.refuse(path)?;
     }
-    let Some(posed) = setup.layer_problem(layer, f64::from(frame))? else {
+    let Some(posed) = layer_problem(&prepared, layer, f64::from(frame))? else {
         bail!(
             "layer {layer} has nothing to solve in frame {frame}: it is out of sight, has no pins that act, or lives in the world"
         );

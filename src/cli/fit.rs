@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use super::outputs;
 use crate::export::{LandmarkUnit, Landmarks, LatticeFile, LatticeTrack, Track};
 use crate::image::{FileKind, Inputs, read_any};
-use crate::pipeline::{Registration, Setup, picture_shape, register};
+use crate::pipeline::{PreparedShot, Registration, input_files, layer_shape, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
@@ -89,10 +89,10 @@ fn shot_subject(shot: Shot, args: &FitArgs, inputs: &mut Inputs) -> anyhow::Resu
     };
     let frame = args.frame.unwrap_or(shot.frames.first);
     let (size, rate) = (shot.size, shot.frames.rate);
-    let setup = Setup::new(shot)?;
-    *inputs = setup.inputs()?;
+    let prepared = PreparedShot::new(shot)?;
+    *inputs = input_files(&prepared)?;
     [&args.a, &args.b, &args.pairs].into_iter().for_each(|input| inputs.add(input));
-    let shape = setup.layer_shape(layer, frame)?;
+    let shape = layer_shape(&prepared, layer, frame)?;
     if shape.triangles.is_empty() {
         bail!("nothing of layer '{}' is seen in frame {frame} of {}", names[layer], args.a.display());
     }

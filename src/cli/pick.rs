@@ -6,7 +6,7 @@ use super::args::PickArgs;
 use super::outcome::Outcome;
 use crate::files::{SHOT_BYTES, read_text};
 use crate::image::replace_text;
-use crate::pipeline::Setup;
+use crate::pipeline::PreparedShot;
 use crate::screen::{self, Hit, primitive};
 use crate::shot::{Anchor, Shot, edit};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
@@ -21,10 +21,10 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     shot.layers.iter_mut().for_each(|layer| layer.pins.clear());
     let frame = args.frame.unwrap_or(shot.frames.first);
     let at = point(args, &shot)?;
-    let setup = Setup::new(shot)?;
-    let (pose, camera) = setup.view(f64::from(frame));
+    let prepared = PreparedShot::new(shot)?;
+    let (pose, camera) = prepared.view(f64::from(frame));
     let mesh = screen::project(&pose, &camera);
-    let Some(hit) = screen::pick(&setup.scene, &pose, &mesh, camera.near(), at) else {
+    let Some(hit) = screen::pick(&prepared.scene, &pose, &mesh, camera.near(), at) else {
         bail!(
             "there is no surface at {:.4},{:.4} in frame {frame}; render it with --preview and point at the model",
             at.0.x,
@@ -33,20 +33,20 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     };
     let part = &pose.parts[hit.part];
     let anchor = Anchor::Surface {
-        node: setup.scene.nodes[part.node].name.clone(),
+        node: prepared.scene.nodes[part.node].name.clone(),
         primitive: part.primitive,
         triangle: hit.triangle,
         barycentric: hit.barycentric,
-        rest: Some(rest(&setup, &pose, &hit)),
+        rest: Some(rest(&prepared, &pose, &hit)),
     };
-    let owner = setup.owners[hit.part].map(|layer| setup.shot.layers[layer].name.as_str());
+    let owner = prepared.assignment.layer_of_part[hit.part].map(|layer| prepared.shot.layers[layer].name.as_str());
     let layer = args.layer.as_deref().or(owner);
     let name = args.write.as_deref().unwrap_or("pin");
     match (&args.write, layer) {
         (None, _) => write!(std::io::stdout(), "{}", edit::pin_block(name, &anchor))?,
         (Some(_), None) => bail!(
             "no layer claims node '{}'; add it to a layer's `nodes` or name a layer with --layer",
-            setup.scene.nodes[part.node].name
+            prepared.scene.nodes[part.node].name
         ),
         (Some(_), layer) => {
             let path = &args.shot;
@@ -79,8 +79,8 @@ fn is_in_pixels([x, y]: [f64; 2], size: FrameSize) -> bool {
 }
 
 /// The picked point in its node's space at rest, as pins store it.
-fn rest(setup: &Setup, pose: &crate::pose::Pose, hit: &Hit) -> [f64; 3] {
-    let source = primitive(&setup.scene, &pose.parts[hit.part]);
+fn rest(prepared: &PreparedShot, pose: &crate::pose::Pose, hit: &Hit) -> [f64; 3] {
+    let source = primitive(&prepared.scene, &pose.parts[hit.part]);
     let corners = source.triangles[hit.triangle].map(|corner| source.positions[corner as usize].as_dvec3());
     let point: DVec3 = (0..3).map(|i| corners[i] * hit.barycentric[i]).sum();
     point.to_array()

@@ -86,7 +86,7 @@ impl Teller {
                     self.line(&format!("note: layers without a matte move their own nodes, as in {from}; {remedy}"));
                 }
                 for channel in &report.channels {
-                    tracing::info!("channel {}: {:?} ({:?})", channel.channel, channel.meaning, channel.reason);
+                    tracing::info!("channel {}: {:?} ({:?})", channel.channel, channel.semantic, channel.reason);
                 }
             }
             WarpEvent::FrameFailed { frame, error } => self.frame_failed(*frame, error),

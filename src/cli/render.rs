@@ -5,7 +5,7 @@
 use super::args::{DrawArgs, RenderArgs};
 use super::outcome::Outcome;
 use super::progress::Teller;
-use crate::pipeline::{self, RenderOptions, Setup};
+use crate::pipeline::{self, PreparedShot, RenderOptions};
 use crate::shot::Shot;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,9 +34,9 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
         inputs,
     };
     let cancel = cancel_on_interrupt()?;
-    let setup = Setup::new(shot)?;
+    let prepared = PreparedShot::new(shot)?;
     let teller = Teller::new(args.json);
-    let summary = pipeline::render(&setup, &options, &cancel, &|event| teller.tell(&event))?;
+    let summary = pipeline::render(&prepared, &options, &cancel, &|event| teller.tell(&event))?;
     teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })

@@ -8,24 +8,24 @@ use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
 use crate::export::LatticeFile;
 use crate::image::{SequencePath, picture_size};
-use crate::pipeline::{self, PlateWarp, Setup, WarpDirection, WarpJob};
-use crate::plate::{Holes, WarpRules};
+use crate::pipeline::{self, PlateWarp, PreparedShot, WarpDirection, WarpJob};
+use crate::plate::{Holes, WarpSettings};
 use crate::shot::{Shot, Source};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 
 pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
-    let setup = args.shot.as_ref().map(|_| setup(args)).transpose()?;
-    let shot = setup.as_ref().map(|setup| &setup.shot);
-    let warp = match &setup {
-        Some(setup) => PlateWarp::Shot(setup),
+    let prepared = args.shot.as_ref().map(|_| prepared(args)).transpose()?;
+    let shot = prepared.as_ref().map(|prepared| &prepared.shot);
+    let warp = match &prepared {
+        Some(prepared) => PlateWarp::Shot(prepared),
         None => without_shot(args)?,
     };
     let job = WarpJob {
         plate: plate(args, shot)?,
         output: output(args, shot)?,
         warp,
-        rules: rules(args, shot),
+        settings: settings(args, shot),
         direction: if args.inverse { WarpDirection::Inverse } else { WarpDirection::Forward },
         layers: args.layer.clone(),
         frames: args.frames.clone().map(|list| list.0).unwrap_or_default(),
@@ -35,7 +35,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         inputs: args.lattice.iter().cloned().collect(),
     };
     let cancel = cancel_on_interrupt()?;
-    let teller = Teller::new(args.json).of_holes(&job.rules.holes);
+    let teller = Teller::new(args.json).of_holes(&job.settings.holes);
     let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
     teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
@@ -43,7 +43,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
 }
 
 /// The shot, made ready. A shot over a plate that says no size takes the plate's.
-fn setup(args: &WarpArgs) -> anyhow::Result<Setup> {
+fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     let path = args.shot.as_ref().context("clap asks for one of --shot, --lattice, --stmap")?;
     let mut shot = args.outside.read(path)?;
     shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
@@ -51,7 +51,7 @@ fn setup(args: &WarpArgs) -> anyhow::Result<Setup> {
         let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);
         shot.size = picture_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
     }
-    Ok(Setup::new(shot)?)
+    Ok(PreparedShot::new(shot)?)
 }
 
 /// What warps, where there is no shot.
@@ -80,12 +80,12 @@ fn output(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
     )
 }
 
-/// The shot's rules, and what the command line says instead.
-fn rules(args: &WarpArgs, shot: Option<&Shot>) -> WarpRules {
-    let mut rules = shot.map(|shot| shot.warp.clone()).unwrap_or_default();
-    rules.filter = args.filter.unwrap_or(rules.filter);
+/// The shot's settings, and what the command line says instead.
+fn settings(args: &WarpArgs, shot: Option<&Shot>) -> WarpSettings {
+    let mut settings = shot.map(|shot| shot.warp.clone()).unwrap_or_default();
+    settings.filter = args.filter.unwrap_or(settings.filter);
     if let Some(clean) = &args.clean {
-        rules.holes = Holes::Plate(clean.clone());
+        settings.holes = Holes::Plate(clean.clone());
     }
-    rules
+    settings
 }

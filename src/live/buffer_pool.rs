@@ -1,4 +1,4 @@
-//! Memory of planes, used again from frame to frame: fresh memory of a frame's size costs a tile fault every 4 KB.
+//! Memory of planes, used again from frame to frame: fresh memory of a frame's size costs a page fault every 4 KB.
 //!
 //! In: planes that are done with. Out: planes of any length, whose samples are left over from before.
 
@@ -7,15 +7,15 @@ use std::sync::{Mutex, PoisonError};
 /// Samples kept at most, 256 MB: a 4K picture of RGBA and the tiles that are drawn from it.
 const KEPT: usize = 1 << 26;
 
-static SPARE: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
+static POOL: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
 
 /// So many planes of `length` samples each, whatever they are.
 #[must_use]
 pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
     let mut planes: Vec<Vec<f32>> = {
-        let mut spare = SPARE.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
         let fit = |plane: &mut Vec<f32>| (length..=2 * length).contains(&plane.capacity());
-        spare.extract_if(.., fit).take(count).collect()
+        pool.extract_if(.., fit).take(count).collect()
     };
     planes.resize_with(count, Vec::new);
     for plane in &mut planes {
@@ -29,17 +29,17 @@ pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
 
 /// Keeps planes for [`take_planes`]; the oldest go where there are too many.
 pub fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
-    let mut spare = SPARE.lock().unwrap_or_else(PoisonError::into_inner);
-    spare.extend(planes.into_iter().filter(|plane| plane.capacity() > 0));
-    let mut total: usize = spare.iter().map(Vec::capacity).sum();
+    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    pool.extend(planes.into_iter().filter(|plane| plane.capacity() > 0));
+    let mut total: usize = pool.iter().map(Vec::capacity).sum();
     while total > KEPT {
-        total -= spare.remove(0).capacity();
+        total -= pool.remove(0).capacity();
     }
 }
 
 /// Lets go of all.
 pub(super) fn purge() {
-    SPARE.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    POOL.lock().unwrap_or_else(PoisonError::into_inner).clear();
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ struct State<V> {
 
 struct Slot<V> {
     /// Locked while the value is computed.
-    value: Place<V>,
+    value: SharedValue<V>,
     weight: usize,
     used: u64,
 }
@@ -35,7 +35,7 @@ struct Slot<V> {
 struct Pending<'a, V> {
     cache: &'a Cache<V>,
     key: Key,
-    place: &'a Place<V>,
+    place: &'a SharedValue<V>,
 }
 
 impl<V> Drop for Pending<'_, V> {
@@ -48,7 +48,7 @@ impl<V> Drop for Pending<'_, V> {
 }
 
 /// Where a value is, or will be.
-type Place<V> = Arc<Mutex<Option<Arc<V>>>>;
+type SharedValue<V> = Arc<Mutex<Option<Arc<V>>>>;
 
 impl<V> Cache<V> {
     /// Keeps values of that total weight, and always the last.
@@ -129,7 +129,7 @@ impl<V> Cache<V> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn place(&self, key: Key) -> Place<V> {
+    fn place(&self, key: Key) -> SharedValue<V> {
         let mut state = self.locked();
         state.clock += 1;
         let used = state.clock;

@@ -1,11 +1,11 @@
 //! What moved, over what rests, over what lies behind.
 //!
 //! In: a [`Render`]'s pictures, the map of a tile. Out: planes of a window of that tile, alpha as the source has it. The
-//! factors are those of plates (`src/plate/over.rs`): a sheet covers first the hole that it left.
+//! factors are those of plates (`src/plate/disjoint_over.rs`): a sheet covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
 use super::{Render, Warp, take_planes};
-use crate::plate::{Filter, Planes, WarpMap, laid, left_below, resample_part};
+use crate::plate::{Filter, Planes, WarpMap, over, resample_part, transmittance};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -122,7 +122,7 @@ impl<'a> Compositor<'a> {
         for (index, (front, behind)) in drawn.iter_mut().zip(behind).enumerate().take(count + 1) {
             let samples = front.par_iter_mut().zip(behind).zip(&left).with_min_len(BATCH);
             match (index < count, is_associated) {
-                (true, true) => samples.for_each(|((front, behind), left)| *front = laid(*front, *behind, *left)),
+                (true, true) => samples.for_each(|((front, behind), left)| *front = over(*front, *behind, *left)),
                 (true, false) => {
                     samples.filter(|(_, left)| **left > 0.0).for_each(|((front, behind), _)| *front = *behind)
                 }
@@ -143,7 +143,7 @@ impl<'a> Compositor<'a> {
         };
         let factor = |((filled, share), cover): ((&f32, &f32), &f32)| {
             let (share, cover) = (share.clamp(0.0, 1.0), cover.clamp(0.0, 1.0));
-            (left_below(*filled, share, cover), 1.0 - (filled + share).min(1.0))
+            (transmittance(*filled, share, cover), 1.0 - (filled + share).min(1.0))
         };
         let all = filled.par_iter().zip(landed).zip(&cover).with_min_len(BATCH);
         let (below, holes): (Vec<f32>, Vec<f32>) = all.map(factor).unzip();
@@ -152,7 +152,7 @@ impl<'a> Compositor<'a> {
                 let rest = self.source.window.over(&self.source.planes[index], window, 0.0);
                 let rests = products(&rest, &filled);
                 let samples = plane.par_iter_mut().zip(rests).zip(&below).with_min_len(BATCH);
-                samples.for_each(|((sample, rest), below)| *sample = laid(*sample, rest, *below));
+                samples.for_each(|((sample, rest), below)| *sample = over(*sample, rest, *below));
             }
             if let Some(background) = &self.background {
                 let behind = products(&background.window.over(&background.planes[index], window, 0.0), &holes);

@@ -3,32 +3,18 @@
 //! In: a [`Warp`], the frame, a window. Out: the tiles that the window touches. Tiles lie on a grid of their own: a map
 //! depends a little (2e-4 of a pixel) on where its window begins.
 
-use super::cache::Cache;
 use super::key::{Key, KeyWriter};
+use super::process_cache::CACHE;
 use super::{LiveError, Warp};
 use crate::plate::WarpMap;
 use crate::space::{FrameSize, PixelRect};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 /// Most pixels across and down of a tile, its rim left out.
 const MOST: [u32; 2] = [4096, 126];
 
 /// Pixels around what a tile shows: footprints look at neighbours.
 const RIM: u32 = 1;
-
-/// Bytes of maps that are kept: eight frames of 1080p.
-const KEPT_BYTES: usize = 1 << 27;
-
-static MAPS: LazyLock<Cache<Vec<WarpMap>>> = LazyLock::new(|| {
-    Cache::new(KEPT_BYTES, |maps: &Vec<WarpMap>| {
-        maps.iter().map(|map| std::mem::size_of_val(&map.offsets[..]) + 4 * map.folded_pixels.len()).sum()
-    })
-});
-
-/// Lets go of what was computed.
-pub(super) fn purge() {
-    MAPS.clear();
-}
 
 /// A part of the image plane. The frame is cut into equal ones, and as many lie around it as are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,11 +49,13 @@ impl MapTile {
     }
 
     /// Where its pixels come from, and those of a rim around it: in front, then what lies behind where the warp folds
-    /// ([`WarpMap::backward_sheets`]).
+    /// ([`WarpMap::backward_preimages`]).
     pub(super) fn maps(self, warp: &Warp, frame: FrameSize) -> Arc<Vec<WarpMap>> {
         let window = self.window().grown(RIM);
-        let compute = || Ok::<_, LiveError>(WarpMap::backward_sheets(&warp.field, frame, window));
-        MAPS.get(self.key(warp.key, frame), compute)
+        let compute = || Ok::<_, LiveError>(WarpMap::backward_preimages(&warp.field, frame, window));
+        CACHE
+            .maps
+            .get(self.key(warp.key, frame), compute)
             .unwrap_or_else(|_| Arc::new(vec![WarpMap::identity(frame, window)]))
     }
 

@@ -3,16 +3,19 @@
 //!
 //! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`]: where every point goes, what to draw over the
 //! picture, how good it is; pixels ([`render`]), regions, STMaps ([`stmap`]). All functions may be called from any number of threads, and give the same bits on all.
-//! What was computed is kept for the whole process by content, so hosts may make their instances anew for every frame.
+//! What was computed is kept for the whole process by content (`process_cache.rs` says what and why), so hosts may make
+//! their instances anew for every frame.
 
 mod base_scene;
 mod buffer_pool;
 mod cache;
 mod composite;
 mod controls;
+mod driven_layer;
 mod error;
 mod host_frame;
 mod key;
+mod load_scene;
 mod map_tiles;
 mod mix;
 mod notices;
@@ -20,6 +23,8 @@ mod outputs;
 mod owned;
 mod picker;
 mod picture;
+mod prepared_solver;
+mod process_cache;
 mod read;
 mod regions;
 mod render;
@@ -63,9 +68,6 @@ pub use write::{NewShot, Subject, WriteShot, write_shot};
 /// Lets go of all that is kept and can be computed again, for hosts that are short of memory. What is
 /// asked for later has the same bits, and takes as long as the first time.
 pub fn purge() {
-    map_tiles::purge();
-    regions::purge();
-    solve::purge();
-    shape_source::purge();
+    process_cache::CACHE.purge();
     buffer_pool::purge();
 }

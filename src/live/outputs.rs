@@ -4,7 +4,7 @@
 
 use super::{LiveError, ShapeSource, solve};
 use crate::image::{ImageError, Inputs};
-use crate::pipeline::Setup;
+use crate::pipeline::input_files;
 use crate::space::FrameSize;
 use std::path::Path;
 
@@ -23,7 +23,7 @@ impl OutputGuard {
     pub fn of(shape: &ShapeSource, frame: FrameSize) -> Result<Self, LiveError> {
         let ShapeSource::Shot(_) = shape else { return Ok(Self::default()) };
         let base = solve::base(shape, frame)?;
-        let inputs = base.setup.as_ref().map(Setup::inputs).transpose()?;
+        let inputs = base.prepared.as_ref().map(input_files).transpose()?;
         Ok(Self { inputs: inputs.unwrap_or_default() })
     }
 

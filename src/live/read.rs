@@ -4,7 +4,7 @@
 
 use super::base_scene::BaseScene;
 use super::{Controls, LiveError, Pin, PinRegion, ShapeSource, ShotShape, solve};
-use crate::pipeline::{LayerTask, Pinned, Rest, Setup};
+use crate::pipeline::{LayerTask, PinAnchor, PreparedShot, RestPoint};
 use crate::plate::Filter;
 use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
 use crate::solve::Cancel;
@@ -110,13 +110,13 @@ impl PinTrack {
 /// [`LiveError`] where the file is wrong or does not fit its scene.
 pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
     let base = solve::base(&ShapeSource::Shot(shape.clone()), frame)?;
-    let setup = base.setup.as_ref().expect("shots have a scene");
-    let reader = Reader { setup, layer: &setup.shot.layers[base.layer], index: base.layer, shape };
+    let prepared = base.prepared.as_ref().expect("shots have a scene");
+    let reader = Reader { prepared, layer: &prepared.shot.layers[base.layer], index: base.layer, shape };
     reader.read(&base)
 }
 
 struct Reader<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     layer: &'a Layer,
     index: usize,
     shape: &'a ShotShape,
@@ -125,9 +125,9 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn read(&self, base: &BaseScene) -> Result<ShotFile, LiveError> {
         let [nx, ny, _] = self.layer.space.dims();
-        let rests = self.setup.rests_of(base.layer, f64::from(self.shape.pin_frame));
+        let rests = self.prepared.rests_of(base.layer, f64::from(self.shape.pin_frame));
         let points: Vec<ScreenPoint> = rests.iter().map(|rest| rest.point).collect();
-        let casts = self.setup.cast(self.shape.pin_frame, &points);
+        let casts = self.prepared.cast(self.shape.pin_frame, &points);
         let now = self.targets_now();
         let (mut pins, mut tracks, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
         for (number, (rest, cast)) in rests.iter().zip(&casts).enumerate() {
@@ -154,16 +154,16 @@ impl Reader<'_> {
             tracks.push(PinTrack { name, rest: rest.point, keys, region: self.region(number) });
         }
         let controls = Controls { dims: [nx, ny], basis: self.layer.basis, pins, ..Controls::default() };
-        let frames = [self.setup.shot.frames.first, self.setup.shot.frames.last];
-        let filter = self.setup.shot.lines.has("warp.filter").then_some(self.setup.shot.warp.filter);
+        let frames = [self.prepared.shot.frames.first, self.prepared.shot.frames.last];
+        let filter = self.prepared.shot.lines.has("warp.filter").then_some(self.prepared.shot.warp.filter);
         Ok(ShotFile { controls, tracks, layer: self.layer.name.clone(), filter, frames, warnings })
     }
 
     /// What the pins' keys say in the shape's frame, without strength.
     fn targets_now(&self) -> PinTargets {
         let layer = Layer { strength: 1.0, ..self.layer.clone() };
-        let frame = self.setup.key_frame(&layer, self.setup.exposed_at(self.shape.frame));
-        layer.pin_path(&self.setup.shot.frames, frame).pop().unwrap_or_default()
+        let frame = self.prepared.key_frame(&layer, self.prepared.mid_exposure_time(self.shape.frame));
+        layer.pin_path(&self.prepared.shot.frames, frame).pop().unwrap_or_default()
     }
 
     /// How far a goal is from where the pin's point is in a frame.
@@ -172,14 +172,15 @@ impl Reader<'_> {
         match goal {
             Goal::Offset(offset) if unit == OffsetUnit::Frame => Ok(offset),
             Goal::Offset(offset) => {
-                let moment = self.setup.unsolved(self.setup.exposed_at(frame))?;
+                let sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(frame))?;
                 let task = LayerTask { index: self.index, layer: self.layer, anchors: &[], weights: &[] };
-                let prepared = self.setup.prepare(&moment, &task, &[], &Cancel::never())?;
-                let size = prepared.map_or([1.0; 2], |prepared| [0, 1].map(|axis| prepared.grid().size(axis)));
+                let layer_solver = self.prepared.layer_solver(&sample, &task, &[], &Cancel::never())?;
+                let size =
+                    layer_solver.map_or([1.0; 2], |layer_solver| [0, 1].map(|axis| layer_solver.grid().size(axis)));
                 Ok(ScreenVector::new(offset.0.x * size[0], offset.0.y * size[1]))
             }
             Goal::Target(target) => {
-                let rests = self.setup.rests_of(self.index, self.setup.exposed_at(frame));
+                let rests = self.prepared.rests_of(self.index, self.prepared.mid_exposure_time(frame));
                 Ok(target - rests[number].point)
             }
             // Those are of layers of the scene.
@@ -195,25 +196,27 @@ impl Reader<'_> {
     }
 
     /// What is not exact about a pin.
-    fn doubts(&self, number: usize, rest: &Rest, cast: Option<&Pinned>) -> Vec<String> {
+    fn doubts(&self, number: usize, rest: &RestPoint, cast: Option<&PinAnchor>) -> Vec<String> {
         let pin = &self.layer.pins[number];
         let frame = self.shape.pin_frame;
         let told = |what: String| format!("pin '{}' {what}", pin.name);
         let mut doubts = Vec::new();
-        let own = self.setup.anchors_of(self.index)[number];
+        let own = self.prepared.anchors_of(self.index)[number];
         match (own, cast) {
             _ if rest.presence <= 0.0 => {
                 doubts.push(told(format!("is behind the camera in frame {frame}: place pins in another")))
             }
-            (Pinned::Surface { part, corners, .. }, Some(Pinned::Surface { part: other, corners: found, .. }))
-                if part == *other && corners.iter().any(|corner| found.contains(corner)) => {}
-            (Pinned::Surface { .. }, _) => {
+            (
+                PinAnchor::Surface { part, corners, .. },
+                Some(PinAnchor::Surface { part: other, corners: found, .. }),
+            ) if part == *other && corners.iter().any(|corner| found.contains(corner)) => {}
+            (PinAnchor::Surface { .. }, _) => {
                 doubts.push(told(format!("is hidden in frame {frame}: placed there it would stick to something else")));
             }
-            (Pinned::Screen(_), Some(_)) if self.setup.shot.scene().is_some() => {
+            (PinAnchor::Screen(_), Some(_)) if self.prepared.shot.scene().is_some() => {
                 doubts.push(told("is fixed on the screen in the file: here it sticks to the model".into()));
             }
-            (Pinned::Screen(_), _) => {}
+            (PinAnchor::Screen(_), _) => {}
         }
         if pin.unit == OffsetUnit::Box || matches!(pin.keys.first().map(|key| key.goal), Some(Goal::Target(_))) {
             doubts.push(told("has goals that follow the box or the screen: they are exact at its keys only".into()));

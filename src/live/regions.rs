@@ -2,17 +2,13 @@
 //!
 //! In: a [`Warp`], the frame, a window. Out: windows that hold at least all of them.
 
-use super::cache::Cache;
 use super::key::{Key, KeyWriter};
 use super::map_tiles::MapTile;
+use super::process_cache::CACHE;
 use super::{Controls, LiveError, Moved, ShapeSource, Stop, Warp, warp_until};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
-use std::sync::LazyLock;
-
-/// Answers kept: hosts ask for the same region many times.
-const KEPT: usize = 4096;
 
 /// Samples around a picture's edge that its filter may spread to, in pixels of the result.
 const SOFT_EDGE: u32 = 3;
@@ -25,13 +21,6 @@ fn around(frame: FrameSize) -> PixelRect {
     frame.window().grown(frame.width.max(frame.height))
 }
 
-static REGIONS: LazyLock<Cache<PixelRect>> = LazyLock::new(|| Cache::new(KEPT, |_| 1));
-
-/// Lets go of what was computed.
-pub(super) fn purge() {
-    REGIONS.clear();
-}
-
 impl Warp {
     /// Every pixel that can show something of a picture with that window: the region of definition. Cut to the frame and
     /// as much again on every side, unless the window itself reaches further.
@@ -41,7 +30,7 @@ impl Warp {
             return window;
         }
         let key = self.region_key((0, frame), window);
-        let found = REGIONS.get(key, || {
+        let found = CACHE.regions.get(key, || {
             let near = window.intersection(around(frame));
             let seen = if near.area() == 0 { near } else { self.field.warped_window(frame, near) };
             let seen = if seen.area() == 0 { seen } else { seen.grown(SOFT_EDGE) };
@@ -57,7 +46,7 @@ impl Warp {
         if self.is_identity() || window.area() == 0 {
             return window;
         }
-        let found = REGIONS.get(self.region_key((1 + filter as u64, frame), window), || {
+        let found = CACHE.regions.get(self.region_key((1 + filter as u64, frame), window), || {
             let near = window.intersection(around(frame));
             let reaches = MapTile::all_of(frame, near).into_iter().filter_map(|tile| {
                 let window = tile.window().intersection(near);
@@ -71,7 +60,7 @@ impl Warp {
 
     /// A window and all around it that a pixel can go: far from the frame nobody looks closer.
     fn carried(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
-        let most = self.field.reach() * f64::from(frame.height) / frame.pixel_aspect.min(1.0);
+        let most = self.field.max_displacement() * f64::from(frame.height) / frame.pixel_aspect.min(1.0);
         window.grown((most.ceil().clamp(0.0, 1e5) as u32).saturating_add(WIDEST))
     }
 

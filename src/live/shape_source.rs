@@ -3,17 +3,14 @@
 //! In: the host's choice. Out: its content as a [`Key`].
 
 use super::LiveError;
-use super::cache::Cache;
 use super::key::{Key, KeyWriter};
+use super::process_cache::CACHE;
 use crate::scene::files_beside;
 use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use std::time::UNIX_EPOCH;
-
-/// Shot files kept in memory.
-const KEPT_SHOTS: usize = 16;
 
 /// What the lattice is laid over, and what is to keep its shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,25 +101,14 @@ impl ShapeSource<'_> {
     }
 }
 
-static SHOTS: LazyLock<Cache<Shot>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
-
-/// Buffers and images of scenes.
-static BESIDE: LazyLock<Cache<Vec<PathBuf>>> = LazyLock::new(|| Cache::new(KEPT_SHOTS, |_| 1));
-
-/// Lets go of what was read.
-pub(super) fn purge() {
-    SHOTS.clear();
-    BESIDE.clear();
-}
-
 /// A shot file, read once for as long as it stays the same.
 pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
-    SHOTS.get(file_key(path), || Ok(Shot::read(path)?))
+    CACHE.shots.get(file_key(path), || Ok(Shot::read(path)?))
 }
 
 /// The buffers and images of a scene, looked up once for as long as its file stays the same.
 fn beside(scene: &Path) -> Result<Arc<Vec<PathBuf>>, LiveError> {
-    BESIDE.get(file_key(scene), || Ok(files_beside(scene)?))
+    CACHE.files_beside.get(file_key(scene), || Ok(files_beside(scene)?))
 }
 
 fn file_key(path: &Path) -> Key {
@@ -154,9 +140,10 @@ mod tests {
         std::fs::write(&shot, text).expect("written");
         assert_eq!(*beside(&scene).expect("a scene"), [folder.path().join("points.bin")]);
         read(&shot).expect("a shot");
-        let kept = || (BESIDE.peek(file_key(&scene)).is_some(), SHOTS.peek(file_key(&shot)).is_some());
+        let kept =
+            || (CACHE.files_beside.peek(file_key(&scene)).is_some(), CACHE.shots.peek(file_key(&shot)).is_some());
         assert_eq!(kept(), (true, true));
-        purge();
+        CACHE.purge();
         assert_eq!(kept(), (false, false));
     }
 }

@@ -1,73 +1,27 @@
-//! From parameters to a warp, through three caches: scenes, prefactored solvers, solved warps.
+//! From parameters to a warp, through the caches of the process: scenes, prefactored solvers, solved warps.
 //!
 //! In: [`Controls`], a [`ShapeSource`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so that a
 //! warp has the same bits whatever was solved before.
 
-use super::base_scene::{BaseScene, Goals, driven_layer};
-use super::cache::Cache;
+use super::base_scene::BaseScene;
+use super::driven_layer::{Goals, driven_layer};
 use super::key::{Key, KeyWriter};
+use super::load_scene::load_scene;
+use super::prepared_solver::PreparedSolver;
+use super::process_cache::CACHE;
 use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::lattice::Support;
 use crate::memory;
-use crate::pipeline::{LayerTask, Pinned, PipelineError, Prepared, Setup};
+use crate::pipeline::{LayerTask, PinAnchor, PipelineError, PreparedShot};
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-/// Scenes kept; those of shots may be large.
-const KEPT_BASES: usize = 8;
-/// Bytes of prefactored solvers that are kept: about 64 of 10 x 10 handles.
-const KEPT_BYTES: usize = 1 << 27;
-/// What a solver holds for a handle and each of those that it shares a sample with: 2 MB at 10 x 10 handles of B-splines,
-/// measured.
-const PAIR_BYTES: usize = 1250;
 /// Bytes that a solve takes at once for an entry of the matrix's band: counted from the sizes of the matrices of one
 /// coordinate and of both, and of their factors, not measured.
 const BAND_ENTRY_BYTES: u128 = 120;
-/// Last warps over alphas that are kept.
-const KEPT_SHOWN: usize = 64;
-/// Solved warps kept: a few KB each.
-const KEPT_WARPS: usize = 4096;
-/// Sets of pins kept that were cast onto a surface.
-const KEPT_CASTS: usize = 256;
-
-static BASES: LazyLock<Cache<BaseScene>> = LazyLock::new(|| Cache::new(KEPT_BASES, |_| 1));
-static SOLVERS: LazyLock<Cache<PreparedSolver>> = LazyLock::new(|| Cache::new(KEPT_BYTES, PreparedSolver::bytes));
-static WARPS: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_WARPS, |_| 1));
-/// The last warp over a picture's alpha, by the controls alone.
-static SHOWN: LazyLock<Cache<Warp>> = LazyLock::new(|| Cache::new(KEPT_SHOWN, |_| 1));
-static CASTS: LazyLock<Cache<Vec<Option<Pinned>>>> = LazyLock::new(|| Cache::new(KEPT_CASTS, |_| 1));
-
-/// Lets go of what was computed, but not of the few warps that handles are drawn with: without a render they cannot be
-/// computed again.
-pub(super) fn purge() {
-    BASES.clear();
-    SOLVERS.clear();
-    WARPS.clear();
-    CASTS.clear();
-}
-
-/// A solver, and what it told while it was made.
-#[derive(Debug)]
-struct PreparedSolver {
-    /// `None`: nothing of the layer is in reach.
-    prepared: Option<Prepared>,
-    warnings: Vec<Warning>,
-}
-
-impl PreparedSolver {
-    /// What it weighs, about.
-    fn bytes(&self) -> usize {
-        let Some(prepared) = &self.prepared else { return 1 };
-        let grid = prepared.grid();
-        let handles = grid.handle_count();
-        // Handles that a sample hangs on.
-        let shared = grid.basis.handles_at_point(grid.dims);
-        handles * shared * PAIR_BYTES
-    }
-}
 
 /// The warp of a picture that is `frame` in size: what was solved for the same content is not solved again.
 ///
@@ -99,18 +53,18 @@ pub fn warp_until(
     let base_key = shape.key(frame)?;
     let solver_key = solver_key(base_key, controls, shape);
     let key = warp_key(solver_key, controls);
-    let warp = WARPS.get_until(key, &given_up, || {
-        let base = BASES.get_until(base_key, &given_up, || BaseScene::of(shape, frame))?;
-        let Some(setup) = &base.setup else {
+    let warp = CACHE.warps.get_until(key, &given_up, || {
+        let base = CACHE.scenes.get_until(base_key, &given_up, || load_scene(shape, frame))?;
+        let Some(prepared) = &base.prepared else {
             return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
         };
-        let task = Task { setup, index: base.layer, controls, shape };
-        let ready = SOLVERS.get_until(solver_key, &given_up, || task.prepare(base_key, &cancel))?;
+        let task = Task { prepared, index: base.layer, controls, shape };
+        let ready = CACHE.solvers.get_until(solver_key, &given_up, || task.prepare(base_key, &cancel))?;
         given_up().map_or(Ok(()), Err)?;
         task.solve(&ready, key, &cancel)
     })?;
     if matches!(shape, ShapeSource::Coverage(_)) {
-        SHOWN.put(shown_key(controls), Arc::clone(&warp));
+        CACHE.shown_warps.put(shown_key(controls), Arc::clone(&warp));
     }
     Ok(warp)
 }
@@ -127,7 +81,7 @@ fn aborted(error: PipelineError) -> LiveError {
 /// handles; `None`: there was none lately.
 #[must_use]
 pub fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
-    SHOWN.peek(shown_key(controls))
+    CACHE.shown_warps.peek(shown_key(controls))
 }
 
 fn shown_key(controls: &Controls) -> Key {
@@ -142,7 +96,7 @@ pub(super) fn base(shape: &ShapeSource, frame: FrameSize) -> Result<Arc<BaseScen
     if let ShapeSource::Shot(shot) = shape {
         check_aspect(shot, frame)?;
     }
-    BASES.get(shape.key(frame)?, || BaseScene::of(shape, frame))
+    CACHE.scenes.get(shape.key(frame)?, || load_scene(shape, frame))
 }
 
 /// Everything that fixes the factored matrix.
@@ -184,7 +138,7 @@ fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
 
 /// One layer, driven by controls.
 struct Task<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     index: usize,
     controls: &'a Controls,
     shape: &'a ShapeSource<'a>,
@@ -202,16 +156,16 @@ impl Task<'_> {
 
     fn layer(&self, goals: Goals) -> Layer {
         let key_frame = self.key_frame();
-        driven_layer(&self.setup.shot.layers[self.index], self.controls, (self.own_pins(), key_frame), goals)
+        driven_layer(&self.prepared.shot.layers[self.index], self.controls, (self.own_pins(), key_frame), goals)
     }
 
     fn key_frame(&self) -> f64 {
-        let moment = self.setup.exposed_at(self.frame());
-        self.setup.key_frame(&self.setup.shot.layers[self.index], moment)
+        let sample = self.prepared.mid_exposure_time(self.frame());
+        self.prepared.key_frame(&self.prepared.shot.layers[self.index], sample)
     }
 
     fn frames(&self) -> &FrameRange {
-        &self.setup.shot.frames
+        &self.prepared.shot.frames
     }
 
     fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
@@ -220,14 +174,15 @@ impl Task<'_> {
         self.check_memory()?;
         let (pinned, warnings) = self.pinned(base)?;
         let own = layer.pins.len() - pinned.len();
-        let anchors: Vec<Pinned> = self.setup.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
-        let moment = self.setup.unsolved(self.setup.exposed_at(self.frame()))?;
+        let anchors: Vec<PinAnchor> =
+            self.prepared.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
+        let sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(self.frame()))?;
         let weights: Vec<f64> =
             std::iter::repeat_n(1.0, own).chain(self.controls.pins.iter().map(|pin| pin.weight)).collect();
         let task = LayerTask { index: self.index, layer: &layer, anchors: &anchors, weights: &weights };
         let path = layer.pin_path(self.frames(), self.key_frame());
-        let prepared = self.setup.prepare(&moment, &task, &path, cancel).map_err(aborted)?;
-        Ok(PreparedSolver { prepared, warnings })
+        let layer_solver = self.prepared.layer_solver(&sample, &task, &path, cancel).map_err(aborted)?;
+        Ok(PreparedSolver { solver: layer_solver, warnings })
     }
 
     /// Handles that a shot moves belong to a lattice of certain dims.
@@ -235,9 +190,9 @@ impl Task<'_> {
         let dims = self.controls.dims;
         let is_outside = |index: &[usize; 3]| (0..2).any(|axis| index[axis] >= dims[axis]);
         let Some(handle) = layer.handles.iter().find(|handle| is_outside(&handle.index)) else { return Ok(()) };
-        let [nx, ny, _] = self.setup.shot.layers[self.index].space.dims();
+        let [nx, ny, _] = self.prepared.shot.layers[self.index].space.dims();
         Err(LiveError::Layer {
-            path: self.setup.shot.path.clone(),
+            path: self.prepared.shot.path.clone(),
             what: format!("layer '{}' moves handle {:?}, a lattice of {dims:?} has none", layer.name, handle.index),
             hint: format!("set the lattice to {nx} x {ny} as in the file"),
         })
@@ -256,30 +211,30 @@ impl Task<'_> {
     }
 
     /// What the pins of the controls are tied to.
-    fn pinned(&self, base: Key) -> Result<(Vec<Pinned>, Vec<Warning>), LiveError> {
+    fn pinned(&self, base: Key) -> Result<(Vec<PinAnchor>, Vec<Warning>), LiveError> {
         let rests: Vec<ScreenPoint> = self.controls.pins.iter().map(|pin| pin.rest).collect();
         let ShapeSource::Shot(shot) = self.shape else {
-            return Ok((rests.into_iter().map(Pinned::Screen).collect(), Vec::new()));
+            return Ok((rests.into_iter().map(PinAnchor::Screen).collect(), Vec::new()));
         };
         let mut key = KeyWriter::after(base);
         key.word(shot.pin_frame as u64);
         rests.iter().for_each(|rest| _ = key.float(rest.0.x).float(rest.0.y));
-        let casts = CASTS.get(key.finish(), || Ok::<_, LiveError>(self.setup.cast(shot.pin_frame, &rests)))?;
+        let casts = CACHE.casts.get(key.finish(), || Ok::<_, LiveError>(self.prepared.cast(shot.pin_frame, &rests)))?;
         let missed = casts.iter().enumerate().filter(|(_, cast)| cast.is_none());
         let warnings =
             missed.map(|(index, _)| Warning::OffModel { pin: index, at: rests[index], frame: shot.pin_frame });
         let warnings = warnings.collect();
-        let pinned = casts.iter().zip(rests).map(|(cast, rest)| cast.unwrap_or(Pinned::Screen(rest)));
+        let pinned = casts.iter().zip(rests).map(|(cast, rest)| cast.unwrap_or(PinAnchor::Screen(rest)));
         Ok((pinned.collect(), warnings))
     }
 
     fn solve(&self, ready: &PreparedSolver, key: Key, cancel: &Cancel) -> Result<Warp, LiveError> {
-        let Some(prepared) = &ready.prepared else {
+        let Some(layer_solver) = &ready.solver else {
             return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped", key));
         };
         let layer = self.layer(Goals::Reached);
         let path = layer.pin_path(self.frames(), self.key_frame());
-        let state = prepared.solve_cancellable(&layer, &path, cancel).map_err(aborted)?;
+        let state = layer_solver.solve_cancellable(&layer, &path, cancel).map_err(aborted)?;
         let is_whole = matches!(
             (self.controls.moved, self.shape, &layer.matte),
             (Moved::Picture, ShapeSource::Frame | ShapeSource::Shot(_), None)
@@ -288,10 +243,10 @@ impl Task<'_> {
         let given_way = state.whole.iter().flat_map(|whole| whole.given_way.iter().copied()).collect::<Vec<_>>();
         let (lattice, report) = match state.solution {
             Some(solution) => (solution.lattice, Some(solution.report)),
-            None => (prepared.grid().at_rest(), None),
+            None => (layer_solver.grid().at_rest(), None),
         };
         let own = layer.pins.len() - self.controls.pins.len();
-        let rests = &prepared.rests()[own..];
+        let rests = &layer_solver.rests()[own..];
         let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
             rest: rest.point,
             target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),
@@ -316,6 +271,7 @@ mod tests {
     use super::*;
     use crate::lattice::Basis;
     use crate::live::Pin;
+    use crate::live::process_cache::SOLVER_BYTES;
 
     #[test]
     fn large_solvers_weigh_more_and_few_of_them_are_kept() {
@@ -323,13 +279,13 @@ mod tests {
         let pin = Pin::new(ScreenPoint::new(0.5, 0.5), ScreenPoint::new(0.6, 0.5));
         let weight = |dims, basis| {
             let controls = Controls { dims, basis, pins: vec![pin], ..Controls::default() };
-            let base = BaseScene::of(&ShapeSource::Frame, frame).expect("a card");
-            let setup = base.setup.as_ref().expect("a card");
-            let task = Task { setup, index: 0, controls: &controls, shape: &ShapeSource::Frame };
+            let base = load_scene(&ShapeSource::Frame, frame).expect("a card");
+            let prepared = base.prepared.as_ref().expect("a card");
+            let task = Task { prepared, index: 0, controls: &controls, shape: &ShapeSource::Frame };
             task.prepare(KeyWriter::new().finish(), &Cancel::never()).expect("fits").bytes()
         };
         let small = weight([10, 10], Basis::Bspline);
-        assert_eq!((small, KEPT_BYTES / small), (2_000_000, 67));
+        assert_eq!((small, SOLVER_BYTES / small), (2_000_000, 67));
         assert_eq!(weight([20, 30], Basis::Bspline), 6 * small);
         assert!(weight([10, 10], Basis::Bernstein) > 6 * small);
     }

@@ -156,9 +156,9 @@ impl WriteShot<'_> {
     /// Names of the layer's pins and where they rest; refuses those that would act beside the tracks.
     fn own_pins(&self, path: &Path) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
         let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;
-        let setup = base.setup.as_ref().expect("shots have a scene");
-        let rests = setup.rests_of(base.layer, f64::from(self.pin_frame));
-        let names = setup.shot.layers[base.layer].pins.iter().map(|pin| pin.name.clone());
+        let prepared = base.prepared.as_ref().expect("shots have a scene");
+        let rests = prepared.rests_of(base.layer, f64::from(self.pin_frame));
+        let names = prepared.shot.layers[base.layer].pins.iter().map(|pin| pin.name.clone());
         let own: Vec<_> = names.zip(rests.iter().map(|rest| rest.point)).collect();
         let is_known = |name: &str| self.tracks.iter().any(|track| track.name == name);
         match own.iter().find(|(name, _)| !is_known(name)) {
@@ -194,8 +194,8 @@ impl WriteShot<'_> {
     fn cast_frame(&self, rest: ScreenPoint, origin: Option<&Path>) -> Result<Option<i32>, LiveError> {
         let Some(path) = origin else { return Ok(None) };
         let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;
-        let setup = base.setup.as_ref().filter(|setup| setup.shot.scene().is_some());
-        let hit = setup.and_then(|setup| setup.cast(self.pin_frame, &[rest]).pop().flatten());
+        let prepared = base.prepared.as_ref().filter(|prepared| prepared.shot.scene().is_some());
+        let hit = prepared.and_then(|prepared| prepared.cast(self.pin_frame, &[rest]).pop().flatten());
         Ok(hit.map(|_| self.pin_frame))
     }
 }

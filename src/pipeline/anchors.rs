@@ -1,6 +1,6 @@
 //! Ties pins to the scene: names become indices once, then every frame gives the pin's rest point.
 //!
-//! In: a pin's anchor. Out: [`Pinned`], and its [`Rest`] at a time.
+//! In: a pin's anchor. Out: [`PinAnchor`], and its [`RestPoint`] at a time.
 
 use super::PipelineError;
 use crate::pose::{Pose, PosedPart};
@@ -19,7 +19,7 @@ const MOVED_SHARE: f64 = 1e-3;
 
 /// What a pin is tied to, by index.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pinned {
+pub enum PinAnchor {
     /// A point of a triangle.
     Surface {
         /// Index into the pose's parts.
@@ -35,19 +35,19 @@ pub enum Pinned {
 
 /// Where a pinned point is before the warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rest {
+pub struct RestPoint {
     /// On the screen.
     pub point: ScreenPoint,
     /// 1, or less where the point comes close to the near plane; 0 at it and in front of it.
     pub presence: f64,
 }
 
-impl Pinned {
+impl PinAnchor {
     /// The pinned point of a projected pose.
     #[must_use]
-    pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> Rest {
+    pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> RestPoint {
         match *self {
-            Self::Screen(point) => Rest { point, presence: 1.0 },
+            Self::Screen(point) => RestPoint { point, presence: 1.0 },
             Self::Surface { part, corners, barycentric } => {
                 let vertices = corners.map(|corner| mesh.parts[part].vertices[corner as usize]);
                 let h =
@@ -57,9 +57,9 @@ impl Pinned {
                 };
                 let (w, depth) = (mix(|vertex| vertex.w), mix(|vertex| vertex.depth));
                 if w <= 0.0 {
-                    return Rest { point: ScreenPoint::default(), presence: 0.0 };
+                    return RestPoint { point: ScreenPoint::default(), presence: 0.0 };
                 }
-                Rest { point: ScreenPoint(h / w), presence: presence(depth, camera) }
+                RestPoint { point: ScreenPoint(h / w), presence: presence(depth, camera) }
             }
         }
     }
@@ -96,7 +96,7 @@ pub(super) fn find(
     (shot, place): (&Shot, [usize; 2]),
     scene: &Scene,
     parts: &[PosedPart],
-) -> Result<(Pinned, Option<String>), PipelineError> {
+) -> Result<(PinAnchor, Option<String>), PipelineError> {
     let layer = &shot.layers[place[0]];
     let pin = &layer.pins[place[1]];
     let fault = |(what, hint)| mismatch(shot, place, (what, hint));
@@ -133,7 +133,7 @@ pub(super) fn find(
             layer.name, pin.name, pin.name
         )
     });
-    Ok((Pinned::Surface { part, corners, barycentric: *barycentric }, note))
+    Ok((PinAnchor::Surface { part, corners, barycentric: *barycentric }, note))
 }
 
 /// A pin that does not fit the scene: what is wrong and how to fix it.

@@ -1,8 +1,8 @@
 //! The warp of layers as deformed meshes, for programs that know no lattices (or not ours).
 //!
-//! In: a [`Setup`], frames, layers. Out: a [`BakedScene`]: every vertex in the space of its node, frame by frame.
+//! In: a [`PreparedShot`], frames, layers. Out: a [`BakedScene`]: every vertex in the space of its node, frame by frame.
 
-use super::{Moment, PipelineError, Setup};
+use super::{PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::nominal_rate;
 use crate::export::gltf::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
 use crate::lattice::ScreenLattice;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// Least vertices a thread takes at once.
 const CHUNK: usize = 2048;
 
-/// Which moment of an exported file a frame of the shot is.
+/// Which time of an exported file a frame of the shot is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakeTimes {
     /// The clip keeps its times; later where a frame would lie before 0.
@@ -33,7 +33,7 @@ fn frames_to_zero(first: i32, rate: f64) -> i32 {
     (lacking + second - 1) / second * second
 }
 
-impl Setup {
+impl PreparedShot {
     /// The scene with the layers that `is_baked` picks told as deformed meshes. `tell` hears every frame that is done.
     ///
     /// # Errors
@@ -47,15 +47,15 @@ impl Setup {
     ) -> Result<BakedScene<'_>, PipelineError> {
         let mut frames = frames.to_vec();
         frames.sort_unstable();
-        let owned = |part: &usize| self.owners[*part].is_some_and(&is_baked);
-        let parts: Vec<usize> = (0..self.owners.len()).filter(owned).collect();
+        let owned = |part: &usize| self.assignment.layer_of_part[*part].is_some_and(&is_baked);
+        let parts: Vec<usize> = (0..self.assignment.layer_of_part.len()).filter(owned).collect();
         let mut nodes = self.at_rest(&parts, frames.first().copied().unwrap_or_default());
         for &frame in frames.iter().filter(|_| !parts.is_empty()) {
-            let moment = self.moment(f64::from(frame))?;
-            let lattices = moment.lattices(&self.owners);
+            let sample = self.sample_at(f64::from(frame))?;
+            let lattices = sample.lattices(&self.assignment.layer_of_part);
             let mut shapes = parts.iter().map(|&part| {
-                let node_from_scene = node_from_scene(&moment.pose, moment.pose.parts[part].node);
-                shape(&moment, (part, lattices[part]), node_from_scene)
+                let node_from_scene = node_from_scene(&sample.pose, sample.pose.parts[part].node);
+                shape(&sample, (part, lattices[part]), node_from_scene)
             });
             nodes.iter_mut().flat_map(|node| &mut node.parts).for_each(|part| part.shapes.extend(shapes.next()));
             tell(frame);
@@ -67,7 +67,12 @@ impl Setup {
 
     /// Takes the meshes of everything but a layer out of the file of the scene.
     pub fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
-        let others = self.part_nodes.iter().zip(&self.owners).filter(|(_, owner)| **owner != Some(layer));
+        let others = self
+            .assignment
+            .node_of_part
+            .iter()
+            .zip(&self.assignment.layer_of_part)
+            .filter(|(_, owner)| **owner != Some(layer));
         for (&node, _) in others {
             let node = &mut packed.json["nodes"][self.scene.file_from_scene[node]];
             node.as_object_mut().and_then(|node| node.remove("mesh"));
@@ -191,18 +196,18 @@ fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
     }
 }
 
-/// A part of a moment, warped, in the space of its node. World layers have moved the pose already; those of the screen
+/// A part at one time, warped, in the space of its node. World layers have moved the pose already; those of the screen
 /// move each vertex across the view at its own depth, which leaves its place in the picture where the lattice puts it.
 fn shape(
-    moment: &Moment,
+    sample: &TimeSample,
     (part, lattice): (usize, Option<&ScreenLattice>),
     node_from_scene: Option<DMat4>,
 ) -> BakedShape {
-    let mut baked = in_node(&moment.pose.parts[part], node_from_scene);
+    let mut baked = in_node(&sample.pose.parts[part], node_from_scene);
     if let (Some(lattice), Some(node_from_scene)) = (lattice, node_from_scene) {
-        let scene_points = &moment.pose.parts[part].positions;
+        let scene_points = &sample.pose.parts[part].positions;
         baked.positions.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(vertex, position)| {
-            let by = across(&moment.camera, lattice, moment.camera.project(scene_points[vertex]));
+            let by = across(&sample.camera, lattice, sample.camera.project(scene_points[vertex]));
             let moved = scene_points[vertex].0.as_dvec3() + by;
             *position = node_from_scene.transform_point3(moved).as_vec3();
         });

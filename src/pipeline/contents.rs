@@ -3,7 +3,7 @@
 //! In: paths. Out: 32 hexadecimal digits over all their bytes: XXH3 with 128 bits (github.com/Cyan4973/xxHash, doc/xxhash_spec.md),
 //! the same on every machine.
 
-use super::Setup;
+use super::PreparedShot;
 use crate::image::SequencePath;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -68,7 +68,7 @@ impl FrameDigests {
     }
 }
 
-impl Setup {
+impl PreparedShot {
     /// The files with the model or pictures and lattices that the shot reads. The shot file counts by what it says.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.shot.files().chain(&self.scene.files_beside).map(PathBuf::as_path)

@@ -1,10 +1,10 @@
 //! Second stage of a render: draws jobs, tile by tile.
 //!
-//! In: [`Job`]s. Out: [`Drawn`] frames whose data window is the covered part.
+//! In: [`FrameJob`]s. Out: [`Drawn`] frames whose data window is the covered part.
 
-use super::produce::{BuiltPass, Facts, Job, Producer};
+use super::geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
 use super::write::Drawn;
-use super::{JerkMeter, PassPlan, PipelineError, Setup, plan_passes};
+use super::{JerkMeter, PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::image::Frame;
 use crate::raster::{Pass, PassRole, Raster, Target};
 use crate::space::PixelRect;
@@ -23,12 +23,12 @@ pub(super) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
 /// Draws all jobs. Returns how long the raster was busy, milliseconds.
 pub(super) fn draw_all(
     device: &mut dyn Raster,
-    setup: &Setup,
+    prepared: &PreparedShot,
     tiles: &[PixelRect],
-    (jobs, drawn): (Receiver<Job>, SyncSender<Drawn>),
+    (jobs, drawn): (Receiver<FrameJob>, SyncSender<Drawn>),
 ) -> f64 {
-    let plan = plan_passes(setup.shot.samples, setup.shot.shutter);
-    let mut renderer = FrameRenderer { device, setup, plan, busy_ms: 0.0 };
+    let plan = plan_passes(prepared.shot.samples, prepared.shot.shutter);
+    let mut renderer = FrameRenderer { device, prepared, plan, busy_ms: 0.0 };
     for job in jobs {
         let before_ms = renderer.busy_ms;
         let done = match renderer.draw(&job, tiles) {
@@ -46,16 +46,17 @@ pub(super) fn draw_all(
 }
 
 /// Draws one frame by itself.
-pub(super) fn draw_frame(device: &mut dyn Raster, setup: &Setup, frame: i32) -> Result<Frame, PipelineError> {
-    let tiles = tiles(setup.shot.size.window(), device.max_side());
+pub(super) fn draw_frame(device: &mut dyn Raster, prepared: &PreparedShot, frame: i32) -> Result<Frame, PipelineError> {
+    let tiles = tiles(prepared.shot.size.window(), device.max_side());
     let cancel = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let (job, jobs) = sync_channel(1);
         let (drawn, drawns) = sync_channel(1);
         let jerk = JerkMeter::default();
-        let mut producer = Producer { setup, tile_count: tiles.len(), has_overlay: false, cancel: &cancel, jerk };
+        let mut producer =
+            GeometryThread { prepared, tile_count: tiles.len(), has_overlay: false, cancel: &cancel, jerk };
         scope.spawn(move || producer.run(&[frame], &job));
-        draw_all(device, setup, &tiles, (jobs, drawn));
+        draw_all(device, prepared, &tiles, (jobs, drawn));
         match drawns.recv() {
             Ok(Drawn::Frame(frame, _)) => Ok(*frame),
             Ok(Drawn::Failed(_, error)) => Err(error),
@@ -67,14 +68,14 @@ pub(super) fn draw_frame(device: &mut dyn Raster, setup: &Setup, frame: i32) -> 
 /// Draws the frames of a shot on one device.
 struct FrameRenderer<'a> {
     device: &'a mut dyn Raster,
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     plan: Vec<PassPlan>,
     busy_ms: f64,
 }
 
 impl FrameRenderer<'_> {
     /// Draws a frame.
-    fn draw(&mut self, job: &Job, tiles: &[PixelRect]) -> Result<(Frame, Facts), PipelineError> {
+    fn draw(&mut self, job: &FrameJob, tiles: &[PixelRect]) -> Result<(Frame, FrameFacts), PipelineError> {
         let mut whole: Option<Frame> = None;
         for &window in tiles {
             let tile = self.tile(job, window)?;
@@ -82,8 +83,8 @@ impl FrameRenderer<'_> {
                 None if tiles.len() == 1 => whole = Some(tile),
                 None => {
                     let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
-                    let display = self.setup.shot.size.window();
-                    let pixel_aspect = self.setup.shot.size.pixel_aspect;
+                    let display = self.prepared.shot.size.window();
+                    let pixel_aspect = self.prepared.shot.size.pixel_aspect;
                     let mut frame = Frame { pixel_aspect, ..Frame::blank(display, display, &channels) };
                     frame.paste(&tile);
                     whole = Some(frame);
@@ -97,12 +98,12 @@ impl FrameRenderer<'_> {
         Ok((frame, job.facts.recv().map_err(|_| lost(job))?))
     }
 
-    fn tile(&mut self, job: &Job, window: PixelRect) -> Result<Frame, PipelineError> {
+    fn tile(&mut self, job: &FrameJob, window: PixelRect) -> Result<Frame, PipelineError> {
         let is_beauty = |pass: &&PassPlan| pass.role != PassRole::Data;
         let target = Target {
-            frame: self.setup.shot.size,
+            frame: self.prepared.shot.size,
             window,
-            channels: self.setup.shot.output.channels.clone(),
+            channels: self.prepared.shot.output.channels.clone(),
             beauty_passes: self.plan.iter().filter(is_beauty).count() as u32,
         };
         // The first pass is waited for before the clock starts: its geometry is not the raster's work.
@@ -130,11 +131,11 @@ impl FrameRenderer<'_> {
 }
 
 /// The next pass of a job, or why there is none.
-fn receive(job: &Job) -> Result<BuiltPass, PipelineError> {
+fn receive(job: &FrameJob) -> Result<BuiltPass, PipelineError> {
     job.passes.recv().map_err(|_| lost(job))?
 }
 
 /// The geometry thread ended in the middle of a frame.
-fn lost(job: &Job) -> PipelineError {
+fn lost(job: &FrameJob) -> PipelineError {
     PipelineError::Interrupted { frame: job.frame }
 }

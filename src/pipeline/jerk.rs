@@ -3,7 +3,7 @@
 //! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks and
 //! nothing that it follows does. It looks and never changes a picture.
 
-use super::{FrameReport, Jerk, Moment, Setup};
+use super::{FrameReport, Jerk, PreparedShot, TimeSample};
 use crate::lattice::ScreenLattice;
 use crate::shot::Rotation;
 use crate::space::{ScreenPoint, ScreenVector};
@@ -42,11 +42,13 @@ struct Places {
 impl JerkMeter {
     /// Adds the jerk of every layer to a frame's report, and a warning where it is bad: the same for a frame alone as in a
     /// sequence. The first three frames of a shot have none.
-    pub fn watch(&mut self, setup: &Setup, moment: &Moment, report: &mut FrameReport) {
-        self.look_back(setup, report.frame);
-        let now = places(setup, moment);
-        for (index, layer) in setup.shot.layers.iter().enumerate() {
-            let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(setup.shot.size.height)) else { continue };
+    pub fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
+        self.look_back(prepared, report.frame);
+        let now = places(prepared, sample);
+        for (index, layer) in prepared.shot.layers.iter().enumerate() {
+            let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(prepared.shot.size.height)) else {
+                continue;
+            };
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
             // What a transferred lattice follows lies in another shot: nothing here to blame it by.
             let is_followed = layer.transfer.is_none();
@@ -65,16 +67,16 @@ impl JerkMeter {
     }
 
     /// Makes `past` the frames right before one, as far as the shot has them; it stays empty where one cannot be solved.
-    fn look_back(&mut self, setup: &Setup, frame: i32) {
+    fn look_back(&mut self, prepared: &PreparedShot, frame: i32) {
         let wanted = frame.saturating_sub(3)..frame;
-        if wanted.start < setup.shot.frames.first || setup.shot.layers.is_empty() {
+        if wanted.start < prepared.shot.frames.first || prepared.shot.layers.is_empty() {
             // Too early to be measured; what is known may serve the next frame.
             self.past.retain(|&(past, _)| wanted.contains(&past));
             return;
         }
         let mut known: BTreeMap<i32, Vec<Option<Places>>> = self.past.drain(..).collect();
         for past in wanted {
-            let found = known.remove(&past).or_else(|| Some(places(setup, &*setup.exposed(past).ok()?)));
+            let found = known.remove(&past).or_else(|| Some(places(prepared, &*prepared.mid_exposure(past).ok()?)));
             match found {
                 Some(found) => self.past.push_back((past, found)),
                 None => self.past.clear(),
@@ -114,22 +116,22 @@ fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
 }
 
 /// All layers in one frame.
-fn places(setup: &Setup, moment: &Moment) -> Vec<Option<Places>> {
-    (0..setup.shot.layers.len()).map(|layer| Places::of(setup, moment, layer)).collect()
+fn places(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Places>> {
+    (0..prepared.shot.layers.len()).map(|layer| Places::of(prepared, sample, layer)).collect()
 }
 
 impl Places {
-    fn of(setup: &Setup, moment: &Moment, layer: usize) -> Option<Self> {
-        let lattice = &moment.layers[layer].solution.as_ref()?.lattice;
+    fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
+        let lattice = &sample.layers[layer].solution.as_ref()?.lattice;
         let mut places = Self::default();
-        setup.surface_points(moment, layer).for_each(|point| places.add(point, lattice));
-        let state = &moment.layers[layer];
-        for pin in 0..setup.shot.layers[layer].pins.len() {
+        surface_points(prepared, sample, layer).for_each(|point| places.add(point, lattice));
+        let state = &sample.layers[layer];
+        for pin in 0..prepared.shot.layers[layer].pins.len() {
             let pin = state.pins.iter().find(|state| state.pin == pin);
             places.add(pin.map(|pin| pin.rest), lattice);
             places.wanted.push(pin.map(|pin| pin.target - pin.rest));
         }
-        places.add_keys(setup, moment, (layer, lattice));
+        places.add_keys(prepared, sample, (layer, lattice));
         Some(places)
     }
 
@@ -139,8 +141,8 @@ impl Places {
     }
 
     /// Turns and stretches of pins, and offsets of handles, as lengths.
-    fn add_keys(&mut self, setup: &Setup, moment: &Moment, (layer, lattice): (usize, &ScreenLattice)) {
-        let targets = setup.shot.pin_targets(layer, setup.key_frame(&setup.shot.layers[layer], moment.frame));
+    fn add_keys(&mut self, prepared: &PreparedShot, sample: &TimeSample, (layer, lattice): (usize, &ScreenLattice)) {
+        let targets = prepared.shot.pin_targets(layer, prepared.key_frame(&prepared.shot.layers[layer], sample.frame));
         let lever = LEVER * lattice.grid.diagonal();
         let turns = targets.pins.iter().map(|pin| match pin.rotation {
             Some(Rotation::InView(turn)) => [turn, pin.log_scale.unwrap_or(0.0)],
@@ -153,18 +155,16 @@ impl Places {
     }
 }
 
-impl Setup {
-    /// The same points of a layer's surface in every frame, spread over its vertices; `None` where they are out of sight.
-    fn surface_points<'a>(
-        &'a self,
-        moment: &'a Moment,
-        layer: usize,
-    ) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
-        let parts = || self.parts_of_layer[layer].iter().map(|&part| &moment.pose.parts[part].positions);
-        let step = parts().map(Vec::len).sum::<usize>().div_ceil(SURFACE_POINTS).max(1);
-        let projected = parts().flatten().step_by(step).map(|&point| moment.camera.project(point));
-        projected.map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
-    }
+/// The same points of a layer's surface in every frame, spread over its vertices; `None` where they are out of sight.
+fn surface_points<'a>(
+    prepared: &'a PreparedShot,
+    sample: &'a TimeSample,
+    layer: usize,
+) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
+    let parts = || prepared.assignment.parts_of_layer[layer].iter().map(|&part| &sample.pose.parts[part].positions);
+    let step = parts().map(Vec::len).sum::<usize>().div_ceil(SURFACE_POINTS).max(1);
+    let projected = parts().flatten().step_by(step).map(|&point| sample.camera.project(point));
+    projected.map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The lattices of a shot as objects that stand in its scene, for programs whose lattices do so.
 //!
-//! In: a [`Setup`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
+//! In: a [`PreparedShot`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
 //! reason why there is none.
 
-use super::{LayerState, Moment, PipelineError, Setup};
+use super::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
 use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
 use crate::pose::Pose;
@@ -24,7 +24,7 @@ type Poses = Vec<(i32, Option<LatticePose>)>;
 /// Why a layer cannot be a lattice object.
 type Reason = String;
 
-impl Setup {
+impl PreparedShot {
     /// How a layer travels to Blender.
     ///
     /// # Errors
@@ -48,8 +48,8 @@ impl Setup {
         let mut poses = Poses::new();
         let mut built = None;
         for &frame in frames {
-            let moment = self.moment(f64::from(frame))?;
-            let Some((basis, dims)) = built_of(&moment.layers[index]) else {
+            let sample = self.sample_at(f64::from(frame))?;
+            let Some((basis, dims)) = built_of(&sample.layers[index]) else {
                 poses.push((frame, None));
                 continue;
             };
@@ -57,40 +57,41 @@ impl Setup {
                 Ok(blend) => built = Some((blend, dims)),
                 Err(reason) => return Ok(Err(reason)),
             }
-            match self.lattice_pose(&moment, index) {
+            match self.lattice_pose(&sample, index) {
                 Ok(pose) => poses.push((frame, pose)),
                 Err(reason) => return Ok(Err(format!("in frame {frame} {reason}"))),
             }
         }
         let still = || "it is not warped in any of the frames".to_owned();
         let Some((blend, dims)) = built else { return Ok(Err(still())) };
-        let mut nodes: Vec<usize> = self.parts_of_layer[index].iter().map(|&part| self.part_nodes[part]).collect();
+        let mut nodes: Vec<usize> =
+            self.assignment.parts_of_layer[index].iter().map(|&part| self.assignment.node_of_part[part]).collect();
         nodes.dedup();
         Ok(filled(poses, dims).map(|frames| LatticeObject { nodes, dims, blend, frames }).ok_or_else(still))
     }
 
-    fn lattice_pose(&self, moment: &Moment, index: usize) -> Result<Option<LatticePose>, Reason> {
-        let frame = moment.frame as i32;
-        match (self.shot.layers[index].space, &moment.layers[index]) {
+    fn lattice_pose(&self, sample: &TimeSample, index: usize) -> Result<Option<LatticePose>, Reason> {
+        let frame = sample.frame as i32;
+        match (self.shot.layers[index].space, &sample.layers[index]) {
             (LayerSpace::World { .. }, state) => {
                 let Some(world) = &state.world else { return Ok(None) };
-                let (rest, _) = self.view(moment.frame);
+                let (rest, _) = self.view(sample.frame);
                 self.all_inside(&rest, index, &world.lattice)?;
                 Ok(Some(world_pose(frame, &world.lattice)))
             }
             (LayerSpace::Screen { .. }, state) => {
                 let Some(solution) = &state.solution else { return Ok(None) };
-                let corners = self.corners_seen(moment, index);
+                let corners = self.corners_seen(sample, index);
                 let Some(&(anchor, seen)) = corners.first() else { return Ok(None) };
                 check_flat(&corners, &solution.lattice.grid)?;
-                Ok(Some(card_pose(frame, &solution.lattice, (&moment.camera, anchor, seen))))
+                Ok(Some(card_pose(frame, &solution.lattice, (&sample.camera, anchor, seen))))
             }
         }
     }
 
     fn all_inside(&self, rest: &Pose, index: usize, lattice: &SceneLattice) -> Result<(), Reason> {
         let grid = &lattice.lattice.grid;
-        for &part in &self.parts_of_layer[index] {
+        for &part in &self.assignment.parts_of_layer[index] {
             let posed = &rest.parts[part];
             let source = primitive(&self.scene, posed);
             let mut corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
@@ -105,17 +106,17 @@ impl Setup {
     }
 
     /// Places of a layer's vertices in the scene and on the screen, those that are drawn.
-    fn corners_seen(&self, moment: &Moment, index: usize) -> Vec<(DVec3, Projected)> {
+    fn corners_seen(&self, sample: &TimeSample, index: usize) -> Vec<(DVec3, Projected)> {
         let of_part = |&part: &usize| {
-            let posed = &moment.pose.parts[part];
+            let posed = &sample.pose.parts[part];
             let source = primitive(&self.scene, posed);
             let corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
             let places = corners.map(|&corner| corner as usize).map(move |corner| {
-                (posed.positions[corner].0.as_dvec3(), moment.camera.project(posed.positions[corner]))
+                (posed.positions[corner].0.as_dvec3(), sample.camera.project(posed.positions[corner]))
             });
             places.collect::<Vec<_>>()
         };
-        self.parts_of_layer[index].iter().flat_map(of_part).collect()
+        self.assignment.parts_of_layer[index].iter().flat_map(of_part).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The names of a shot, as Cryptomattes know them.
 //!
-//! In: scene, parts, owners, layers. Out: [`Mattes`]: ids of every part, manifests for the files.
+//! In: scene, parts, layer_of_part, layers. Out: [`Mattes`]: ids of every part, manifests for the files.
 
 use crate::image::cryptomatte::{Manifest, MatteHeader, MatteId, clean_name};
 use crate::pose::PosedPart;
@@ -22,15 +22,15 @@ pub(super) struct Mattes {
 }
 
 impl Mattes {
-    /// `owners`: one a part, the layer that claims it. The names do not depend on the frame, so every frame of a
+    /// `layer_of_part`: one a part, the layer that moves it. The names do not depend on the frame, so every frame of a
     /// sequence has the same manifest.
-    pub(super) fn new(shot: &Shot, scene: &Scene, (parts, owners): (&[PosedPart], &[Option<usize>])) -> Self {
-        let names = |(part, owner): (&PosedPart, &Option<usize>)| {
-            let layer = owner.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
+    pub(super) fn new(shot: &Shot, scene: &Scene, (parts, layer_of_part): (&[PosedPart], &[Option<usize>])) -> Self {
+        let names = |(part, layer): (&PosedPart, &Option<usize>)| {
+            let layer = layer.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
             let node = &scene.nodes[part.node].name;
             [clean_name(node), material_name(scene, primitive(scene, part).material), clean_name(layer)]
         };
-        let names: Vec<[String; MATTE_LAYERS.len()]> = parts.iter().zip(owners).map(names).collect();
+        let names: Vec<[String; MATTE_LAYERS.len()]> = parts.iter().zip(layer_of_part).map(names).collect();
         let of_part = names.iter().map(|names| names.each_ref().map(|name| MatteId::of_name(name))).collect();
         let headers = MATTE_LAYERS.iter().enumerate().map(|(place, layer)| MatteHeader {
             name: (*layer).to_owned(),

@@ -1,8 +1,8 @@
 //! Where frames go, and what must not be written over.
 //!
-//! In: paths, a [`Setup`]. Out: a folder that can be written to; the files that a shot reads.
+//! In: paths, a [`PreparedShot`]. Out: a folder that can be written to; the files that a shot reads.
 
-use super::{PipelineError, Setup};
+use super::{PipelineError, PreparedShot};
 use crate::image::{Inputs, SequencePath};
 use crate::plate::Holes;
 use std::path::Path;
@@ -14,16 +14,15 @@ pub(super) fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
     outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
 }
 
-impl Setup {
-    /// All files that the shot reads: scene and what lies beside it, pictures, plates, clean plates, lattices.
-    pub(crate) fn inputs(&self) -> Result<Inputs, PipelineError> {
-        let mut inputs = Inputs::default();
-        let files = self.shot.files().chain(&self.scene.files_beside).chain([&self.shot.path]);
-        files.for_each(|path| inputs.add(path));
-        let clean = if let Holes::Plate(clean) = &self.shot.warp.holes { Some(clean) } else { None };
-        for pattern in self.shot.plate.iter().chain(clean) {
-            inputs.add_sequence(&SequencePath::parse(pattern)?)?;
-        }
-        Ok(inputs)
+/// All files that a shot reads: scene and what lies beside it, pictures, plates, clean plates, lattices.
+pub(crate) fn input_files(prepared: &PreparedShot) -> Result<Inputs, PipelineError> {
+    let mut inputs = Inputs::default();
+    let PreparedShot { shot, scene, .. } = prepared;
+    let files = shot.files().chain(&scene.files_beside).chain([&shot.path]);
+    files.for_each(|path| inputs.add(path));
+    let clean = if let Holes::Plate(clean) = &shot.warp.holes { Some(clean) } else { None };
+    for pattern in shot.plate.iter().chain(clean) {
+        inputs.add_sequence(&SequencePath::parse(pattern)?)?;
     }
+    Ok(inputs)
 }

@@ -1,10 +1,11 @@
 //! Draws what a solve did over the preview: lattice, pins, targets, folded cells.
 //!
-//! In: a solved [`Moment`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
+//! In: a solved [`TimeSample`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
 use super::layer_pins::region;
 use super::overlay_legend::{self, FOLDED, FOLDED_EMPTY, GRID, HANDLE, Mark, NAME, REGION, REST, TARGET, outline};
-use super::{LayerState, Moment, PinState, Setup};
+use super::screen_shape::screen_shape;
+use super::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::image::{Canvas, Preview};
 use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::screen::Camera;
@@ -62,25 +63,26 @@ impl SolvedLattice {
 }
 
 impl Picture {
-    /// What a moment's solves did.
+    /// What a sample's solves did.
     #[must_use]
-    pub(super) fn of(setup: &Setup, moment: &Moment) -> Self {
-        let layers = setup.shot.layers.iter().zip(&moment.layers).enumerate().filter_map(|(index, (layer, state))| {
-            let lattice = SolvedLattice::of(state)?;
-            let diagonal = state.solution.as_ref().map(|solution| solution.lattice.grid.diagonal());
-            let named = |pin: &PinState| PinPicture {
-                state: *pin,
-                name: layer.pins[pin.pin].name.clone(),
-                radius: diagonal.and_then(|diagonal| region(&layer.pins[pin.pin], diagonal)).map(|one| one.radius),
-            };
-            let seen = state.pins.iter().filter(|pin| pin.is_in_view);
-            let folds = match &lattice {
-                SolvedLattice::Screen(lattice) => folds(lattice, || setup.shape(moment, index)),
-                SolvedLattice::World(_) => Vec::new(),
-            };
-            Some(LayerPicture { lattice, folds, pins: seen.map(named).collect() })
-        });
-        Self { frame: setup.shot.size, camera: moment.camera, layers: layers.collect() }
+    pub(super) fn of(prepared: &PreparedShot, sample: &TimeSample) -> Self {
+        let layers =
+            prepared.shot.layers.iter().zip(&sample.layers).enumerate().filter_map(|(index, (layer, state))| {
+                let lattice = SolvedLattice::of(state)?;
+                let diagonal = state.solution.as_ref().map(|solution| solution.lattice.grid.diagonal());
+                let named = |pin: &PinState| PinPicture {
+                    state: *pin,
+                    name: layer.pins[pin.pin].name.clone(),
+                    radius: diagonal.and_then(|diagonal| region(&layer.pins[pin.pin], diagonal)).map(|one| one.radius),
+                };
+                let seen = state.pins.iter().filter(|pin| pin.is_in_view);
+                let folds = match &lattice {
+                    SolvedLattice::Screen(lattice) => folds(lattice, || screen_shape(prepared, sample, index)),
+                    SolvedLattice::World(_) => Vec::new(),
+                };
+                Some(LayerPicture { lattice, folds, pins: seen.map(named).collect() })
+            });
+        Self { frame: prepared.shot.size, camera: sample.camera, layers: layers.collect() }
     }
 
     /// Draws it.

@@ -6,11 +6,12 @@
 //! The channels are short, so memory does not grow with the length of the sequence.
 
 use super::draw::{draw_all, tiles};
+use super::geometry_thread::GeometryThread;
+use super::output::input_files;
 use super::pictures::{Wanted, render_pictures};
-use super::produce::Producer;
 use super::resume::{Todo, refuse_existing};
 use super::write::{Writer, preview_hash};
-use super::{Event, Existing, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
+use super::{Event, Existing, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
 use crate::image::{Depth, Expected, ImageError, PictureKind, Redo, SequencePath, check_kept};
 use crate::memory;
 use crate::raster::{self, ChannelGroup, DeviceClass, Raster};
@@ -30,17 +31,17 @@ const QUEUED_FRAMES: usize = 1;
 /// # Errors
 /// [`PipelineError`] where nothing can be rendered at all; single frames that fail are events and counted.
 pub fn render(
-    setup: &Setup,
+    prepared: &PreparedShot,
     options: &RenderOptions,
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
-    let work = Work::plan(setup, options)?;
-    if setup.gallery.is_some() {
+    let work = Work::plan(prepared, options)?;
+    if prepared.gallery.is_some() {
         let todo = work.todo(DeviceClass::Cpu)?;
         return Ok(work.paint(todo, cancel, tell));
     }
-    let (mut device, fallback) = raster::open(&options.device, &setup.scene)?;
+    let (mut device, fallback) = raster::open(&options.device, &prepared.scene)?;
     if let Some(reason) = fallback {
         tell(Event::Note { text: format!("the CPU draws: {reason}") });
     }
@@ -48,18 +49,18 @@ pub fn render(
     Ok(work.run(todo, device.as_mut(), (cancel, tell)))
 }
 
-/// As [`render`], on a device that the caller opened for the setup's scene; `options.device` is not looked at.
+/// As [`render`], on a device that the caller opened for the prepared shot; `options.device` is not looked at.
 ///
 /// # Errors
 /// As [`render`].
 pub fn render_on(
     device: &mut dyn Raster,
-    setup: &Setup,
+    prepared: &PreparedShot,
     options: &RenderOptions,
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
-    let work = Work::plan(setup, options)?;
+    let work = Work::plan(prepared, options)?;
     let todo = work.todo(device.class())?;
     Ok(work.run(todo, device, (cancel, tell)))
 }
@@ -67,7 +68,7 @@ pub fn render_on(
 /// What is to be done.
 struct Work<'a> {
     begun: Instant,
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     options: &'a RenderOptions,
     output: SequencePath,
     wanted: Vec<i32>,
@@ -77,29 +78,29 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// Refuses at once what would fail at every frame.
-    fn plan(setup: &'a Setup, options: &'a RenderOptions) -> Result<Self, PipelineError> {
+    fn plan(prepared: &'a PreparedShot, options: &'a RenderOptions) -> Result<Self, PipelineError> {
         let begun = Instant::now();
-        if setup.shot.source == Source::Frame {
+        if prepared.shot.source == Source::Frame {
             let what = "there is no scene to render: this shot warps finished frames";
-            return Err(PipelineError::mismatch(&setup.shot, "plate", what, "run `pinwarp warp --shot` on it"));
+            return Err(PipelineError::mismatch(&prepared.shot, "plate", what, "run `pinwarp warp --shot` on it"));
         }
-        check_memory(&setup.shot)?;
-        let output = SequencePath::parse(&setup.shot.output.path)?;
+        check_memory(&prepared.shot)?;
+        let output = SequencePath::parse(&prepared.shot.output.path)?;
         let wanted = if options.frames.is_empty() {
-            (setup.shot.frames.first..=setup.shot.frames.last).collect()
+            (prepared.shot.frames.first..=prepared.shot.frames.last).collect()
         } else {
             options.frames.clone()
         };
-        check_extension(&setup.shot.output.path)?;
+        check_extension(&prepared.shot.output.path)?;
         output.check_frame_count(wanted.len())?;
-        let mut inputs = setup.inputs()?;
+        let mut inputs = input_files(prepared)?;
         options.inputs.iter().for_each(|path| inputs.add(path));
         let files: Vec<_> = wanted.iter().flat_map(|&frame| files_of(&output, options, frame)).collect();
         files.iter().try_for_each(|path| inputs.refuse(path))?;
         if options.existing == Existing::Refuse {
             refuse_existing(files)?;
         }
-        Ok(Self { begun, setup, options, output, wanted, digest: setup.digest() })
+        Ok(Self { begun, prepared, options, output, wanted, digest: prepared.digest() })
     }
 
     /// The frames to make on a device of that class.
@@ -109,7 +110,7 @@ impl<'a> Work<'a> {
         let depth = if options.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
         let preview_hash = preview_hash(shot_hash, options);
         let todo = Todo::of(self.wanted.clone(), &self.output, options.existing, |frame| {
-            let expected = Expected { frame, shot_hash, size: Some(self.setup.shot.size), device };
+            let expected = Expected { frame, shot_hash, size: Some(self.prepared.shot.size), device };
             let path = self.output.path_of(frame);
             check_kept(&path, &expected, depth)?;
             if options.has_preview || options.has_overlay {
@@ -123,10 +124,10 @@ impl<'a> Work<'a> {
 
     /// Pictures are warped as pictures; no device draws them.
     fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
-        let Self { begun, setup, options, output, digest, .. } = self;
-        tell_notes(setup, &todo, tell);
+        let Self { begun, prepared, options, output, digest, .. } = self;
+        tell_notes(prepared, &todo, tell);
         let wanted = Wanted { options, output, digest, frames: todo.frames.clone(), kept: todo.kept };
-        let summary = render_pictures(setup, wanted, cancel, tell);
+        let summary = render_pictures(prepared, wanted, cancel, tell);
         finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, tell))
     }
 
@@ -136,21 +137,21 @@ impl<'a> Work<'a> {
         device: &mut dyn Raster,
         (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
     ) -> Summary {
-        let Self { begun, setup, options, output, digest, .. } = self;
-        tell_notes(setup, &todo, tell);
+        let Self { begun, prepared, options, output, digest, .. } = self;
+        tell_notes(prepared, &todo, tell);
         tell(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
-        let mut writer = Writer::new(setup, options, (output, digest), device.class());
-        let tiles = tiles(setup.shot.size.window(), device.max_side());
+        let mut writer = Writer::new(prepared, options, (output, digest), device.class());
+        let tiles = tiles(prepared.shot.size.window(), device.max_side());
         let mut raster_ms = 0.0;
         std::thread::scope(|scope| {
             let (job, jobs) = sync_channel(QUEUED_FRAMES);
             let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
             let (tile_count, has_overlay) = (tiles.len(), options.has_overlay);
-            let mut producer = Producer { setup, tile_count, has_overlay, cancel, jerk: JerkMeter::default() };
+            let mut producer = GeometryThread { prepared, tile_count, has_overlay, cancel, jerk: JerkMeter::default() };
             let frames = &todo.frames;
             scope.spawn(move || producer.run(frames, &job));
             let writing = scope.spawn(|| writer.run(drawns, tell));
-            raster_ms = draw_all(device, setup, &tiles, (jobs, drawn));
+            raster_ms = draw_all(device, prepared, &tiles, (jobs, drawn));
             // A panic in the writer is passed on, not swallowed.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
@@ -167,8 +168,8 @@ fn files_of(output: &SequencePath, options: &RenderOptions, frame: i32) -> impl 
 }
 
 /// What the user should know before it begins.
-fn tell_notes(setup: &Setup, todo: &Todo, tell: &(dyn Fn(Event) + Sync)) {
-    setup.notes.iter().cloned().chain(todo.notes()).for_each(|text| tell(Event::Note { text }));
+fn tell_notes(prepared: &PreparedShot, todo: &Todo, tell: &(dyn Fn(Event) + Sync)) {
+    prepared.notes.iter().cloned().chain(todo.notes()).for_each(|text| tell(Event::Note { text }));
     todo.redone.iter().cloned().for_each(|redone| tell(Event::FrameRedone(redone)));
 }
 
@@ -193,7 +194,7 @@ fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     Err(ImageError::Pattern { pattern: pattern.to_owned(), what })
 }
 
-/// A frame is drawn, gathered from its passes, and encoded while the next is drawn: each sample is held four times.
+/// A frame is drawn, gathered from its passes, and encoded while the next is drawn: each sample of a pixel is held four times.
 fn check_memory(shot: &Shot) -> Result<(), PipelineError> {
     let pixels = u128::from(shot.size.width) * u128::from(shot.size.height);
     let channels: u128 = shot.output.channels.iter().map(|group| group_channels(*group)).sum();

@@ -1,8 +1,10 @@
 //! Reports the solves of a frame.
 //!
-//! In: a solved [`Moment`]. Out: a [`FrameReport`] with one entry for each solved layer, and warnings in words.
+//! In: a solved [`TimeSample`]. Out: a [`FrameReport`] with one entry for each solved layer, and warnings in words.
 
-use super::{FrameReport, LayerReport, LayerState, Moment, PinState, ScenePin, Setup};
+use super::lattice_box::screen_bounds;
+use super::trajectories::spread_at;
+use super::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{ResidualReason, SolveReport, Spread};
 use crate::spelling::counted;
@@ -12,12 +14,12 @@ const PIN_TOLERANCE_PX: f64 = 0.05;
 
 /// What the solves of a frame say.
 #[must_use]
-pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
+pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
-    let height_px = f64::from(setup.shot.size.height);
-    let mesh = moment.mesh();
-    for (index, (layer, state)) in setup.shot.layers.iter().zip(&moment.layers).enumerate() {
-        let is_in_sight = setup.bounds_of(index, &moment.pose, &mesh, &moment.camera).is_some();
+    let height_px = f64::from(prepared.shot.size.height);
+    let mesh = sample.mesh();
+    for (index, (layer, state)) in prepared.shot.layers.iter().zip(&sample.layers).enumerate() {
+        let is_in_sight = screen_bounds(prepared, index, &sample.pose, &mesh, &sample.camera).is_some();
         if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame)";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
@@ -26,11 +28,11 @@ pub fn report(setup: &Setup, frame: i32, moment: &Moment) -> FrameReport {
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }
         let Some(solve) = state.report().cloned() else { continue };
-        let errors_px = pin_errors_px(moment, state, height_px);
+        let errors_px = pin_errors_px(sample, state, height_px);
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
-        if let Ok(Some(spread)) = setup.spread_at(index, frame) {
+        if let Ok(Some(spread)) = spread_at(prepared, index, frame) {
             report.warnings.push(spread_warning(layer, &spread, height_px));
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
@@ -58,12 +60,12 @@ fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
 }
 
 /// How far each pin that acts misses its target as the camera sees it, pixels; 0 for those it does not see.
-fn pin_errors_px(moment: &Moment, state: &LayerState, height_px: f64) -> Vec<f64> {
+fn pin_errors_px(sample: &TimeSample, state: &LayerState, height_px: f64) -> Vec<f64> {
     let Some(world) = &state.world else {
         return state.report().into_iter().flat_map(|solve| &solve.pin_errors).map(|error| error * height_px).collect();
     };
     let miss = |(pin, in_scene): (&PinState, &ScenePin)| {
-        let reached = moment.camera.project_exact(world.lattice.warp(in_scene.rest));
+        let reached = sample.camera.project_exact(world.lattice.warp(in_scene.rest));
         if pin.is_in_view { (reached.point() - pin.target).0.length() * height_px } else { 0.0 }
     };
     state.pins.iter().zip(&world.pins).map(miss).collect()

@@ -1,8 +1,8 @@
-//! Paints layers stiff: `[[layer.stiffness]]` becomes a number a triangle, once, when a shot is made ready.
+//! Paints layers stiff: `[[layer.stiffness]]` becomes a number a triangle, once, when a shot is prepared.
 //!
-//! In: a shot, its scene, which layer claims which part. Out: stiffness of the triangles of every part.
+//! In: a shot, its scene, which layer has which part. Out: stiffness of the triangles of every part.
 
-use super::{PipelineError, Setup};
+use super::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
@@ -10,13 +10,12 @@ use crate::shot::{ColorChannel, Shot, StiffPart, StiffnessRule};
 use crate::solve::Shape;
 use crate::spelling;
 
-impl Setup {
-    /// Paints the triangles last added to the shape of a layer, which a triangle of a part became.
-    pub(super) fn paint<const D: usize>(&self, layer: usize, (part, triangle): (usize, usize), shape: &mut Shape<D>) {
-        if !self.shot.layers[layer].stiffness.is_empty() {
-            let value = self.stiffness[part].get(triangle).copied().unwrap_or(1.0);
-            shape.stiffness.resize(shape.triangles.len(), value);
-        }
+/// Gives the triangles last added to a shape the stiffness of the triangle of a part that they came from. `painted`: the
+/// stiffness of the part's triangles; `None`: the layer has none.
+pub(super) fn extend_stiffness<const D: usize>(painted: Option<&[f64]>, triangle: usize, shape: &mut Shape<D>) {
+    if let Some(painted) = painted {
+        let value = painted.get(triangle).copied().unwrap_or(1.0);
+        shape.stiffness.resize(shape.triangles.len(), value);
     }
 }
 

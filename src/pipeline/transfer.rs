@@ -1,14 +1,14 @@
-//! Lattices that were solved for another shot: loaded once, laid over a layer in every frame; and the way out again.
+//! Lattices that were solved for another shot: loaded once, laid over a layer in every frame.
 //!
-//! In: lattice files that layers name; or a [`Setup`] and frames. Out: layer states; or a [`LatticeFile`].
+//! In: lattice files that layers name. Out: [`Loaded`] lattices, and the layer's state at a frame.
 
 use super::layer_pins::unmeasured;
-use super::{LayerState, Moment, PipelineError, Setup};
-use crate::export::{LatticeFile, LatticeTrack, Track, lattice_at};
-use crate::lattice::{BoxFrame, Lattice, LatticeFit};
-use crate::plate::WholeWarp;
-use crate::shot::{BoxRule, Shot, Transfer, TransferFit};
+use super::{LayerState, PipelineError};
+use crate::export::{LatticeFile, Track, lattice_at};
+use crate::lattice::{Lattice, LatticeFit};
+use crate::shot::{Layer, Shot, Transfer, TransferFit};
 use crate::solve::{Solution, SolveReport};
+use crate::space::ScreenBox;
 use crate::spelling;
 use std::collections::BTreeMap;
 
@@ -68,15 +68,20 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
     Ok(Loaded { lattices })
 }
 
-impl Setup {
-    /// The layer's lattice at a moment, from its file.
-    pub(super) fn transferred(&self, moment: &Moment, (index, bounds): (usize, BoxRule), from: &Loaded) -> LayerState {
-        let layer = &self.shot.layers[index];
-        let source = lattice_at(&from.lattices, self.key_frame(layer, moment.frame));
+impl Loaded {
+    /// The layer's lattice at a (fractional) frame of its keys; `rest_box` gives the box it is laid over, where it is wanted.
+    pub(super) fn state(
+        &self,
+        shot: &Shot,
+        layer: &Layer,
+        key_frame: f64,
+        rest_box: impl FnOnce() -> Option<ScreenBox>,
+    ) -> LayerState {
+        let source = lattice_at(&self.lattices, key_frame);
         let fit = match layer.transfer.as_ref().map(|transfer| &transfer.fit) {
             Some(TransferFit::AsIs) => LatticeFit::AsIs,
             Some(TransferFit::Landmarks(pairs)) => LatticeFit::Landmarks(pairs.clone()),
-            Some(TransferFit::Box) | None => match self.lattice_box(moment, index, bounds) {
+            Some(TransferFit::Box) | None => match rest_box() {
                 Some(target) => LatticeFit::Box(target),
                 None => return LayerState::default(),
             },
@@ -84,7 +89,7 @@ impl Setup {
         let fitted = source.transferred(&fit);
         let lattice = fitted.lattice.with_strength(layer.strength);
         let mut report = report_of(&lattice);
-        let error_px = fitted.error * f64::from(self.shot.size.height);
+        let error_px = fitted.error * f64::from(shot.size.height);
         if error_px > TURNED_TOLERANCE_PX {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
             report.warnings.push(text);
@@ -104,59 +109,4 @@ fn report_of(lattice: &Lattice<2>) -> SolveReport {
         is_converged: true,
         ..unmeasured(SolveReport::default())
     }
-}
-
-/// The lattices of a layer, by frame: on the screen or in the scene.
-#[derive(Clone, Default)]
-struct Solved {
-    screen: BTreeMap<i32, Lattice<2>>,
-    world: BTreeMap<i32, Lattice<3>>,
-    placements: BTreeMap<i32, BoxFrame>,
-    wholes: BTreeMap<i32, WholeWarp>,
-}
-
-impl Solved {
-    fn add(&mut self, frame: i32, state: &LayerState) {
-        self.screen.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
-        self.wholes.extend(state.whole.as_ref().map(|whole| (frame, whole.clone())));
-        let world = state.world.as_ref().map(|world| &world.lattice);
-        self.world.extend(world.map(|placed| (frame, placed.lattice.clone())));
-        self.placements.extend(world.map(|placed| (frame, placed.frame)));
-    }
-
-    /// `None` where the layer is never warped.
-    fn track(self, name: &str) -> Option<LatticeTrack> {
-        let Self { screen, world, placements, wholes } = self;
-        let track = match (screen.is_empty(), world.is_empty()) {
-            (true, true) => return None,
-            (_, true) => Track::Screen(screen),
-            (_, false) => Track::World(world),
-        };
-        Some(LatticeTrack { name: name.to_owned(), track, placements, wholes })
-    }
-}
-
-/// The solved lattices of some frames, each at the frame's own time, for other shots and programs; layers that are never
-/// warped are left out.
-///
-/// # Errors
-/// [`PipelineError::Solve`] where a layer cannot be solved; where no layer is warped at all, a mismatch.
-pub fn lattices(setup: &Setup, frames: &[i32], mut tell: impl FnMut(i32)) -> Result<LatticeFile, PipelineError> {
-    let shot = &setup.shot;
-    let mut solved = vec![Solved::default(); shot.layers.len()];
-    for &frame in frames {
-        // Not in the middle of its exposure: whoever lays a lattice over a moment asks for the time of that moment.
-        let moment = setup.moment(f64::from(frame))?;
-        for (solved, state) in solved.iter_mut().zip(&moment.layers) {
-            solved.add(frame, state);
-        }
-        tell(frame);
-    }
-    let tracks = shot.layers.iter().zip(solved);
-    let layers: Vec<LatticeTrack> = tracks.filter_map(|(layer, solved)| solved.track(&layer.name)).collect();
-    if layers.is_empty() {
-        let what = "no layer is warped in these frames: there is nothing to export";
-        return Err(PipelineError::mismatch(shot, "layer", what, "add pins, or choose other frames"));
-    }
-    Ok(LatticeFile { frame_aspect: shot.size.aspect(), rate: shot.frames.rate, layers })
 }

@@ -2,8 +2,8 @@
 //!
 //! In: [`Drawn`] frames. Out: files, events, counts.
 
-use super::produce::Facts;
-use super::{Event, PipelineError, RenderOptions, Setup, Summary};
+use super::geometry_thread::FrameFacts;
+use super::{Event, PipelineError, PreparedShot, RenderOptions, Summary};
 use crate::image::{Destination, Frame, FrameMetadata, SequencePath, preview, write_exr, write_frame_preview};
 use crate::raster::{ChannelGroup, DeviceClass};
 use std::sync::mpsc::Receiver;
@@ -12,14 +12,14 @@ use std::time::Instant;
 /// What the raster hands to the writer.
 pub(super) enum Drawn {
     /// A whole frame.
-    Frame(Box<Frame>, Box<Facts>),
+    Frame(Box<Frame>, Box<FrameFacts>),
     /// A frame that could not be made, and why.
     Failed(i32, PipelineError),
 }
 
 /// Writes frames and counts them.
 pub(super) struct Writer<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     options: &'a RenderOptions,
     output: SequencePath,
     device: DeviceClass,
@@ -30,12 +30,12 @@ pub(super) struct Writer<'a> {
 impl<'a> Writer<'a> {
     /// `shot_hash`: digest of the shot and of what its files hold.
     pub(super) fn new(
-        setup: &'a Setup,
+        prepared: &'a PreparedShot,
         options: &'a RenderOptions,
         (output, shot_hash): (SequencePath, String),
         device: DeviceClass,
     ) -> Self {
-        Self { setup, options, output, device, shot_hash, summary: Summary::default() }
+        Self { prepared, options, output, device, shot_hash, summary: Summary::default() }
     }
 
     /// Writes everything that arrives; one failed frame does not stop the others.
@@ -63,25 +63,25 @@ impl<'a> Writer<'a> {
         self.summary
     }
 
-    fn write(&mut self, frame: &Frame, facts: Facts) -> Result<Event, PipelineError> {
+    fn write(&mut self, frame: &Frame, facts: FrameFacts) -> Result<Event, PipelineError> {
         let begun = Instant::now();
-        let Facts { mut report, picture, camera } = facts;
+        let FrameFacts { mut report, picture, camera } = facts;
         report.path = self.output.path_of(report.frame);
         let has_mattes =
-            self.setup.gallery.is_none() && self.setup.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
+            self.prepared.gallery.is_none() && self.prepared.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
         let metadata = FrameMetadata {
             frame: report.frame,
-            frames_per_second: self.setup.shot.frames.rate,
+            frames_per_second: self.prepared.shot.frames.rate,
             shot_hash: self.shot_hash.clone(),
             device: self.device.to_string(),
             camera: Some(camera),
-            mattes: if has_mattes { self.setup.mattes.headers.clone() } else { Vec::new() },
+            mattes: if has_mattes { self.prepared.draw_inputs.mattes.headers.clone() } else { Vec::new() },
         };
         if frame.data_window.area() == 0 {
             report.warnings.push("the picture is empty: the camera sees nothing".into());
         }
         let to = |path| Destination { path, durability: self.options.durability };
-        write_exr(to(&report.path), frame, &metadata, self.setup.shot.output.compression)?;
+        write_exr(to(&report.path), frame, &metadata, self.prepared.shot.output.compression)?;
         if self.options.has_preview || picture.is_some() {
             let mut shown = preview(frame);
             if let Some(picture) = picture {

@@ -1,10 +1,10 @@
-//! The layers of a plate that are pictures, told from passes and from data by their meanings.
+//! The layers of a plate that are pictures, told from passes and from data by their semantics.
 //!
 //! In: a plate, the shot's patterns. Out: [`ColorLayer`]s of one view in the file's order; words about all others.
 
-use super::Meaning;
-use super::MeaningReason;
-use super::contents::{BEAUTY, Contents, Entry};
+use super::Semantic;
+use super::SemanticReason;
+use super::channel_table::{BEAUTY, ChannelEntry, ChannelTable};
 use crate::image::{Channel, Plate, PlatePart};
 
 /// A layer that shows colour.
@@ -35,7 +35,7 @@ enum Role {
 
 /// Channels of one layer and view.
 struct Layer<'c> {
-    entries: Vec<&'c Entry>,
+    entries: Vec<&'c ChannelEntry>,
 }
 
 /// The layers of the first view that has colour: those that the shot calls colour, and the picture itself. Drawn layers
@@ -43,9 +43,9 @@ struct Layer<'c> {
 ///
 /// The second result names what is left out, and why: `albedo (a pass of the picture; ...)`.
 #[must_use]
-pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Meaning)]) -> (Vec<ColorLayer<'a>>, Vec<String>) {
-    let contents = Contents::of(plate, patterns);
-    let layers = Layer::all_of(&contents);
+pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Semantic)]) -> (Vec<ColorLayer<'a>>, Vec<String>) {
+    let table = ChannelTable::of(plate, patterns);
+    let layers = Layer::all_of(&table);
     let view = layers.iter().find(|layer| layer.role() != Role::Data).and_then(Layer::view);
     let (shown, others): (Vec<_>, Vec<_>) =
         layers.into_iter().partition(|layer| layer.view().is_none_or(|own| Some(own) == view));
@@ -68,7 +68,7 @@ pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Meaning)]) -> (Ve
         words(data, "no colour"),
         words(others.iter().filter_map(|layer| layer.view().map(str::to_owned)), "other views than the first"),
     ];
-    let layers = painted.into_iter().map(|layer| layer.colors(&contents)).collect();
+    let layers = painted.into_iter().map(|layer| layer.colors(&table)).collect();
     (layers, left_out.into_iter().flatten().collect())
 }
 
@@ -84,9 +84,9 @@ fn words(names: impl Iterator<Item = String>, why: &str) -> Option<String> {
 }
 
 impl<'c> Layer<'c> {
-    fn all_of(contents: &'c Contents) -> Vec<Self> {
+    fn all_of(table: &'c ChannelTable) -> Vec<Self> {
         let mut layers: Vec<Self> = Vec::new();
-        for entry in &contents.entries {
+        for entry in &table.entries {
             match layers.iter_mut().find(|layer| layer.holds(entry)) {
                 Some(layer) => layer.entries.push(entry),
                 None => layers.push(Self { entries: vec![entry] }),
@@ -95,26 +95,26 @@ impl<'c> Layer<'c> {
         layers
     }
 
-    fn first(&self) -> &'c Entry {
+    fn first(&self) -> &'c ChannelEntry {
         self.entries.first().expect("layers are made of a channel at least")
     }
 
-    fn holds(&self, entry: &Entry) -> bool {
+    fn holds(&self, entry: &ChannelEntry) -> bool {
         let (own, other) = (&self.first().name, &entry.name);
-        self.first().place.part == entry.place.part && own.segments == other.segments && own.view == other.view
+        self.first().index.part == entry.index.part && own.segments == other.segments && own.view == other.view
     }
 
     fn view(&self) -> Option<&'c str> {
         self.first().name.view.as_deref()
     }
 
-    fn component(&self, wanted: &str) -> Option<&'c Entry> {
+    fn component(&self, wanted: &str) -> Option<&'c ChannelEntry> {
         self.entries.iter().copied().find(|entry| entry.name.component.eq_ignore_ascii_case(wanted))
     }
 
     /// Red, green and blue, those that hold colour; grey for all three.
-    fn color(&self) -> [Option<&'c Entry>; 3] {
-        let is_color = |entry: &&Entry| entry.known.meaning == Meaning::Color;
+    fn color(&self) -> [Option<&'c ChannelEntry>; 3] {
+        let is_color = |entry: &&ChannelEntry| entry.class.semantic == Semantic::Color;
         let grey = self.component("Y").filter(is_color);
         ["R", "G", "B"].map(|name| self.component(name).filter(is_color).or(grey))
     }
@@ -123,11 +123,11 @@ impl<'c> Layer<'c> {
         let color = self.color();
         let Some(first) = color.into_iter().flatten().next() else { return Role::Data };
         let is_beauty = first.name.layer_word().is_none_or(|word| BEAUTY.contains(&word));
-        match first.known.reason {
-            MeaningReason::Shot => Role::Chosen,
+        match first.class.reason {
+            SemanticReason::Shot => Role::Chosen,
             _ if is_beauty => Role::Beauty,
-            MeaningReason::Name | MeaningReason::Metadata => Role::Pass,
-            MeaningReason::Guess => Role::Drawn,
+            SemanticReason::Name | SemanticReason::Metadata => Role::Pass,
+            SemanticReason::Guess => Role::Drawn,
         }
     }
 
@@ -143,15 +143,15 @@ impl<'c> Layer<'c> {
 
     /// Channels that stand beside the colour and are none: `Z` beside `R`.
     fn other_names(&self) -> Vec<String> {
-        let is_other = |entry: &&&Entry| !matches!(entry.known.meaning, Meaning::Color | Meaning::Alpha);
+        let is_other = |entry: &&&ChannelEntry| !matches!(entry.class.semantic, Semantic::Color | Semantic::Alpha);
         self.entries.iter().filter(is_other).map(|entry| entry.name.full.clone()).collect()
     }
 
-    fn colors<'a>(&self, contents: &Contents<'a>) -> ColorLayer<'a> {
+    fn colors<'a>(&self, table: &ChannelTable<'a>) -> ColorLayer<'a> {
         let [red, green, blue] = self.color();
-        let channel = |entry: Option<&Entry>| entry.map(|entry| contents.channel(entry.place));
+        let channel = |entry: Option<&ChannelEntry>| entry.map(|entry| table.channel(entry.index));
         ColorLayer {
-            part: &contents.plate.parts[self.first().place.part],
+            part: &table.plate.parts[self.first().index.part],
             name: self.first().name.segments.join("."),
             channels: [red, green, blue, self.component("A")].map(channel),
         }

@@ -2,20 +2,20 @@
 //!
 //! In: a plate, the names of what each layer moves. Out: one [`Matte`] a layer; coverage of one as samples.
 
-use super::contents::Contents;
-use super::matte::Ground;
-use super::{Coverage, Matte, PlateError, WarpRules};
+use super::channel_table::ChannelTable;
+use super::matte::{MatteRegion, matte_coverage};
+use super::{Coverage, Matte, PlateError, WarpSettings};
 use crate::image::Plate;
 use crate::image::cryptomatte::{Manifest, MatteHeader};
 
 /// One matte a layer from the one Cryptomatte of a plate that knows something of each of them: of objects before assets
 /// before others; materials do not tell layers apart. `names`: the objects of each layer. `None`: there is no such Cryptomatte.
 #[must_use]
-pub fn mattes_of_names(plate: &Plate, names: &[Vec<String>], rules: &WarpRules) -> Option<Vec<Matte>> {
-    let contents = Contents::of(plate, &rules.meanings);
-    let there = contents.matte_layers(contents.entries.iter());
+pub fn mattes_of_names(plate: &Plate, names: &[Vec<String>], settings: &WarpSettings) -> Option<Vec<Matte>> {
+    let table = ChannelTable::of(plate, &settings.semantics);
+    let there = table.matte_layers(table.entries.iter());
     let is_there = |header: &&MatteHeader| there.iter().any(|layer| layer.name == header.name);
-    let mut headers: Vec<&MatteHeader> = contents.mattes.iter().filter(is_there).collect();
+    let mut headers: Vec<&MatteHeader> = table.mattes.iter().filter(is_there).collect();
     headers.retain(|header| !header.name.to_lowercase().contains("material"));
     headers.sort_by_key(|header| {
         let name = header.name.to_lowercase();
@@ -39,11 +39,12 @@ fn knows(manifest: &Manifest, name: &str) -> bool {
 ///
 /// # Errors
 /// [`PlateError`] where the plate does not have what the matte names.
-pub fn coverage_of(plate: &Plate, matte: &Matte, rules: &WarpRules) -> Result<Coverage, PlateError> {
+pub fn coverage_of(plate: &Plate, matte: &Matte, settings: &WarpSettings) -> Result<Coverage, PlateError> {
     let frame = plate.frame_size();
     let window = plate.parts.first().map_or(frame.window(), |part| plate.window_of(part));
-    let share = Contents::of(plate, &rules.meanings).share("", matte, Ground { view: None, window })?;
-    Ok(Coverage { frame, window, samples: share.pixels.unwrap_or_else(|| vec![1.0; window.area()]) })
+    let table = ChannelTable::of(plate, &settings.semantics);
+    let covered = matte_coverage(&table, ("", matte), MatteRegion { view: None, window })?;
+    Ok(Coverage { frame, window, samples: covered.coverage.unwrap_or_else(|| vec![1.0; window.area()]) })
 }
 
 #[cfg(test)]
@@ -79,8 +80,8 @@ mod tests {
 
     #[test]
     fn what_covers_all_that_a_pixel_shows_is_all_of_it() {
-        let (plate, rules) = (plate(), WarpRules::default());
-        let share = |matte: &Matte| coverage_of(&plate, matte, &rules).expect("a matte").samples;
+        let (plate, settings) = (plate(), WarpSettings::default());
+        let share = |matte: &Matte| coverage_of(&plate, matte, &settings).expect("a matte").samples;
         assert_eq!(share(&Matte::Cryptomatte { layer: None, names: vec!["Sword".into()] }), [1.0, 0.25]);
         let drawn = Coverage { frame: plate.frame_size(), window: WINDOW, samples: vec![0.25; 2] };
         assert_eq!(share(&Matte::Drawn(Arc::new(drawn))), [1.0, 0.25]);
@@ -90,7 +91,7 @@ mod tests {
     fn names_are_looked_up_among_objects() {
         let of = |names: &[&str]| {
             let names: Vec<Vec<String>> = names.iter().map(|name| vec![(*name).to_owned()]).collect();
-            mattes_of_names(&plate(), &names, &WarpRules::default())
+            mattes_of_names(&plate(), &names, &WarpSettings::default())
         };
         let sword = Matte::Cryptomatte { layer: Some("CryptoObject".into()), names: vec!["Sword".into()] };
         assert_eq!(of(&["Sword"]), Some(vec![sword]));

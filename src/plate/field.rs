@@ -1,9 +1,9 @@
-//! The warp of a whole screen: lattices one after another, and what happens around their boxes.
+//! The warp of a whole screen: lattices one after another, and how they are extrapolated beyond their boxes.
 //!
 //! In: lattices of the screen. Out: where any point of the screen goes, the gradient there, and where it came from.
 
 use super::WholeWarp;
-use super::around::Link;
+use super::extrapolation::ExtrapolatedLattice;
 use super::flow::Flow;
 use crate::lattice::ScreenLattice;
 use crate::space::ScreenPoint;
@@ -29,42 +29,42 @@ const CLOSE: f64 = 1e-9;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
-    links: Vec<Part>,
+    parts: Vec<Part>,
 }
 
 /// One of the maps that follow each other.
 #[derive(Clone, Debug, PartialEq)]
 enum Part {
-    Lattice(Link),
+    Lattice(ExtrapolatedLattice),
     Flow(Arc<Flow>),
 }
 
 impl Part {
-    fn lattice(&self) -> Option<&Link> {
-        if let Self::Lattice(link) = self { Some(link) } else { None }
+    fn lattice(&self) -> Option<&ExtrapolatedLattice> {
+        if let Self::Lattice(lattice) = self { Some(lattice) } else { None }
     }
 
     fn is_at_rest(&self) -> bool {
         match self {
-            Self::Lattice(link) => link.is_at_rest(),
+            Self::Lattice(lattice) => lattice.is_at_rest(),
             Self::Flow(flow) => flow.is_at_rest(),
         }
     }
 
     fn is_one_to_one(&self) -> bool {
-        self.is_at_rest() || self.lattice().is_none_or(Link::is_one_to_one)
+        self.is_at_rest() || self.lattice().is_none_or(ExtrapolatedLattice::is_one_to_one)
     }
 
-    fn reach(&self) -> f64 {
+    fn max_displacement(&self) -> f64 {
         match self {
-            Self::Lattice(link) => link.reach(),
+            Self::Lattice(lattice) => lattice.max_displacement(),
             Self::Flow(flow) => flow.reach(),
         }
     }
 
     fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
         match self {
-            Self::Lattice(link) => link.is_smooth_within(lo, hi),
+            Self::Lattice(lattice) => lattice.is_smooth_within(lo, hi),
             Self::Flow(flow) => flow.is_smooth_within(lo, hi),
         }
     }
@@ -72,8 +72,8 @@ impl Part {
     /// Displacement, and the gradient of the map.
     fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
         match self {
-            Self::Lattice(link) => {
-                let (by, slope) = link.displace(point);
+            Self::Lattice(lattice) => {
+                let (by, slope) = lattice.displace(point);
                 (by, DMat2::IDENTITY + slope)
             }
             Self::Flow(flow) => flow.displace(point),
@@ -85,44 +85,44 @@ impl Field {
     /// Nothing moves.
     #[must_use]
     pub const fn identity() -> Self {
-        Self { links: Vec::new() }
+        Self { parts: Vec::new() }
     }
 
     /// The warp of a layer that stands alone (geometry, matted plates): around the box a point moves as the nearest box
     /// point does.
     #[must_use]
     pub fn of_layer(lattice: ScreenLattice) -> Self {
-        Self { links: vec![Part::Lattice(Link::held(&lattice))] }
+        Self { parts: vec![Part::Lattice(ExtrapolatedLattice::clamped(&lattice))] }
     }
 
     /// The warp of a whole picture: around the box the displacement goes on smoothly and fades to zero, so that the
     /// background neither slides nor kinks (docs/PLATES.md).
     #[must_use]
     pub fn of_picture(lattice: ScreenLattice) -> Self {
-        Self { links: vec![Part::Lattice(Link::fading(&lattice))] }
+        Self { parts: vec![Part::Lattice(ExtrapolatedLattice::fading(&lattice))] }
     }
 
     /// The warp of a whole picture whose border rests: nothing folds, and pins are met.
     #[must_use]
     pub fn of_whole(whole: &WholeWarp) -> Self {
-        Self { links: vec![Part::Lattice(whole.link()), Part::Flow(Arc::clone(whole.flow()))] }
+        Self { parts: vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))] }
     }
 
     /// One field after the other: the first moves the picture, the next moves what came out.
     #[must_use]
     pub fn chain(fields: Vec<Self>) -> Self {
-        Self { links: fields.into_iter().flat_map(|field| field.links).collect() }
+        Self { parts: fields.into_iter().flat_map(|field| field.parts).collect() }
     }
 
     /// Nothing moves anywhere.
     #[must_use]
     pub fn is_identity(&self) -> bool {
-        self.links.iter().all(Part::is_at_rest)
+        self.parts.iter().all(Part::is_at_rest)
     }
 
     /// It is known that no two points meet.
     pub(super) fn is_one_to_one(&self) -> bool {
-        self.links.iter().all(Part::is_one_to_one)
+        self.parts.iter().all(Part::is_one_to_one)
     }
 
     /// Where a point goes.
@@ -147,36 +147,36 @@ impl Field {
 
     /// No point moves further, in frame heights.
     #[must_use]
-    pub fn reach(&self) -> f64 {
-        self.links.iter().map(Part::reach).sum()
+    pub fn max_displacement(&self) -> f64 {
+        self.parts.iter().map(Part::max_displacement).sum()
     }
 
     /// Distances of rest handles, an axis, of every lattice.
-    pub(super) fn pitches(&self) -> impl Iterator<Item = DVec2> {
-        self.links.iter().filter_map(Part::lattice).map(Link::pitch)
+    pub(super) fn spacings(&self) -> impl Iterator<Item = DVec2> {
+        self.parts.iter().filter_map(Part::lattice).map(ExtrapolatedLattice::spacing)
     }
 
     /// Whether the field is smooth between four points that lie near each other.
     pub(super) fn is_smooth_between(&self, mut points: [DVec2; 4]) -> bool {
-        self.links.iter().all(|link| {
+        self.parts.iter().all(|lattice| {
             let lo = points.into_iter().fold(DVec2::INFINITY, DVec2::min);
             let hi = points.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
             // Sides between the points are curved.
             let bulge = (hi - lo) * 0.1;
-            let is_smooth = link.is_smooth_within(lo - bulge, hi + bulge);
-            points = points.map(|point| point + link.displace(point).0);
+            let is_smooth = lattice.is_smooth_within(lo - bulge, hi + bulge);
+            points = points.map(|point| point + lattice.displace(point).0);
             is_smooth
         })
     }
 
     /// How far a point moves (exactly 0 where nothing does), and the gradient of [`Self::carry`].
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
-        displace(&self.links, point)
+        displace(&self.parts, point)
     }
 
     /// What has to be added to a point to find where it came from, and the gradient of [`Self::carry`] there.
     pub(super) fn back(&self, point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
-        back(&self.links, point, start)
+        back(&self.parts, point, start)
     }
 }
 
@@ -223,17 +223,17 @@ fn search(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> 
             return Some((-moved, gradient));
         }
         let step = newton_step(gradient, miss);
-        let mut share = 1.0;
+        let mut step_length = 1.0;
         loop {
-            let next = offset - step * share;
+            let next = offset - step * step_length;
             let (next_moved, next_gradient) = displace(parts, point + next);
             let next_miss = next + next_moved;
             if next_miss.length_squared() < miss.length_squared() {
                 (offset, moved, gradient, miss) = (next, next_moved, next_gradient, next_miss);
                 break;
             }
-            share *= 0.5;
-            if share < 1e-3 || !next_miss.is_finite() {
+            step_length *= 0.5;
+            if step_length < 1e-3 || !next_miss.is_finite() {
                 return None;
             }
         }

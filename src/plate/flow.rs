@@ -38,7 +38,7 @@ const PIECE: f64 = 0.25;
 
 /// A pin as the flow sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mover {
+pub(super) struct FlowPin {
     /// Where it is.
     pub(super) from: DVec2,
     /// Where it goes.
@@ -82,20 +82,21 @@ pub(super) struct Flow {
     groups: Vec<Group>,
     /// No point moves further, frame heights.
     reach: f64,
-    /// Where every mover ends.
+    /// Where every pin ends.
     ends: Vec<DVec2>,
 }
 
 impl Flow {
-    /// Carries movers to where they go, as far as others let them.
-    pub(super) fn of(movers: &[Mover], bounds: ScreenBox) -> Self {
-        let rooms = Rooms { movers, bounds, even: EVEN * longest(movers) };
-        let mut centers: Vec<DVec2> = movers.iter().map(|mover| mover.from).collect();
-        let mut done: Vec<f64> = movers.iter().map(|mover| f64::from(u8::from(mover.to == mover.from))).collect();
-        let mut tracks = vec![Vec::new(); movers.len()];
+    /// Carries pins to where they go, as far as others let them.
+    pub(super) fn of(flow_pins: &[FlowPin], bounds: ScreenBox) -> Self {
+        let rooms = Rooms { flow_pins, bounds, even: EVEN * longest(flow_pins) };
+        let mut centers: Vec<DVec2> = flow_pins.iter().map(|flow_pin| flow_pin.from).collect();
+        let mut done: Vec<f64> =
+            flow_pins.iter().map(|flow_pin| f64::from(u8::from(flow_pin.to == flow_pin.from))).collect();
+        let mut tracks = vec![Vec::new(); flow_pins.len()];
         let (mut clock, mut reach) = (0.0_f64, 0.0);
         for number in 0..MOST_STEPS {
-            let moving = (0..movers.len()).filter(|&index| done[index] < 1.0);
+            let moving = (0..flow_pins.len()).filter(|&index| done[index] < 1.0);
             let moving: Vec<(usize, [f64; 2])> = moving.map(|index| (index, rooms.speed(&centers, index))).collect();
             if moving.is_empty() {
                 break;
@@ -106,12 +107,12 @@ impl Flow {
             let before = centers.clone();
             let mut longest = 0.0_f64;
             for (index, [_, speed]) in moving {
-                let mover = &movers[index];
+                let flow_pin = &flow_pins[index];
                 done[index] += step * speed;
-                centers[index] = mover.from.lerp(mover.to, done[index]);
+                centers[index] = flow_pin.from.lerp(flow_pin.to, done[index]);
                 if done[index] >= 1.0 - ARRIVED {
                     done[index] = 1.0;
-                    centers[index] = mover.to;
+                    centers[index] = flow_pin.to;
                 }
                 let shift = centers[index] - before[index];
                 let radius = rooms.radius(&before, index);
@@ -123,25 +124,25 @@ impl Flow {
             }
             reach += longest;
         }
-        for (index, mover) in movers.iter().enumerate() {
-            let swirls = Swirl::of(centers[index], rooms.radius(&centers, index), mover.turn);
+        for (index, flow_pin) in flow_pins.iter().enumerate() {
+            let swirls = Swirl::of(centers[index], rooms.radius(&centers, index), flow_pin.turn);
             tracks[index].extend(swirls.into_iter().map(|swirl| (MOST_STEPS, Step::Swirl(swirl))));
         }
         reach += tracks.iter().flatten().map(|(_, step)| step.swing()).sum::<f64>();
         Self { groups: groups(tracks), reach, ends: centers }
     }
 
-    /// Where every mover ends, in their order.
+    /// Where every pin ends, in their order.
     pub(super) fn ends(&self) -> &[DVec2] {
         &self.ends
     }
 
-    /// The disc that each of these movers starts with, frame heights, if all were as far from their targets.
-    pub(super) fn first_radii(movers: &[Mover], bounds: ScreenBox) -> Vec<f64> {
-        let even: Vec<Mover> = movers.iter().map(|mover| Mover { to: mover.from, ..*mover }).collect();
-        let rooms = Rooms { movers: &even, bounds, even: 1.0 };
-        let centers: Vec<DVec2> = movers.iter().map(|mover| mover.from).collect();
-        (0..movers.len()).map(|index| rooms.radius(&centers, index)).collect()
+    /// The disc that each of these pins starts with, frame heights, if all were as far from their targets.
+    pub(super) fn first_radii(flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<f64> {
+        let even: Vec<FlowPin> = flow_pins.iter().map(|flow_pin| FlowPin { to: flow_pin.from, ..*flow_pin }).collect();
+        let rooms = Rooms { flow_pins: &even, bounds, even: 1.0 };
+        let centers: Vec<DVec2> = flow_pins.iter().map(|flow_pin| flow_pin.from).collect();
+        (0..flow_pins.len()).map(|index| rooms.radius(&centers, index)).collect()
     }
 
     pub(super) fn is_at_rest(&self) -> bool {
@@ -195,34 +196,34 @@ impl Flow {
     }
 }
 
-/// The room of each mover.
+/// The room of each pin.
 struct Rooms<'a> {
-    movers: &'a [Mover],
+    flow_pins: &'a [FlowPin],
     bounds: ScreenBox,
     even: f64,
 }
 
 impl Rooms<'_> {
-    /// The disc of a mover: off the border, and apart from those of others; who goes further has more of the room.
+    /// The disc of a pin: off the border, and apart from those of others; who goes further has more of the room.
     fn radius(&self, centers: &[DVec2], index: usize) -> f64 {
-        let own = &self.movers[index];
+        let own = &self.flow_pins[index];
         let at = centers[index];
         let mut radius = LARGEST.min(FILL * inside(self.bounds, at).max(0.0) + own.give);
-        let claim = |mover: &Mover| mover.from.distance(mover.to) + self.even * mover.weight;
-        for (other, mover) in self.movers.iter().enumerate() {
-            if other != index && mover.weight > 0.0 {
-                let all = claim(own) + claim(mover);
+        let claim = |flow_pin: &FlowPin| flow_pin.from.distance(flow_pin.to) + self.even * flow_pin.weight;
+        for (other, flow_pin) in self.flow_pins.iter().enumerate() {
+            if other != index && flow_pin.weight > 0.0 {
+                let all = claim(own) + claim(flow_pin);
                 let share = if all > 0.0 { claim(own) / all } else { 0.5 };
-                radius = radius.min(FILL * share * at.distance(centers[other]) / mover.weight);
+                radius = radius.min(FILL * share * at.distance(centers[other]) / flow_pin.weight);
             }
         }
         radius
     }
 
-    /// The longest step that a mover allows, and its speed, both as parts of its way.
+    /// The longest step that a pin allows, and its speed, both as parts of its way.
     fn speed(&self, centers: &[DVec2], index: usize) -> [f64; 2] {
-        let mover = &self.movers[index];
-        let way = mover.from.distance(mover.to);
+        let flow_pin = &self.flow_pins[index];
+        let way = flow_pin.from.distance(flow_pin.to);
         let room = (self.radius(centers, index) - FLOOR).max(0.0) / way;
         [STEEP * room.max(SLOW) / SLOPE, (room / SLOW).min(1.0)]
     }
@@ -300,11 +301,11 @@ pub(super) fn inside(bounds: ScreenBox, point: DVec2) -> f64 {
     (point - bounds.min.0).min(bounds.max.0 - point).min_element()
 }
 
-fn longest(movers: &[Mover]) -> f64 {
-    movers.iter().map(|mover| mover.from.distance(mover.to)).fold(0.0, f64::max)
+fn longest(flow_pins: &[FlowPin]) -> f64 {
+    flow_pins.iter().map(|flow_pin| flow_pin.from.distance(flow_pin.to)).fold(0.0, f64::max)
 }
 
-/// Tracks of movers whose boxes overlap, together; in each the steps in their order, those of one number by mover.
+/// Tracks of pins whose boxes overlap, together; in each the steps in their order, those of one number by pin.
 fn groups(tracks: Vec<Vec<(usize, Step)>>) -> Vec<Group> {
     struct Open {
         lo: DVec2,

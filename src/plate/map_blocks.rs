@@ -1,11 +1,11 @@
 //! Fills a map block by block: few exact points, smooth curves between them, each block checked.
 //!
-//! In: a [`View`] and exact points every 32 pixels. Out: offsets, within 1e-3 of a pixel. A block that is not that near
+//! In: a [`PixelField`] and exact points every 32 pixels. Out: offsets, within 1e-3 of a pixel. A block that is not that near
 //! where it is checked, or holds a kink or a fold, is quartered, down to pixels that are solved one by one.
 
 use super::WarpMap;
 use super::map_patch::{LARGEST, Patch};
-use super::map_view::{Node, View, center};
+use super::pixel_field::{Node, PixelField, center};
 use crate::space::PixelRect;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -18,26 +18,26 @@ const GOOD: f64 = 2e-4;
 const CHECKS: [(f64, f64); 5] = [(0.5, 0.5), (0.25, 0.5), (0.5, 0.25), (0.75, 0.5), (0.5, 0.75)];
 
 /// Exact points of a window, [`LARGEST`] pixels apart, from its first pixel on and one beyond its end.
-pub(super) struct Nodes {
+pub(super) struct MapNodes {
     columns: usize,
     /// #columns · #rows, rows from the top; `None` where the search found nothing.
     nodes: Vec<Option<Node>>,
 }
 
-impl Nodes {
+impl MapNodes {
     /// Points a window needs.
     pub(super) fn count(window: PixelRect) -> [usize; 2] {
         [window.width, window.height].map(|pixels| (pixels as usize).div_ceil(LARGEST) + 1)
     }
 
     /// Solves them, each from an offset near it.
-    pub(super) fn solve(view: View, window: PixelRect, starts: &[DVec2]) -> Self {
+    pub(super) fn solve(pixel_field: PixelField, window: PixelRect, starts: &[DVec2]) -> Self {
         let [columns, rows] = Self::count(window);
         debug_assert_eq!(starts.len(), columns * rows);
         let node = |index: usize| {
             let step = |k: usize| (k * LARGEST) as i32;
             let pixel = center(window.x + step(index % columns), window.y + step(index / columns));
-            view.solve(pixel, starts[index]).or_else(|| view.solve(pixel, DVec2::ZERO))
+            pixel_field.solve(pixel, starts[index]).or_else(|| pixel_field.solve(pixel, DVec2::ZERO))
         };
         let nodes = (0..columns * rows).into_par_iter().with_min_len(64).map(node).collect();
         Self { columns, nodes }
@@ -57,33 +57,33 @@ struct Block {
 
 /// A strip of the window, [`LARGEST`] rows high.
 struct Strip<'a> {
-    view: View<'a>,
+    pixel_field: PixelField<'a>,
     window: PixelRect,
     /// Its first row, counted from the window's.
     top: usize,
     /// Rows of the window's width.
     offsets: &'a mut [[f32; 2]],
     /// Flags of the same pixels, or none.
-    spared: &'a [u8],
+    excluded: &'a [u8],
     /// All pixels so far were found.
-    is_whole: bool,
+    is_complete: bool,
 }
 
-/// Fills a map that moves nothing so far. `spared` pixels, one flag a pixel or none at all, are left. Says whether all
+/// Fills a map that moves nothing so far. `excluded` pixels, one flag a pixel or none at all, are left. Says whether all
 /// others were found; those that were not are NaN.
-pub(super) fn fill(view: View, nodes: &Nodes, spared: &[u8], map: &mut WarpMap) -> bool {
+pub(super) fn fill(pixel_field: PixelField, nodes: &MapNodes, excluded: &[u8], map: &mut WarpMap) -> bool {
     let (window, width) = (map.window, map.window.width as usize);
     let strips = map.offsets.par_chunks_mut(LARGEST * width).enumerate().map(|(row, offsets)| {
         let start = row * LARGEST * width;
-        let spared = if spared.is_empty() { spared } else { &spared[start..start + offsets.len()] };
-        let mut strip = Strip { view, window, top: row * LARGEST, offsets, spared, is_whole: true };
+        let excluded = if excluded.is_empty() { excluded } else { &excluded[start..start + offsets.len()] };
+        let mut strip = Strip { pixel_field, window, top: row * LARGEST, offsets, excluded, is_complete: true };
         for column in 0..nodes.columns - 1 {
             let first = row * nodes.columns + column;
             let corners = [first, first + 1, first + nodes.columns, first + nodes.columns + 1];
             let corners = corners.map(|index| nodes.nodes[index]);
             strip.fill(Block { x: column * LARGEST, y: 0, size: LARGEST, corners });
         }
-        strip.is_whole
+        strip.is_complete
     });
     // Every strip has to be filled: no early end.
     strips.reduce(|| true, |a, b| a && b)
@@ -126,23 +126,23 @@ impl Strip<'_> {
         let places = [(0, 0), (size, 0), (0, size), (size, size)].map(|(x, y)| self.pixel(block.x + x, block.y + y));
         let Some(nodes) = all(block.corners) else { return false };
         let corners = std::array::from_fn(|k| (places[k], nodes[k]));
-        !self.holds_spared(block)
-            && self.view.is_smooth(&corners)
+        !self.holds_excluded(block)
+            && self.pixel_field.is_smooth(&corners)
             && CHECKS.into_iter().all(|(u, v)| {
                 let pixel = places[0] + DVec2::new(u, v) * size as f64;
-                self.view.miss(pixel, patch.at(u, v)) <= GOOD
+                self.pixel_field.residual(pixel, patch.at(u, v)) <= GOOD
             })
     }
 
     /// A corner of the block may be the first pixel of the next: it counts.
-    fn holds_spared(&self, block: &Block) -> bool {
-        if self.spared.is_empty() {
+    fn holds_excluded(&self, block: &Block) -> bool {
+        if self.excluded.is_empty() {
             return false;
         }
         let columns = block.x..(block.x + block.size + 1).min(self.width());
         let rows = block.y..(block.y + block.size + 1).min(self.rows());
         let width = self.width();
-        rows.into_iter().any(|y| self.spared[y * width..][columns.clone()].iter().any(|&flag| flag != 0))
+        rows.into_iter().any(|y| self.excluded[y * width..][columns.clone()].iter().any(|&flag| flag != 0))
     }
 
     fn draw(&mut self, block: &Block, patch: &Patch) {
@@ -161,7 +161,7 @@ impl Strip<'_> {
         let node = |x: usize, y: usize| {
             let place = [x, y].map(|step| step as f64 / 2.0);
             let start = self.start(block, patch.as_ref(), place);
-            self.view.solve(self.pixel(block.x + x * half, block.y + y * half), start)
+            self.pixel_field.solve(self.pixel(block.x + x * half, block.y + y * half), start)
         };
         let [a, b, c, d] = block.corners;
         let middle = node(1, 1);
@@ -184,14 +184,14 @@ impl Strip<'_> {
         for y in block.y..(block.y + block.size).min(self.rows()) {
             for x in block.x..(block.x + block.size).min(width) {
                 let index = y * width + x;
-                if self.spared.get(index).is_some_and(|&flag| flag != 0) {
+                if self.excluded.get(index).is_some_and(|&flag| flag != 0) {
                     continue;
                 }
                 let place = [x - block.x, y - block.y].map(|step| step as f64 / block.size as f64);
                 let start = self.start(block, patch.as_ref(), place);
                 let pixel = self.pixel(x, y);
-                let found = self.view.solve(pixel, start).or_else(|| self.view.solve(pixel, DVec2::ZERO));
-                self.is_whole &= found.is_some();
+                let found = self.pixel_field.solve(pixel, start).or_else(|| self.pixel_field.solve(pixel, DVec2::ZERO));
+                self.is_complete &= found.is_some();
                 self.offsets[index] = found.map_or(DVec2::NAN, |node| node.offset).as_vec2().to_array();
             }
         }

@@ -1,22 +1,22 @@
-//! Places at which a warped picture lies over itself: which sheets land there, and which of them is in front.
+//! Places at which a warped picture lies over itself: which preimages land there, and which of them is in front.
 //!
-//! In: a [`View`] and its [`Net`]. Out: the pixels of folds, and the sheets on each of them, front first.
+//! In: a [`PixelField`] and its [`WarpedMesh`]. Out: the pixels of folds, and the preimages on each of them, front first.
 //!
-//! Far away nothing turns over, so sheets that are turned over and sheets that are not come in pairs but for one: a
+//! Far away nothing turns over, so preimages with negative and with positive determinant come in pairs but for one: a
 //! pixel is covered more than once exactly where the image of a turned-over part lies.
 
 use super::Field;
-use super::map_mesh::{Net, Triangle, halves};
-use super::map_view::{Direction, View, center, corner};
+use super::map_mesh::{Triangle, WarpedMesh, halves};
+use super::pixel_field::{Direction, PixelField, center, corner};
 use crate::space::{FrameSize, PixelRect};
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-/// Pixels, in the source and in the picture, between lines of the fine net; what it finds is put right by searches.
+/// Pixels, in the source and in the picture, between lines of the fine mesh; what it finds is refined by searches.
 const FINE: f64 = 2.0;
-/// Lines of the fine net of a cell.
+/// Lines of the fine mesh of a cell.
 const MOST_LINES: f64 = 64.0;
-/// A sheet moves by no more than this when it is put right, in pixels; beyond, the search has slipped onto another.
+/// A preimage moves by no more than this when it is refined, in pixels; beyond, the search has slipped onto another.
 const SLIP: f64 = 2.0;
 /// Sources nearer than this are one, in pixels.
 const SAME: f64 = 0.5;
@@ -26,24 +26,24 @@ pub(super) const NEAR: u8 = 1;
 pub(super) const FOLDED: u8 = 2;
 
 /// All folds of a window.
-pub(super) struct Folds {
+pub(super) struct MapFolds {
     /// #pixels of the window, or none where nothing folds: 0, [`NEAR`] a fold, [`FOLDED`].
     pub(super) flags: Vec<u8>,
     /// Sheets of flagged pixels that are not turned over: by pixel, then front first.
-    pub(super) sheets: Vec<Sheet>,
+    pub(super) preimages: Vec<Preimage>,
 }
 
-/// A sheet at a pixel.
+/// A preimage at a pixel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheet {
+pub(super) struct Preimage {
     /// Place in the window.
     pub(super) pixel: u32,
     /// Pixels to add to find its source.
     pub(super) offset: DVec2,
 }
 
-/// A cell of the net, cut finely.
-struct FineCell {
+/// A cell of the mesh, cut finely.
+struct SubdividedCell {
     lines: [usize; 2],
     /// #lines: places counted from the window's first pixel centre.
     places: Vec<DVec2>,
@@ -54,38 +54,45 @@ struct FineCell {
 impl Field {
     /// Whether any of a window of the warped picture is folded.
     pub(super) fn folds_in(&self, frame: FrameSize, window: PixelRect) -> bool {
-        let view = View { field: self, frame, direction: Direction::Backward };
-        !self.is_one_to_one() && window.area() > 0 && !flags(view, &Net::behind(view, window), window).is_empty()
+        let pixel_field = PixelField { field: self, frame, direction: Direction::Backward };
+        !self.is_one_to_one()
+            && window.area() > 0
+            && !flags(pixel_field, &WarpedMesh::behind(pixel_field, window), window).is_empty()
     }
 }
 
-impl Folds {
+impl MapFolds {
     /// No folds.
-    pub(super) const NONE: Self = Self { flags: Vec::new(), sheets: Vec::new() };
+    pub(super) const NONE: Self = Self { flags: Vec::new(), preimages: Vec::new() };
 
     /// Finds all folds.
-    pub(super) fn find(view: View, net: &Net, window: PixelRect) -> Self {
-        let mut flags = flags(view, net, window);
+    pub(super) fn find(pixel_field: PixelField, mesh: &WarpedMesh, window: PixelRect) -> Self {
+        let mut flags = flags(pixel_field, mesh, window);
         let Some(touched) = bounds(&flags, window) else { return Self::NONE };
-        let sheets = sheets(view, net, window, (&flags, touched));
-        // A pixel without a sheet is left to the search: it lies on a crease.
+        let preimages = preimages(pixel_field, mesh, window, (&flags, touched));
+        // A pixel without a preimage is left to the search: it lies on a crease.
         let mut is_met = vec![false; flags.len()];
-        sheets.iter().for_each(|sheet| is_met[sheet.pixel as usize] = true);
+        preimages.iter().for_each(|preimage| is_met[preimage.pixel as usize] = true);
         flags.iter_mut().zip(is_met).filter(|(_, is_met)| !is_met).for_each(|(flag, _)| *flag = 0);
-        Self { flags, sheets }
+        Self { flags, preimages }
     }
 
-    /// Sheets of the pixels that a search did not find: those whose offset is NaN, found in the fine net.
-    pub(super) fn of_missing(view: View, net: &Net, window: PixelRect, offsets: &[[f32; 2]]) -> Self {
+    /// Preimages of the pixels that a search did not find: those whose offset is NaN, found in the fine mesh.
+    pub(super) fn of_missing(
+        pixel_field: PixelField,
+        mesh: &WarpedMesh,
+        window: PixelRect,
+        offsets: &[[f32; 2]],
+    ) -> Self {
         let flags: Vec<u8> = offsets.par_iter().map(|offset| if offset[0].is_nan() { NEAR } else { 0 }).collect();
         let Some(touched) = bounds(&flags, window) else { return Self::NONE };
-        let sheets = sheets(view, net, window, (&flags, touched));
-        Self { flags, sheets }
+        let preimages = preimages(pixel_field, mesh, window, (&flags, touched));
+        Self { flags, preimages }
     }
 
-    /// The sheet in front, of every flagged pixel.
-    pub(super) fn first_sheets(&self) -> impl Iterator<Item = &Sheet> {
-        self.sheets.chunk_by(|a, b| a.pixel == b.pixel).map(|group| &group[0])
+    /// The preimage in front, of every flagged pixel.
+    pub(super) fn first_preimages(&self) -> impl Iterator<Item = &Preimage> {
+        self.preimages.chunk_by(|a, b| a.pixel == b.pixel).map(|group| &group[0])
     }
 
     /// Places of the folded pixels in the window.
@@ -96,14 +103,15 @@ impl Folds {
 }
 
 /// Marks where turned-over parts land, and a pixel around.
-fn flags(view: View, net: &Net, window: PixelRect) -> Vec<u8> {
+fn flags(pixel_field: PixelField, mesh: &WarpedMesh, window: PixelRect) -> Vec<u8> {
     let counts = [window.width as usize, window.height as usize];
-    let found: Vec<Vec<u32>> = net
+    let found: Vec<Vec<u32>> = mesh
         .folded()
         .into_par_iter()
         .map(|cell| {
             let mut found = Vec::new();
-            for triangle in FineCell::cut(view, net, cell, window).triangles().filter(|t| t.area() < 0.0) {
+            for triangle in SubdividedCell::cut(pixel_field, mesh, cell, window).triangles().filter(|t| t.area() < 0.0)
+            {
                 triangle.visit_either_way(counts, |[x, y], _| found.push((y * counts[0] + x) as u32));
             }
             found
@@ -136,39 +144,44 @@ fn bounds(flags: &[u8], window: PixelRect) -> Option<[DVec2; 2]> {
     around.map(|[lo, hi]| [corner(window) + lo, corner(window) + hi + 1.0])
 }
 
-/// All sheets over flagged pixels, put right.
-fn sheets(view: View, net: &Net, window: PixelRect, (flags, touched): (&[u8], [DVec2; 2])) -> Vec<Sheet> {
+/// All preimages of flagged pixels, refined.
+fn preimages(
+    pixel_field: PixelField,
+    mesh: &WarpedMesh,
+    window: PixelRect,
+    (flags, touched): (&[u8], [DVec2; 2]),
+) -> Vec<Preimage> {
     let counts = [window.width as usize, window.height as usize];
-    let found = net.cells_near(touched).into_par_iter().flat_map_iter(|cell| {
+    let found = mesh.cells_near(touched).into_par_iter().flat_map_iter(|cell| {
         let mut found = Vec::new();
-        for triangle in FineCell::cut(view, net, cell, window).triangles() {
+        for triangle in SubdividedCell::cut(pixel_field, mesh, cell, window).triangles() {
             triangle.visit(counts, |[x, y], offset| {
                 let pixel = y * counts[0] + x;
                 if flags[pixel] != 0 {
-                    found.push(Sheet { pixel: pixel as u32, offset });
+                    found.push(Preimage { pixel: pixel as u32, offset });
                 }
             });
         }
         found
     });
-    let mut sheets: Vec<Sheet> = found.collect();
-    sheets.par_iter_mut().for_each(|sheet| sheet.put_right(view, window));
+    let mut preimages: Vec<Preimage> = found.collect();
+    preimages.par_iter_mut().for_each(|preimage| preimage.refine(pixel_field, window));
     // In front is what moved further: what is pulled lies over what stays.
-    sheets.par_sort_by(|a, b| {
-        let order = |sheet: &Sheet| -sheet.offset.length_squared();
+    preimages.par_sort_by(|a, b| {
+        let order = |preimage: &Preimage| -preimage.offset.length_squared();
         a.pixel.cmp(&b.pixel).then(order(a).total_cmp(&order(b)))
     });
     // Triangles share their sides.
-    sheets.dedup_by(|b, a| a.pixel == b.pixel && (a.offset - b.offset).length() < SAME);
-    sheets
+    preimages.dedup_by(|b, a| a.pixel == b.pixel && (a.offset - b.offset).length() < SAME);
+    preimages
 }
 
-impl Sheet {
-    /// From the fine net's offset to the exact one, unless the search slips onto another sheet.
-    fn put_right(&mut self, view: View, window: PixelRect) {
+impl Preimage {
+    /// From the fine mesh's offset to the exact one, unless the search slips onto another preimage.
+    fn refine(&mut self, pixel_field: PixelField, window: PixelRect) {
         let (x, y) = (self.pixel % window.width, self.pixel / window.width);
         let pixel = center(window.x + x as i32, window.y + y as i32);
-        if let Some(exact) = view.solve(pixel, self.offset)
+        if let Some(exact) = pixel_field.solve(pixel, self.offset)
             && (exact.offset - self.offset).length() < SLIP
             && (DMat2::IDENTITY + exact.slope).determinant() > 0.0
         {
@@ -177,19 +190,19 @@ impl Sheet {
     }
 }
 
-impl FineCell {
-    fn cut(view: View, net: &Net, cell: usize, window: PixelRect) -> Self {
-        let [lo, hi] = net.image_box(cell);
-        let size = net.step.max(hi - lo) / FINE;
+impl SubdividedCell {
+    fn cut(pixel_field: PixelField, mesh: &WarpedMesh, cell: usize, window: PixelRect) -> Self {
+        let [lo, hi] = mesh.image_box(cell);
+        let size = mesh.step.max(hi - lo) / FINE;
         let lines = [size.x, size.y].map(|pixels| pixels.ceil().clamp(2.0, MOST_LINES) as usize + 1);
         // The image may be turned: both axes are cut as finely as the longer needs.
         let lines = [lines[0].max(lines[1]); 2];
-        let step = net.step / DVec2::new((lines[0] - 1) as f64, (lines[1] - 1) as f64);
-        let (start, first) = (net.point(cell), center(window.x, window.y));
+        let step = mesh.step / DVec2::new((lines[0] - 1) as f64, (lines[1] - 1) as f64);
+        let (start, first) = (mesh.point(cell), center(window.x, window.y));
         let (mut places, mut offsets) = (Vec::new(), Vec::new());
         for index in 0..lines[0] * lines[1] {
             let point = start + step * DVec2::new((index % lines[0]) as f64, (index / lines[0]) as f64);
-            let moved = view.displace(point).0;
+            let moved = pixel_field.displace(point).0;
             places.push(point + moved - first);
             offsets.push(-moved);
         }

@@ -1,16 +1,16 @@
-//! A net over the unwarped picture, drawn where the field carries it.
+//! A regular mesh over the unwarped picture, and its image under the field.
 //!
-//! In: a [`View`], the window of the warped picture. Out: near offsets to start searches from, and the cells in which
+//! In: a [`PixelField`], the window of the warped picture. Out: near offsets to start searches from, and the cells in which
 //! the field turns over. No cracks: neighbours share their corners.
 
-use super::map_view::{View, corner, extent};
+use super::pixel_field::{PixelField, corner, extent};
 use crate::space::PixelRect;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Pixels between lines of the net, where the lattice is not finer.
+/// Pixels between lines of the mesh, where the lattice is not finer.
 const STEP: f64 = 32.0;
-/// Lines of the largest net, an axis.
+/// Lines of the largest mesh, an axis.
 const MOST_LINES: usize = 1024;
 /// A cell is searched for folds when the determinant at a corner is below this plus half its range over the cell.
 const THIN: f64 = 0.05;
@@ -18,7 +18,7 @@ const THIN: f64 = 0.05;
 const OVERLAP: f64 = 0.01;
 
 /// Points of the unwarped picture and where they go.
-pub(super) struct Net {
+pub(super) struct WarpedMesh {
     /// The first point, in pixels.
     pub(super) origin: DVec2,
     pub(super) step: DVec2,
@@ -36,15 +36,19 @@ pub(super) struct Triangle {
     pub(super) offsets: [DVec2; 3],
 }
 
-impl Net {
-    /// A net over all that can land in `window`.
-    pub(super) fn behind(view: View, window: PixelRect) -> Self {
-        Self::over(view, corner(window) - view.reach() - 1.0, corner(window) + extent(window) + view.reach() + 1.0)
+impl WarpedMesh {
+    /// A mesh over all that can land in `window`.
+    pub(super) fn behind(pixel_field: PixelField, window: PixelRect) -> Self {
+        Self::over(
+            pixel_field,
+            corner(window) - pixel_field.max_displacement() - 1.0,
+            corner(window) + extent(window) + pixel_field.max_displacement() + 1.0,
+        )
     }
 
-    /// A net over a box of the unwarped picture.
-    pub(super) fn over(view: View, lo: DVec2, hi: DVec2) -> Self {
-        let step = view.finest_step().clamp(1.0, STEP);
+    /// A mesh over a box of the unwarped picture.
+    pub(super) fn over(pixel_field: PixelField, lo: DVec2, hi: DVec2) -> Self {
+        let step = pixel_field.finest_step().clamp(1.0, STEP);
         let [columns, rows] = [0, 1].map(|axis| {
             let lines = ((hi - lo)[axis] / step).ceil();
             if lines < MOST_LINES as f64 { lines.max(1.0) as usize + 1 } else { MOST_LINES }
@@ -52,7 +56,7 @@ impl Net {
         let step = (hi - lo) / DVec2::new((columns - 1) as f64, (rows - 1) as f64);
         let carried = (0..columns * rows).into_par_iter().with_min_len(256).map(|index| {
             let point = lo + step * DVec2::new((index % columns) as f64, (index / columns) as f64);
-            let (moved, gradient) = view.displace(point);
+            let (moved, gradient) = pixel_field.displace(point);
             (point + moved, gradient.determinant())
         });
         let (images, determinants) = carried.unzip();

@@ -3,7 +3,7 @@
 //! In: a [`Field`] and a [`Coverage`] for each part, from back to front. Out: a [`WarpMap`] that shows at every pixel the front
 //! part that is there.
 
-use super::nearest::{HALF, nearest_source};
+use super::warp_map::{HALF, nearest_source};
 use super::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use std::collections::BTreeSet;

@@ -4,7 +4,7 @@
 //! the inside is blended between them (S. A. Coons, "Surfaces for Computer-Aided Design of Space Forms", 1967): the
 //! error falls with the fourth power of the block's size.
 
-use super::map_view::Node;
+use super::pixel_field::Node;
 use glam::DVec2;
 
 /// Pixels of the largest block.

@@ -1,10 +1,10 @@
-//! The data window of a warped picture, and the part of a map that a window needs.
+//! The data window of a warped picture.
 //!
-//! In: a [`Field`], the frame and a data window; a map. Out: all pixels that can receive anything of it; a smaller map.
+//! In: a [`Field`], the frame and a data window. Out: all pixels that can receive anything of it.
 
-use super::map_mesh::Net;
-use super::map_view::{Direction, View, corner, extent};
-use super::{Field, WarpMap};
+use super::Field;
+use super::map_mesh::WarpedMesh;
+use super::pixel_field::{Direction, PixelField, corner, extent};
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
 
@@ -21,11 +21,11 @@ impl Field {
         if window.area() == 0 || self.is_identity() {
             return window;
         }
-        let view = View { field: self, frame, direction: Direction::Forward };
+        let pixel_field = PixelField { field: self, frame, direction: Direction::Forward };
         let (lo, hi) = (corner(window), corner(window) + extent(window));
-        let image = |point: DVec2| point + view.displace(point).0;
+        let image = |point: DVec2| point + pixel_field.displace(point).0;
         let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let folded = (!self.is_one_to_one()).then(|| folded_points(view, lo, hi)).into_iter().flatten();
+        let folded = (!self.is_one_to_one()).then(|| folded_points(pixel_field, lo, hi)).into_iter().flatten();
         // The image of a picture that does not fold ends at the image of its border.
         for point in border(window).map(image).chain(folded.map(image)) {
             if !point.is_finite() {
@@ -48,11 +48,11 @@ fn border(window: PixelRect) -> impl Iterator<Item = DVec2> {
 }
 
 /// Points of all cells between two corners that may turn over.
-fn folded_points(view: View, lo: DVec2, hi: DVec2) -> impl Iterator<Item = DVec2> {
-    let net = Net::over(view, lo, hi);
-    let step = net.step / (FINE - 1) as f64;
-    net.folded().into_iter().flat_map(move |cell| {
-        let start = net.point(cell);
+fn folded_points(pixel_field: PixelField, lo: DVec2, hi: DVec2) -> impl Iterator<Item = DVec2> {
+    let mesh = WarpedMesh::over(pixel_field, lo, hi);
+    let step = mesh.step / (FINE - 1) as f64;
+    mesh.folded().into_iter().flat_map(move |cell| {
+        let start = mesh.point(cell);
         (0..FINE * FINE).map(move |k| start + step * DVec2::new((k % FINE) as f64, (k / FINE) as f64))
     })
 }
@@ -61,17 +61,4 @@ fn folded_points(view: View, lo: DVec2, hi: DVec2) -> impl Iterator<Item = DVec2
 fn rect(lo: DVec2, hi: DVec2) -> PixelRect {
     let size = (hi - lo).max(DVec2::ZERO);
     PixelRect { x: lo.x as i32, y: lo.y as i32, width: size.x as u32, height: size.y as u32 }
-}
-
-impl WarpMap {
-    /// The map over another window; nothing is seen where it told nothing.
-    pub(super) fn cut_to(&self, window: PixelRect) -> Self {
-        let place = |&index: &u32| window.place_of(self.window.pixel_at(index as usize)).map(|index| index as u32);
-        Self {
-            frame: self.frame,
-            window,
-            offsets: self.window.over(&self.offsets, window, [f32::NAN; 2]),
-            folded_pixels: self.folded_pixels.iter().filter_map(place).collect(),
-        }
-    }
 }

@@ -1,4 +1,4 @@
-//! Stage 7b: finished frames of any renderer, warped as pictures: every channel by its meaning.
+//! Stage 7b: finished frames of any renderer, warped as pictures: every channel by its semantic.
 //!
 //! In: a [`Plate`](crate::image::Plate) and solved lattices of the screen. Out: the warped plate.
 //!
@@ -7,57 +7,62 @@
 //!                        Matte ─weight───┴─ cryptomatte, nearest, motion … ───┴─▶ Plate
 //! ```
 
-mod alike;
-mod around;
-mod canvas;
+mod channel_table;
 mod color_layers;
-mod contents;
+mod compose;
+mod composite;
+mod composite_layout;
+mod compositor;
 mod coverage;
 mod cryptomatte;
 mod default_matte;
-mod draw;
+mod disjoint_over;
+mod extrapolation;
 mod field;
-mod fill;
 mod filter;
 mod flow;
-mod map;
+mod hole_filling;
+mod job;
 mod map_blocks;
 mod map_folds;
 mod map_mesh;
 mod map_parts;
 mod map_patch;
-mod map_view;
+mod map_solve;
 mod map_window;
 mod matte;
-mod meaning;
 mod motion;
-mod nearest;
+mod moving_layer;
 mod normals;
-mod over;
+mod pixel_field;
 mod ramp;
 mod report;
 mod resampler;
-mod rules;
+mod semantics;
+mod settings;
 mod stmap;
 mod swirl;
+mod uniform_regions;
 mod vectors;
-mod warp;
+mod visible_samples;
+mod warp_map;
+mod warper;
 mod whole;
 
 pub use color_layers::{ColorLayer, color_layers};
 pub use coverage::Coverage;
 pub use default_matte::{coverage_of, mattes_of_names};
+pub(crate) use disjoint_over::{over, transmittance};
 pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table};
 pub use filter::{NotFinite, Planes, footprint_taps, resample_into, resample_part, resampled};
-pub use map::WarpMap;
-pub(crate) use over::{laid, left_below};
-pub use report::{ChannelReport, MeaningReason, PlateError, PlateReport};
+pub use job::{LayerJob, PlateJob};
+pub use report::{ChannelReport, PlateError, PlateReport, SemanticReason};
 pub use resampler::Resampler;
-pub use rules::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule, WarpRules};
+pub use settings::{Filter, Holes, Matte, MotionEncoding, MotionUnit, NormalMode, Semantic, WarpSettings};
 pub use stmap::{check_stmap, map_of_stmap, stmap_of};
-pub use warp::{
-    LayerJob, PlateJob, Warper, channel_meanings, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate,
-    warp_plate,
+pub use warp_map::WarpMap;
+pub use warper::{
+    Warper, channel_semantics, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate,
 };
 pub use whole::{WholePin, WholeWarp};

@@ -5,11 +5,12 @@
 //! A point at x that moves by u lies at φ_t(x) in this frame's result and at φ_t+1(x + u) in the next one's, so
 //! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x). Where a warp is undone, d = φ⁻¹ − x.
 
-use super::canvas::{Canvas, Mover};
-use super::map_view::{Direction, corner, extent};
-use super::nearest::Pick;
-use super::over::BATCH;
-use super::{Field, Meaning, MotionRule, WarpMap};
+use super::composite::Composite;
+use super::disjoint_over::BATCH;
+use super::moving_layer::MovingLayer;
+use super::pixel_field::{Direction, corner, extent};
+use super::visible_samples::VisibleSample;
+use super::{Field, MotionEncoding, Semantic, WarpMap};
 use crate::space::{FrameSize, ImagePoint, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -22,79 +23,80 @@ const MOST: f64 = 1e6;
 
 /// Two channels with a vector, and how it is stored.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Vectors<'a> {
+pub(super) struct MotionVectors<'a> {
     /// #pixels of the source each.
     pub(super) uv: [&'a [f32]; 2],
-    /// [`Meaning::Forward`] or [`Meaning::Backward`].
-    pub(super) direction: Meaning,
+    /// [`Semantic::Forward`] or [`Semantic::Backward`].
+    pub(super) semantic: Semantic,
     /// Pixels a unit is, x right, y up.
-    pub(super) rule: MotionRule,
+    pub(super) encoding: MotionEncoding,
 }
 
-impl Canvas<'_> {
-    /// The vectors after the warp: #pixels of the canvas each; 0 where nothing is.
-    pub(super) fn motion(&self, vectors: Vectors, picks: &[Pick], movers: &[Mover], frame: FrameSize) -> [Vec<f32>; 2] {
-        let ways = movers.iter().map(|mover| Ways::of(mover, vectors.direction, (frame, self.source)));
-        let ways: Vec<Ways> = ways.collect();
-        let warped = |pick: &Pick| -> (f32, f32) {
-            match *pick {
-                Pick::Sample { sheet, index } => {
-                    let index = index as usize;
-                    let ways = &ways[self.sheets[usize::from(sheet)].mover];
-                    vectors.warped(index, self.source_pixel(index), ways).into()
-                }
-                _ => (0.0, 0.0),
+/// The vectors after the warp: #pixels of the composite each; 0 where nothing is.
+pub(super) fn warped_motion(
+    composite: &Composite,
+    vectors: MotionVectors,
+    (visible, moving_layers): (&[VisibleSample], &[MovingLayer]),
+    frame: FrameSize,
+) -> [Vec<f32>; 2] {
+    let of_layer = |layer| Displacements::of(layer, vectors.semantic, (frame, composite.source));
+    let displacements: Vec<Displacements> = moving_layers.iter().map(of_layer).collect();
+    let warped = |seen: &VisibleSample| -> (f32, f32) {
+        match *seen {
+            VisibleSample::Sample { layer, index } => {
+                let index = index as usize;
+                let displacements = &displacements[composite.layers[usize::from(layer)].moving_layer];
+                vectors.warped(index, composite.source.pixel_at(index), displacements).into()
             }
-        };
-        picks.par_iter().with_min_len(BATCH / 16).map(warped).unzip().into()
-    }
+            _ => (0.0, 0.0),
+        }
+    };
+    visible.par_iter().with_min_len(BATCH / 16).map(warped).unzip().into()
 }
 
 /// Vectors of what fills holes.
-pub(super) struct Behind<'a> {
-    pub(super) vectors: Vectors<'a>,
-    /// The pixels they tell of.
+pub(super) struct HoleVectors<'a> {
+    pub(super) vectors: MotionVectors<'a>,
+    /// Their pixels.
     pub(super) window: PixelRect,
-    /// What carries the back of the picture.
-    pub(super) mover: &'a Mover<'a>,
+    /// The background, which carries them.
+    pub(super) background: &'a MovingLayer<'a>,
 }
 
-impl Canvas<'_> {
-    /// Puts the vectors of what lies behind into holes, carried by the warp and stored by the rule of the plate.
-    pub(super) fn fill_motion(
-        &self,
-        behind: &Behind,
-        picks: &[Pick],
-        (frame, rule): (FrameSize, MotionRule),
-        planes: &mut [Vec<f32>; 2],
-    ) {
-        if !picks.contains(&Pick::Hole) {
-            return;
-        }
-        let Behind { vectors, window, mover } = *behind;
-        let ways = Ways::of(mover, vectors.direction, (frame, window));
-        let factors = [0, 1].map(|axis| (vectors.rule.pixels_per_unit[axis] / rule.pixels_per_unit[axis]) as f32);
-        let [us, vs] = planes;
-        let holes = us.par_iter_mut().zip(vs).zip(picks).enumerate().filter(|(_, (_, pick))| **pick == Pick::Hole);
-        holes.for_each(|(at, ((u, v), _))| {
-            let Some(pixel) = self.pixel_behind(at) else { return };
-            let Some(index) = window.place_of(pixel) else { return };
-            let [x, y] = vectors.warped(index, pixel, &ways);
-            (*u, *v) = (x * factors[0], y * factors[1]);
-        });
+/// Puts vectors into the holes of a composite, carried by the warp and stored in the plate's encoding.
+pub(super) fn fill_motion(
+    composite: &Composite,
+    behind: &HoleVectors,
+    visible: &[VisibleSample],
+    (frame, encoding): (FrameSize, MotionEncoding),
+    planes: &mut [Vec<f32>; 2],
+) {
+    if !visible.contains(&VisibleSample::Hole) {
+        return;
     }
+    let HoleVectors { vectors, window, background } = *behind;
+    let displacements = Displacements::of(background, vectors.semantic, (frame, window));
+    let factors = [0, 1].map(|axis| (vectors.encoding.pixels_per_unit[axis] / encoding.pixels_per_unit[axis]) as f32);
+    let [us, vs] = planes;
+    let pixels = us.par_iter_mut().zip(vs).zip(visible).enumerate();
+    pixels.filter(|(_, (_, seen))| **seen == VisibleSample::Hole).for_each(|(at, ((u, v), _))| {
+        let Some(pixel) = composite.background_source(at) else { return };
+        let Some(index) = window.place_of(pixel) else { return };
+        let [x, y] = vectors.warped(index, pixel, &displacements);
+        (*u, *v) = (x * factors[0], y * factors[1]);
+    });
 }
 
-impl Vectors<'_> {
-    fn warped(self, index: usize, [x, y]: [i32; 2], ways: &Ways) -> [f32; 2] {
+impl MotionVectors<'_> {
+    fn warped(self, index: usize, [x, y]: [i32; 2], displacements: &Displacements) -> [f32; 2] {
         let stored = self.uv.map(|channel| channel[index]);
-        let per_unit = DVec2::from_array(self.rule.pixels_per_unit);
+        let per_unit = DVec2::from_array(self.encoding.pixels_per_unit);
         let pixels = DVec2::new(f64::from(stored[0]), f64::from(stored[1])) * per_unit;
         if !pixels.is_finite() || pixels.length() > MOST {
             return stored;
         }
         let there = DVec2::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y);
-        let change = ways.there(there) - ways.here(index);
+        let change = displacements.there(there) - displacements.here(index);
         if !change.is_finite() || change.length() < LEAST {
             return stored;
         }
@@ -104,25 +106,25 @@ impl Vectors<'_> {
     }
 }
 
-/// How far the points of a mover move in this frame and in the one that vectors point to, in pixels, y down.
+/// How far the points of a moving layer move in this frame and in the one that vectors point to, in pixels, y down.
 ///
 /// Fields are asked for every pixel once, by blocks; asking them for each vector took three times as long as all else.
-struct Ways<'a> {
+struct Displacements<'a> {
     now: WarpMap,
     other: WarpMap,
     /// What `other` was made of.
     field: &'a Field,
-    course: Direction,
+    direction: Direction,
 }
 
-impl<'a> Ways<'a> {
-    fn of(mover: &'a Mover, direction: Meaning, (frame, window): (FrameSize, PixelRect)) -> Self {
-        let field = if direction == Meaning::Backward { &mover.previous } else { &mover.next };
-        let [now, other] = [&mover.now, field].map(|field| match mover.course {
+impl<'a> Displacements<'a> {
+    fn of(moving_layer: &'a MovingLayer, semantic: Semantic, (frame, window): (FrameSize, PixelRect)) -> Self {
+        let field = if semantic == Semantic::Backward { &moving_layer.previous } else { &moving_layer.next };
+        let [now, other] = [&moving_layer.now, field].map(|field| match moving_layer.direction {
             Direction::Forward => WarpMap::forward_alone(field, frame, window),
             Direction::Backward => WarpMap::backward(field, frame, window),
         });
-        Self { now, other, field, course: mover.course }
+        Self { now, other, field, direction: moving_layer.direction }
     }
 
     /// At the centre of a pixel, in this frame.
@@ -135,7 +137,7 @@ impl<'a> Ways<'a> {
         between(&self.other, at).unwrap_or_else(|| {
             let frame = self.other.frame;
             let from = frame.screen_from_image(ImagePoint(at));
-            let goes = match self.course {
+            let goes = match self.direction {
                 Direction::Forward => Some(self.field.carry(from)),
                 Direction::Backward => self.field.inverse(from, from),
             };

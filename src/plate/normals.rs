@@ -4,36 +4,39 @@
 //! turned about the view axis by the rotation nearest to the warp's gradient (its polar factor).
 
 use super::WarpMap;
-use super::canvas::Canvas;
-use super::nearest::Pick;
+use super::composite::Composite;
+use super::visible_samples::VisibleSample;
 use rayon::prelude::*;
 
 /// A rotation that counts, in radians: below it normals keep their bits.
 const LEAST: f64 = 1e-6;
 
-impl Canvas<'_> {
-    /// Turns the first two components; each #pixels of the canvas.
-    pub(super) fn turn_normals(&self, picks: &[Pick], [xs, ys]: [&mut [f32]; 2], pixel_aspect: f64) {
-        let pixels = xs.par_iter_mut().zip(ys).zip(picks).enumerate();
-        pixels.for_each(|(at, ((x, y), pick))| {
-            let Pick::Sample { sheet, .. } = pick else { return };
-            let sheet = &self.sheets[usize::from(*sheet)];
-            let pixel = self.window.pixel_at(at);
-            let Some((map, place)) = sheet.map.as_ref().zip(sheet.window.place_of(pixel)) else { return };
-            let angle = rotation(map, place, pixel_aspect);
-            if angle.abs() > LEAST {
-                let (sin, cos) = angle.sin_cos();
-                let [old_x, old_y] = [f64::from(*x), f64::from(*y)];
-                (*x, *y) = ((cos * old_x - sin * old_y) as f32, (sin * old_x + cos * old_y) as f32);
-            }
-        });
-    }
+/// Turns the first two components of the normals that a composite shows; each #pixels of the composite.
+pub(super) fn turn_normals(
+    composite: &Composite,
+    visible: &[VisibleSample],
+    [xs, ys]: [&mut [f32]; 2],
+    pixel_aspect: f64,
+) {
+    let pixels = xs.par_iter_mut().zip(ys).zip(visible).enumerate();
+    pixels.for_each(|(at, ((x, y), seen))| {
+        let VisibleSample::Sample { layer, .. } = seen else { return };
+        let layer = &composite.layers[usize::from(*layer)];
+        let pixel = composite.window.pixel_at(at);
+        let Some((map, index)) = layer.map.as_ref().zip(layer.window.place_of(pixel)) else { return };
+        let angle = rotation(map, index, pixel_aspect);
+        if angle.abs() > LEAST {
+            let (sin, cos) = angle.sin_cos();
+            let [old_x, old_y] = [f64::from(*x), f64::from(*y)];
+            (*x, *y) = ((cos * old_x - sin * old_y) as f32, (sin * old_x + cos * old_y) as f32);
+        }
+    });
 }
 
 /// How far the picture turns at a pixel, counter-clockwise in radians.
 ///
 /// The map leads back, with y down: both turn the sign over, so its angle is the warp's.
-fn rotation(map: &WarpMap, place: usize, pixel_aspect: f64) -> f64 {
-    let [[xx, xy], [yx, yy]] = map.jacobian(place).map(|row| row.map(f64::from));
+fn rotation(map: &WarpMap, index: usize, pixel_aspect: f64) -> f64 {
+    let [[xx, xy], [yx, yy]] = map.jacobian(index).map(|row| row.map(f64::from));
     (yx / pixel_aspect - xy * pixel_aspect).atan2(xx + yy)
 }

@@ -2,7 +2,7 @@
 //!
 //! In: counts from the warp. Out: [`PlateReport`], plain data for logs and reports; [`PlateError`].
 
-use super::Meaning;
+use super::Semantic;
 use serde::Serialize;
 
 /// What was done to one plate.
@@ -28,15 +28,16 @@ pub struct ChannelReport {
     /// Full name of the channel.
     pub channel: String,
     /// How it was treated.
-    pub meaning: Meaning,
+    #[serde(rename = "meaning")]
+    pub semantic: Semantic,
     /// How that is known.
-    pub reason: MeaningReason,
+    pub reason: SemanticReason,
 }
 
-/// How the meaning of a channel is known.
+/// How the semantic of a channel is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum MeaningReason {
+pub enum SemanticReason {
     /// The shot says so.
     Shot,
     /// The file's metadata say so.
@@ -61,7 +62,7 @@ pub enum PlateError {
         /// The nearest right name, or what there is.
         hint: String,
     },
-    /// A layer's matte picks names that no Cryptomatte of the plate knows.
+    /// A layer's matte selects names that no Cryptomatte of the plate knows.
     #[error("layer \"{layer}\": no Cryptomatte of the plate knows {wanted}; {hint}")]
     NoCryptomatte {
         /// The layer.

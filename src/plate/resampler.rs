@@ -28,22 +28,22 @@ pub trait Resampler: Send {
 
 /// What a warp uses from plate to plate.
 #[derive(Default)]
-pub(super) struct Tools {
+pub(super) struct ResampleContext {
     /// `None`: the kernels of this stage.
     device: Mutex<Option<Box<dyn Resampler>>>,
     /// Planes that nobody needs any more.
-    spare: Mutex<Vec<Vec<f32>>>,
+    buffer_pool: Mutex<Vec<Vec<f32>>>,
     warnings: Mutex<Vec<String>>,
 }
 
 /// What colour is resampled by.
 #[derive(Clone, Copy)]
 pub(super) struct Resampling<'a> {
-    pub(super) tools: &'a Tools,
+    pub(super) context: &'a ResampleContext,
     pub(super) filter: Filter,
 }
 
-impl Tools {
+impl ResampleContext {
     pub(super) fn with_device(device: Option<Box<dyn Resampler>>) -> Self {
         Self { device: Mutex::new(device), ..Self::default() }
     }
@@ -55,17 +55,18 @@ impl Tools {
 
     /// Keeps the planes of a plate for the next one, instead of those kept before: fresh memory costs more time than
     /// what is written into it.
-    pub(super) fn keep(&self, plate: Plate) {
+    pub(super) fn recycle(&self, plate: Plate) {
         let channels = plate.parts.into_iter().flat_map(|part| part.channels);
-        *locked(&self.spare) = channels.map(|channel| channel.samples).collect();
+        *locked(&self.buffer_pool) = channels.map(|channel| channel.samples).collect();
     }
 
     /// A plane of so many samples, whatever they are.
     pub(super) fn plane(&self, length: usize) -> Vec<f32> {
-        let mut spare = locked(&self.spare);
-        let fitting = spare.iter().position(|plane| plane.capacity() >= length && plane.capacity() < 2 * length.max(1));
-        let plane = fitting.map(|place| spare.swap_remove(place));
-        drop(spare);
+        let mut buffers = locked(&self.buffer_pool);
+        let fitting =
+            buffers.iter().position(|plane| plane.capacity() >= length && plane.capacity() < 2 * length.max(1));
+        let plane = fitting.map(|place| buffers.swap_remove(place));
+        drop(buffers);
         plane.map_or_else(
             || vec![0.0; length],
             |mut plane| {
@@ -84,14 +85,14 @@ impl Tools {
 impl Resampling<'_> {
     /// The planes as seen through a map.
     pub(super) fn seen(self, map: &WarpMap, source: &Planes) -> Vec<Vec<f32>> {
-        let mut results: Vec<_> = source.planes.iter().map(|_| self.tools.plane(map.window.area())).collect();
-        let mut device = locked(&self.tools.device);
+        let mut results: Vec<_> = source.planes.iter().map(|_| self.context.plane(map.window.area())).collect();
+        let mut device = locked(&self.context.device);
         if let Some(lent) = device.as_mut() {
             match lent.resample(map, source, self.filter, &mut results) {
                 Ok(()) => return results,
                 Err(error) => {
                     let name = lent.name();
-                    locked(&self.tools.warnings).push(format!("{name}: {error}; the CPU resamples from here on"));
+                    locked(&self.context.warnings).push(format!("{name}: {error}; the CPU resamples from here on"));
                     *device = None;
                 }
             }
@@ -140,14 +141,14 @@ mod tests {
         let map = WarpMap::identity(FrameSize::new(3, 2), window);
         let samples = [0.5, 1.0, 2.0, 3.0, 4.0, 5.0];
         let source = Planes { window, planes: vec![&samples] };
-        let tools = Tools::with_device(Some(Box::new(Mortal(1))));
-        let by = Resampling { tools: &tools, filter: Filter::Cubic };
+        let context = ResampleContext::with_device(Some(Box::new(Mortal(1))));
+        let by = Resampling { context: &context, filter: Filter::Cubic };
         assert_eq!(by.seen(&map, &source), [[1.0; 6]]);
-        assert_eq!(tools.device().as_deref(), Some("mortal"));
+        assert_eq!(context.device().as_deref(), Some("mortal"));
         for _ in 0..2 {
             assert_eq!(by.seen(&map, &source), [samples]);
         }
-        assert_eq!(tools.take_warnings(), ["mortal: the device was lost; the CPU resamples from here on"]);
-        assert_eq!((tools.device(), tools.take_warnings()), (None, Vec::new()));
+        assert_eq!(context.take_warnings(), ["mortal: the device was lost; the CPU resamples from here on"]);
+        assert_eq!((context.device(), context.take_warnings()), (None, Vec::new()));
     }
 }

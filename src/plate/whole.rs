@@ -6,8 +6,8 @@
 //! x ↦ flow(x + α w(x) L(x)),   L: displacement of the lattice,  w: 0 at the border,  α: 0 to 1
 //! ```
 
-use super::around::Link;
-use super::flow::{Flow, Mover, inside};
+use super::extrapolation::ExtrapolatedLattice;
+use super::flow::{Flow, FlowPin, inside};
 use super::ramp::Ramp;
 use crate::lattice::ScreenLattice;
 use crate::space::{ScreenBox, ScreenPoint};
@@ -69,20 +69,20 @@ impl WholeWarp {
         let grid = &lattice.grid;
         let bounds = ScreenBox::new(ScreenPoint(grid.lo.into()), ScreenPoint(grid.hi.into()));
         let ramp = Ramp::new(bounds, widths(bounds, pins));
-        let full = Link::resting(lattice, ramp);
+        let full = ExtrapolatedLattice::resting(lattice, ramp);
         let share = share(&full, &ramp, (lattice, bounds), pins);
         let lattice = lattice.with_strength(share);
-        let link = Link::resting(&lattice, ramp);
-        let movers: Vec<Mover> = pins.iter().map(|pin| pin.mover(&link, bounds)).collect();
-        let flow = Flow::of(&movers, bounds);
+        let resting = ExtrapolatedLattice::resting(&lattice, ramp);
+        let flow_pins: Vec<FlowPin> = pins.iter().map(|pin| pin.flow_pin(&resting, bounds)).collect();
+        let flow = Flow::of(&flow_pins, bounds);
         let ends = flow.ends().iter().map(|&end| ScreenPoint(end)).collect();
-        let given_way = given_way(&flow, &movers, bounds);
+        let given_way = given_way(&flow, &flow_pins, bounds);
         Self { lattice, ramp, flow: Arc::new(flow), given_way, ends }
     }
 
     /// The lattice's part.
-    pub(super) fn link(&self) -> Link {
-        Link::resting(&self.lattice, self.ramp)
+    pub(super) fn extrapolated(&self) -> ExtrapolatedLattice {
+        ExtrapolatedLattice::resting(&self.lattice, self.ramp)
     }
 
     /// The flow's part.
@@ -93,8 +93,8 @@ impl WholeWarp {
 
 impl WholePin {
     /// What its way leaves to the flow, after the lattice.
-    fn mover(&self, link: &Link, bounds: ScreenBox) -> Mover {
-        let (moved, slope) = link.displace(self.rest.0);
+    fn flow_pin(&self, resting: &ExtrapolatedLattice, bounds: ScreenBox) -> FlowPin {
+        let (moved, slope) = resting.displace(self.rest.0);
         let from = self.rest.0 + moved;
         let gradient = DMat2::IDENTITY + slope;
         // The lattice never turns by a quarter: it presses less than that would.
@@ -104,7 +104,7 @@ impl WholePin {
             self.rotation.map_or(0.0, |angle| (angle - turned) * self.weight),
             self.log_scale.map_or(0.0, |scale| (scale - swollen) * self.weight),
         ];
-        Mover { from, to: from.lerp(self.target.0, self.weight), weight: self.weight, give: self.give(bounds), turn }
+        FlowPin { from, to: from.lerp(self.target.0, self.weight), weight: self.weight, give: self.give(bounds), turn }
     }
 
     fn way(&self) -> DVec2 {
@@ -137,16 +137,21 @@ fn widths(bounds: ScreenBox, pins: &[WholePin]) -> [[f64; 2]; 2] {
 
 /// The part of the lattice that is used: all of it, unless it presses the picture together, moves any point further than the
 /// pins go, or leaves the flow more than it takes. All three are convex in the part, so it changes steadily with the pins.
-fn share(full: &Link, ramp: &Ramp, (lattice, bounds): (&ScreenLattice, ScreenBox), pins: &[WholePin]) -> f64 {
+fn share(
+    full: &ExtrapolatedLattice,
+    ramp: &Ramp,
+    (lattice, bounds): (&ScreenLattice, ScreenBox),
+    pins: &[WholePin],
+) -> f64 {
     let longest = pins.iter().map(|pin| pin.way().length() + pin.lever()).fold(0.0, f64::max);
     if longest == 0.0 {
         return 0.0;
     }
     let [swell, press] = looks(full, ramp, lattice);
     let carried: Vec<DVec2> = pins.iter().map(|pin| full.displace(pin.rest.0).0 * pin.weight).collect();
-    let still: Vec<Mover> = pins
+    let still: Vec<FlowPin> = pins
         .iter()
-        .map(|pin| Mover {
+        .map(|pin| FlowPin {
             from: pin.rest.0,
             to: pin.rest.0,
             weight: pin.weight,
@@ -179,7 +184,7 @@ fn share(full: &Link, ramp: &Ramp, (lattice, bounds): (&ScreenLattice, ScreenBox
 
 /// How far the lattice's part moves a point at most, and by how much it presses the picture together: the greatest
 /// −λ of the symmetric part of its gradient. Below 1 the map is one-to-one on the frame, which is convex.
-fn looks(full: &Link, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
+fn looks(full: &ExtrapolatedLattice, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
     let grid = &lattice.grid;
     let places = |axis: usize| {
         let (many, [least, most]) = LOOKS;
@@ -207,9 +212,10 @@ fn greater(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 /// At which pins the flow moves the border, and how far.
-fn given_way(flow: &Flow, movers: &[Mover], bounds: ScreenBox) -> Vec<(usize, f64)> {
+fn given_way(flow: &Flow, flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<(usize, f64)> {
     let mut found: Vec<(usize, f64)> = Vec::new();
-    let free = || movers.iter().enumerate().filter(|(_, mover)| mover.give > 0.0 && mover.from != mover.to);
+    let free =
+        || flow_pins.iter().enumerate().filter(|(_, flow_pin)| flow_pin.give > 0.0 && flow_pin.from != flow_pin.to);
     if free().next().is_none() {
         return found;
     }
@@ -220,7 +226,7 @@ fn given_way(flow: &Flow, movers: &[Mover], bounds: ScreenBox) -> Vec<(usize, f6
     });
     for point in border {
         let moved = flow.displace(point).0.length();
-        let off = |mover: &Mover| mover.from.distance_squared(point).min(mover.to.distance_squared(point));
+        let off = |flow_pin: &FlowPin| flow_pin.from.distance_squared(point).min(flow_pin.to.distance_squared(point));
         let nearest = free().min_by(|(_, a), (_, b)| off(a).total_cmp(&off(b)));
         let Some((pin, _)) = nearest.filter(|_| moved > 0.0) else { continue };
         match found.iter_mut().find(|(other, _)| *other == pin) {

@@ -5,7 +5,7 @@
 use super::{CameraRule, KeyLines, Visibility};
 use crate::image::Compression;
 use crate::lattice::Basis;
-use crate::plate::{Matte, WarpRules};
+use crate::plate::{Matte, WarpSettings};
 use crate::raster::ChannelGroup;
 use crate::solve::Settings;
 use crate::space::{FrameSize, ScreenBox, ScreenPoint, ScreenVector};
@@ -25,7 +25,7 @@ pub struct Shot {
     /// Finished frames that `pinwarp warp` warps, a path with a frame counter; `None`: named on the command line.
     pub plate: Option<PathBuf>,
     /// How they are warped.
-    pub warp: WarpRules,
+    pub warp: WarpSettings,
     /// Which camera sees it.
     pub camera: CameraRule,
     /// Which nodes of the scene are drawn.

@@ -4,7 +4,7 @@ use crate::python;
 use crate::support::{Bench, HEAD, OUTPUT, PIN, square};
 use crate::tiny::{Lens, Tiny, grid};
 use glam::{DVec3, Vec3};
-use pinwarp::pipeline::{Moment, Setup};
+use pinwarp::pipeline::{PreparedShot, TimeSample};
 use pinwarp::pose::{ClipChoice, Pose, pose};
 use pinwarp::scene::{AlphaMode, Scene, load};
 use pinwarp::screen::primitive;
@@ -29,21 +29,21 @@ fn corners_of(scene: &Scene, pose: &Pose, place: impl Fn(usize, usize) -> DVec3)
 }
 
 /// Where a shot puts its triangles in a frame: screen layers move them across the view.
-fn warped(setup: &Setup, frame: i32) -> Corners {
-    let moment: &Moment = &setup.moment(f64::from(frame)).expect("solved");
-    corners_of(&setup.scene, &moment.pose, |part, vertex| {
+fn warped(prepared: &PreparedShot, frame: i32) -> Corners {
+    let sample: &TimeSample = &prepared.sample_at(f64::from(frame)).expect("solved");
+    corners_of(&prepared.scene, &sample.pose, |part, vertex| {
         let (place, seen) =
-            (moment.pose.parts[part].positions[vertex].0.as_dvec3(), moment.mesh().parts[part].vertices[vertex]);
-        let solution = setup.owners[part].and_then(|layer| moment.layers[layer].solution.as_ref());
+            (sample.pose.parts[part].positions[vertex].0.as_dvec3(), sample.mesh().parts[part].vertices[vertex]);
+        let solution = prepared.assignment.layer_of_part[part].and_then(|layer| sample.layers[layer].solution.as_ref());
         let by = |lattice: &pinwarp::lattice::ScreenLattice| {
-            moment.camera.scene_from_screen_vector(lattice.warp(seen.point()) - seen.point(), seen.w)
+            sample.camera.scene_from_screen_vector(lattice.warp(seen.point()) - seen.point(), seen.w)
         };
         solution.map_or(place, |solution| place + by(&solution.lattice))
     })
 }
 
-fn setup(path: &Path) -> Setup {
-    Setup::new(Shot::read(path).expect("a right shot")).expect("the scene fits")
+fn prepared(path: &Path) -> PreparedShot {
+    PreparedShot::new(Shot::read(path).expect("a right shot")).expect("the scene fits")
 }
 
 /// Greatest distance of a corner from where it belongs; infinite where the lists do not match.
@@ -92,19 +92,20 @@ fn morph_targets_stand_where_the_warp_puts_the_vertices() {
     let bench = Bench::new();
     for (scene, list) in cases {
         export_scene(&bench, scene, &format!("--to gltf --frames {list} -o {scene}.glb"));
-        let setup = setup(&shot_of(scene));
+        let prepared = prepared(&shot_of(scene));
         let exported = load(&bench.path(&format!("{scene}.glb"))).expect("our own loader reads it");
-        assert_eq!((exported.nodes.len(), exported.clips.len()), (setup.scene.nodes.len(), 1));
-        assert_eq!(exported.materials.len(), setup.scene.materials.len());
+        assert_eq!((exported.nodes.len(), exported.clips.len()), (prepared.scene.nodes.len(), 1));
+        assert_eq!(exported.materials.len(), prepared.scene.materials.len());
         for frame in if scene == "walker" { vec![5, 11] } else { vec![1, 13, 19] } {
             let choice = ClipChoice { clip: Some(0), is_looped: false };
-            let posed = pose(&exported, choice, setup.shot.frames.seconds(f64::from(frame)));
+            let posed = pose(&exported, choice, prepared.shot.frames.seconds(f64::from(frame)));
             let found = corners_of(&exported, &posed, |part, vertex| posed.parts[part].positions[vertex].0.as_dvec3());
-            let wanted = warped(&setup, frame);
+            let wanted = warped(&prepared, frame);
             assert!(gap(&wanted, &found) < 2e-6, "{scene}, frame {frame}: {:e}", gap(&wanted, &found));
-            let unwarped = setup.view(f64::from(frame)).0;
-            let still =
-                corners_of(&setup.scene, &unwarped, |part, vertex| unwarped.parts[part].positions[vertex].0.as_dvec3());
+            let unwarped = prepared.view(f64::from(frame)).0;
+            let still = corners_of(&prepared.scene, &unwarped, |part, vertex| {
+                unwarped.parts[part].positions[vertex].0.as_dvec3()
+            });
             assert!(frame == 1 || gap(&still, &found) > 1e-3, "{scene}, frame {frame} is not warped at all");
         }
     }
@@ -115,18 +116,18 @@ fn normals_turn_with_world_layers_and_stay_on_the_screen() {
     let bench = Bench::new();
     for (scene, turns) in [("hare", true), ("gingerman", false)] {
         export_scene(&bench, scene, &format!("--to gltf --frames 8 -o {scene}.glb"));
-        let setup = setup(&shot_of(scene));
+        let prepared = prepared(&shot_of(scene));
         let exported = load(&bench.path(&format!("{scene}.glb"))).expect("readable");
-        let posed = pose(&exported, ClipChoice { clip: Some(0), is_looped: false }, setup.shot.frames.seconds(8.0));
-        let moment = setup.moment(8.0).expect("solved");
-        let (unwarped, _) = setup.view(8.0);
+        let posed = pose(&exported, ClipChoice { clip: Some(0), is_looped: false }, prepared.shot.frames.seconds(8.0));
+        let sample = prepared.sample_at(8.0).expect("solved");
+        let (unwarped, _) = prepared.view(8.0);
         let gap_to = |other: &Pose| {
             let normals = |pose: &Pose| -> Vec<Vec3> {
                 pose.parts.iter().flat_map(|part| part.normals.iter().map(|normal| normal.0)).collect()
             };
             normals(&posed).iter().zip(normals(other)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max)
         };
-        assert!(gap_to(&moment.pose) < 1e-4, "{scene}: {}", gap_to(&moment.pose));
+        assert!(gap_to(&sample.pose) < 1e-4, "{scene}: {}", gap_to(&sample.pose));
         assert_eq!(gap_to(&unwarped) > 0.1, turns, "{scene}: {}", gap_to(&unwarped));
     }
 }
@@ -217,8 +218,8 @@ fn corners_in(told: &Value, frame: i32) -> Corners {
 
 /// Greatest gap between Blender and a shot over frames.
 fn gap_to_blender(shot: &Path, told: &Value, frames: &[i32]) -> f64 {
-    let setup = setup(shot);
-    frames.iter().map(|&frame| gap(&warped(&setup, frame), &corners_in(told, frame))).fold(0.0, f64::max)
+    let prepared = prepared(shot);
+    frames.iter().map(|&frame| gap(&warped(&prepared, frame), &corners_in(told, frame))).fold(0.0, f64::max)
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use pinwarp::image::{Frame, read_any, read_exr};
 use pinwarp::lattice::{Basis, Grid, ScreenLattice};
-use pinwarp::pipeline::{Existing, PipelineError, RenderOptions, Setup, render};
-use pinwarp::plate::{Field, Filter, LayerJob, PlateJob, WarpMap, WarpRules, stmap_of, warp_plate};
+use pinwarp::pipeline::{Existing, PipelineError, PreparedShot, RenderOptions, render};
+use pinwarp::plate::{Field, Filter, LayerJob, PlateJob, WarpMap, WarpSettings, stmap_of, warp_plate};
 use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Goal, LayerSpace, Shot};
 use pinwarp::solve::Settings;
@@ -68,7 +68,7 @@ fn drawn(mut shot: Shot, frame: i32, device: DeviceChoice) -> Result<Frame, Pipe
     shot.output.path = folder.path().join("frame.####.exr");
     let existing = Existing::Refuse;
     let options = RenderOptions { frames: vec![frame], device, existing, ..RenderOptions::default() };
-    let summary = render(&Setup::new(shot)?, &options, &AtomicBool::new(false), &|_| {})?;
+    let summary = render(&PreparedShot::new(shot)?, &options, &AtomicBool::new(false), &|_| {})?;
     assert_eq!((summary.rendered, summary.failed), (1, 0));
     Ok(read_exr(&folder.path().join(format!("frame.{frame:04}.exr"))).expect("the frame is readable"))
 }
@@ -87,8 +87,8 @@ fn warped(filter: Filter) -> Frame {
     let plate = small_flag();
     let field = Field::of_picture(pulled(plate.frame_size().aspect()));
     let layers = vec![LayerJob { name: "all".into(), field, previous: None, next: None, matte: None }];
-    let rules = WarpRules { filter, ..WarpRules::default() };
-    let job = PlateJob { layers, rules: &rules, fill: None };
+    let settings = WarpSettings { filter, ..WarpSettings::default() };
+    let job = PlateJob { layers, settings: &settings, fill: None };
     warp_plate(&plate, &job).expect("nothing to refuse").0.into_frame()
 }
 

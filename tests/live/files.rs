@@ -6,7 +6,7 @@ use pinwarp::live::{
     Controls, LiveError, NewShot, OwnPins, Pin, PinTrack, ShapeSource, ShotShape, Subject, TrackKey, WriteShot,
     read_shot, warp, write_shot,
 };
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::{Ease, Shot};
 use pinwarp::space::FrameSize;
 use std::path::Path;
@@ -33,8 +33,8 @@ fn tracks(controls: &Controls) -> Vec<PinTrack> {
 
 /// Handles of the first layer at a frame, as the program solves them.
 fn solved(path: &Path, frame: i32) -> Vec<[f64; 2]> {
-    let setup = Setup::new(Shot::read(path).expect("a good shot")).expect("fits");
-    let moment = setup.exposed(frame).expect("solves");
+    let prepared = PreparedShot::new(Shot::read(path).expect("a good shot")).expect("fits");
+    let moment = prepared.mid_exposure(frame).expect("solves");
     moment.layers[0].solution.as_ref().expect("pins act").lattice.handles.clone()
 }
 

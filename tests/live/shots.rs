@@ -1,7 +1,7 @@
 //! Shapes from shot files: lattices follow the model, pins stick to it, the shot's own pins act.
 
 use pinwarp::live::{Controls, LiveError, OwnPins, Pin, ShapeSource, ShotShape, Warning, warp};
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, ScreenPoint};
 use std::path::PathBuf;
@@ -17,8 +17,8 @@ pub(crate) const SIZE: FrameSize = FrameSize::new(1280, 720);
 #[test]
 fn a_shots_own_pins_act_as_in_the_program() {
     let shape = legs(7.0);
-    let setup = Setup::new(Shot::read(&shape.path).expect("a good shot")).expect("fits");
-    let cold = setup.exposed(7).expect("solves");
+    let prepared = PreparedShot::new(Shot::read(&shape.path).expect("a good shot")).expect("fits");
+    let cold = prepared.mid_exposure(7).expect("solves");
     let cold = &cold.layers[0].solution.as_ref().expect("pins act").lattice;
     let controls = Controls { dims: [10, 8], ..Controls::default() };
     let live = warp(&controls, &ShapeSource::Shot(shape.clone()), SIZE).expect("solves");
@@ -33,11 +33,11 @@ fn a_shots_own_pins_act_as_in_the_program() {
 
 #[test]
 fn a_pin_follows_the_animated_surface() {
-    let setup = Setup::new(Shot::read(&legs(1.0).path).expect("a good shot")).expect("fits");
+    let prepared = PreparedShot::new(Shot::read(&legs(1.0).path).expect("a good shot")).expect("fits");
     // A point of the near toe, as the camera sees it in frame 1.
-    let rests = setup.rests_of(0, 1.0);
-    let seen = setup.cast(1, &rests.iter().map(|rest| rest.point).collect::<Vec<_>>());
-    let on_legs = |cast: &Option<pinwarp::pipeline::Pinned>| cast.is_some();
+    let rests = prepared.rests_of(0, 1.0);
+    let seen = prepared.cast(1, &rests.iter().map(|rest| rest.point).collect::<Vec<_>>());
+    let on_legs = |cast: &Option<pinwarp::pipeline::PinAnchor>| cast.is_some();
     let index = seen.iter().position(on_legs).expect("a pin that can be seen");
     let rest = rests[index].point;
     let pin = Pin::new(rest, ScreenPoint::new(rest.0.x + 0.03, rest.0.y + 0.01));

@@ -2,7 +2,7 @@
 
 use crate::support::{HD, eight_pins};
 use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, ShapeSource, Warning, Warp, last_of_alpha, warp};
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
 use std::fmt::Write;
@@ -44,7 +44,7 @@ fn a_shot_file_that_says_the_same_has_the_same_bits() {
     let mut controls = eight_pins();
     controls.pins[2].rotation = Some(0.3);
     let shot = Shot::parse(&as_shot(&controls), Path::new("a.toml")).expect("a good shot");
-    let cold = Setup::new(shot).expect("fits").exposed(1).expect("solves");
+    let cold = PreparedShot::new(shot).expect("fits").mid_exposure(1).expect("solves");
     let cold = &cold.layers[0].solution.as_ref().expect("pins act").lattice;
     // Something else first: what was solved before must not matter.
     let mut other = controls.clone();

@@ -6,7 +6,7 @@ use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{
-    Field, LayerJob, Matte, MotionRule, NormalRule, PlateJob, WarpMap, WarpRules, footprint_taps, remap_plate,
+    Field, LayerJob, Matte, MotionEncoding, NormalMode, PlateJob, WarpMap, WarpSettings, footprint_taps, remap_plate,
     undo_plate,
 };
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
@@ -71,7 +71,7 @@ fn at(plate: &Plate, pixel: usize) -> BTreeMap<u32, f32> {
 #[test]
 fn coverage_is_what_the_footprint_sees() {
     let source = matted();
-    let (moved, report) = warped(&source, vec![layer("all", bent(), None)], &WarpRules::default());
+    let (moved, report) = warped(&source, vec![layer("all", bent(), None)], &WarpSettings::default());
     assert!(report.warnings.is_empty(), "{:?}", report.warnings);
     let map = WarpMap::backward(&bent(), SIZE, FRAME);
     let mut taps = Vec::new();
@@ -110,9 +110,9 @@ fn a_layer_picked_by_cryptomatte_takes_its_ids_and_leaves_the_others() {
     };
     let id = |name: &str| MatteId::of_name(name).sample().to_bits();
     let still =
-        warped(&matted(), vec![layer("ball", Field::identity(), Some(pick(&["ba*"])))], &WarpRules::default()).0;
+        warped(&matted(), vec![layer("ball", Field::identity(), Some(pick(&["ba*"])))], &WarpSettings::default()).0;
     let (moved, report) =
-        warped(&matted(), vec![layer("ball", shift(6, 0, 24), Some(pick(&["ball"])))], &WarpRules::default());
+        warped(&matted(), vec![layer("ball", shift(6, 0, 24), Some(pick(&["ball"])))], &WarpSettings::default());
     assert!(report.hole_pixels > 0);
     for pixel in 0..FRAME.area() {
         let (x, y) = (pixel as u32 % FRAME.width, pixel as u32 / FRAME.width);
@@ -157,17 +157,19 @@ fn middle(plate: &Plate, name: &str) -> f32 {
 
 #[test]
 fn motion_turns_with_the_picture() {
-    let rules = |pixels_per_unit| WarpRules { motion: Some(MotionRule { pixels_per_unit }), ..WarpRules::default() };
+    let settings =
+        |pixels_per_unit| WarpSettings { motion: Some(MotionEncoding { pixels_per_unit }), ..WarpSettings::default() };
     // Three pixels to the right become three pixels up, and so do they where they are stored otherwise.
     for (unit, u, expected) in [([1.0, 1.0], 3.0, [0.0, 3.0]), ([40.0, -40.0], 3.0 / 40.0, [0.0, -3.0 / 40.0])] {
         let plate = moving(["forward.u", "forward.v"], u, 0.0);
-        let (moved, report) = warped(&plate, vec![quarter_turn()], &rules(unit));
+        let (moved, report) = warped(&plate, vec![quarter_turn()], &settings(unit));
         assert!(report.warnings.is_empty(), "{:?}", report.warnings);
         let found = [middle(&moved, "forward.u"), middle(&moved, "forward.v")];
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
     }
     // Backward: the frame before was not turned. The centre of pixel (20, 20) comes from that of (20, 19) or (19, 20).
-    let (moved, _) = warped(&moving(["backward.u", "backward.v"], 0.0, 0.0), vec![quarter_turn()], &rules([1.0, 1.0]));
+    let (moved, _) =
+        warped(&moving(["backward.u", "backward.v"], 0.0, 0.0), vec![quarter_turn()], &settings([1.0, 1.0]));
     let found = [middle(&moved, "backward.u"), middle(&moved, "backward.v")];
     assert!(
         (found[0].abs() - 1.0).abs() < 1e-3 && found[1].abs() < 1e-3
@@ -189,8 +191,9 @@ fn vectors_follow_fields_to_a_thousandth_of_a_pixel() {
     let plate = plate(size.window(), window, channels);
     let [now, next] = [7, 8].map(|seed| Field::of_picture(random(Basis::Bspline, 0.3, seed)));
     let job = LayerJob { next: Some(next.clone()), ..layer("all", now.clone(), None) };
-    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
-    let (moved, _) = warped(&plate, vec![job], &rules);
+    let settings =
+        WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), ..WarpSettings::default() };
+    let (moved, _) = warped(&plate, vec![job], &settings);
     let [shown, us, vs] = ["P.X", "forward.u", "forward.v"].map(|name| samples(&moved, name));
     let goes = |field: &Field, at: [f64; 2]| {
         let at = size.screen_from_image(ImagePoint::new(at[0], at[1]));
@@ -218,9 +221,10 @@ fn an_undone_warp_gives_the_vectors_back() {
     let plate = plate(size.window(), size.window(), vec![make("forward.u", 5.0), make("forward.v", -2.0)]);
     let [now, next] = [7, 8].map(|seed| Field::of_picture(random(Basis::Bspline, 0.3, seed)));
     let job = LayerJob { next: Some(next), ..layer("all", now, None) };
-    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
-    let moved = warped(&plate, vec![job.clone()], &rules).0;
-    let job = PlateJob { layers: vec![job], rules: &rules, fill: None };
+    let settings =
+        WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), ..WarpSettings::default() };
+    let moved = warped(&plate, vec![job.clone()], &settings).0;
+    let job = PlateJob { layers: vec![job], settings: &settings, fill: None };
     let (back, report) = undo_plate(&moved, &job, size.window()).expect("the map is of this frame");
     assert!(report.warnings.is_empty(), "{:?}", report.warnings);
     let misses = |plate: &Plate| {
@@ -242,7 +246,7 @@ fn blenders_vectors_are_known() {
         plate(SQUARE, SQUARE, names.map(|(name, value)| make(name, value)).to_vec())
     };
     let still = LayerJob { previous: Some(turning(90.0)), ..quarter_turn() };
-    let moved = warped(&plate, vec![still], &WarpRules::default()).0;
+    let moved = warped(&plate, vec![still], &WarpSettings::default()).0;
     // Z and W are this place less the next: three to the right are stored as -3, and become three up, stored as -3.
     let found = ["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"].map(|name| middle(&moved, name));
     assert!(found.iter().zip([0.0, 2.0, 0.0, -3.0]).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
@@ -252,30 +256,32 @@ fn blenders_vectors_are_known() {
 fn a_motion_rule_that_is_stated_is_the_whole_truth() {
     // Named as Blender names them, and stored as the shot says: Z and W lead to the next frame, in sixteenths, y down.
     let plate = moving(["Vector.Z", "Vector.W"], 48.0, 0.0);
-    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [0.0625, -0.0625] }), ..WarpRules::default() };
-    let moved = warped(&plate, vec![quarter_turn()], &rules).0;
+    let settings =
+        WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [0.0625, -0.0625] }), ..WarpSettings::default() };
+    let moved = warped(&plate, vec![quarter_turn()], &settings).0;
     let found = [middle(&moved, "Vector.Z"), middle(&moved, "Vector.W")];
     assert!(found.iter().zip([0.0, -48.0]).all(|(a, b)| (a - b).abs() < 2e-3), "{found:?}");
     // Four pixels to the right by the next frame: added as the shot says, taken off as Blender's own files would have it.
     let slid = LayerJob { next: Some(shift(4, 0, 40)), ..layer("all", Field::identity(), None) };
-    let slides = |rules: &WarpRules| middle(&warped(&plate, vec![slid.clone()], rules).0, "Vector.Z");
-    assert!((slides(&rules) - (48.0 + 4.0 * 16.0)).abs() < 2e-2, "{}", slides(&rules));
-    assert!((slides(&WarpRules::default()) - (48.0 - 4.0)).abs() < 2e-2, "{}", slides(&WarpRules::default()));
+    let slides = |settings: &WarpSettings| middle(&warped(&plate, vec![slid.clone()], settings).0, "Vector.Z");
+    assert!((slides(&settings) - (48.0 + 4.0 * 16.0)).abs() < 2e-2, "{}", slides(&settings));
+    assert!((slides(&WarpSettings::default()) - (48.0 - 4.0)).abs() < 2e-2, "{}", slides(&WarpSettings::default()));
 }
 
 #[test]
 fn vectors_of_unknown_make_pass_with_a_word() {
     let plate = moving(["forward.u", "forward.v"], 3.0, 0.0);
-    let (moved, report) = warped(&plate, vec![quarter_turn()], &WarpRules::default());
+    let (moved, report) = warped(&plate, vec![quarter_turn()], &WarpSettings::default());
     assert_eq!((middle(&moved, "forward.u"), middle(&moved, "forward.v")), (3.0, 0.0));
     assert!(report.warnings.iter().any(|warning| warning.contains("forward.u")), "{:?}", report.warnings);
     let map = WarpMap::backward(&turning(90.0), FrameSize::new(40, 40), SQUARE);
-    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), ..WarpRules::default() };
-    let (moved, report) = remap_plate(&plate, &map, &rules).expect("the map is of this frame");
+    let settings =
+        WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), ..WarpSettings::default() };
+    let (moved, report) = remap_plate(&plate, &map, &settings).expect("the map is of this frame");
     assert_eq!(middle(&moved, "forward.u"), 3.0);
     assert!(report.warnings.iter().any(|warning| warning.contains("map")), "{:?}", report.warnings);
     let wrong = WarpMap::identity(FrameSize::new(20, 40), window(0, 0, 20, 40));
-    assert!(remap_plate(&plate, &wrong, &rules).is_err());
+    assert!(remap_plate(&plate, &wrong, &settings).is_err());
 }
 
 #[test]
@@ -283,13 +289,13 @@ fn normals_stay_or_turn() {
     let make = |name: &str, value: f32| channel(name, Storage::Float, SQUARE, move |_, _| value);
     let plate = plate(SQUARE, SQUARE, vec![make("N.X", 0.6), make("N.Y", 0.0), make("N.Z", 0.8)]);
     let moved = |normals| {
-        let rules = WarpRules { normals, ..WarpRules::default() };
-        let moved = warped(&plate, vec![layer("all", turning(30.0), None)], &rules).0;
+        let settings = WarpSettings { normals, ..WarpSettings::default() };
+        let moved = warped(&plate, vec![layer("all", turning(30.0), None)], &settings).0;
         ["N.X", "N.Y", "N.Z"].map(|name| middle(&moved, name))
     };
-    assert_eq!(moved(NormalRule::Keep), [0.6, 0.0, 0.8]);
+    assert_eq!(moved(NormalMode::Keep), [0.6, 0.0, 0.8]);
     let (sin, cos) = 30.0_f32.to_radians().sin_cos();
-    let turned = moved(NormalRule::Rotate);
+    let turned = moved(NormalMode::Rotate);
     assert!(turned.iter().zip([0.6 * cos, 0.6 * sin, 0.8]).all(|(a, b)| (a - b).abs() < 1e-4), "{turned:?}");
 }
 
@@ -302,8 +308,8 @@ fn vectors_and_normals_of_our_own_renders_are_known() {
     let path = folder.path().join("own.exr");
     write_exr(&path, &frame, &FrameMetadata::default(), Compression::Zip).expect("the folder is there");
     let own = read_plate(&path).expect("just written");
-    let rules = WarpRules { normals: NormalRule::Rotate, ..WarpRules::default() };
-    let (moved, report) = warped(&own, vec![quarter_turn()], &rules);
+    let settings = WarpSettings { normals: NormalMode::Rotate, ..WarpSettings::default() };
+    let (moved, report) = warped(&own, vec![quarter_turn()], &settings);
     assert!((middle(&moved, "forward.v") - 3.0).abs() < 1e-4);
     assert_eq!(middle(&moved, "N.X"), 0.6);
     assert!(report.warnings.iter().any(|warning| warning.contains("scene space")), "{:?}", report.warnings);

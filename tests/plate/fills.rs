@@ -2,7 +2,7 @@
 
 use super::support::{channel, layer, plate, samples, shift};
 use pinwarp::image::{Channel, Frame, FrameMetadata, Plate, Storage};
-use pinwarp::plate::{Field, LayerJob, Matte, MotionRule, PlateJob, PlateReport, WarpRules, warp_plate};
+use pinwarp::plate::{Field, LayerJob, Matte, MotionEncoding, PlateJob, PlateReport, WarpSettings, warp_plate};
 use pinwarp::space::PixelRect;
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 24, height: 16 };
@@ -34,9 +34,9 @@ fn filled(plate: &Plate, fill: &Plate, motion: Option<[f64; 2]>) -> (Plate, Plat
 }
 
 fn filled_by(plate: &Plate, fill: &Plate, (layers, motion): (Vec<LayerJob>, Option<[f64; 2]>)) -> (Plate, PlateReport) {
-    let motion = motion.map(|pixels_per_unit| MotionRule { pixels_per_unit });
-    let rules = WarpRules { motion, ..WarpRules::default() };
-    warp_plate(plate, &PlateJob { layers, rules: &rules, fill: Some(fill) }).expect("the matte is there")
+    let motion = motion.map(|pixels_per_unit| MotionEncoding { pixels_per_unit });
+    let settings = WarpSettings { motion, ..WarpSettings::default() };
+    warp_plate(plate, &PlateJob { layers, settings: &settings, fill: Some(fill) }).expect("the matte is there")
 }
 
 #[test]

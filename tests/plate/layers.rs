@@ -3,7 +3,7 @@
 use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, PlatePart, Storage};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpMap, WarpRules, remap_plate, warp_plate};
+use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpMap, WarpSettings, remap_plate, warp_plate};
 use pinwarp::space::{FrameSize, PixelRect};
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 24, height: 16 };
@@ -47,7 +47,7 @@ fn at(plate: &Plate, name: &str, x: usize, y: usize) -> f32 {
 
 #[test]
 fn a_layer_that_stays_gives_the_picture_back() {
-    let (still, report) = warped(&room(), vec![layer("square", Field::identity(), mask())], &WarpRules::default());
+    let (still, report) = warped(&room(), vec![layer("square", Field::identity(), mask())], &WarpSettings::default());
     assert_eq!(report.hole_pixels, 0, "soft edges are no holes");
     for part in &room().parts {
         for source in &part.channels {
@@ -55,13 +55,13 @@ fn a_layer_that_stays_gives_the_picture_back() {
             assert!(worst.fold(0.0, f32::max) < 1e-6, "{}", source.name);
         }
     }
-    let moved = warped(&room(), vec![layer("square", shift(1, 0, 16), mask())], &WarpRules::default()).0;
+    let moved = warped(&room(), vec![layer("square", shift(1, 0, 16), mask())], &WarpSettings::default()).0;
     assert_ne!(samples(&still, "R"), samples(&moved, "R"), "the comparison can fail");
 }
 
 #[test]
 fn a_layer_that_moves_leaves_a_hole_and_covers_the_rest() {
-    let (moved, report) = warped(&room(), vec![layer("square", shift(9, 0, 16), mask())], &WarpRules::default());
+    let (moved, report) = warped(&room(), vec![layer("square", shift(9, 0, 16), mask())], &WarpSettings::default());
     // 8 x 8 pixels had a share in the square; its left edge lands on 14, where the hole ends at 12.
     assert_eq!(report.hole_pixels, 64);
     for (x, r, a, z, id) in [
@@ -81,7 +81,7 @@ fn a_layer_that_moves_leaves_a_hole_and_covers_the_rest() {
 
 #[test]
 fn an_edge_that_moves_a_little_stays_closed() {
-    let (moved, report) = warped(&room(), vec![layer("square", shift(1, 0, 16), mask())], &WarpRules::default());
+    let (moved, report) = warped(&room(), vec![layer("square", shift(1, 0, 16), mask())], &WarpSettings::default());
     // Before its new right edge nothing is missing; the pixels it left on the other side are.
     for x in 6..24 {
         let expected = if x == 6 { 0.5 } else { 1.0 };
@@ -97,9 +97,9 @@ fn a_clean_plate_fills_holes_and_nothing_else() {
     let mut channels = vec![blue("A", 1.0), blue("R", 0.5), blue("mask.A", 0.0)];
     channels.push(channel("Z", Storage::Float, FRAME, |x, _| 20.0 + x as f32));
     let clean = plate(FRAME, FRAME, channels);
-    let rules = WarpRules::default();
+    let settings = WarpSettings::default();
     let layers = vec![layer("square", shift(9, 0, 16), mask())];
-    let job = PlateJob { layers, rules: &rules, fill: Some(&clean) };
+    let job = PlateJob { layers, settings: &settings, fill: Some(&clean) };
     let (filled, report) = warp_plate(&room(), &job).expect("the matte is there");
     assert_eq!(report.hole_pixels, 64, "filled holes are counted too");
     assert_eq!((at(&filled, "R", 8, 8), at(&filled, "A", 8, 8), at(&filled, "Z", 8, 8)), (0.5, 1.0, 28.0));
@@ -112,10 +112,10 @@ fn a_clean_plate_fills_holes_and_nothing_else() {
 #[test]
 fn mattes_by_id_and_alpha() {
     let ids = Matte::Id { channel: "id".into(), values: vec![7] };
-    let moved = warped(&room(), vec![layer("square", shift(9, 0, 16), Some(ids))], &WarpRules::default()).0;
+    let moved = warped(&room(), vec![layer("square", shift(9, 0, 16), Some(ids))], &WarpSettings::default()).0;
     assert_eq!((at(&moved, "Z", 8, 8), at(&moved, "Z", 17, 8)), (EMPTY_DEPTH, 3.0));
     let (moved, report) =
-        warped(&room(), vec![layer("all", shift(3, 0, 16), Some(Matte::Alpha))], &WarpRules::default());
+        warped(&room(), vec![layer("all", shift(3, 0, 16), Some(Matte::Alpha))], &WarpSettings::default());
     assert_eq!((at(&moved, "Z", 11, 8), at(&moved, "R", 0, 8), report.hole_pixels), (3.0, 0.0, 0));
 }
 
@@ -132,8 +132,8 @@ fn layers_in_front_hide_those_behind() {
     let of = |name: &str| Some(Matte::Channel(name.into()));
     let to_a = || layer("b", shift(-8, 0, 16), of("b.A"));
     let stay = || layer("a", Field::identity(), of("a.A"));
-    let (front, _) = warped(&picture, vec![stay(), to_a()], &WarpRules::default());
-    let (behind, _) = warped(&picture, vec![to_a(), stay()], &WarpRules::default());
+    let (front, _) = warped(&picture, vec![stay(), to_a()], &WarpSettings::default());
+    let (behind, _) = warped(&picture, vec![to_a(), stay()], &WarpSettings::default());
     assert_eq!((at(&front, "R", 3, 4), at(&front, "Z", 3, 4)), (11.0, 111.0));
     assert_eq!((at(&behind, "R", 3, 4), at(&behind, "Z", 3, 4)), (3.0, 103.0));
 }
@@ -141,7 +141,7 @@ fn layers_in_front_hide_those_behind() {
 #[test]
 fn a_layer_without_matte_bends_all_others_too() {
     let layers = vec![layer("square", shift(2, 0, 16), mask()), layer("world", shift(3, 1, 16), None)];
-    let moved = warped(&room(), layers, &WarpRules::default()).0;
+    let moved = warped(&room(), layers, &WarpSettings::default()).0;
     assert_eq!(at(&moved, "id", 8 + 5, 9).to_bits(), 7);
     assert_eq!(at(&moved, "Z", 20, 9), 10.0 + 17.0);
 }
@@ -150,7 +150,7 @@ fn a_layer_without_matte_bends_all_others_too() {
 fn light_without_alpha_survives() {
     let make = |name: &str, value: f32| channel(name, Storage::Half, FRAME, move |_, _| value);
     let flame = plate(FRAME, FRAME, vec![make("A", 0.0), make("R", 3.0), make("G", -0.5), make("mask.A", 1.0)]);
-    let moved = warped(&flame, vec![layer("flame", shift(4, 0, 16), mask())], &WarpRules::default()).0;
+    let moved = warped(&flame, vec![layer("flame", shift(4, 0, 16), mask())], &WarpSettings::default()).0;
     assert_eq!((at(&moved, "R", 12, 8), at(&moved, "G", 12, 8), at(&moved, "A", 12, 8)), (3.0, -0.5, 0.0));
 }
 
@@ -168,7 +168,8 @@ fn numbers_that_are_none_do_not_spread() {
     let picture = plate(FRAME, FRAME, vec![channel("R", Storage::Half, FRAME, bad)]);
     let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0; 2], hi: [8.0; 2] }.at_rest();
     lattice.handles.iter_mut().for_each(|handle| handle[0] += 0.4 / 16.0);
-    let (moved, report) = warped(&picture, vec![layer("all", Field::of_layer(lattice), None)], &WarpRules::default());
+    let (moved, report) =
+        warped(&picture, vec![layer("all", Field::of_layer(lattice), None)], &WarpSettings::default());
     assert_eq!(report.contained_samples, 2);
     assert!(samples(&moved, "R").iter().all(|sample| sample.is_finite()));
     assert!((at(&moved, "R", 15, 8) - 0.5).abs() < 1e-5);
@@ -180,16 +181,16 @@ fn windows_grow_with_the_picture_and_origins_count() {
     let own = window(-90, 60, 8, 6);
     let make = |name: &str, value| channel(name, Storage::Half, own, move |_, _| value);
     let sprite = plate(display, own, vec![make("A", 1.0), make("R", 0.5)]);
-    let moved = warped(&sprite, vec![layer("all", shift(5, -3, 30), None)], &WarpRules::default()).0;
+    let moved = warped(&sprite, vec![layer("all", shift(5, -3, 30), None)], &WarpSettings::default()).0;
     assert_eq!((moved.display, moved.parts[0].data_window), (display, window(-85, 57, 8, 6)));
     assert!(samples(&moved, "R").iter().all(|&sample| sample == 0.5));
     // Far out of sight one empty pixel is left.
-    let gone = warped(&sprite, vec![layer("all", shift(500, 0, 30), None)], &WarpRules::default()).0;
+    let gone = warped(&sprite, vec![layer("all", shift(500, 0, 30), None)], &WarpSettings::default()).0;
     assert_eq!((gone.parts[0].data_window.area(), samples(&gone, "R")), (1, &[0.0][..]));
     // A plate that fills its frame, overscan included, keeps its window.
     let wide = window(-105, 45, 50, 40);
     let full = plate(display, wide, vec![channel("R", Storage::Half, wide, |x, _| x as f32)]);
-    let moved = warped(&full, vec![layer("all", shift(3, 0, 30), None)], &WarpRules::default()).0;
+    let moved = warped(&full, vec![layer("all", shift(3, 0, 30), None)], &WarpSettings::default()).0;
     assert_eq!(moved.parts[0].data_window, wide);
     assert_eq!(samples(&moved, "R")[10], 7.0);
 }
@@ -200,7 +201,7 @@ fn a_map_without_overscan_cuts_the_plates_and_says_so() {
     let full = plate(display, wide, vec![channel("R", Storage::Half, wide, |x, _| x as f32)]);
     let remapped = |around: PixelRect| {
         let map = WarpMap::identity(full.frame_size(), around);
-        remap_plate(&full, &map, &WarpRules::default()).expect("a map of that frame")
+        remap_plate(&full, &map, &WarpSettings::default()).expect("a map of that frame")
     };
     let (cropped, report) = remapped(display);
     assert_eq!(cropped.parts[0].data_window, display);
@@ -212,10 +213,10 @@ fn a_map_without_overscan_cuts_the_plates_and_says_so() {
 
 #[test]
 fn a_matte_that_the_plate_lacks_is_named() {
-    let rules = WarpRules::default();
+    let settings = WarpSettings::default();
     let refused = |matte: Matte| {
         let layers = vec![layer("square", Field::identity(), Some(matte))];
-        warp_plate(&room(), &PlateJob { layers, rules: &rules, fill: None }).expect_err("it is not there")
+        warp_plate(&room(), &PlateJob { layers, settings: &settings, fill: None }).expect_err("it is not there")
     };
     let missing = refused(Matte::Channel("mask.a".into()));
     assert_eq!(
@@ -245,7 +246,7 @@ fn a_folded_layer_shows_what_lies_behind_where_it_is_transparent_in_front() {
         channel("mask.A", Storage::Half, FRAME, |_, _| 1.0),
     ];
     let picture = plate(FRAME, FRAME, channels);
-    let moved = warped(&picture, vec![layer("all", Field::of_layer(lattice), mask())], &WarpRules::default()).0;
+    let moved = warped(&picture, vec![layer("all", Field::of_layer(lattice), mask())], &WarpSettings::default()).0;
     // 12 comes from 6 (opaque), from 12 (turned over) and from 20 (transparent).
     assert!(at(&moved, "A", 10, 8) > 0.9, "{}", at(&moved, "A", 10, 8));
     assert!(at(&moved, "A", 20, 8) < 0.1, "{}", at(&moved, "A", 20, 8));
@@ -259,7 +260,7 @@ fn each_view_of_one_part_has_its_own_mask() {
     let mut stereo =
         plate(FRAME, FRAME, vec![make("R", near), make("cam2.R", far), make("cam2.mask.A", far), make("mask.A", near)]);
     stereo.parts[0].set_views(&["cam1", "cam2"]);
-    let moved = warped(&stereo, vec![layer("bar", shift(4, 0, 16), mask())], &WarpRules::default()).0;
+    let moved = warped(&stereo, vec![layer("bar", shift(4, 0, 16), mask())], &WarpSettings::default()).0;
     for (name, from) in [("R", near), ("cam2.R", far)] {
         let expected = make(name, from + 4).samples;
         let worst = expected.iter().zip(samples(&moved, name)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -295,7 +296,7 @@ fn thing_on_the_left(alpha: impl Fn(u32, u32) -> f32) -> Plate {
 #[test]
 fn a_transparent_part_of_the_picture_hides_nothing_where_the_warp_folds() {
     let picture = thing_on_the_left(|x, _| f32::from(u8::from(x < 10)));
-    let (moved, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default());
+    let (moved, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpSettings::default());
     // 10 comes from 5 (the thing), from 14 (turned over) and from 17 (nothing, which moved further).
     for x in [9, 10, 11, 14] {
         for (name, wanted) in [("A", 1.0), ("R", 2.0), ("diffuse.R", 1.0), ("specular.R", 1.0), ("Z", 3.0)] {
@@ -316,7 +317,7 @@ fn a_transparent_part_of_the_picture_hides_nothing_where_the_warp_folds() {
 #[test]
 fn folds_of_what_cannot_be_seen_are_not_warned_of() {
     let picture = thing_on_the_left(|x, _| f32::from(u8::from(x < 3)));
-    let (_, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default());
+    let (_, report) = warped(&picture, vec![layer("all", folded(), None)], &WarpSettings::default());
     assert_eq!((report.folded_pixels, &report.warnings), (0, &Vec::new()));
 }
 
@@ -331,7 +332,7 @@ fn light_is_not_doubled_in_folds_of_pictures_without_a_matte() {
         pictures.push(plate(FRAME, FRAME, channels));
     }
     for (index, picture) in pictures.iter().enumerate() {
-        let (moved, report) = warped(picture, vec![layer("all", folded(), None)], &WarpRules::default());
+        let (moved, report) = warped(picture, vec![layer("all", folded(), None)], &WarpSettings::default());
         let off: Vec<_> = samples(&moved, "R").iter().enumerate().collect();
         // The borders that the warp stretches are soft.
         let off: Vec<_> =
@@ -352,7 +353,7 @@ fn light_without_alpha_in_a_fold_is_added_to_what_lies_behind() {
             channel("R", Storage::Half, FRAME, |x, _| if x < 10 { 1.0 } else { 4.0 }),
         ],
     );
-    let moved = warped(&picture, vec![layer("all", folded(), None)], &WarpRules::default()).0;
+    let moved = warped(&picture, vec![layer("all", folded(), None)], &WarpSettings::default()).0;
     assert!((at(&moved, "R", 10, 8) - 5.0).abs() < 1e-2 && (at(&moved, "A", 10, 8) - 1.0).abs() < 1e-3);
 }
 

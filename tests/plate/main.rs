@@ -1,4 +1,4 @@
-//! The plate stage: fields, maps, filters and meanings.
+//! The plate stage: fields, maps, filters and semantics.
 
 #[path = "../support/assets.rs"]
 mod assets;
@@ -8,9 +8,9 @@ mod filters;
 mod layers;
 mod map;
 mod map_folds;
-mod meanings;
 #[path = "../support/python.rs"]
 mod python;
+mod semantics;
 mod stmap;
 mod support;
 mod warp;

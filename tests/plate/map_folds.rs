@@ -5,7 +5,7 @@ use super::support::{channel, layer, plate, warped};
 use glam::DVec2;
 use pinwarp::image::Storage;
 use pinwarp::lattice::Basis;
-use pinwarp::plate::{Field, Matte, WarpMap, WarpRules};
+use pinwarp::plate::{Field, Matte, WarpMap, WarpSettings};
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 
 const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 };
@@ -105,7 +105,7 @@ fn folds_are_told_where_turned_over_parts_land() {
 #[test]
 fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
     let field = pulled_over();
-    let sheets = WarpMap::backward_sheets(&field, FRAME, WINDOW);
+    let sheets = WarpMap::backward_preimages(&field, FRAME, WINDOW);
     let front = WarpMap::backward(&field, FRAME, WINDOW);
     assert!(sheets.len() >= 2);
     assert_eq!(sheets[0], front);
@@ -132,7 +132,7 @@ fn a_warped_plate_tells_where_it_lies_over_itself() {
     let plate = plate(FRAME.window(), FRAME.window(), channels.into());
     let folded = |field: &Field, matte: Option<&str>| {
         let matte = matte.map(|name| Matte::Channel(name.into()));
-        warped(&plate, vec![layer("all", field.clone(), matte)], &WarpRules::default()).1.folded_pixels
+        warped(&plate, vec![layer("all", field.clone(), matte)], &WarpSettings::default()).1.folded_pixels
     };
     assert!(wanted > 200);
     assert_eq!(folded(&field, None), wanted);

@@ -2,7 +2,7 @@
 
 use pinwarp::image::{Channel, Plate, PlatePart, Storage};
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::plate::{Field, LayerJob, Matte, PlateJob, PlateReport, WarpRules, warp_plate};
+use pinwarp::plate::{Field, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, warp_plate};
 use pinwarp::space::PixelRect;
 
 /// A channel whose samples follow from column and row, counted from the upper left corner of the data window.
@@ -36,8 +36,8 @@ pub(crate) fn layer(name: &str, field: Field, matte: Option<Matte>) -> LayerJob 
 }
 
 /// The plate warped by these layers.
-pub(crate) fn warped(plate: &Plate, layers: Vec<LayerJob>, rules: &WarpRules) -> (Plate, PlateReport) {
-    warp_plate(plate, &PlateJob { layers, rules, fill: None }).expect("the plate has what the mattes ask for")
+pub(crate) fn warped(plate: &Plate, layers: Vec<LayerJob>, settings: &WarpSettings) -> (Plate, PlateReport) {
+    warp_plate(plate, &PlateJob { layers, settings, fill: None }).expect("the plate has what the mattes ask for")
 }
 
 /// Samples of a channel of the first part that has it.

@@ -3,7 +3,7 @@
 use super::assets::asset;
 use super::support::{layer, shift, warped};
 use pinwarp::image::{Plate, read_plate};
-use pinwarp::plate::{Field, WarpRules};
+use pinwarp::plate::{Field, WarpSettings};
 use pinwarp::space::PixelRect;
 
 /// Name, data window, and the names and sample bits of the channels.
@@ -29,10 +29,10 @@ fn beachballs() -> Vec<Plate> {
 
 #[test]
 fn nothing_moves_nothing() {
-    let rules = WarpRules::default();
+    let settings = WarpSettings::default();
     for ball in beachballs() {
         for field in [Field::identity(), shift(0, 0, 1556)] {
-            let (still, _) = warped(&ball, vec![layer("all", field, None)], &rules);
+            let (still, _) = warped(&ball, vec![layer("all", field, None)], &settings);
             assert!(bits(&still) == bits(&ball));
             assert_eq!(still.display, ball.display);
         }
@@ -41,9 +41,9 @@ fn nothing_moves_nothing() {
 
 #[test]
 fn a_shift_by_whole_pixels_copies_every_channel() {
-    let rules = WarpRules::default();
+    let settings = WarpSettings::default();
     for (index, ball) in beachballs().into_iter().enumerate() {
-        let (moved, _) = warped(&ball, vec![layer("all", shift(37, -21, 1556), None)], &rules);
+        let (moved, _) = warped(&ball, vec![layer("all", shift(37, -21, 1556), None)], &settings);
         let mut expected = bits(&ball);
         for (_, window, _) in &mut expected {
             (window.x, window.y) = (window.x + 37, window.y - 21);
@@ -57,7 +57,7 @@ fn a_shift_by_whole_pixels_copies_every_channel() {
             }
         }
         if index == 0 {
-            let (other, _) = warped(&ball, vec![layer("all", shift(36, -21, 1556), None)], &rules);
+            let (other, _) = warped(&ball, vec![layer("all", shift(36, -21, 1556), None)], &settings);
             assert!(bits(&other) != bits(&moved), "the comparison can fail");
         }
     }

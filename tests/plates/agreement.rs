@@ -5,8 +5,10 @@
 //! of the filter fall differently.
 
 use pinwarp::image::{Frame, read_exr};
-use pinwarp::pipeline::{Existing, PlateWarp, RenderOptions, Setup, WarpDirection, WarpJob, render, warp_frames};
-use pinwarp::plate::{Holes, Matte, MotionRule, WarpRules};
+use pinwarp::pipeline::{
+    Existing, PlateWarp, PreparedShot, RenderOptions, WarpDirection, WarpJob, render, warp_frames,
+};
+use pinwarp::plate::{Holes, Matte, MotionEncoding, WarpSettings};
 use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Shot, Unmatted};
 use pinwarp::space::FrameSize;
@@ -51,9 +53,9 @@ fn still(shot: &Shot) -> Shot {
 
 fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
     shot.output.path = folder.join("f.####.exr");
-    let setup = Setup::new(shot).expect("the scene fits the shot");
+    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
     let options = RenderOptions { frames: FRAMES.into(), device: DeviceChoice::Cpu, ..RenderOptions::default() };
-    let summary = render(&setup, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
+    let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
     assert_eq!(summary.failed, 0);
     frames(folder, "f")
 }
@@ -65,13 +67,14 @@ fn frames(folder: &Path, name: &str) -> Vec<Frame> {
 
 /// The plates of a folder, warped by a shot.
 fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
-    let rules = WarpRules { motion: Some(MotionRule { pixels_per_unit: [1.0; 2] }), holes, ..WarpRules::default() };
-    let setup = Setup::new(shot).expect("the scene fits the shot");
+    let settings =
+        WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), holes, ..WarpSettings::default() };
+    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
     let job = WarpJob {
         plate: folder.join("f.####.exr"),
         output: folder.join("w.####.exr"),
-        warp: PlateWarp::Shot(&setup),
-        rules,
+        warp: PlateWarp::Shot(&prepared),
+        settings,
         direction: WarpDirection::Forward,
         layers: Vec::new(),
         frames: FRAMES.into(),

@@ -2,8 +2,8 @@
 
 use crate::assets::asset;
 use pinwarp::image::{Plate, Storage, read_plate};
-use pinwarp::pipeline::{Existing, PlateWarp, Setup, WarpDirection, WarpEvent, WarpJob, warp_frames};
-use pinwarp::plate::WarpRules;
+use pinwarp::pipeline::{Existing, PlateWarp, PreparedShot, WarpDirection, WarpEvent, WarpJob, warp_frames};
+use pinwarp::plate::WarpSettings;
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
 use std::path::{Path, PathBuf};
@@ -30,12 +30,12 @@ fn shot(size: [u32; 2], last: i32) -> Shot {
 /// Warps files of other programs; what came out, and what was told.
 fn warp(plate: &Path, shot: Shot) -> (TempDir, Vec<WarpEvent>) {
     let folder = TempDir::new().expect("a folder");
-    let setup = Setup::new(shot).expect("a shot over a plate");
+    let prepared = PreparedShot::new(shot).expect("a shot over a plate");
     let job = WarpJob {
         plate: plate.to_owned(),
         output: folder.path().join("w.####.exr"),
-        warp: PlateWarp::Shot(&setup),
-        rules: WarpRules::default(),
+        warp: PlateWarp::Shot(&prepared),
+        settings: WarpSettings::default(),
         direction: WarpDirection::Forward,
         layers: Vec::new(),
         frames: Vec::new(),
@@ -90,7 +90,7 @@ fn check_told(events: &[WarpEvent], plate: &Plate) {
         _ => None,
     });
     let told: Vec<_> =
-        told.expect("meanings are told").iter().map(|told| (told.part.clone(), told.channel.clone())).collect();
+        told.expect("semantics are told").iter().map(|told| (told.part.clone(), told.channel.clone())).collect();
     let there = plate
         .parts
         .iter()

@@ -2,7 +2,7 @@
 
 use crate::support::{Studio, write_scene};
 use crate::tiny::{Lens, Part, Tiny, grid};
-use pinwarp::pipeline::Pinned;
+use pinwarp::pipeline::PinAnchor;
 use pinwarp::screen::project;
 use pinwarp::space::ScreenPoint;
 
@@ -22,8 +22,8 @@ fn studio(part: Part, bounds: &str) -> Studio {
 
 /// Lower left and upper right corner of the lattice's rest box.
 fn box_at(studio: &Studio, frame: f64) -> [f64; 4] {
-    let moment = studio.setup().moment(frame).expect("the frame is solved");
-    let grid = moment.layers[0].solution.as_ref().map(|solution| &solution.lattice.grid).expect("the layer is warped");
+    let sample = studio.prepared().sample_at(frame).expect("the frame is solved");
+    let grid = sample.layers[0].solution.as_ref().map(|solution| &solution.lattice.grid).expect("the layer is warped");
     [grid.lo[0], grid.lo[1], grid.hi[0], grid.hi[1]]
 }
 
@@ -63,14 +63,14 @@ fn a_followed_box_always_holds_what_it_follows() {
 #[test]
 fn pins_follow_an_animated_surface() {
     let studio = studio(square(0.02), "\"follow\"");
-    let setup = studio.setup();
+    let prepared = studio.prepared();
     for frame in [1.0, 3.5, 7.0] {
-        let moment = setup.moment(frame).expect("the frame is solved");
-        let pin = moment.layers[0].pins[0];
+        let sample = prepared.sample_at(frame).expect("the frame is solved");
+        let pin = sample.layers[0].pins[0];
         let expected = glam::DVec2::new(0.6 + 0.02 * (frame - 1.0), 0.3);
         assert!((pin.rest.0 - expected).length() < 1e-6, "{:?} in frame {frame}", pin.rest);
         assert!((pin.target.0 - expected - glam::DVec2::new(0.1, 0.0)).length() < 1e-6);
-        let lattice = &moment.layers[0].solution.as_ref().expect("the layer is warped").lattice;
+        let lattice = &sample.layers[0].solution.as_ref().expect("the layer is warped").lattice;
         assert!((lattice.warp(pin.rest).0 - pin.target.0).length() < 1e-5);
     }
 }
@@ -84,10 +84,10 @@ fn pins_fade_before_the_near_plane() {
     let tiny =
         Tiny { lens: Lens::Perspective(1.0), ..Tiny::of(vec![Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) }]) };
     write_scene(&tiny, studio.scene());
-    let setup = studio.setup();
-    let pinned = Pinned::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
+    let prepared = studio.prepared();
+    let pinned = PinAnchor::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
     let weight = |frame: f64| {
-        let (pose, camera) = setup.view(frame);
+        let (pose, camera) = prepared.view(frame);
         pinned.rest(&project(&pose, &camera), &camera).presence
     };
     assert_eq!([weight(1.0), weight(8.9)], [1.0, 1.0], "twice the near distance and more");
@@ -97,13 +97,13 @@ fn pins_fade_before_the_near_plane() {
     assert_eq!(weight(10.1), 0.0);
     // The whole layer hangs on this pin: it comes to rest as the pin fades, and does not jump when it is gone.
     let carried = |frame: f64| {
-        let moment = setup.moment(frame).expect("the frame is solved");
-        let lattice = moment.layers[0].solution.as_ref().map(|solution| solution.lattice.clone());
+        let sample = prepared.sample_at(frame).expect("the frame is solved");
+        let lattice = sample.layers[0].solution.as_ref().map(|solution| solution.lattice.clone());
         lattice.map_or(0.0, |lattice| lattice.warp(ScreenPoint::new(0.8, 0.5)).0.x - 0.8)
     };
     for (frame, expected) in [(8.0, 0.1), (9.5, 0.05), (9.99, 0.0), (10.1, 0.0)] {
         assert!((carried(frame) - expected).abs() < 1e-3, "{} in frame {frame}", carried(frame));
     }
-    let acting = |frame: f64| setup.moment(frame).map_or(99, |moment| moment.layers[0].pins.len());
+    let acting = |frame: f64| prepared.sample_at(frame).map_or(99, |sample| sample.layers[0].pins.len());
     assert_eq!([acting(8.0), acting(9.5), acting(10.5)], [1, 1, 0]);
 }

@@ -5,7 +5,7 @@ use crate::assets::asset;
 use crate::support::{Studio, at, pixels};
 use pinwarp::image::Frame;
 use pinwarp::image::cryptomatte::MatteId;
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::vulkan::VulkanRaster;
 use pinwarp::raster::{ChannelGroup, DeviceChoice, RasterError};
 use pinwarp::shot::{Shot, Shutter};
@@ -65,14 +65,14 @@ fn drawn(case: &Case, samples: u32, channels: &[ChannelGroup]) -> Frame {
 fn drawn_by_vulkan(case: &Case, samples: u32, channels: &[ChannelGroup]) -> Option<Frame> {
     let mut studio = Studio::of_shot(case.shot.clone());
     (studio.shot.samples, studio.shot.output.channels) = (samples, channels.to_vec());
-    match VulkanRaster::open(&DeviceChoice::Vulkan, &studio.setup().scene) {
+    match VulkanRaster::open(&DeviceChoice::Vulkan, &studio.prepared().scene) {
         Err(error @ RasterError::NoDevice { .. }) if std::env::var_os("PINWARP_REQUIRE_VULKAN").is_none() => {
             eprintln!("SKIPPED: {error}");
             return None;
         }
         opened => drop(opened.expect("a device")),
     }
-    let open = |setup: &Setup| VulkanRaster::open(&DeviceChoice::Vulkan, &setup.scene).expect("a device");
+    let open = |prepared: &PreparedShot| VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene).expect("a device");
     let (files, _) = studio.files_by(&[case.frame], open);
     Some(pinwarp::image::read_exr(&files[0]).expect("the frame is readable"))
 }
@@ -131,12 +131,12 @@ fn another_moment_s_data_are_told_apart() {
 fn ids_are_the_first_rank_of_the_cryptomatte_inside_shapes() {
     for case in cases() {
         let frame = drawn(&case, 16, &[ChannelGroup::Beauty, ChannelGroup::Id, ChannelGroup::Cryptomatte]);
-        let setup = Setup::new(case.shot.clone()).expect("a right shot");
+        let prepared = PreparedShot::new(case.shot.clone()).expect("a right shot");
         let mut inside = 0;
         for (x, y) in pixels(&frame).filter(|&(x, y)| at(&frame, "CryptoObject00.G", x, y) > 0.999) {
             let object = at(&frame, "id.object", x, y);
             assert!(object >= 1.0, "{}: no id at {x}, {y}", case.name);
-            let name = &setup.scene.nodes[object as usize - 1].name;
+            let name = &prepared.scene.nodes[object as usize - 1].name;
             let first = MatteId::from_sample(at(&frame, "CryptoObject00.R", x, y));
             assert_eq!(MatteId::of_name(name), first, "{}: '{name}' at {x}, {y}", case.name);
             inside += 1;

@@ -3,7 +3,7 @@
 use crate::support::{Studio, pinned_layer};
 use crate::tiny::{Tiny, grid};
 use pinwarp::image::{Frame, is_complete};
-use pinwarp::pipeline::{Event, RenderOptions, Setup, Summary, render_on};
+use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, Summary, render_on};
 use pinwarp::raster::cpu::CpuRaster;
 use pinwarp::raster::{DeviceClass, Pass, Raster, RasterError, Target};
 use pinwarp::shot::Shutter;
@@ -68,7 +68,7 @@ impl Raster for Faulty {
 }
 
 /// Eight blurred frames of a square.
-fn setup(folder: &std::path::Path) -> (Studio, Setup) {
+fn prepared(folder: &std::path::Path) -> (Studio, PreparedShot) {
     let keys = "{ frame = 1, offset = [0.0, 0.0] }, { frame = 9, offset = [0.4, 0.0] }";
     let tiny = Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]);
     let mut studio = Studio::tiny(&tiny, &pinned_layer(keys));
@@ -76,12 +76,16 @@ fn setup(folder: &std::path::Path) -> (Studio, Setup) {
     studio.shot.samples = 6;
     studio.shot.shutter = Shutter { angle: 180.0, phase: -90.0 };
     studio.shot.output.path = folder.join("f.####.exr");
-    let setup = studio.setup();
-    (studio, setup)
+    let prepared = studio.prepared();
+    (studio, prepared)
 }
 
 /// Renders; the frames that are done and that failed, as told.
-fn told(device: &mut dyn Raster, setup: &Setup, cancel_after: usize) -> (Vec<i32>, Vec<(i32, String)>, Summary) {
+fn told(
+    device: &mut dyn Raster,
+    prepared: &PreparedShot,
+    cancel_after: usize,
+) -> (Vec<i32>, Vec<(i32, String)>, Summary) {
     let (done, failed) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
     let cancel = AtomicBool::new(false);
     let tell = |event: Event| match event {
@@ -93,7 +97,7 @@ fn told(device: &mut dyn Raster, setup: &Setup, cancel_after: usize) -> (Vec<i32
         Event::FrameFailed { frame, error } => failed.lock().expect("no panic").push((frame, error)),
         _ => {}
     };
-    let summary = render_on(device, setup, &RenderOptions::default(), &cancel, &tell).expect("it starts");
+    let summary = render_on(device, prepared, &RenderOptions::default(), &cancel, &tell).expect("it starts");
     (done.into_inner().expect("no panic"), failed.into_inner().expect("no panic"), summary)
 }
 
@@ -101,9 +105,9 @@ fn told(device: &mut dyn Raster, setup: &Setup, cancel_after: usize) -> (Vec<i32
 fn a_frame_that_fails_does_not_stop_the_others() {
     for fails_at in [Step::Start, Step::Draw(1), Step::Draw(4), Step::Draw(7), Step::Finish] {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let (_studio, setup) = setup(folder.path());
-        let mut device = Faulty { inner: CpuRaster::new(&setup.scene), fails_at, frames: 0, passes: 0 };
-        let (done, failed, summary) = told(&mut device, &setup, usize::MAX);
+        let (_studio, prepared) = prepared(folder.path());
+        let mut device = Faulty { inner: CpuRaster::new(&prepared.scene), fails_at, frames: 0, passes: 0 };
+        let (done, failed, summary) = told(&mut device, &prepared, usize::MAX);
         assert_eq!(done, [1, 2, 4, 5, 6, 7, 8], "{fails_at:?}");
         assert!(failed.len() == 1 && failed[0].0 == 3 && failed[0].1.contains("a test"), "{fails_at:?}: {failed:?}");
         assert_eq!((summary.rendered, summary.failed, summary.is_cancelled), (7, 1, false));
@@ -116,9 +120,9 @@ fn a_frame_that_fails_does_not_stop_the_others() {
 #[test]
 fn a_stopped_render_ends_with_whole_frames() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (_studio, mut setup) = setup(folder.path());
-    setup.shot.frames.last = 12;
-    let (done, failed, summary) = told(&mut CpuRaster::new(&setup.scene), &setup, 2);
+    let (_studio, mut prepared) = prepared(folder.path());
+    prepared.shot.frames.last = 12;
+    let (done, failed, summary) = told(&mut CpuRaster::new(&prepared.scene), &prepared, 2);
     assert!(summary.is_cancelled && failed.is_empty());
     // Those in flight are finished: one being posed, drawn, written, and one waiting at each border.
     assert!((2..12).contains(&done.len()), "{done:?}");

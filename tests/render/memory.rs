@@ -1,7 +1,7 @@
 //! What a render holds for every triangle of a scene.
 
 use crate::support::Studio;
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::Raster;
 use pinwarp::raster::cpu::CpuRaster;
 use pinwarp::raster::vulkan::VulkanRaster;
@@ -91,11 +91,11 @@ fn probe() {
     let shot = Shot::parse(text, &folder.path().join("shot.toml")).expect("a right shot");
     let studio = Studio::of_shot(shot);
     let has_driver = wanted("PINWARP_ON").is_some_and(|on| on == "vulkan");
-    let open = |setup: &Setup| -> Box<dyn Raster> {
+    let open = |prepared: &PreparedShot| -> Box<dyn Raster> {
         if !has_driver {
-            return Box::new(CpuRaster::new(&setup.scene));
+            return Box::new(CpuRaster::new(&prepared.scene));
         }
-        match VulkanRaster::open(&DeviceChoice::Vulkan, &setup.scene) {
+        match VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene) {
             Ok(raster) => Box::new(raster),
             Err(RasterError::NoDevice { what }) => {
                 println!("PROBE none: {what}");
@@ -104,7 +104,7 @@ fn probe() {
             Err(error) => panic!("{error}"),
         }
     };
-    studio.files_by(&[1], |setup| Boxed(open(setup)));
+    studio.files_by(&[1], |prepared| Boxed(open(prepared)));
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     match status.lines().find_map(|line| line.strip_prefix("VmHWM:")) {
         Some(most) => println!("PROBE {}", most.trim().trim_end_matches("kB").trim()),

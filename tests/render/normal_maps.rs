@@ -89,9 +89,10 @@ impl Mirror {
     fn frames(&self) -> Vec<Frame> {
         let studio = self.studio();
         let mut frames = vec![studio.frame(1)];
-        if VulkanRaster::open(&DeviceChoice::Vulkan, &studio.setup().scene).is_ok() {
-            let open =
-                |setup: &pinwarp::pipeline::Setup| VulkanRaster::open(&DeviceChoice::Vulkan, &setup.scene).unwrap();
+        if VulkanRaster::open(&DeviceChoice::Vulkan, &studio.prepared().scene).is_ok() {
+            let open = |prepared: &pinwarp::pipeline::PreparedShot| {
+                VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene).unwrap()
+            };
             let (files, _device) = studio.files_by(&[1], open);
             frames.push(read_exr(&files[0]).unwrap());
         } else {
@@ -180,8 +181,8 @@ fn skinned_and_morphed_meshes_turn_their_bumps_along() {
 
 #[test]
 fn only_the_vertices_of_the_seam_are_split() {
-    let setup = Mirror::new().studio().setup();
-    let primitive = &setup.scene.meshes[0].primitives[0];
+    let prepared = Mirror::new().studio().prepared();
+    let primitive = &prepared.scene.meshes[0].primitives[0];
     assert_eq!(primitive.positions.len(), 8, "six, and two of the seam once more");
     assert_eq!(primitive.triangles.len(), 4);
     for (triangle, corners) in primitive.triangles.iter().enumerate() {

@@ -3,7 +3,7 @@
 use crate::support::{Studio, at, pixels};
 use crate::tiny::{Lens, Tiny, grid};
 use glam::DVec3;
-use pinwarp::pipeline::{BakeTimes, Setup};
+use pinwarp::pipeline::{BakeTimes, PreparedShot};
 use pinwarp::shot::Shot;
 use pinwarp::space::ScreenPoint;
 
@@ -23,11 +23,11 @@ fn studio(lines: &str) -> Studio {
 }
 
 fn refused(lines: &str) -> String {
-    Setup::new(studio(lines).shot).map(|_| ()).expect_err(lines).to_string()
+    PreparedShot::new(studio(lines).shot).map(|_| ()).expect_err(lines).to_string()
 }
 
-fn place(setup: &Setup, frame: f64, point: [f64; 3]) -> ScreenPoint {
-    setup.view(frame).1.project_exact(DVec3::from_array(point)).point()
+fn place(prepared: &PreparedShot, frame: f64, point: [f64; 3]) -> ScreenPoint {
+    prepared.view(frame).1.project_exact(DVec3::from_array(point)).point()
 }
 
 fn ids(studio: &Studio) -> usize {
@@ -44,17 +44,17 @@ fn a_camera_of_the_shot_looks_where_it_is_told() {
         ("camera = { position = [2, 1, 4], yaw = 90, fov = 60 }", [0.0, 1.0, 4.0], 2.0),
         ("camera = { distance = 7, ortho = 5 }", [0.0, 0.5, 0.0], 7.0),
     ] {
-        let setup = studio(lines).setup();
-        let camera = setup.view(1.0).1;
+        let prepared = studio(lines).prepared();
+        let camera = prepared.view(1.0).1;
         let seen = camera.project_exact(DVec3::from_array(looked_at));
         assert!((seen.point() - MIDDLE).0.length() < 1e-6, "{lines}: {:?}", seen.point());
         assert!((seen.depth - depth).abs() < 1e-6, "{lines}: {}", seen.depth);
     }
     // An ortho camera sees that many metres; a fov is vertical.
-    let ortho = studio("camera = { ortho = 4 }").setup();
+    let ortho = studio("camera = { ortho = 4 }").prepared();
     let up = place(&ortho, 1.0, [0.0, 1.5, 0.0]).0.y - place(&ortho, 1.0, [0.0, 0.5, 0.0]).0.y;
     assert!((up - 0.25).abs() < 1e-6, "{up}");
-    let wide = studio("camera = { position = [0, 0, 2], fov = 90 }").setup();
+    let wide = studio("camera = { position = [0, 0, 2], fov = 90 }").prepared();
     assert!((place(&wide, 1.0, [0.0, 2.0, 0.0]).0.y - 1.0).abs() < 1e-6);
 }
 
@@ -65,8 +65,8 @@ fn views_show_everything_from_their_side() {
     {
         let mut studio = studio("");
         studio.shot.camera = pinwarp::shot::CameraRule::Named(name.to_owned());
-        let setup = studio.setup();
-        let (pose, camera) = setup.view(1.0);
+        let prepared = studio.prepared();
+        let (pose, camera) = prepared.view(1.0);
         assert!((camera.towards_viewer().as_dvec3() - towards).length() < 1e-6, "{name}");
         let points: Vec<_> =
             pose.parts.iter().flat_map(|part| &part.positions).map(|at| camera.project(*at).point().0).collect();
@@ -78,9 +78,9 @@ fn views_show_everything_from_their_side() {
     let layers = "[[layer]]\nname = \"sword\"\nnodes = [\"Sword_L\"]\n";
     let mut studio = Studio::tiny(&scene(), layers);
     studio.shot.camera = pinwarp::shot::CameraRule::Named("front:sword".to_owned());
-    let setup = studio.setup();
-    assert!((place(&setup, 1.0, [-1.5, 0.0, 0.0]) - MIDDLE).0.length() < 1e-6);
-    let height = place(&setup, 1.0, [-1.5, 0.5, 0.0]).0.y - place(&setup, 1.0, [-1.5, -0.5, 0.0]).0.y;
+    let prepared = studio.prepared();
+    assert!((place(&prepared, 1.0, [-1.5, 0.0, 0.0]) - MIDDLE).0.length() < 1e-6);
+    let height = place(&prepared, 1.0, [-1.5, 0.5, 0.0]).0.y - place(&prepared, 1.0, [-1.5, -0.5, 0.0]).0.y;
     assert!(height > 0.9 && height < 1.0, "{height}");
 }
 
@@ -102,7 +102,7 @@ fn wrong_cameras_name_what_there_is() {
 fn keys_move_the_camera_with_their_eases() {
     let keys =
         "keys = [{ frame = 1, yaw = 0, ease = 'smooth' }, { frame = 5, yaw = 90 }, { frame = 9, yaw = 90, fov = 60 }]";
-    let setup = studio(&format!("camera = {{ look_at = [0, 0, 0], distance = 5, {keys} }}")).setup();
+    let prepared = studio(&format!("camera = {{ look_at = [0, 0, 0], distance = 5, {keys} }}")).prepared();
     for (frame, yaw, fov) in [
         (0.0, 0.0, 30.0),
         (1.0, 0.0, 30.0),
@@ -111,7 +111,7 @@ fn keys_move_the_camera_with_their_eases() {
         (7.0, 90.0, 45.0),
         (20.0, 90.0, 60.0f64),
     ] {
-        let camera = setup.view(frame).1;
+        let camera = prepared.view(frame).1;
         let (sin, cos) = f64::to_radians(yaw).sin_cos();
         let towards = camera.towards_viewer().as_dvec3();
         assert!((towards - DVec3::new(sin, 0.0, cos)).length() < 1e-6, "frame {frame}: {towards}");
@@ -124,12 +124,12 @@ fn keys_move_the_camera_with_their_eases() {
 fn world_layers_pins_and_casts_see_through_the_shot_s_camera() {
     let pin = "[[layer]]\nname = \"all\"\nnodes = [\"Body\"]\nlattice = { space = \"world\", dims = [4, 4, 4] }\n\
                [[layer.pin]]\nanchor = { screen = [0.8, 0.5], frame = 1 }\nkeys = [{ frame = 1, offset = [0.1, 0.0] }]\n";
-    let setup = studio(&format!("camera = {{ look_at = 'Body', distance = 4, yaw = 30 }}\n{pin}")).setup();
-    let moment = setup.moment(1.0).unwrap();
-    let world = moment.layers[0].world.as_ref().expect("a solved lattice of the scene");
+    let prepared = studio(&format!("camera = {{ look_at = 'Body', distance = 4, yaw = 30 }}\n{pin}")).prepared();
+    let sample = prepared.sample_at(1.0).unwrap();
+    let world = sample.layers[0].world.as_ref().expect("a solved lattice of the scene");
     let pinned = world.pins[0];
     assert!((pinned.rest - DVec3::new(1.5, 1.0, 0.0)).length() < 1e-4, "{pinned:?}");
-    let reached = moment.camera.project_exact(world.lattice.warp(pinned.rest)).point();
+    let reached = sample.camera.project_exact(world.lattice.warp(pinned.rest)).point();
     assert!((reached.0 - glam::DVec2::new(0.9, 0.5)).length() < 1e-3, "{reached:?}");
 }
 
@@ -138,18 +138,18 @@ fn hidden_nodes_are_not_drawn_picked_framed_or_named() {
     let all = ids(&studio("camera = { distance = 9 }"));
     let hidden = studio("hide = ['*Sword*']\ncamera = { distance = 9, look_at = [0, 0.5, 0] }");
     assert!(ids(&hidden) > 10 && ids(&hidden) < all * 6 / 10, "{} of {all}", ids(&hidden));
-    let setup = hidden.setup();
-    assert_eq!(setup.owners.len(), 1);
-    let behind = place(&setup, 1.0, [-1.5, 0.0, 0.0]);
-    assert!(setup.cast(1, &[behind])[0].is_none());
+    let prepared = hidden.prepared();
+    assert_eq!(prepared.assignment.layer_of_part.len(), 1);
+    let behind = place(&prepared, 1.0, [-1.5, 0.0, 0.0]);
+    assert!(prepared.cast(1, &[behind])[0].is_none());
     // What is hidden does not count for framing.
     assert!(
-        (place(&studio("hide = ['Sword_L']\ncamera = {}").setup(), 1.0, [1.5, 1.0, 0.0]) - MIDDLE).0.length() < 1e-6
+        (place(&studio("hide = ['Sword_L']\ncamera = {}").prepared(), 1.0, [1.5, 1.0, 0.0]) - MIDDLE).0.length() < 1e-6
     );
     for lines in ["show = ['Body']", "hide = ['*']\nshow = ['Bo*']", "hide = ['*d*']\nshow = ['Body']"] {
-        let setup = studio(lines).setup();
-        assert_eq!(setup.owners.len(), 1, "{lines}");
-        assert_eq!(setup.scene.nodes[setup.view(1.0).0.parts[0].node].name, "Body", "{lines}");
+        let prepared = studio(lines).prepared();
+        assert_eq!(prepared.assignment.layer_of_part.len(), 1, "{lines}");
+        assert_eq!(prepared.scene.nodes[prepared.view(1.0).0.parts[0].node].name, "Body", "{lines}");
     }
     assert!(refused("hide = ['*']").contains("nothing is left to draw"));
     assert!(refused("hide = ['Sward_L']").contains("did you mean \"Sword_L\"?"));
@@ -168,19 +168,19 @@ fn cryptomattes_know_no_hidden_nodes() {
 fn exported_scenes_have_the_shot_s_camera_and_no_hidden_meshes() {
     let keys = "keys = [{ frame = 1, yaw = 0 }, { frame = 3, yaw = 40 }]";
     let studio = studio(&format!("hide = ['Sword_L']\ncamera = {{ look_at = 'Body', distance = 5, {keys} }}"));
-    let setup = studio.setup();
+    let prepared = studio.prepared();
     let frames = [1, 2, 3];
-    let baked = setup.bake(&frames, BakeTimes::Frames, |_| false, |_| {}).unwrap();
-    let bytes = pinwarp::export::gltf::glb(setup.packed().unwrap(), &baked).unwrap();
+    let baked = prepared.bake(&frames, BakeTimes::Frames, |_| false, |_| {}).unwrap();
+    let bytes = pinwarp::export::gltf::glb(prepared.packed().unwrap(), &baked).unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.glb"), bytes).unwrap();
     let text = "version = 1\nscene = 'a.glb'\ncamera = 'pinwarp camera'\nsize = [64, 40]\n\
                 frames = { first = 1, last = 3, rate = 24, clip_start = 0 }\n";
-    let again = Setup::new(Shot::parse(text, &folder.path().join("shot.toml")).unwrap()).unwrap();
-    assert_eq!(again.owners.len(), 1, "the hidden mesh is gone");
+    let again = PreparedShot::new(Shot::parse(text, &folder.path().join("shot.toml")).unwrap()).unwrap();
+    assert_eq!(again.assignment.layer_of_part.len(), 1, "the hidden mesh is gone");
     for frame in frames.map(f64::from) {
         for point in [[1.5, 1.0, 0.0], [2.0, 1.5, 0.0], [0.3, 0.2, -0.5]] {
-            let [one, two] = [&setup, &again].map(|setup| place(setup, frame, point));
+            let [one, two] = [&prepared, &again].map(|prepared| place(prepared, frame, point));
             assert!((one - two).0.length() < 1e-4, "frame {frame}: {one:?} is not {two:?}");
         }
     }

@@ -1,7 +1,7 @@
 //! Shots of pictures: nothing moves to the bit, pins move smoothly, pictures lie over one another.
 
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
-use pinwarp::pipeline::{Event, RenderOptions, Setup, render};
+use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, render};
 use pinwarp::raster::ChannelGroup;
 use pinwarp::shot::Shot;
 use pinwarp::space::{FrameSize, PixelRect};
@@ -76,8 +76,8 @@ impl Wall {
                 notes.lock().expect("nobody panics").push(text);
             }
         };
-        let setup = Setup::new(shot).expect("the pictures are there");
-        let summary = render(&setup, &options, &AtomicBool::new(false), &tell).expect("it renders");
+        let prepared = PreparedShot::new(shot).expect("the pictures are there");
+        let summary = render(&prepared, &options, &AtomicBool::new(false), &tell).expect("it renders");
         assert_eq!((summary.rendered, summary.failed), (1, 0));
         let path = self.folder.path().join("out/f.0001.exr");
         assert!(path.with_extension("png").exists());
@@ -85,7 +85,7 @@ impl Wall {
     }
 
     fn fault(&self, shot: Shot) -> String {
-        Setup::new(shot).expect_err("a fault").to_string()
+        PreparedShot::new(shot).expect_err("a fault").to_string()
     }
 }
 
@@ -145,8 +145,8 @@ fn pictures_lie_in_the_order_of_the_list_and_of_their_layers() {
     channels.extend(drawn(SIZE, "head.", disc(40.0, 30.0, 12.0)));
     wall.hang("girl.exr", SIZE, channels);
     let text = "image = [\"back.exr\", \"girl.exr\"]\n[[layer]]\nname = \"head\"\nnodes = [\"head\"]\n";
-    let setup = Setup::new(wall.shot(text)).expect("the pictures are there");
-    let names: Vec<&str> = setup.scene.nodes.iter().map(|node| node.name.as_str()).collect();
+    let prepared = PreparedShot::new(wall.shot(text)).expect("the pictures are there");
+    let names: Vec<&str> = prepared.scene.nodes.iter().map(|node| node.name.as_str()).collect();
     assert_eq!(names, ["back", "arm", "head", "camera"]);
     let (frame, _) = wall.render(wall.shot(text));
     let ids = |x: i32, y: i32| (sample(&frame, "id.layer", x, y), sample(&frame, "id.object", x, y));
@@ -173,9 +173,9 @@ fn of_a_render_only_the_picture_is_painted() {
     channels.extend(flat(&["right.R", "right.G", "right.B", "right.A"], Storage::Half));
     wall.hang("girl.exr", SIZE, channels);
     let nodes = |text: &str| {
-        let setup = Setup::new(wall.shot(text)).expect("the pictures are there");
-        let names: Vec<String> = setup.scene.nodes.iter().map(|node| node.name.clone()).collect();
-        (names, setup.notes.join("\n"))
+        let prepared = PreparedShot::new(wall.shot(text)).expect("the pictures are there");
+        let names: Vec<String> = prepared.scene.nodes.iter().map(|node| node.name.clone()).collect();
+        (names, prepared.notes.join("\n"))
     };
     let (names, notes) = nodes("image = \"girl.exr\"\n");
     assert_eq!(names, ["girl", "camera"]);
@@ -199,8 +199,8 @@ fn layers_of_names_that_passes_have_are_painted_where_there_is_no_picture_beside
     channels.extend(drawn(SIZE, "girl.", disc(40.0, 30.0, 18.0)));
     channels.extend(flat(&["Z"], Storage::Float));
     wall.hang("girl.exr", SIZE, channels);
-    let setup = Setup::new(wall.shot("image = \"girl.exr\"\n")).expect("the pictures are there");
-    let names: Vec<&str> = setup.scene.nodes.iter().map(|node| node.name.as_str()).collect();
+    let prepared = PreparedShot::new(wall.shot("image = \"girl.exr\"\n")).expect("the pictures are there");
+    let names: Vec<&str> = prepared.scene.nodes.iter().map(|node| node.name.as_str()).collect();
     assert_eq!(names, ["background", "girl", "camera"]);
 }
 
@@ -248,8 +248,9 @@ fn pictures_are_scaled_with_the_frame() {
     let wall = Wall::new();
     wall.hang("girl.exr", SIZE, drawn(SIZE, "", disc(40.0, 30.0, 18.0)));
     let mut shot = wall.shot("image = \"girl.exr\"\n");
-    let triangles =
-        |shot: &Shot| Setup::new(shot.clone()).expect("a setup").scene.meshes[0].primitives[0].triangles.clone();
+    let triangles = |shot: &Shot| {
+        PreparedShot::new(shot.clone()).expect("a prepared shot").scene.meshes[0].primitives[0].triangles.clone()
+    };
     let whole = triangles(&shot);
     shot.size = FrameSize::new(48, 32);
     assert_eq!(triangles(&shot), whole, "pins name triangles");

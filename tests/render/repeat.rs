@@ -2,7 +2,7 @@
 
 use crate::support::Studio;
 use pinwarp::image::{Channel, Frame, Storage, read_exr};
-use pinwarp::pipeline::Setup;
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::cpu::CpuRaster;
 use pinwarp::raster::{DeviceClass, Pass, Raster, RasterError, Target};
 use pinwarp::shot::Shutter;
@@ -87,7 +87,7 @@ fn tiles_make_the_whole() {
     let studio = studio();
     let whole = studio.frames(&[11, 12]);
     for max_side in [23, 54] {
-        let open = |setup: &Setup| Small { inner: CpuRaster::new(&setup.scene), max_side, starts: 0 };
+        let open = |prepared: &PreparedShot| Small { inner: CpuRaster::new(&prepared.scene), max_side, starts: 0 };
         let (files, device) = studio.files_by(&[11, 12], open);
         let tiles = 96_u32.div_ceil(max_side) * 54_u32.div_ceil(max_side);
         assert_eq!(device.starts, 2 * tiles as usize);

@@ -2,7 +2,7 @@
 
 use crate::support::Studio;
 use crate::tiny::{Part, Tiny, grid};
-use pinwarp::pipeline::{PipelineError, Setup};
+use pinwarp::pipeline::{PipelineError, PreparedShot};
 use pinwarp::shot::{ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
 use pinwarp::space::ScreenPoint;
 use std::path::Path;
@@ -22,9 +22,9 @@ fn sheets() -> Studio {
 }
 
 /// How far a horizontal piece of the frame around a point is stretched.
-fn stretch(setup: &Setup, [x, y]: [f64; 2]) -> f64 {
-    let moment = setup.moment(1.0).expect("a solvable frame");
-    let lattice = &moment.layers[0].solution.as_ref().expect("a warped layer").lattice;
+fn stretch(prepared: &PreparedShot, [x, y]: [f64; 2]) -> f64 {
+    let sample = prepared.sample_at(1.0).expect("a solvable frame");
+    let lattice = &sample.layers[0].solution.as_ref().expect("a warped layer").lattice;
     let [a, b] = [-0.05, 0.05].map(|by| lattice.warp(ScreenPoint::new(x + by, y)).0.x);
     (b - a) / 0.1 - 1.0
 }
@@ -36,7 +36,7 @@ fn rule(part: StiffPart, value: f64) -> StiffnessRule {
 #[test]
 fn a_stiff_node_stretches_less() {
     let mut studio = sheets();
-    let share = |studio: &Studio| stretch(&studio.setup(), [0.6, 0.5]) / stretch(&studio.setup(), [1.0, 0.5]);
+    let share = |studio: &Studio| stretch(&studio.prepared(), [0.6, 0.5]) / stretch(&studio.prepared(), [1.0, 0.5]);
     assert!((share(&studio) - 1.0).abs() < 0.02, "{}", share(&studio));
     studio.shot.layers[0].stiffness = vec![rule(StiffPart::Nodes(vec!["Le*".into()]), 8.0)];
     assert!(share(&studio) < 0.4, "{}", share(&studio));
@@ -48,16 +48,16 @@ fn a_stiff_node_stretches_less() {
 fn a_region_keeps_its_shape_and_goes_with_its_pin() {
     let mut studio = sheets();
     let at = [0.47, 0.38];
-    let plain = stretch(&studio.setup(), at);
+    let plain = stretch(&studio.prepared(), at);
     studio.shot.layers[0].pins[0].region = Some(PinRegion { radius: 0.45, rigidity: 1.0, stiffness: 1.0 });
-    let held = stretch(&studio.setup(), at);
+    let held = stretch(&studio.prepared(), at);
     assert!(plain > 0.01 && held.abs() < 0.5 * plain, "{held} {plain}");
 }
 
 fn refusal(part: StiffPart) -> String {
     let mut studio = Studio::teapot(64, 36);
     studio.shot.layers[0].stiffness = vec![rule(part, 2.0)];
-    match Setup::new(studio.shot.clone()) {
+    match PreparedShot::new(studio.shot.clone()) {
         Err(error @ PipelineError::Mismatch { .. }) => error.to_string(),
         other => panic!("{other:?}"),
     }
@@ -83,7 +83,7 @@ fn lines_cannot_be_stiff() {
     let mut studio = Studio::of_json(&scene, "[[layer]]\nname = \"all\"\n");
     let mut refused = |name: &str| {
         studio.shot.layers[0].stiffness = vec![rule(StiffPart::Nodes(vec![name.into()]), 2.0)];
-        Setup::new(studio.shot.clone()).err().map(|error| error.to_string())
+        PreparedShot::new(studio.shot.clone()).err().map(|error| error.to_string())
     };
     let text = refused("Line").expect("nothing of it can be stiff");
     assert!(text.contains("layer[0].stiffness[0].nodes") && text.contains("lines only"), "{text}");
@@ -97,8 +97,8 @@ fn materials_and_vertex_colours_count() {
         let mut shot = Shot::read(&path).expect("a right shot");
         shot.layers[0].stiffness = rules;
         let middle = f64::from(shot.frames.first.midpoint(shot.frames.last));
-        let moment = Setup::new(shot).expect("it fits its scene").moment(middle).expect("a solvable frame");
-        moment.layers[0].solution.as_ref().expect("a warped layer").lattice.clone()
+        let sample = PreparedShot::new(shot).expect("it fits its scene").sample_at(middle).expect("a solvable frame");
+        sample.layers[0].solution.as_ref().expect("a warped layer").lattice.clone()
     };
     let plain = solved(Vec::new());
     assert_eq!(solved(vec![rule(StiffPart::Material("Dough".into()), 1.0)]), plain);

@@ -2,7 +2,7 @@
 
 use crate::tiny::Tiny;
 use pinwarp::image::{Frame, read_exr};
-use pinwarp::pipeline::{RenderOptions, Setup, render, render_on};
+use pinwarp::pipeline::{PreparedShot, RenderOptions, render, render_on};
 use pinwarp::raster::{DeviceChoice, Raster};
 use pinwarp::shot::{Goal, Pin, Shot};
 use pinwarp::space::{FrameSize, ScreenVector};
@@ -73,27 +73,31 @@ impl Studio {
         std::fs::write(self.scene(), scene.to_string()).expect("the folder can be written to");
     }
 
-    pub(crate) fn setup(&self) -> Setup {
-        Setup::new(self.shot.clone()).expect("the scene fits the shot")
+    pub(crate) fn prepared(&self) -> PreparedShot {
+        PreparedShot::new(self.shot.clone()).expect("the scene fits the shot")
     }
 
     /// Renders on the CPU, set up anew; the files, in the order asked for.
     pub(crate) fn files(&self, frames: &[i32]) -> Vec<PathBuf> {
-        let (setup, options) = self.job(frames);
-        let summary = render(&setup, &options, &AtomicBool::new(false), &|_| {});
+        let (prepared, options) = self.job(frames);
+        let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {});
         let summary = summary.expect("the shot is rendered");
         assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
-        paths(&setup, frames)
+        paths(&prepared, frames)
     }
 
     /// The same on a device that is opened by the test.
-    pub(crate) fn files_by<R: Raster>(&self, frames: &[i32], open: impl FnOnce(&Setup) -> R) -> (Vec<PathBuf>, R) {
-        let (setup, options) = self.job(frames);
-        let mut device = open(&setup);
-        let summary = render_on(&mut device, &setup, &options, &AtomicBool::new(false), &|_| {});
+    pub(crate) fn files_by<R: Raster>(
+        &self,
+        frames: &[i32],
+        open: impl FnOnce(&PreparedShot) -> R,
+    ) -> (Vec<PathBuf>, R) {
+        let (prepared, options) = self.job(frames);
+        let mut device = open(&prepared);
+        let summary = render_on(&mut device, &prepared, &options, &AtomicBool::new(false), &|_| {});
         let summary = summary.expect("the shot is rendered");
         assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
-        (paths(&setup, frames), device)
+        (paths(&prepared, frames), device)
     }
 
     pub(crate) fn frames(&self, frames: &[i32]) -> Vec<Frame> {
@@ -104,16 +108,16 @@ impl Studio {
         self.frames(&[frame]).remove(0)
     }
 
-    fn job(&self, frames: &[i32]) -> (Setup, RenderOptions) {
-        let mut setup = self.setup();
+    fn job(&self, frames: &[i32]) -> (PreparedShot, RenderOptions) {
+        let mut prepared = self.prepared();
         let folder = tempfile::tempdir_in(self.folder.path()).expect("a temporary folder").keep();
-        setup.shot.output.path = folder.join("f.####.exr");
-        (setup, RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() })
+        prepared.shot.output.path = folder.join("f.####.exr");
+        (prepared, RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() })
     }
 }
 
-fn paths(setup: &Setup, frames: &[i32]) -> Vec<PathBuf> {
-    frames.iter().map(|frame| setup.shot.output.path.with_file_name(format!("f.{frame:04}.exr"))).collect()
+fn paths(prepared: &PreparedShot, frames: &[i32]) -> Vec<PathBuf> {
+    frames.iter().map(|frame| prepared.shot.output.path.with_file_name(format!("f.{frame:04}.exr"))).collect()
 }
 
 /// Sends a pin to one offset at all times, in frame heights.

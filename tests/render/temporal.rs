@@ -2,17 +2,17 @@
 
 use crate::support::{Studio, hold, pinned_layer};
 use crate::tiny::{Tiny, grid};
-use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, Setup, lattices, report};
+use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, PreparedShot, lattices, report};
 use pinwarp::shot::{Shot, Transfer, TransferFit};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 
-fn reports(setup: &Setup, frames: impl IntoIterator<Item = i32>) -> Vec<FrameReport> {
+fn reports(prepared: &PreparedShot, frames: impl IntoIterator<Item = i32>) -> Vec<FrameReport> {
     let mut meter = JerkMeter::default();
     let watched = |frame| {
-        let moment = setup.exposed(frame).expect("it is solved");
-        let mut report = report(setup, frame, &moment);
-        meter.watch(setup, &moment, &mut report);
+        let sample = prepared.mid_exposure(frame).expect("it is solved");
+        let mut report = report(prepared, frame, &sample);
+        meter.watch(prepared, &sample, &mut report);
         report
     };
     frames.into_iter().map(watched).collect()
@@ -30,9 +30,11 @@ fn a_rigidly_moving_model_whose_pins_move_along_is_warped_the_same_in_every_fram
     let layer = pinned_layer("{ frame = 1, offset = [0.08, -0.05] }")
         + "[[layer.pin]]\nanchor = { node = \"Quad\", triangle = 71, barycentric = [0.0, 1.0, 0.0] }\n";
     let studio = Studio::tiny(&Tiny::of(vec![quad]), &layer);
-    let setup = studio.setup();
+    let prepared = studio.prepared();
     let lattices: Vec<_> = (5..=10)
-        .map(|frame| setup.moment(f64::from(frame)).expect("solved").layers[0].solution.clone().expect("pins").lattice)
+        .map(|frame| {
+            prepared.sample_at(f64::from(frame)).expect("solved").layers[0].solution.clone().expect("pins").lattice
+        })
         .collect();
     let warped = lattices[0].handles[0][0] - lattices[0].grid.rest_handle(0)[0];
     assert!(warped.abs() > 0.01, "{warped}");
@@ -41,16 +43,16 @@ fn a_rigidly_moving_model_whose_pins_move_along_is_warped_the_same_in_every_fram
             assert!((b[0] - a[0] - 0.03).abs() < 1e-5 && (b[1] - a[1] - 0.01).abs() < 1e-5, "{a:?} {b:?}");
         }
     }
-    let jerks = jerks(&reports(&setup, 5..=10));
+    let jerks = jerks(&reports(&prepared, 5..=10));
     assert!(jerks.iter().all(|jerk| jerk.is_some_and(|jerk| jerk.warp_px < 2e-3)), "{jerks:?}");
 }
 
 #[test]
 fn a_frame_after_a_gap_has_the_jerk_that_it_has_in_a_run() {
     let studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(""));
-    let found = jerks(&reports(&studio.setup(), [1, 2, 3, 4, 5, 7, 8]));
+    let found = jerks(&reports(&studio.prepared(), [1, 2, 3, 4, 5, 7, 8]));
     assert_eq!(found.iter().map(Option::is_some).collect::<Vec<_>>(), [false, false, false, true, true, true, true]);
-    let run = jerks(&reports(&studio.setup(), 1..=8));
+    let run = jerks(&reports(&studio.prepared(), 1..=8));
     assert_eq!((found[5], found[6]), (run[6], run[7]));
 }
 
@@ -61,7 +63,7 @@ fn jerk_of_keys_is_told_as_the_inputs() {
         let keys = format!("{{ frame = 1, offset = [0.0, 0.0] }}, {{ frame = 5, offset = [0.0, 0.0] }}, {last}");
         Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(&keys))
     };
-    let reports = reports(&studio("{ frame = 6, offset = [0.25, 0.0] }").setup(), 1..=9);
+    let reports = reports(&studio("{ frame = 6, offset = [0.25, 0.0] }").prepared(), 1..=9);
     let found: Vec<[f64; 2]> =
         jerks(&reports).into_iter().flatten().map(|jerk| [jerk.warp_px, jerk.input_px]).collect();
     let expected = [0.0, 0.0, 10.0, 20.0, 10.0, 0.0];
@@ -82,19 +84,19 @@ fn a_warp_that_jerks_by_itself_is_told() {
     }
     studio.shot.layers[0].pins.push(near);
     studio.shot.size = FrameSize::new(640, 400);
-    let setup = |frame: i32| {
+    let prepared = |frame: i32| {
         let mut shot = studio.shot.clone();
         let flick = if frame == 5 { 0.0008 } else { 0.0 };
         hold(&mut shot.layers[0].pins[1], [0.0, flick]);
-        Setup::new(shot).expect("the scene fits")
+        PreparedShot::new(shot).expect("the scene fits")
     };
     let mut meter = JerkMeter::default();
     let mut told = Vec::new();
     for frame in 1..=6 {
-        let setup = setup(frame);
-        let moment = setup.exposed(frame).expect("it is solved");
-        let mut report = report(&setup, frame, &moment);
-        meter.watch(&setup, &moment, &mut report);
+        let prepared = prepared(frame);
+        let sample = prepared.mid_exposure(frame).expect("it is solved");
+        let mut report = report(&prepared, frame, &sample);
+        meter.watch(&prepared, &sample, &mut report);
         told.extend(report.warnings);
     }
     assert!(told.iter().any(|text| text.contains("the warp jerks by")), "{told:?}");
@@ -106,14 +108,14 @@ fn a_lattice_from_a_file_is_not_blamed_for_its_jerk() {
     let mut studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(keys));
     let frames: Vec<i32> = (1..=9).collect();
     let file = studio.scene().with_file_name("jump.lattice.json");
-    lattices(&studio.setup(), &frames, |_| {})
+    lattices(&studio.prepared(), &frames, |_| {})
         .expect("it is warped")
         .write(&file)
         .expect("the folder can be written to");
     let layer = &mut studio.shot.layers[0];
     layer.pins.clear();
     layer.transfer = Some(Transfer { file, layer: None, fit: TransferFit::AsIs, start: None });
-    let reports = reports(&studio.setup(), frames);
+    let reports = reports(&studio.prepared(), frames);
     let found = jerks(&reports);
     assert!(found.iter().flatten().any(|jerk| jerk.warp_px > 10.0 && jerk.input_px < 1e-6), "{found:?}");
     assert!(reports.iter().all(|report| report.warnings.is_empty()), "{reports:?}");
@@ -123,8 +125,8 @@ fn a_lattice_from_a_file_is_not_blamed_for_its_jerk() {
 #[test]
 fn the_walkers_warp_jerks_no_more_than_what_it_follows() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/shot.toml");
-    let setup = Setup::new(Shot::read(&path).expect("a right shot")).expect("the scene fits");
-    let reports = reports(&setup, 1..=48);
+    let prepared = PreparedShot::new(Shot::read(&path).expect("a right shot")).expect("the scene fits");
+    let reports = reports(&prepared, 1..=48);
     let found: Vec<Jerk> = jerks(&reports).into_iter().flatten().collect();
     assert_eq!(found.len(), 3 * 45);
     let peak = |of: fn(&Jerk) -> f64| found.iter().map(of).fold(0.0, f64::max);

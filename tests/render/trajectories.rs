@@ -3,7 +3,7 @@
 use crate::support::Studio;
 use crate::tiny::{Tiny, grid};
 use pinwarp::lattice::ScreenLattice;
-use pinwarp::pipeline::{Setup, report};
+use pinwarp::pipeline::{PreparedShot, report};
 use std::fmt::Write;
 
 /// A strip that is pressed to two thirds, its upper end swinging from left to right: it buckles to one side, then to the other.
@@ -22,9 +22,9 @@ fn swing(solve: &str) -> Studio {
     Studio::tiny(&Tiny::of(vec![strip]), &format!("[[layer]]\nname = \"strip\"\nsolve = {{ {solve} }}\n{pins}"))
 }
 
-fn lattice(setup: &Setup, frame: f64) -> ScreenLattice {
-    let moment = setup.moment(frame).expect("it is solved");
-    moment.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
+fn lattice(prepared: &PreparedShot, frame: f64) -> ScreenLattice {
+    let sample = prepared.sample_at(frame).expect("it is solved");
+    sample.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
 }
 
 /// Farthest move of a point of the strip, pixels of 1080 lines.
@@ -38,11 +38,11 @@ fn moved(a: &ScreenLattice, b: &ScreenLattice) -> f64 {
 }
 
 /// Farthest jump between two times: the half that moves farther is halved again.
-fn jump(setup: &Setup, [from, to]: [f64; 2]) -> f64 {
-    let (mut low, mut high) = ((from, lattice(setup, from)), (to, lattice(setup, to)));
+fn jump(prepared: &PreparedShot, [from, to]: [f64; 2]) -> f64 {
+    let (mut low, mut high) = ((from, lattice(prepared, from)), (to, lattice(prepared, to)));
     while moved(&low.1, &high.1) > 1.0 && high.0 - low.0 > 1e-6 {
         let time = f64::midpoint(low.0, high.0);
-        let middle = lattice(setup, time);
+        let middle = lattice(prepared, time);
         if moved(&low.1, &middle) > moved(&middle, &high.1) {
             high = (time, middle);
         } else {
@@ -53,8 +53,8 @@ fn jump(setup: &Setup, [from, to]: [f64; 2]) -> f64 {
 }
 
 fn farthest_jump(solve: &str) -> f64 {
-    let setup = swing(solve).setup();
-    (1..9).map(|frame| jump(&setup, [f64::from(frame), f64::from(frame + 1)])).fold(0.0, f64::max)
+    let prepared = swing(solve).prepared();
+    (1..9).map(|frame| jump(&prepared, [f64::from(frame), f64::from(frame + 1)])).fold(0.0, f64::max)
 }
 
 #[test]
@@ -68,26 +68,26 @@ fn a_temporal_weight_leaves_no_snap_between_two_moments() {
 #[test]
 fn frames_of_a_trajectory_are_the_same_alone_in_any_order_and_in_a_trimmed_shot() {
     let times = [2.0, 5.25, 7.0, 9.5];
-    let setup = swing("temporal = 0.3").setup();
-    let forward = times.map(|time| lattice(&setup, time));
+    let prepared = swing("temporal = 0.3").prepared();
+    let forward = times.map(|time| lattice(&prepared, time));
     let mut trimmed = swing("temporal = 0.3");
     trimmed.shot.frames.first = 5;
-    let setup = trimmed.setup();
+    let prepared = trimmed.prepared();
     let mut backward = times;
     backward.reverse();
-    let mut found = backward.map(|time| lattice(&setup, time));
+    let mut found = backward.map(|time| lattice(&prepared, time));
     found.reverse();
     assert_eq!(forward, found);
     // Another range is another trajectory.
     let mut other = swing("temporal = 0.3");
     other.shot.solve_range = [4, 9];
-    assert_ne!(lattice(&other.setup(), 5.25), forward[1]);
+    assert_ne!(lattice(&other.prepared(), 5.25), forward[1]);
 }
 
 #[test]
 fn a_spread_snap_is_told() {
-    let setup = swing("temporal = 0.3").setup();
-    let warnings = |frame: i32| report(&setup, frame, &setup.exposed(frame).expect("it is solved")).warnings;
+    let prepared = swing("temporal = 0.3").prepared();
+    let warnings = |frame: i32| report(&prepared, frame, &prepared.mid_exposure(frame).expect("it is solved")).warnings;
     let told: Vec<String> =
         (1..=9).flat_map(warnings).filter(|text| text.contains("a snap is spread over frames")).collect();
     assert!(!told.is_empty());

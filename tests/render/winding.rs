@@ -34,10 +34,10 @@ fn strip(degrees: f64, solve: &str) -> Studio {
 }
 
 fn lattices(studio: &Studio, frames: std::ops::RangeInclusive<i32>) -> Vec<ScreenLattice> {
-    let setup = studio.setup();
+    let prepared = studio.prepared();
     let lattice = |frame| {
-        let moment = setup.moment(f64::from(frame)).expect("it is solved");
-        moment.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
+        let sample = prepared.sample_at(f64::from(frame)).expect("it is solved");
+        sample.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
     };
     frames.map(lattice).collect()
 }
@@ -83,11 +83,11 @@ fn the_guard_of_a_shot_says_what_stops() {
     let mut studio = strip(360.0, "solve = { guard = \"limit\" }");
     studio.shot.size.height *= 10;
     studio.shot.size.width *= 10;
-    let setup = studio.setup();
+    let prepared = studio.prepared();
     let mut stopped = Vec::new();
     for frame in [1, 6, 11, 21, 31, 41] {
-        let moment = setup.moment(f64::from(frame)).expect("it is solved");
-        let report = pinwarp::pipeline::report(&setup, frame, &moment);
+        let sample = prepared.sample_at(f64::from(frame)).expect("it is solved");
+        let report = pinwarp::pipeline::report(&prepared, frame, &sample);
         assert_eq!(report.layers[0].solve.folded_model_cells, 0, "{frame}: {report:?}");
         stopped.extend(report.warnings);
     }

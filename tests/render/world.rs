@@ -3,7 +3,7 @@
 use crate::support::{Studio, at, count_differences, is_interior, pixels};
 use crate::tiny::{Lens, Part, Tiny, grid};
 use glam::{DQuat, DVec3};
-use pinwarp::pipeline::{Moment, WorldSolution, report};
+use pinwarp::pipeline::{TimeSample, WorldSolution, report};
 use pinwarp::space::{ScreenPoint, ScreenVector};
 
 const ALL: [&str; 9] = ["R", "G", "B", "A", "depth.Z", "N.X", "N.Y", "N.Z", "id.object"];
@@ -58,8 +58,8 @@ fn world_layer(pins: &str) -> String {
     format!("[[layer]]\nname = \"all\"\nlattice = {{ space = \"world\" }}\n{pins}")
 }
 
-fn solved(moment: &Moment) -> &WorldSolution {
-    moment.layers[0].world.as_ref().expect("the layer is warped")
+fn solved(sample: &TimeSample) -> &WorldSolution {
+    sample.layers[0].world.as_ref().expect("the layer is warped")
 }
 
 #[test]
@@ -81,16 +81,16 @@ fn a_dragged_pin_lands_on_its_pixel_at_its_depth() {
     for lens in [NEAR, Lens::Parallel] {
         let keys = "{ frame = 1, offset = [0.2, 0.1] }";
         let studio = Studio::tiny(&seen(ball(), lens), &world_layer(&ball_pins(keys)));
-        let setup = studio.setup();
-        let moment = setup.moment(3.0).expect("the frame is solved");
-        let state = moment.layers[0].pins[0];
+        let prepared = studio.prepared();
+        let sample = prepared.sample_at(3.0).expect("the frame is solved");
+        let state = sample.layers[0].pins[0];
         assert!((state.target - (state.rest + ScreenVector::new(0.2, 0.1))).0.length() < 1e-12);
         // The vertex itself, as it is drawn at 1080 lines.
-        let unwarped = moment.camera.project_exact(solved(&moment).pins[0].rest);
-        let corner = moment.mesh().parts[0].vertices[3 * 64];
+        let unwarped = sample.camera.project_exact(solved(&sample).pins[0].rest);
+        let corner = sample.mesh().parts[0].vertices[3 * 64];
         assert!((corner.point() - state.target).0.length() * 1080.0 < 0.05, "{lens:?}: {:?}", corner.point());
         assert!((corner.depth - unwarped.depth).abs() < 1e-5, "{lens:?}");
-        let report = report(&setup, 3, &moment);
+        let report = report(&prepared, 3, &sample);
         // A ball that is pulled this far folds, which is warned of; nothing else is.
         let is_of_folds = |warning: &String| warning.contains("folds over itself");
         assert!(report.layers[0].pin_error_px < 0.05, "{:?}", report.layers[0]);
@@ -102,12 +102,12 @@ fn a_dragged_pin_lands_on_its_pixel_at_its_depth() {
 #[test]
 fn a_target_is_a_pixel_or_a_point_of_the_scene() {
     let on_screen = Studio::tiny(&seen(sheet(), NEAR), &world_layer(&pin("{ frame = 1, target = [0.3, 0.4] }")));
-    let moment = on_screen.setup().moment(1.0).expect("the frame is solved");
-    let corner = moment.mesh().parts[0].vertices[0].point();
+    let sample = on_screen.prepared().sample_at(1.0).expect("the frame is solved");
+    let corner = sample.mesh().parts[0].vertices[0].point();
     assert!((corner - ScreenPoint::new(0.3, 0.4)).0.length() < 1e-5, "{corner:?}");
     let in_scene = Studio::tiny(&seen(sheet(), NEAR), &world_layer(&pin("{ frame = 1, target = [0.1, 0.2, 0.3] }")));
-    let moment = in_scene.setup().moment(1.0).expect("the frame is solved");
-    let corner = moment.pose.parts[0].positions[0].0.as_dvec3();
+    let sample = in_scene.prepared().sample_at(1.0).expect("the frame is solved");
+    let corner = sample.pose.parts[0].positions[0].0.as_dvec3();
     assert!(corner.distance(DVec3::new(0.1, 0.2, 0.3)) < 1e-5, "{corner}");
 }
 
@@ -118,7 +118,7 @@ fn edits_in_metres_do_not_care_for_the_camera_and_dragged_ones_do() {
     tiny.camera_velocity = [1.0, 0.5, -2.4];
     let handles = |keys: &str, frame: f64| {
         let studio = Studio::tiny(&tiny, &world_layer(&(pin(keys) + &far_pins(["", ""]))));
-        solved(&studio.setup().moment(frame).expect("the frame is solved")).lattice.lattice.handles.clone()
+        solved(&studio.prepared().sample_at(frame).expect("the frame is solved")).lattice.lattice.handles.clone()
     };
     let in_metres = "{ frame = 1, offset = [0.2, 0.1, 0.3] }";
     assert_eq!(handles(in_metres, 1.0), handles(in_metres, 9.0));
@@ -174,8 +174,8 @@ fn motion_is_that_of_the_moved_mesh() {
 
 /// Handles in the frame of the box, per unit of its diagonal, and the box.
 fn in_box(studio: &Studio, frame: f64) -> Vec<f64> {
-    let moment = studio.setup().moment(frame).expect("the frame is solved");
-    let lattice = &solved(&moment).lattice.lattice;
+    let sample = studio.prepared().sample_at(frame).expect("the frame is solved");
+    let lattice = &solved(&sample).lattice.lattice;
     let numbers = lattice.handles.iter().flatten().chain(&lattice.grid.lo).chain(&lattice.grid.hi);
     numbers.map(|x| x / lattice.grid.diagonal()).collect()
 }
@@ -214,9 +214,9 @@ fn rotations_are_seen_or_about_axes() {
     let about_z = pin("{ frame = 1, rotate = [0, 0, 90] }");
     let images = [as_seen, about_z].map(|pins| {
         let studio = Studio::tiny(&seen(sheet(), NEAR), &world_layer(&pins));
-        let moment = studio.setup().moment(1.0).expect("the frame is solved");
+        let sample = studio.prepared().sample_at(1.0).expect("the frame is solved");
         // Parts without normals are shaded flat: three vertices a triangle.
-        moment.pose.parts[0].positions[3 * 14 + 1].0.as_dvec3()
+        sample.pose.parts[0].positions[3 * 14 + 1].0.as_dvec3()
     });
     // The lower right corner, 1.2 m to the right of the pin, goes 1.2 m above it.
     let corner = |x: f64| DVec3::new(x, -0.5, 0.3 * (2.0 * x).cos() - 0.05);
@@ -230,11 +230,11 @@ fn handles_move_in_box_sizes() {
                  box = { fixed = [-1, -1, -1, 1, 1, 1] } }\n[[layer.handle]]\nindex = [1, 1, 1]\n\
                  keys = [{ frame = 1, offset = [0.5, 0.0, -0.25] }]\n";
     let studio = Studio::tiny(&seen(sheet(), NEAR), layer);
-    let moment = studio.setup().moment(1.0).expect("the frame is solved");
-    let lattice = &solved(&moment).lattice;
+    let sample = studio.prepared().sample_at(1.0).expect("the frame is solved");
+    let lattice = &solved(&sample).lattice;
     let moved = lattice.warp(DVec3::ONE) - DVec3::ONE;
     assert!(moved.distance(DVec3::new(1.0, 0.0, -0.5)) < 1e-3, "{moved}");
-    assert!(moment.layers[0].solution.is_none());
+    assert!(sample.layers[0].solution.is_none());
 }
 
 #[test]
@@ -260,7 +260,7 @@ fn world_and_screen_layers_work_side_by_side() {
 #[test]
 fn meshes_too_coarse_for_their_lattice_are_told() {
     let layer = world_layer(&pin("")).replace("\"world\"", "\"world\", dims = [8, 8, 4]");
-    let notes = |part: Part| Studio::tiny(&seen(part, NEAR), &layer).setup().notes;
+    let notes = |part: Part| Studio::tiny(&seen(part, NEAR), &layer).prepared().notes;
     let coarse = notes(grid("Quad", [-0.6, -0.5, 0.6, 0.5], 1));
     assert!(coarse.iter().any(|note| note.contains("edges of 'Quad' are up to") && note.contains("subdivide")));
     assert!(!notes(sheet()).iter().any(|note| note.contains("edges of")));

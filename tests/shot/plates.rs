@@ -1,7 +1,7 @@
 //! Shots that warp finished frames: what they may say, and what they may not.
 
 use super::{GOOD, parse, replaced};
-use pinwarp::plate::{Filter, Holes, Matte, Meaning, MotionRule, MotionScale, NormalRule};
+use pinwarp::plate::{Filter, Holes, Matte, MotionEncoding, MotionUnit, NormalMode, Semantic};
 use pinwarp::shot::{BoxRule, LayerSpace, Shot, Source, Unmatted};
 use std::path::{Path, PathBuf};
 
@@ -29,10 +29,10 @@ matte = { cryptomatte = ["Body*"], of = "CryptoObject" }
 fn a_shot_over_a_plate_is_read_in_full() {
     let shot = parse(PLATE).unwrap();
     assert_eq!((shot.source, shot.plate), (Source::Frame, Some(PathBuf::from("shots/in/beauty.####.exr"))));
-    assert_eq!((shot.warp.filter, shot.warp.normals), (Filter::Cubic, NormalRule::Rotate));
-    assert_eq!(shot.warp.motion, Some(MotionRule { pixels_per_unit: [1.0, -1.0] }));
-    assert_eq!(shot.warp.motion_scale, MotionScale::Frame);
-    assert_eq!(shot.warp.meanings, [("zz.*".to_owned(), Meaning::Depth)]);
+    assert_eq!((shot.warp.filter, shot.warp.normals), (Filter::Cubic, NormalMode::Rotate));
+    assert_eq!(shot.warp.motion, Some(MotionEncoding { pixels_per_unit: [1.0, -1.0] }));
+    assert_eq!(shot.warp.motion_scale, MotionUnit::Frame);
+    assert_eq!(shot.warp.semantics, [("zz.*".to_owned(), Semantic::Depth)]);
     assert_eq!(shot.warp.holes, Holes::Plate("shots/in/clean.%04d.exr".into()));
     let layer = &shot.layers[0];
     assert_eq!(layer.space, LayerSpace::Screen { dims: [10, 10], bounds: BoxRule::Frame });
@@ -71,10 +71,10 @@ fn motion_is_written_in_units_and_directions() {
         let shot = parse(&replaced(PLATE, "{ unit = \"frame\", y = \"down\" }", text)).unwrap();
         (shot.warp.motion.unwrap().pixels_per_unit, shot.warp.motion_scale)
     };
-    assert_eq!(motion("{}"), ([1.0, 1.0], MotionScale::Pixels));
-    assert_eq!(motion("{ unit = \"pixels\", x = \"left\" }"), ([-1.0, 1.0], MotionScale::Pixels));
-    assert_eq!(motion("{ unit = 32.0, y = \"down\" }"), ([32.0, -32.0], MotionScale::Pixels));
-    assert_eq!(motion("{ unit = 4 }"), ([4.0, 4.0], MotionScale::Pixels));
+    assert_eq!(motion("{}"), ([1.0, 1.0], MotionUnit::Pixels));
+    assert_eq!(motion("{ unit = \"pixels\", x = \"left\" }"), ([-1.0, 1.0], MotionUnit::Pixels));
+    assert_eq!(motion("{ unit = 32.0, y = \"down\" }"), ([32.0, -32.0], MotionUnit::Pixels));
+    assert_eq!(motion("{ unit = 4 }"), ([4.0, 4.0], MotionUnit::Pixels));
 }
 
 #[test]

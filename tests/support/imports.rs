@@ -105,17 +105,6 @@ impl Imports {
     }
 }
 
-/// The folder that holds all files of a circle, without `src/`.
-pub(crate) fn folder_of(circle: &[String]) -> String {
-    let folders: Vec<Vec<&str>> = circle.iter().map(|file| file.split('/').collect()).collect();
-    let mut common: Vec<&str> = folders[0][..folders[0].len() - 1].to_vec();
-    for folder in &folders {
-        let shared = common.iter().zip(folder).take_while(|(a, b)| a == b).count();
-        common.truncate(shared);
-    }
-    common[1..].join("/")
-}
-
 fn joined(module: &Module, name: &str) -> Module {
     module.iter().cloned().chain([name.to_owned()]).collect()
 }

@@ -1,7 +1,7 @@
 //! Planes resampled on the device and on the CPU: the same picture within rounding, the same bits where nothing moves.
 
 use pinwarp::image::{Frame, Plate, Storage};
-use pinwarp::plate::{Filter, Planes, WarpMap, WarpRules, Warper, remap_plate, resampled};
+use pinwarp::plate::{Filter, Planes, WarpMap, WarpSettings, Warper, remap_plate, resampled};
 use pinwarp::raster::vulkan::{Messages, VulkanRemap};
 use pinwarp::raster::{DeviceChoice, RasterError};
 use pinwarp::space::{FrameSize, PixelRect};
@@ -238,14 +238,14 @@ fn plates_are_warped_on_the_device() {
 }
 
 fn check_plate(warper: &Warper, plate: &Plate, map: &WarpMap) {
-    for rules in FILTERS.map(|filter| WarpRules { filter, ..WarpRules::default() }) {
-        let (wanted, _) = remap_plate(plate, map, &rules).expect("the map is of this frame");
+    for settings in FILTERS.map(|filter| WarpSettings { filter, ..WarpSettings::default() }) {
+        let (wanted, _) = remap_plate(plate, map, &settings).expect("the map is of this frame");
         let samples = |plate: &Plate| -> Vec<Vec<f32>> {
             plate.parts[0].channels.iter().map(|channel| channel.samples.clone()).collect()
         };
-        let (found, report) = warper.remap(plate, map, &rules).expect("the map is of this frame");
+        let (found, report) = warper.remap(plate, map, &settings).expect("the map is of this frame");
         assert!(warper.device().is_some() && report.warnings.is_empty(), "{:?}", report.warnings);
         let difference = difference(&samples(&found), &samples(&wanted));
-        assert!(is_rounding(rules.filter, difference), "{:?}: {difference:?}", rules.filter);
+        assert!(is_rounding(settings.filter, difference), "{:?}: {difference:?}", settings.filter);
     }
 }

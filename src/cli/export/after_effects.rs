@@ -10,7 +10,7 @@ use crate::cli::outputs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{SequencePath, replace_text, write_codes};
-use crate::pipeline::{BakeTimes, Event, RenderOptions, Setup, render};
+use crate::pipeline::{BakeTimes, Event, PreparedShot, RenderOptions, input_files, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
 use crate::spelling::counted;
 use anyhow::{Context, bail};
@@ -23,14 +23,15 @@ const MOST_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
-    let (maps, setup) = Maps::open(args)?;
+    let (maps, prepared) = Maps::open(args)?;
     let maps = maps.by_layer();
     // Everything is looked at before anything is written.
-    let warps = maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), (maps, setup.as_deref())));
+    let warps =
+        maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), (maps, prepared.as_deref())));
     let warps = warps.collect::<anyhow::Result<Vec<_>>>()?;
     // A lattice file has no pictures.
-    let elements = setup.as_deref().map(|setup| Element::all_of(args, setup, &stem)).transpose()?;
-    warps.iter().try_for_each(|warp| warp.write(args, setup.as_deref()))?;
+    let elements = prepared.as_deref().map(|prepared| Element::all_of(args, prepared, &stem)).transpose()?;
+    warps.iter().try_for_each(|warp| warp.write(args, prepared.as_deref()))?;
     let mut outcome = Outcome::Complete;
     for element in elements.into_iter().flatten() {
         if !element.write(args)? {
@@ -66,10 +67,10 @@ struct Displacement<'a> {
 
 impl<'a> Displacement<'a> {
     /// What will be written; refused where something is in the way.
-    fn of(args: &ExportArgs, stem: &Path, (maps, setup): (&'a Maps, Option<&Setup>)) -> anyhow::Result<Self> {
+    fn of(args: &ExportArgs, stem: &Path, (maps, prepared): (&'a Maps, Option<&PreparedShot>)) -> anyhow::Result<Self> {
         let frames = maps.frames();
         // All frames share one scale, so the farthest way of all has to be known first.
-        let mut silhouette = setup.map(|setup| maps.silhouette(setup));
+        let mut silhouette = prepared.map(|prepared| maps.silhouette(prepared));
         let mut farthest = 0.0_f64;
         for &frame in &frames {
             farthest = farthest.max(greatest_offset(&maps.map(frame, silhouette.as_mut())?));
@@ -93,8 +94,8 @@ impl<'a> Displacement<'a> {
         Ok(Self { maps, pattern, sequence, note, note_path })
     }
 
-    fn write(&self, args: &ExportArgs, setup: Option<&Setup>) -> anyhow::Result<()> {
-        let mut silhouette = setup.map(|setup| self.maps.silhouette(setup));
+    fn write(&self, args: &ExportArgs, prepared: Option<&PreparedShot>) -> anyhow::Result<()> {
+        let mut silhouette = prepared.map(|prepared| self.maps.silhouette(prepared));
         let Self { maps, pattern, sequence, note, note_path } = self;
         let reach = f64::from(note.reach_px);
         let written = write_frames(args, (maps, sequence), |path, metadata| {
@@ -114,7 +115,7 @@ impl<'a> Displacement<'a> {
 
 /// A layer alone, unwarped, on nothing.
 struct Element<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     layer: usize,
     pattern: PathBuf,
     frames: Vec<i32>,
@@ -122,36 +123,36 @@ struct Element<'a> {
 
 impl<'a> Element<'a> {
     /// Those of the layers that are asked for; refused where something is in the way.
-    fn all_of(args: &ExportArgs, setup: &'a Setup, stem: &Path) -> anyhow::Result<Vec<Self>> {
-        let frames = frames(args, setup);
-        let inputs = setup.inputs()?;
+    fn all_of(args: &ExportArgs, prepared: &'a PreparedShot, stem: &Path) -> anyhow::Result<Vec<Self>> {
+        let frames = frames(args, prepared);
+        let inputs = input_files(prepared)?;
         let mut elements = Vec::new();
-        for layer in moved_layers(setup).into_iter().filter(|&layer| is_on_screen(setup, layer)) {
-            let name = &setup.shot.layers[layer].name;
+        for layer in moved_layers(prepared).into_iter().filter(|&layer| is_on_screen(prepared, layer)) {
+            let name = &prepared.shot.layers[layer].name;
             if args.layer.as_ref().is_some_and(|wanted| wanted != name) {
                 continue;
             }
             let pattern = with_ending(&named(stem, name), ".element.####.exr");
             check_frames(args, (&pattern, &inputs), &frames)?;
-            elements.push(Self { setup, layer, pattern, frames: frames.clone() });
+            elements.push(Self { prepared, layer, pattern, frames: frames.clone() });
         }
         Ok(elements)
     }
 
     /// Renders it; `false` where a frame failed.
     fn write(self, args: &ExportArgs) -> anyhow::Result<bool> {
-        let Self { setup, layer, pattern, frames } = self;
+        let Self { prepared, layer, pattern, frames } = self;
         let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
-        let alone = match setup.pictures_of(layer, pattern.clone())? {
+        let alone = match prepared.pictures_of(layer, pattern.clone())? {
             Some(alone) => alone,
-            None => still_scene(setup, layer, (&frames, folder.path(), &pattern))?,
+            None => still_scene(prepared, layer, (&frames, folder.path(), &pattern))?,
         };
         let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
         let tell = |event: Event| match event {
             Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
             // What the scene has to say was said when the shot was read, and that nothing is warped is the point here.
             Event::Note { text } if !alone.notes.contains(&text) => {
-                tracing::warn!("layer '{}': {text}", setup.shot.layers[layer].name);
+                tracing::warn!("layer '{}': {text}", prepared.shot.layers[layer].name);
             }
             _ => {}
         };
@@ -164,19 +165,19 @@ impl<'a> Element<'a> {
 
 /// A shot of the scene with the meshes of a layer alone, its file in `folder`.
 fn still_scene(
-    setup: &Setup,
+    prepared: &PreparedShot,
     layer: usize,
     (frames, folder, pattern): (&[i32], &Path, &Path),
-) -> anyhow::Result<Setup> {
+) -> anyhow::Result<PreparedShot> {
     let scene = folder.join("layer.glb");
-    let mut packed = setup.packed()?;
-    setup.hide_all_but(layer, &mut packed);
+    let mut packed = prepared.packed()?;
+    prepared.hide_all_but(layer, &mut packed);
     // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is written frame by frame.
-    let told = if setup.shot.is_looped { frames.to_vec() } else { vec![setup.shot.frames.clip_start] };
-    let baked = setup.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
+    let told = if prepared.shot.is_looped { frames.to_vec() } else { vec![prepared.shot.frames.clip_start] };
+    let baked = prepared.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
     crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;
-    let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..setup.shot.clone() };
+    let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..prepared.shot.clone() };
     shot.is_looped = false;
     pattern.clone_into(&mut shot.output.path);
-    Ok(Setup::new(shot)?)
+    Ok(PreparedShot::new(shot)?)
 }

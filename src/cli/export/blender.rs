@@ -7,7 +7,7 @@ use crate::cli::outputs;
 use crate::export::blender::{BlenderLayer, BlenderScene, BlenderWay, number_nodes, script};
 use crate::export::gltf::glb;
 use crate::image::{replace_bytes, replace_text};
-use crate::pipeline::{BakeTimes, Setup};
+use crate::pipeline::{BakeTimes, PreparedShot, input_files};
 use anyhow::bail;
 use std::io::{self, Write};
 use std::path::Path;
@@ -19,40 +19,41 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         bail!("{}: the script needs another name than the scene beside it; let it end in .py", output.display());
     }
     outputs::allow(&outputs::inputs_of([&args.shot]), &scene_path, args.existing)?;
-    let setup = Source::with_scene(args, "Blender needs the scene")?;
-    let inputs = setup.inputs()?;
+    let prepared = Source::with_scene(args, "Blender needs the scene")?;
+    let inputs = input_files(&prepared)?;
     [&output, &scene_path].into_iter().try_for_each(|path| inputs.refuse(path))?;
-    let moved = moved_layers(&setup);
+    let moved = moved_layers(&prepared);
     if moved.is_empty() {
         bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());
     }
-    let mut frames = frames(args, &setup);
+    let mut frames = frames(args, &prepared);
     frames.sort_unstable();
-    let layers = moved.iter().map(|&layer| setup.blender_layer(layer, &frames)).collect::<Result<Vec<_>, _>>()?;
+    let layers = moved.iter().map(|&layer| prepared.blender_layer(layer, &frames)).collect::<Result<Vec<_>, _>>()?;
     let is_baked = |layer: usize| {
         moved.iter().zip(&layers).any(|(&moved, told)| moved == layer && matches!(told.way, BlenderWay::Baked(_)))
     };
-    let baked = setup.bake(&frames, BakeTimes::Frames, is_baked, |frame| tracing::info!("frame {frame} deformed"))?;
-    let mut packed = setup.packed()?;
-    number_nodes(&mut packed, &setup.scene);
+    let baked =
+        prepared.bake(&frames, BakeTimes::Frames, is_baked, |frame| tracing::info!("frame {frame} deformed"))?;
+    let mut packed = prepared.packed()?;
+    number_nodes(&mut packed, &prepared.scene);
     replace_bytes(&scene_path, &glb(packed, &baked)?)?;
     drop(baked);
-    let scene = blender_scene(&setup, (&frames, &scene_path), layers);
+    let scene = blender_scene(&prepared, (&frames, &scene_path), layers);
     replace_text(&output, &script(&scene))?;
     report(&scene, (&output, &scene_path))?;
     Ok(Outcome::Complete)
 }
 
-fn blender_scene(setup: &Setup, (frames, path): (&[i32], &Path), layers: Vec<BlenderLayer>) -> BlenderScene {
+fn blender_scene(prepared: &PreparedShot, (frames, path): (&[i32], &Path), layers: Vec<BlenderLayer>) -> BlenderScene {
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
-    let (_, camera) = setup.view(f64::from(ends[0]));
+    let (_, camera) = prepared.view(f64::from(ends[0]));
     BlenderScene {
         scene_file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        rate: setup.shot.frames.rate,
+        rate: prepared.shot.frames.rate,
         frames: ends,
-        later: setup.file_frames(frames),
-        size: setup.shot.size,
-        camera: (setup.blender_camera(), camera.lens()),
+        later: prepared.file_frames(frames),
+        size: prepared.shot.size,
+        camera: (prepared.blender_camera(), camera.lens()),
         layers,
     }
 }

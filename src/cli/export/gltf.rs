@@ -5,21 +5,21 @@ use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
-use crate::pipeline::{BakeTimes, Setup};
+use crate::pipeline::{BakeTimes, PreparedShot, input_files};
 use crate::spelling::counted;
 use anyhow::bail;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "warped.glb")?;
-    let setup = Source::with_scene(args, "a glTF file needs the scene")?;
-    setup.inputs()?.refuse(&output)?;
-    let layers = moved_layers(&setup);
+    let prepared = Source::with_scene(args, "a glTF file needs the scene")?;
+    input_files(&prepared)?.refuse(&output)?;
+    let layers = moved_layers(&prepared);
     if layers.is_empty() {
         bail!("no layer of {} is warped: there is nothing to export; add pins", args.shot.display());
     }
-    let frames = frames(args, &setup);
-    let baked = setup.bake(
+    let frames = frames(args, &prepared);
+    let baked = prepared.bake(
         &frames,
         BakeTimes::Clip,
         |layer| layers.contains(&layer),
@@ -27,7 +27,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             tracing::info!("frame {frame} deformed");
         },
     )?;
-    replace_bytes(&output, &glb(setup.packed()?, &baked)?)?;
+    replace_bytes(&output, &glb(prepared.packed()?, &baked)?)?;
     let frames = counted(frames.len(), "frame", "frames");
     let nodes = counted(baked.nodes.len(), "deformed node", "deformed nodes");
     writeln!(io::stdout(), "wrote {}: {frames}, {nodes}", output.display())?;
@@ -39,14 +39,14 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         NodeMotion::Keys { .. } => {}
     }
     for layer in layers {
-        writeln!(io::stdout(), "layer '{}': {}", setup.shot.layers[layer].name, accuracy(&setup, layer))?;
+        writeln!(io::stdout(), "layer '{}': {}", prepared.shot.layers[layer].name, accuracy(&prepared, layer))?;
     }
     Ok(Outcome::Complete)
 }
 
 /// What is exact.
-fn accuracy(setup: &Setup, layer: usize) -> &'static str {
-    if is_on_screen(setup, layer) {
+fn accuracy(prepared: &PreparedShot, layer: usize) -> &'static str {
+    if is_on_screen(prepared, layer) {
         "warped on the screen: its vertices move across the view at their own depth, so the picture is right from the \
          shot's camera only; its normals stay"
     } else {

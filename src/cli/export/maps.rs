@@ -7,7 +7,7 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
-use crate::pipeline::{Setup, Silhouette, Todo, digest_with, refuse_existing};
+use crate::pipeline::{PreparedShot, Silhouette, Todo, digest_with, refuse_existing};
 use crate::plate::{Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
@@ -61,12 +61,12 @@ enum Reach {
 
 impl Maps {
     /// Solves or reads the lattices; the shot that they are of comes with them.
-    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, Option<Box<Setup>>)> {
+    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, Option<Box<PreparedShot>>)> {
         let source = Source::open(args)?;
         let inputs = source.inputs(args)?;
-        let (mut lattices, setup) = source.lattices(args)?;
+        let (mut lattices, prepared) = source.lattices(args)?;
         keep_screen_layers(&mut lattices, args)?;
-        let size = match (args.size, setup.as_ref().map(|setup| setup.shot.size)) {
+        let size = match (args.size, prepared.as_ref().map(|prepared| prepared.shot.size)) {
             (Some([width, height]), _) => {
                 FrameSize { width, height, pixel_aspect: lattices.frame_aspect * f64::from(height) / f64::from(width) }
             }
@@ -79,13 +79,14 @@ impl Maps {
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
-        let parts = setup.as_deref().filter(|_| reach == Reach::Picture).and_then(|setup| parts_of(&lattices, setup));
+        let parts =
+            prepared.as_deref().filter(|_| reach == Reach::Picture).and_then(|prepared| parts_of(&lattices, prepared));
         if reach == Reach::Picture && parts.is_none() && lattices.layers.len() > 1 {
             let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
             writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
         }
-        let contents = setup.as_deref().map(Setup::contents_digest).unwrap_or_default();
-        Ok((Self { lattices, size, window, direction, reach, parts, contents, inputs }, setup))
+        let contents = prepared.as_deref().map(PreparedShot::contents_digest).unwrap_or_default();
+        Ok((Self { lattices, size, window, direction, reach, parts, contents, inputs }, prepared))
     }
 
     /// Maps of each layer alone, for elements that are matted.
@@ -179,12 +180,12 @@ impl Maps {
     }
 
     /// What of the shot's picture can be seen before the warp: of one layer alone where the maps are of one.
-    pub(super) fn silhouette<'a>(&self, setup: &'a Setup) -> Silhouette<'a> {
+    pub(super) fn silhouette<'a>(&self, prepared: &'a PreparedShot) -> Silhouette<'a> {
         let only = match (self.reach, &self.lattices.layers[..]) {
             (Reach::Layer, [only]) => Some(only.name.as_str()),
             _ => None,
         };
-        Silhouette::of(setup, only)
+        Silhouette::of(prepared, only)
     }
 
     /// What a frame's map has to say of its folds; `None`: there are none.
@@ -206,9 +207,9 @@ impl Maps {
 }
 
 /// The layers of a shot that the lattices are of, where there are several and each moves its own nodes.
-fn parts_of(lattices: &LatticeFile, setup: &Setup) -> Option<Vec<usize>> {
-    let index = |track: &LatticeTrack| setup.shot.layers.iter().position(|layer| layer.name == track.name);
-    let of_track = |track: &LatticeTrack| index(track).filter(|&layer| setup.moves_own_nodes(layer));
+fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize>> {
+    let index = |track: &LatticeTrack| prepared.shot.layers.iter().position(|layer| layer.name == track.name);
+    let of_track = |track: &LatticeTrack| index(track).filter(|&layer| prepared.moves_own_nodes(layer));
     let layers: Option<Vec<usize>> = lattices.layers.iter().map(of_track).collect();
     layers.filter(|layers| layers.len() > 1)
 }

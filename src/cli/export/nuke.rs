@@ -13,14 +13,14 @@ use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
-    let (maps, setup) = Maps::open(args)?;
+    let (maps, prepared) = Maps::open(args)?;
     let pattern = output.with_extension("stmap.####.exr");
     let frames = maps.frames();
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
     let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = script(&NukeScene { lattices: &maps.lattices, stmap: name, frames: ends, size: maps.size });
     outputs::allow_text(&maps.inputs, (&output, &text), args.existing)?;
-    let written = stmap::write(args, (&maps, setup.as_deref()), &pattern)?;
+    let written = stmap::write(args, (&maps, prepared.as_deref()), &pattern)?;
     replace_text(&output, &text)?;
     stmap::told(&pattern, &written)?;
     let grids = counted(maps.lattices.layers.len(), "grid", "grids");

@@ -6,7 +6,7 @@ use crate::cli::args::ExportArgs;
 use crate::cli::outputs;
 use crate::export::LatticeFile;
 use crate::image::{Existing, FileKind, Inputs};
-use crate::pipeline::{Setup, lattices};
+use crate::pipeline::{PreparedShot, input_files, lattices};
 use crate::shot::LayerSpace;
 use anyhow::{anyhow, bail};
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// What is exported.
 pub(super) enum Source {
     /// A shot with its scene.
-    Shot(Box<Setup>),
+    Shot(Box<PreparedShot>),
     /// Lattices that were solved before.
     Lattices(LatticeFile),
 }
@@ -26,17 +26,17 @@ impl Source {
         if FileKind::of(&args.shot) == Some(FileKind::Json) {
             return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
         }
-        let setup = Setup::new(args.outside.read(&args.shot)?)?;
-        for note in &setup.notes {
+        let prepared = PreparedShot::new(args.outside.read(&args.shot)?)?;
+        for note in &prepared.notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
-        Ok(Self::Shot(Box::new(setup)))
+        Ok(Self::Shot(Box::new(prepared)))
     }
 
     /// A shot, for exports that need its scene.
-    pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<Setup> {
+    pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<PreparedShot> {
         match Self::open(args)? {
-            Self::Shot(setup) => Ok(*setup),
+            Self::Shot(prepared) => Ok(*prepared),
             Self::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
         }
     }
@@ -44,7 +44,7 @@ impl Source {
     /// All files that are read, so that none is written over.
     pub(super) fn inputs(&self, args: &ExportArgs) -> anyhow::Result<Inputs> {
         let mut inputs = match self {
-            Self::Shot(setup) => setup.inputs()?,
+            Self::Shot(prepared) => input_files(prepared)?,
             Self::Lattices(_) => Inputs::default(),
         };
         inputs.add(&args.shot);
@@ -52,11 +52,12 @@ impl Source {
     }
 
     /// The lattices of the frames asked for, and the shot that they were solved for.
-    pub(super) fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<Setup>>)> {
+    pub(super) fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
         match self {
-            Self::Shot(setup) => {
-                let file = lattices(&setup, &frames(args, &setup), |frame| tracing::info!("frame {frame} solved"))?;
-                Ok((file, Some(setup)))
+            Self::Shot(prepared) => {
+                let file =
+                    lattices(&prepared, &frames(args, &prepared), |frame| tracing::info!("frame {frame} solved"))?;
+                Ok((file, Some(prepared)))
             }
             Self::Lattices(file) => {
                 let asked = match &args.frames {
@@ -71,8 +72,8 @@ impl Source {
 }
 
 /// The frames asked for, else the shot's range.
-pub(super) fn frames(args: &ExportArgs, setup: &Setup) -> Vec<i32> {
-    let range = setup.shot.frames;
+pub(super) fn frames(args: &ExportArgs, prepared: &PreparedShot) -> Vec<i32> {
+    let range = prepared.shot.frames;
     args.frames.clone().map_or_else(|| (range.first..=range.last).collect(), |list| list.0)
 }
 
@@ -91,14 +92,14 @@ pub(super) fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf>
 }
 
 /// Layers that something moves, in the shot's order.
-pub(super) fn moved_layers(setup: &Setup) -> Vec<usize> {
-    let layers = setup.shot.layers.iter().enumerate();
+pub(super) fn moved_layers(prepared: &PreparedShot) -> Vec<usize> {
+    let layers = prepared.shot.layers.iter().enumerate();
     let is_moved =
         |layer: &crate::shot::Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
     layers.filter(|(_, layer)| is_moved(layer)).map(|(index, _)| index).collect()
 }
 
 /// Whether a layer is warped on the screen.
-pub(super) fn is_on_screen(setup: &Setup, layer: usize) -> bool {
-    matches!(setup.shot.layers[layer].space, LayerSpace::Screen { .. })
+pub(super) fn is_on_screen(prepared: &PreparedShot, layer: usize) -> bool {
+    matches!(prepared.shot.layers[layer].space, LayerSpace::Screen { .. })
 }

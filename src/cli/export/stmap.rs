@@ -4,7 +4,7 @@ use super::maps::{Maps, Written, check_frames, write_frames};
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::image::{Compression, write_exr};
-use crate::pipeline::Setup;
+use crate::pipeline::PreparedShot;
 use crate::plate::stmap_of;
 use crate::spelling::counted;
 use std::io::{self, Write};
@@ -12,8 +12,8 @@ use std::path::Path;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
-    let (maps, setup) = Maps::open(args)?;
-    let written = write(args, (&maps, setup.as_deref()), &pattern)?;
+    let (maps, prepared) = Maps::open(args)?;
+    let written = write(args, (&maps, prepared.as_deref()), &pattern)?;
     told(&pattern, &written)?;
     Ok(Outcome::Complete)
 }
@@ -21,10 +21,10 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 /// Writes the maps of all frames.
 pub(super) fn write(
     args: &ExportArgs,
-    (maps, setup): (&Maps, Option<&Setup>),
+    (maps, prepared): (&Maps, Option<&PreparedShot>),
     pattern: &Path,
 ) -> anyhow::Result<Written> {
-    let mut silhouette = setup.map(|setup| maps.silhouette(setup));
+    let mut silhouette = prepared.map(|prepared| maps.silhouette(prepared));
     let frames = maps.frames();
     let sequence = check_frames(args, (pattern, &maps.inputs), &frames)?;
     write_frames(args, (maps, &sequence), |path, metadata| {

@@ -4,7 +4,7 @@
 
 use super::Lines;
 use crate::image::{Plate, Storage, read_any_head};
-use crate::plate::{ChannelReport, Meaning, MeaningReason, WarpRules, channel_meanings};
+use crate::plate::{ChannelReport, Semantic, SemanticReason, WarpSettings, channel_semantics};
 use crate::space::PixelRect;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -32,8 +32,8 @@ struct PartInfo {
 struct ChannelInfo {
     name: String,
     storage: &'static str,
-    meaning: Meaning,
-    reason: MeaningReason,
+    meaning: Semantic,
+    reason: SemanticReason,
     warp: &'static str,
 }
 
@@ -41,7 +41,7 @@ impl PictureInfo {
     pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
         let plate = read_any_head(path)?;
         let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
-        let mut reports = channel_meanings(&plate, &WarpRules::default()).into_iter();
+        let mut reports = channel_semantics(&plate, &WarpSettings::default()).into_iter();
         let parts = plate.parts.iter().map(|part| PartInfo {
             name: part.name.clone(),
             view: part.view.clone(),
@@ -70,31 +70,31 @@ fn channel_info((name, storage): (&str, Storage), report: &ChannelReport) -> Cha
         Storage::Float => "float",
         Storage::Uint => "uint",
     };
-    let (meaning, reason) = (report.meaning, report.reason);
+    let (meaning, reason) = (report.semantic, report.reason);
     ChannelInfo { name: name.to_owned(), storage, meaning, reason, warp: treatment(meaning) }
 }
 
 /// What a warp does with channels of a meaning.
-const fn treatment(meaning: Meaning) -> &'static str {
+const fn treatment(meaning: Semantic) -> &'static str {
     match meaning {
-        Meaning::Color => "filtered as colour",
-        Meaning::Alpha => "filtered as coverage",
-        Meaning::Depth => "depth: nearest sample, never blended",
-        Meaning::Id => "ids: nearest sample, never blended",
-        Meaning::Cryptomatte => "Cryptomatte: coverage resampled per id",
-        Meaning::Forward => "motion to the next frame: warped and derived anew",
-        Meaning::Backward => "motion to the previous frame: warped and derived anew",
-        Meaning::Normal => "normals: nearest sample",
-        Meaning::Data => "data: nearest sample, never blended",
+        Semantic::Color => "filtered as colour",
+        Semantic::Alpha => "filtered as coverage",
+        Semantic::Depth => "depth: nearest sample, never blended",
+        Semantic::Id => "ids: nearest sample, never blended",
+        Semantic::Cryptomatte => "Cryptomatte: coverage resampled per id",
+        Semantic::Forward => "motion to the next frame: warped and derived anew",
+        Semantic::Backward => "motion to the previous frame: warped and derived anew",
+        Semantic::Normal => "normals: nearest sample",
+        Semantic::Data => "data: nearest sample, never blended",
     }
 }
 
-const fn source(reason: MeaningReason) -> &'static str {
+const fn source(reason: SemanticReason) -> &'static str {
     match reason {
-        MeaningReason::Shot => "by the shot",
-        MeaningReason::Metadata => "by the file's metadata",
-        MeaningReason::Name => "by its name",
-        MeaningReason::Guess => "a guess: say what it is in [[warp.channels]]",
+        SemanticReason::Shot => "by the shot",
+        SemanticReason::Metadata => "by the file's metadata",
+        SemanticReason::Name => "by its name",
+        SemanticReason::Guess => "a guess: say what it is in [[warp.channels]]",
     }
 }
 

@@ -1,8 +1,8 @@
 //! What other programs want of a shot: its scene as a file, and single layers as they are.
 //!
-//! In: a [`Setup`]. Out: a packed glTF file, with textured cards where the shot has pictures; a shot of a layer alone.
+//! In: a [`PreparedShot`]. Out: a packed glTF file, with textured cards where the shot has pictures; a shot of a layer alone.
 
-use super::super::{PipelineError, Setup};
+use super::super::{PipelineError, PreparedShot};
 use super::Gallery;
 use crate::export::gltf::packed_cards;
 use crate::image::{png_bytes, preview};
@@ -10,7 +10,7 @@ use crate::scene::{FileAccess, Packed, pack};
 use crate::shot::Shot;
 use std::path::PathBuf;
 
-impl Setup {
+impl PreparedShot {
     /// The scene as a glTF file, ready to be edited.
     ///
     /// # Errors
@@ -27,7 +27,7 @@ impl Setup {
         };
         let access = if self.shot.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder };
         let mut packed = pack(scene, access)?;
-        for &node in &self.hidden_nodes {
+        for &node in &self.draw_inputs.hidden_nodes {
             let node = &mut packed.json["nodes"][self.scene.file_from_scene[node]];
             node.as_object_mut().and_then(|node| node.remove("mesh"));
         }
@@ -37,7 +37,7 @@ impl Setup {
     /// A shot of pictures with those of one layer alone, at rest; `None`: not a shot of pictures.
     ///
     /// # Errors
-    /// [`PipelineError`] as from [`Setup::new`].
+    /// [`PipelineError`] as from [`PreparedShot::new`].
     pub fn pictures_of(&self, layer: usize, output: PathBuf) -> Result<Option<Self>, PipelineError> {
         if self.gallery.is_none() {
             return Ok(None);
@@ -46,7 +46,7 @@ impl Setup {
         shot.output.path = output;
         let mut alone = Self::new(shot)?;
         if let Some(gallery) = &mut alone.gallery {
-            gallery.blank_all_but(&self.parts_of_layer[layer]);
+            gallery.blank_all_but(&self.assignment.parts_of_layer[layer]);
         }
         Ok(Some(alone))
     }
@@ -55,12 +55,14 @@ impl Setup {
 impl Gallery {
     /// One a picture, as large as the frame: 8-bit sRGB.
     fn png_files(&self) -> Result<Vec<Vec<u8>>, PipelineError> {
-        let file = |sheet: &super::Sheet| png_bytes(&sheet.path, &preview(&sheet.plate.clone().into_frame()));
-        Ok(self.sheets.iter().map(file).collect::<Result<_, _>>()?)
+        let file = |flat_picture: &super::FlatPicture| {
+            png_bytes(&flat_picture.path, &preview(&flat_picture.plate.clone().into_frame()))
+        };
+        Ok(self.flat_pictures.iter().map(file).collect::<Result<_, _>>()?)
     }
 
     fn blank_all_but(&mut self, shown: &[usize]) {
-        let hidden = self.sheets.iter_mut().enumerate().filter(|(index, _)| !shown.contains(index));
-        hidden.for_each(|(_, sheet)| *sheet = sheet.blank());
+        let hidden = self.flat_pictures.iter_mut().enumerate().filter(|(index, _)| !shown.contains(index));
+        hidden.for_each(|(_, flat_picture)| *flat_picture = flat_picture.blank());
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! In: what a render is asked. Out: files, events, a [`Summary`], as from any render.
 
+use super::super::geometry_thread::facts;
 use super::super::passes::{PassPlan, mid_shutter, plan_passes};
-use super::super::produce::facts;
 use super::super::write::{Drawn, Writer};
-use super::super::{Event, JerkMeter, PipelineError, RenderOptions, Setup, Summary};
+use super::super::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
 use super::paint::Painter;
 use crate::image::SequencePath;
 use crate::raster::{ChannelGroup, DeviceClass, PassRole};
@@ -29,18 +29,23 @@ pub(in crate::pipeline) struct Wanted<'a> {
 
 /// Renders them.
 pub(in crate::pipeline) fn render_pictures(
-    setup: &Setup,
+    prepared: &PreparedShot,
     wanted: Wanted,
     cancel: &AtomicBool,
     tell: &(dyn Fn(Event) + Sync),
 ) -> Summary {
     let Wanted { options, output, digest, frames, kept } = wanted;
-    let Some(gallery) = &setup.gallery else { return Summary { kept, ..Summary::default() } };
-    tell_left_out(setup, tell);
+    let Some(gallery) = &prepared.gallery else { return Summary { kept, ..Summary::default() } };
+    tell_left_out(prepared, tell);
     tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
-    let mut writer = Writer::new(setup, options, (output, digest), DeviceClass::Cpu);
-    let mut painting =
-        Painting { setup, painter: Painter::new(gallery, setup), options, jerk: JerkMeter::default(), busy_ms: 0.0 };
+    let mut writer = Writer::new(prepared, options, (output, digest), DeviceClass::Cpu);
+    let mut painting = Painting {
+        prepared,
+        painter: Painter::new(gallery, prepared),
+        options,
+        jerk: JerkMeter::default(),
+        busy_ms: 0.0,
+    };
     std::thread::scope(|scope| {
         let (drawn, drawns) = sync_channel(1);
         let writing = scope.spawn(|| writer.run(drawns, tell));
@@ -57,9 +62,9 @@ pub(in crate::pipeline) fn render_pictures(
 }
 
 /// Says which channels pictures do not have.
-fn tell_left_out(setup: &Setup, tell: &(dyn Fn(Event) + Sync)) {
+fn tell_left_out(prepared: &PreparedShot, tell: &(dyn Fn(Event) + Sync)) {
     let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
-    let names: Vec<String> = setup
+    let names: Vec<String> = prepared
         .shot
         .output
         .channels
@@ -78,7 +83,7 @@ fn tell_left_out(setup: &Setup, tell: &(dyn Fn(Event) + Sync)) {
 
 /// The thread that solves and paints.
 struct Painting<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     painter: Painter<'a>,
     options: &'a RenderOptions,
     jerk: JerkMeter,
@@ -92,12 +97,12 @@ impl Painting<'_> {
 
     fn try_draw(&mut self, frame: i32) -> Result<Drawn, PipelineError> {
         let begun = Instant::now();
-        let setup = self.setup;
-        let middle = setup.exposed(frame)?;
-        let mut facts = facts(setup, (frame, &middle), self.options.has_overlay, &mut self.jerk);
+        let prepared = self.prepared;
+        let middle = prepared.mid_exposure(frame)?;
+        let mut facts = facts(prepared, (frame, &middle), self.options.has_overlay, &mut self.jerk);
         facts.report.geometry_ms = begun.elapsed().as_secs_f64() * 1e3;
         let begun = Instant::now();
-        let picture = self.painter.frame(&times(setup, frame), &middle, |time| setup.moment(time))?;
+        let picture = self.painter.frame(&times(prepared, frame), &middle, |time| prepared.sample_at(time))?;
         facts.report.raster_ms = begun.elapsed().as_secs_f64() * 1e3;
         facts.report.warnings.extend(self.painter.warnings());
         self.busy_ms += facts.report.raster_ms;
@@ -105,13 +110,13 @@ impl Painting<'_> {
     }
 }
 
-/// The moments of a frame's exposure; without a shutter its own.
-fn times(setup: &Setup, frame: i32) -> Vec<f64> {
-    let shutter = setup.shot.shutter;
+/// The times of a frame's exposure; without a shutter its own.
+fn times(prepared: &PreparedShot, frame: i32) -> Vec<f64> {
+    let shutter = prepared.shot.shutter;
     if shutter.angle <= 0.0 {
         return vec![f64::from(frame) + mid_shutter(shutter)];
     }
     let is_beauty = |pass: &PassPlan| pass.role != PassRole::Data;
-    let passes = plan_passes(setup.shot.samples, shutter).into_iter().filter(is_beauty);
+    let passes = plan_passes(prepared.shot.samples, shutter).into_iter().filter(is_beauty);
     passes.map(|pass| f64::from(frame) + pass.time_frames).collect()
 }

@@ -15,7 +15,7 @@ use crate::memory;
 use crate::scene::{Picture, Scene, picture_cards};
 use crate::shot::Shot;
 use crate::space::FrameSize;
-use read::Sheet;
+use read::FlatPicture;
 use std::path::{Path, PathBuf};
 
 /// The pictures of a shot, from back to front, one a node of its scene.
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Gallery {
     /// Their size as drawn; that of the frame where it was not scaled.
     frame: FrameSize,
-    sheets: Vec<Sheet>,
+    flat_pictures: Vec<FlatPicture>,
     /// The finest of their channels.
     storage: Storage,
 }
@@ -35,7 +35,7 @@ impl Gallery {
     /// [`PipelineError`] where a picture cannot be read, is empty, or does not fit the others or the frame.
     pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
         check_memory(paths)?;
-        let (mut sheets, mut left_out) = (Vec::new(), Vec::new());
+        let (mut flat_pictures, mut left_out) = (Vec::new(), Vec::new());
         let mut frame: Option<(FrameSize, &Path)> = None;
         for path in paths {
             let plate = read_any(path)?;
@@ -44,8 +44,8 @@ impl Gallery {
                 Some((first, of)) if first != size => return Err(unequal(shot, (first, of), (size, path))),
                 _ => frame = Some((size, path)),
             }
-            let (found, others) = read::sheets(shot, path, &plate)?;
-            sheets.extend(found);
+            let (found, others) = read::flat_pictures(shot, path, &plate)?;
+            flat_pictures.extend(found);
             left_out.extend(
                 plate.left_out.iter().chain(&others).map(|what| format!("left out of {}: {what}", path.display())),
             );
@@ -54,13 +54,13 @@ impl Gallery {
             return Err(PipelineError::mismatch(shot, "image", "names no picture", "name one"));
         };
         check_shape(shot, frame, first)?;
-        check_names(shot, &sheets)?;
-        let pictures: Vec<Picture> = sheets.iter().map(Sheet::picture).collect();
+        check_names(shot, &flat_pictures)?;
+        let pictures: Vec<Picture> = flat_pictures.iter().map(FlatPicture::picture).collect();
         let mut scene = picture_cards(frame, &pictures)?;
         scene.warnings.extend(left_out);
-        let is_half = sheets.iter().all(|sheet| sheet.storage == Storage::Half);
+        let is_half = flat_pictures.iter().all(|flat_picture| flat_picture.storage == Storage::Half);
         let storage = if is_half { Storage::Half } else { Storage::Float };
-        let gallery = Self { frame, sheets, storage }.sized(shot.size);
+        let gallery = Self { frame, flat_pictures, storage }.sized(shot.size);
         Ok((gallery, scene))
     }
 
@@ -69,8 +69,9 @@ impl Gallery {
         if [self.frame.width, self.frame.height] == [size.width, size.height] {
             return self;
         }
-        let sheets = self.sheets.iter().map(|sheet| sheet.scaled(self.frame, size)).collect();
-        Self { frame: size, sheets, ..self }
+        let flat_pictures =
+            self.flat_pictures.iter().map(|flat_picture| flat_picture.scaled(self.frame, size)).collect();
+        Self { frame: size, flat_pictures, ..self }
     }
 }
 
@@ -107,11 +108,15 @@ fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), Pipelin
 }
 
 /// Layers, pins and pick tell pictures apart by their names.
-fn check_names(shot: &Shot, sheets: &[Sheet]) -> Result<(), PipelineError> {
-    for (index, sheet) in sheets.iter().enumerate() {
-        if let Some(other) = sheets[..index].iter().find(|other| other.name == sheet.name) {
-            let what =
-                format!("{} and {} both hold a picture '{}'", other.path.display(), sheet.path.display(), sheet.name);
+fn check_names(shot: &Shot, flat_pictures: &[FlatPicture]) -> Result<(), PipelineError> {
+    for (index, flat_picture) in flat_pictures.iter().enumerate() {
+        if let Some(other) = flat_pictures[..index].iter().find(|other| other.name == flat_picture.name) {
+            let what = format!(
+                "{} and {} both hold a picture '{}'",
+                other.path.display(),
+                flat_picture.path.display(),
+                flat_picture.name
+            );
             return Err(PipelineError::mismatch(shot, "image", what, "rename one of them"));
         }
     }

@@ -1,13 +1,13 @@
 //! Draws pictures: each is warped as its layer's lattice says, and laid over those behind it.
 //!
-//! In: a [`Gallery`] and solved moments. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
+//! In: a [`Gallery`] and solved samples. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
 
-use super::super::{Moment, Setup};
+use super::super::{PreparedShot, TimeSample};
 use super::read::CHANNELS;
-use super::{Gallery, Sheet};
+use super::{FlatPicture, Gallery};
 use crate::image::{Channel, Frame, Storage};
 use crate::lattice::ScreenLattice;
-use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpRules, warp_plate};
+use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpSettings, warp_plate};
 use crate::raster::ChannelGroup;
 use crate::space::PixelRect;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// A pixel shows the first picture that covers at least this much of it, as with surfaces.
 const SEEN: f32 = 0.5;
 
-/// A picture as it lies in the frame at some moment.
+/// A picture as it lies in the frame at some time.
 struct Laid {
     /// What warped it; `None`: nothing.
     lattice: Option<ScreenLattice>,
@@ -30,8 +30,8 @@ impl Gallery {
     pub(in crate::pipeline) fn coverage(&self, shown: impl Fn(usize) -> bool) -> Vec<f32> {
         let window = self.frame.window();
         let mut covered = vec![0.0_f32; window.area()];
-        for (_, sheet) in self.sheets.iter().enumerate().filter(|(index, _)| shown(*index)) {
-            let picture = sheet.plate.clone().into_frame();
+        for (_, flat_picture) in self.flat_pictures.iter().enumerate().filter(|(index, _)| shown(*index)) {
+            let picture = flat_picture.plate.clone().into_frame();
             for [to, from] in window.shared_rows(picture.data_window) {
                 let rows = covered[to].iter_mut().zip(&picture.channels[3].samples[from]);
                 rows.for_each(|(covered, alpha)| *covered = covered.max(alpha.clamp(0.0, 1.0)));
@@ -47,37 +47,37 @@ impl Laid {
     }
 }
 
-/// Draws frames; remembers pictures that did not move between moments of an exposure.
+/// Draws frames; remembers pictures that did not move between samples of an exposure.
 pub(super) struct Painter<'a> {
     gallery: &'a Gallery,
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     /// One a picture.
     laid: Vec<Option<Laid>>,
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(gallery: &'a Gallery, setup: &'a Setup) -> Self {
-        let laid = gallery.sheets.iter().map(|_| None).collect();
-        Self { gallery, setup, laid }
+    pub(super) fn new(gallery: &'a Gallery, prepared: &'a PreparedShot) -> Self {
+        let laid = gallery.flat_pictures.iter().map(|_| None).collect();
+        Self { gallery, prepared, laid }
     }
 
-    /// The mean of several moments, with the ids of the middle one.
+    /// The mean of several samples, with the ids of the middle one.
     ///
     /// # Errors
-    /// Those of `moment`.
+    /// Those of `sample_at`.
     pub(super) fn frame<E>(
         &mut self,
         times: &[f64],
-        middle: &Moment,
-        moment: impl Fn(f64) -> Result<std::sync::Arc<Moment>, E>,
+        middle: &TimeSample,
+        sample_at: impl Fn(f64) -> Result<std::sync::Arc<TimeSample>, E>,
     ) -> Result<Frame, E> {
         let size = self.gallery.frame;
-        let groups = &self.setup.shot.output.channels;
+        let groups = &self.prepared.shot.output.channels;
         let mut channels = Vec::new();
         if groups.contains(&ChannelGroup::Beauty) {
             let mut sum: Option<[Vec<f32>; 4]> = None;
             for &time in times {
-                let picture = self.beauty(&*moment(time)?);
+                let picture = self.beauty(&*sample_at(time)?);
                 match &mut sum {
                     None => sum = Some(picture),
                     Some(sum) => sum.iter_mut().zip(&picture).for_each(|(sum, plane)| add(sum, plane)),
@@ -102,23 +102,23 @@ impl<'a> Painter<'a> {
     }
 
     /// All pictures over one another.
-    fn beauty(&mut self, moment: &Moment) -> [Vec<f32>; 4] {
+    fn beauty(&mut self, sample: &TimeSample) -> [Vec<f32>; 4] {
         let window = self.gallery.frame.window();
         let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
-        for index in 0..self.gallery.sheets.len() {
-            lay_over(&mut canvas, window, self.lay(index, moment));
+        for index in 0..self.gallery.flat_pictures.len() {
+            lay_over(&mut canvas, window, self.lay(index, sample));
         }
         canvas
     }
 
     /// Layer and object of the front-most picture of every pixel.
-    fn ids(&mut self, moment: &Moment) -> [Vec<f32>; 2] {
+    fn ids(&mut self, sample: &TimeSample) -> [Vec<f32>; 2] {
         let window = self.gallery.frame.window();
         let mut ids = [vec![0.0; window.area()], vec![0.0; window.area()]];
-        for index in 0..self.gallery.sheets.len() {
-            let layer = self.setup.owners[index].map_or(0, |layer| layer + 1);
+        for index in 0..self.gallery.flat_pictures.len() {
+            let layer = self.prepared.assignment.layer_of_part[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
-            let laid = self.lay(index, moment);
+            let laid = self.lay(index, sample);
             for [to, from] in window.shared_rows(laid.picture.data_window) {
                 for (at, alpha) in to.zip(&laid.alpha()[from]) {
                     if *alpha >= SEEN {
@@ -130,15 +130,15 @@ impl<'a> Painter<'a> {
         ids
     }
 
-    /// A picture, warped as at a moment.
-    fn lay(&mut self, index: usize, moment: &Moment) -> &Laid {
-        let owner = self.setup.owners[index];
-        let lattice = owner.and_then(|layer| moment.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
-        let sheet = &self.gallery.sheets[index];
+    /// A picture, warped as at a time.
+    fn lay(&mut self, index: usize, sample: &TimeSample) -> &Laid {
+        let owner = self.prepared.assignment.layer_of_part[index];
+        let lattice = owner.and_then(|layer| sample.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
+        let flat_picture = &self.gallery.flat_pictures[index];
         let kept = self.laid[index].take().filter(|laid| laid.lattice.as_ref() == lattice);
         let laid = kept.unwrap_or_else(|| {
-            let layer = owner.map_or("", |layer| &self.setup.shot.layers[layer].name);
-            warped(sheet, (layer, lattice), self.setup.shot.warp.filter)
+            let layer = owner.map_or("", |layer| &self.prepared.shot.layers[layer].name);
+            warped(flat_picture, (layer, lattice), self.prepared.shot.warp.filter)
         });
         self.laid[index].insert(laid)
     }
@@ -149,15 +149,15 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
 }
 
 /// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows.
-fn warped(sheet: &Sheet, (layer, lattice): (&str, Option<&ScreenLattice>), filter: Filter) -> Laid {
+fn warped(flat_picture: &FlatPicture, (layer, lattice): (&str, Option<&ScreenLattice>), filter: Filter) -> Laid {
     let Some(lattice) = lattice else {
-        return Laid { lattice: None, picture: sheet.plate.clone().into_frame(), warnings: Vec::new() };
+        return Laid { lattice: None, picture: flat_picture.plate.clone().into_frame(), warnings: Vec::new() };
     };
     let field = Field::of_layer(lattice.clone());
     let layer = LayerJob { name: layer.to_owned(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
-    let rules = WarpRules { filter, ..WarpRules::default() };
-    let job = PlateJob { layers: vec![layer], rules: &rules, fill: None };
-    let (plate, report) = warp_plate(&sheet.plate, &job).expect("a matte of all that is there names nothing");
+    let settings = WarpSettings { filter, ..WarpSettings::default() };
+    let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };
+    let (plate, report) = warp_plate(&flat_picture.plate, &job).expect("a matte of all that is there names nothing");
     Laid { lattice: Some(lattice.clone()), picture: plate.into_frame(), warnings: report.warnings }
 }
 

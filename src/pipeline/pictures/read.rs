@@ -1,6 +1,6 @@
 //! One picture of a file: its colour and alpha, ready to be warped.
 //!
-//! In: a plate. Out: a [`Sheet`] for each of its layers that has colour: a plate of its own.
+//! In: a plate. Out: a [`FlatPicture`] for each of its layers that has colour: a plate of its own.
 
 use super::super::PipelineError;
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
@@ -15,7 +15,7 @@ pub(super) const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// A flat picture.
 #[derive(Clone, Debug)]
-pub(super) struct Sheet {
+pub(super) struct FlatPicture {
     pub(super) path: PathBuf,
     pub(super) name: String,
     /// [`CHANNELS`], associated, in one part; its display window begins at 0, 0.
@@ -28,31 +28,39 @@ pub(super) struct Sheet {
 
 /// All pictures of a plate, in the order of its parts and channels: channels `R`, `G`, `B`, `A` (or grey `Y`) are named
 /// after the file, or their part; `hair.R` and so on are `hair`. Then what is left out, in words.
-pub(super) fn sheets(shot: &Shot, path: &Path, plate: &Plate) -> Result<(Vec<Sheet>, Vec<String>), PipelineError> {
+pub(super) fn flat_pictures(
+    shot: &Shot,
+    path: &Path,
+    plate: &Plate,
+) -> Result<(Vec<FlatPicture>, Vec<String>), PipelineError> {
     let stem = path.file_stem().map_or_else(|| "picture".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let has_parts = plate.parts.len() > 1;
-    let (layers, left_out) = color_layers(plate, &shot.warp.meanings);
+    let (layers, left_out) = color_layers(plate, &shot.warp.semantics);
     if layers.is_empty() {
         let what = format!("{} has no channels R, G, B or Y that hold colour", path.display());
         let hint = "give a file that holds colour, or say in [[warp.channels]] which channels do";
         return Err(PipelineError::mismatch(shot, "image", what, hint));
     }
-    let sheets = layers.into_iter().map(|ColorLayer { part, name, channels }| {
+    let flat_pictures = layers.into_iter().map(|ColorLayer { part, name, channels }| {
         let own = || part.name.clone().filter(|_| has_parts).unwrap_or_else(|| stem.clone());
         let name = if name.is_empty() { own() } else { name };
-        sheet((path, name), (plate, part), channels)
+        flat_picture((path, name), (plate, part), channels)
     });
-    Ok((sheets.collect(), left_out))
+    Ok((flat_pictures.collect(), left_out))
 }
 
 /// The picture of a part. What it lacks of colour is 0, a missing alpha 1.
-fn sheet((path, name): (&Path, String), (plate, part): (&Plate, &PlatePart), channels: [Option<&Channel>; 4]) -> Sheet {
+fn flat_picture(
+    (path, name): (&Path, String),
+    (plate, part): (&Plate, &PlatePart),
+    channels: [Option<&Channel>; 4],
+) -> FlatPicture {
     let is_half = channels[..3].iter().flatten().all(|channel| channel.storage == Storage::Half);
     let plane = |(channel, missing): (Option<&Channel>, f32)| {
         channel.map_or_else(|| vec![missing; part.data_window.area()], |channel| channel.samples.clone())
     };
     let planes = channels.into_iter().zip([0.0, 0.0, 0.0, 1.0]).map(plane);
-    Sheet {
+    FlatPicture {
         path: path.to_owned(),
         name,
         plate: pictured(plate.frame_size(), plate.window_of(part), planes),
@@ -69,7 +77,7 @@ fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<I
     Plate::from_frame(Frame { display, data_window, pixel_aspect, channels: channels.collect() })
 }
 
-impl Sheet {
+impl FlatPicture {
     /// What it covers, for the scene.
     pub(super) fn picture(&self) -> Picture<'_> {
         let part = self.part();
@@ -79,7 +87,7 @@ impl Sheet {
 
     /// What holds its channels.
     fn part(&self) -> &PlatePart {
-        self.plate.parts.first().expect("a sheet is made of one part")
+        self.plate.parts.first().expect("a flat_picture is made of one part")
     }
 
     /// The same place in the list, and nothing on it.

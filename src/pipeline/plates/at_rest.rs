@@ -1,10 +1,10 @@
 //! The scene of a shot with all its layers at rest, drawn frame by frame.
 //!
-//! In: a [`Setup`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render of the shot
+//! In: a [`PreparedShot`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render of the shot
 //! gives to what is left.
 
 use super::super::draw::draw_frame;
-use super::super::{PipelineError, Setup};
+use super::super::{PipelineError, PreparedShot};
 use crate::image::{Frame, FrameMetadata};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Raster};
 use crate::scene::Scene;
@@ -20,18 +20,18 @@ pub(super) struct SceneAtRest<'a> {
     hidden: Vec<usize>,
     device: &'a DeviceChoice,
     /// Opened for frames of the size drawn last.
-    ready: Option<(Box<dyn Raster + Send>, Setup)>,
+    ready: Option<(Box<dyn Raster + Send>, PreparedShot)>,
 }
 
 impl<'a> SceneAtRest<'a> {
-    pub(super) fn new(setup: &'a Setup, device: &'a DeviceChoice, hidden: Vec<usize>) -> Self {
-        let mut shot = setup.shot.clone();
+    pub(super) fn new(prepared: &'a PreparedShot, device: &'a DeviceChoice, hidden: Vec<usize>) -> Self {
+        let mut shot = prepared.shot.clone();
         for layer in &mut shot.layers {
             layer.pins.clear();
             layer.handles.clear();
             layer.transfer = None;
         }
-        Self { shot, scene: &setup.scene, hidden, device, ready: None }
+        Self { shot, scene: &prepared.scene, hidden, device, ready: None }
     }
 
     /// One sample a pixel at the middle of the exposure.
@@ -57,20 +57,21 @@ impl<'a> SceneAtRest<'a> {
         frame: i32,
         (size, channels): (FrameSize, &[ChannelGroup]),
     ) -> Result<(Frame, FrameMetadata), PipelineError> {
-        let (mut device, mut setup) = match self.ready.take().filter(|(_, setup)| setup.shot.size == size) {
+        let (mut device, mut prepared) = match self.ready.take().filter(|(_, prepared)| prepared.shot.size == size) {
             Some(ready) => ready,
             None => self.opened(size)?,
         };
-        setup.shot.output.channels = channels.to_vec();
-        let drawn = draw_frame(device.as_mut(), &setup, frame);
-        let metadata = FrameMetadata { frame, mattes: setup.mattes.headers.clone(), ..FrameMetadata::default() };
-        self.ready = Some((device, setup));
+        prepared.shot.output.channels = channels.to_vec();
+        let drawn = draw_frame(device.as_mut(), &prepared, frame);
+        let metadata =
+            FrameMetadata { frame, mattes: prepared.draw_inputs.mattes.headers.clone(), ..FrameMetadata::default() };
+        self.ready = Some((device, prepared));
         Ok((drawn?, metadata))
     }
 
-    fn opened(&self, size: FrameSize) -> Result<(Box<dyn Raster + Send>, Setup), PipelineError> {
-        let mut setup = Setup::with_scene(Shot { size, ..self.shot.clone() }, self.scene.clone())?;
-        setup.hidden.clone_from(&self.hidden);
-        Ok((raster::open(self.device, &setup.scene)?.0, setup))
+    fn opened(&self, size: FrameSize) -> Result<(Box<dyn Raster + Send>, PreparedShot), PipelineError> {
+        let mut prepared = PreparedShot::with_scene(Shot { size, ..self.shot.clone() }, self.scene.clone())?;
+        prepared.draw_inputs.hidden_layers.clone_from(&self.hidden);
+        Ok((raster::open(self.device, &prepared.scene)?.0, prepared))
     }
 }

@@ -1,13 +1,13 @@
 //! The mattes of layers over a scene that name none: each moves its own nodes, as in a render.
 //!
-//! In: a [`Setup`], a plate. Out: one matte a layer, from a Cryptomatte of the plate that knows the nodes, else drawn from the
+//! In: a [`PreparedShot`], a plate. Out: one matte a layer, from a Cryptomatte of the plate that knows the nodes, else drawn from the
 //! scene at rest as a render draws it.
 
-use super::super::{PipelineError, Setup};
+use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::image::cryptomatte::clean_name;
-use crate::plate::{Matte, WarpRules, coverage_of, mattes_of_names};
+use crate::plate::{Matte, WarpSettings, coverage_of, mattes_of_names};
 use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
 use crate::shot::{LayerSpace, Source, Unmatted};
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Finds the mattes of layers that name none.
 pub(super) struct DefaultMattes<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     /// The layers, by index.
     layers: Vec<usize>,
     /// The nodes of each; `None` where a name belongs to several layers, so that no Cryptomatte tells them apart.
@@ -34,7 +34,7 @@ pub(super) struct FoundMattes {
     pub(super) source: String,
 }
 
-impl Setup {
+impl PreparedShot {
     /// Whether a layer that names no matte takes its own nodes out of a plate: something moves it, and the shot has a scene with
     /// more in it than they.
     pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
@@ -45,35 +45,40 @@ impl Setup {
             && matches!(settings.space, LayerSpace::Screen { .. })
             && settings.matte.is_none()
             && settings.unmatted == Unmatted::OwnNodes
-            && self.owners.iter().any(|owner| *owner != Some(layer))
+            && self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer))
     }
 
     /// The names of what a layer moves.
     fn node_names(&self, layer: Option<usize>) -> BTreeSet<String> {
-        let nodes = self.part_nodes.iter().zip(&self.owners).filter(|(_, owner)| **owner == layer);
+        let nodes = self
+            .assignment
+            .node_of_part
+            .iter()
+            .zip(&self.assignment.layer_of_part)
+            .filter(|(_, owner)| **owner == layer);
         nodes.map(|(&node, _)| clean_name(&self.scene.nodes[node].name)).collect()
     }
 }
 
 impl<'a> DefaultMattes<'a> {
     /// `None` where no layer needs one.
-    pub(super) fn of(setup: &'a Setup, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
-        let layers: Vec<usize> = layers.iter().copied().filter(|&layer| setup.moves_own_nodes(layer)).collect();
-        let everyone = (0..setup.shot.layers.len()).map(Some).chain([None]);
+    pub(super) fn of(prepared: &'a PreparedShot, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
+        let layers: Vec<usize> = layers.iter().copied().filter(|&layer| prepared.moves_own_nodes(layer)).collect();
+        let everyone = (0..prepared.shot.layers.len()).map(Some).chain([None]);
         let mut seen = BTreeSet::new();
-        let is_unique = everyone.flat_map(|owner| setup.node_names(owner)).all(|name| seen.insert(name));
-        let names = || layers.iter().map(|&layer| setup.node_names(Some(layer)).into_iter().collect()).collect();
+        let is_unique = everyone.flat_map(|owner| prepared.node_names(owner)).all(|name| seen.insert(name));
+        let names = || layers.iter().map(|&layer| prepared.node_names(Some(layer)).into_iter().collect()).collect();
         let names = is_unique.then(names);
-        (!layers.is_empty()).then_some(Self { setup, layers, names, device, scene: None })
+        (!layers.is_empty()).then_some(Self { prepared, layers, names, device, scene: None })
     }
 
     /// The mattes for a frame's plate.
     pub(super) fn at(
         &mut self,
         frame: i32,
-        (plate, rules): (&Plate, &WarpRules),
+        (plate, settings): (&Plate, &WarpSettings),
     ) -> Result<FoundMattes, PipelineError> {
-        let known = self.names.as_ref().and_then(|names| mattes_of_names(plate, names, rules));
+        let known = self.names.as_ref().and_then(|names| mattes_of_names(plate, names, settings));
         let (mattes, source) = match known {
             Some(mattes) => {
                 let source = match mattes.first() {
@@ -91,14 +96,14 @@ impl<'a> DefaultMattes<'a> {
     fn drawn(&mut self, frame: i32, plate: &Plate) -> Result<Vec<Matte>, PipelineError> {
         let scene = self
             .scene
-            .get_or_insert_with(|| SceneAtRest::new(self.setup, self.device, Vec::new()).with_numbered_layers());
+            .get_or_insert_with(|| SceneAtRest::new(self.prepared, self.device, Vec::new()).with_numbered_layers());
         let (drawn, metadata) = scene.draw(frame, (plate.frame_size(), &[ChannelGroup::Cryptomatte]))?;
         let drawn = Plate::from_render(drawn, &metadata);
         let of_layers = MATTE_LAYERS.last().map(|name| (*name).to_owned());
         let matte = |&layer: &usize| {
             let names = vec![SceneAtRest::number_of(layer)];
             let matte = Matte::Cryptomatte { layer: of_layers.clone(), names };
-            Ok(Matte::Drawn(Arc::new(coverage_of(&drawn, &matte, &WarpRules::default())?)))
+            Ok(Matte::Drawn(Arc::new(coverage_of(&drawn, &matte, &WarpSettings::default())?)))
         };
         self.layers.iter().map(matte).collect()
     }

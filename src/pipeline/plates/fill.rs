@@ -2,10 +2,10 @@
 //!
 //! In: a shot with a scene, the layers that have a matte. Out: the unwarped scene of a frame, drawn without them.
 
-use super::super::{PipelineError, Setup};
+use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
-use crate::plate::{WarpRules, has_cryptomattes};
+use crate::plate::{WarpSettings, has_cryptomattes};
 use crate::raster::{ChannelGroup, DeviceChoice};
 
 /// Draws what lies behind.
@@ -13,22 +13,27 @@ pub(super) struct Filler<'a>(SceneAtRest<'a>);
 
 impl<'a> Filler<'a> {
     /// `None` where no layer has a matte, or nothing would be left to draw.
-    pub(super) fn of(setup: &'a Setup, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
-        let has_matte = |&&layer: &&usize| setup.shot.layers[layer].matte.is_some() || setup.moves_own_nodes(layer);
+    pub(super) fn of(prepared: &'a PreparedShot, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
+        let has_matte =
+            |&&layer: &&usize| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer);
         let hidden: Vec<usize> = layers.iter().filter(has_matte).copied().collect();
         let is_hidden = |owner: &&Option<usize>| owner.is_some_and(|layer| hidden.contains(&layer));
-        let hidden_parts = setup.owners.iter().filter(is_hidden).count();
-        if hidden_parts == 0 || hidden_parts == setup.owners.len() {
+        let hidden_parts = prepared.assignment.layer_of_part.iter().filter(is_hidden).count();
+        if hidden_parts == 0 || hidden_parts == prepared.assignment.layer_of_part.len() {
             return None;
         }
         // Layers that are left bend the whole picture, and this with it.
-        Some(Self(SceneAtRest::new(setup, device, hidden)))
+        Some(Self(SceneAtRest::new(prepared, device, hidden)))
     }
 
     /// The unwarped frame without what has a matte, in pixels of a plate; it says of itself what a render says.
-    pub(super) fn draw(&mut self, frame: i32, (plate, rules): (&Plate, &WarpRules)) -> Result<Plate, PipelineError> {
+    pub(super) fn draw(
+        &mut self,
+        frame: i32,
+        (plate, settings): (&Plate, &WarpSettings),
+    ) -> Result<Plate, PipelineError> {
         let mut channels = ChannelGroup::PLANAR.to_vec();
-        channels.extend(has_cryptomattes(plate, rules).then_some(ChannelGroup::Cryptomatte));
+        channels.extend(has_cryptomattes(plate, settings).then_some(ChannelGroup::Cryptomatte));
         let (drawn, metadata) = self.0.draw(frame, (plate.frame_size(), &channels))?;
         Ok(Plate::from_render(drawn, &metadata))
     }

@@ -69,7 +69,7 @@ fn check_frame(
     if let Some(maps) = sources.maps {
         check_map(&maps.path_of(frame), &head)?;
     }
-    Ok(Some(check_plate(&head, mattes, &job.rules)?))
+    Ok(Some(check_plate(&head, mattes, &job.settings)?))
 }
 
 fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
@@ -80,7 +80,7 @@ fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
 /// Proxies and overscan have the shot's shape; another shape is another shot.
 pub(super) fn check_shape(warp: &PlateWarp, path: &Path, size: FrameSize) -> Result<(), PipelineError> {
     let (wanted, whose) = match warp {
-        PlateWarp::Shot(setup) => (setup.shot.size.aspect(), "the shot is"),
+        PlateWarp::Shot(prepared) => (prepared.shot.size.aspect(), "the shot is"),
         PlateWarp::Lattices { file, .. } => (file.frame_aspect, "the lattices are for"),
         PlateWarp::Maps(_) => return Ok(()),
     };

@@ -1,10 +1,10 @@
 //! What a warp of finished frames is asked to do, and what it tells while it does.
 
 use super::super::events::lossy;
-use super::super::{Existing, Redone, Setup};
+use super::super::{Existing, PreparedShot, Redone};
 use crate::export::LatticeFile;
 use crate::image::Durability;
-use crate::plate::{ChannelReport, Matte, WarpRules};
+use crate::plate::{ChannelReport, Matte, WarpSettings};
 use crate::raster::DeviceChoice;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -18,8 +18,8 @@ pub struct WarpJob<'a> {
     pub output: PathBuf,
     /// What warps them.
     pub warp: PlateWarp<'a>,
-    /// Filter, meanings, motion, holes.
-    pub rules: WarpRules,
+    /// Filter, semantics, motion, holes.
+    pub settings: WarpSettings,
     /// There, or back again.
     pub direction: WarpDirection,
     /// Layers that warp, by name; empty: all.
@@ -40,7 +40,7 @@ pub struct WarpJob<'a> {
 #[derive(Debug)]
 pub enum PlateWarp<'a> {
     /// The layers of a shot, solved at every frame.
-    Shot(&'a Setup),
+    Shot(&'a PreparedShot),
     /// Lattices that were solved before.
     Lattices {
         /// All their layers of the screen.
@@ -58,8 +58,8 @@ impl PlateWarp<'_> {
     /// Name and matte of a layer, by its place in the shot or file.
     pub(super) fn layer(&self, index: usize) -> (&str, Option<&Matte>) {
         match self {
-            Self::Shot(setup) => {
-                let layer = &setup.shot.layers[index];
+            Self::Shot(prepared) => {
+                let layer = &prepared.shot.layers[index];
                 (&layer.name, layer.matte.as_ref())
             }
             Self::Lattices { file, matte, .. } => (&file.layers[index].name, matte.as_ref()),

@@ -3,8 +3,9 @@
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
 use super::super::contents::FrameDigests;
+use super::super::output::input_files;
 use super::super::resume::{Todo, refuse_existing};
-use super::super::{Existing, PipelineError, Setup};
+use super::super::{Existing, PipelineError, PreparedShot};
 use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
@@ -41,7 +42,7 @@ impl Plan {
         check_kinds(&job.plate, &job.output)?;
         let sequence = |path: &PathBuf| SequencePath::parse(path);
         let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
-        let clean = if let Holes::Plate(clean) = &job.rules.holes { Some(sequence(clean)?) } else { None };
+        let clean = if let Holes::Plate(clean) = &job.settings.holes { Some(sequence(clean)?) } else { None };
         let mut notes = notes_of(&job.warp);
         let layers = layers(job, &mut notes)?;
         check_inverse(job, &layers)?;
@@ -50,7 +51,8 @@ impl Plan {
         notes.extend(note_unmatted(job, &layers));
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
-        let mut inputs = if let PlateWarp::Shot(setup) = &job.warp { setup.inputs()? } else { Inputs::default() };
+        let mut inputs =
+            if let PlateWarp::Shot(prepared) = &job.warp { input_files(prepared)? } else { Inputs::default() };
         job.inputs.iter().for_each(|path| inputs.add(path));
         [Some(&plate), clean.as_ref(), maps.as_ref()]
             .into_iter()
@@ -72,7 +74,7 @@ impl Plan {
 
 /// What tells each frame from one that would be made of something else.
 fn digests(job: &WarpJob, layers: &[usize], sequences: [Option<&SequencePath>; 3]) -> FrameDigests {
-    let shared = if let PlateWarp::Shot(setup) = &job.warp { setup.files().collect() } else { Vec::new() };
+    let shared = if let PlateWarp::Shot(prepared) = &job.warp { prepared.files().collect() } else { Vec::new() };
     FrameDigests::new(hash(job, layers), &shared, sequences.into_iter().flatten())
 }
 
@@ -112,13 +114,13 @@ fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
 
 /// What the shot has to say; of lattices and maps nothing.
 fn notes_of(warp: &PlateWarp) -> Vec<String> {
-    if let PlateWarp::Shot(setup) = warp { setup.notes.clone() } else { Vec::new() }
+    if let PlateWarp::Shot(prepared) = warp { prepared.notes.clone() } else { Vec::new() }
 }
 
 /// The layers that warp, by index. Those of the scene cannot.
 fn layers(job: &WarpJob, notes: &mut Vec<String>) -> Result<Vec<usize>, PipelineError> {
     let (place, all) = match &job.warp {
-        PlateWarp::Shot(setup) => (setup.shot.path.display().to_string(), layers_of_shot(setup)),
+        PlateWarp::Shot(prepared) => (prepared.shot.path.display().to_string(), layers_of_shot(prepared)),
         PlateWarp::Lattices { file, .. } => ("the lattice file".to_owned(), layers_of_file(file)),
         PlateWarp::Maps(_) => return Ok(Vec::new()),
     };
@@ -153,9 +155,9 @@ fn layers(job: &WarpJob, notes: &mut Vec<String>) -> Result<Vec<usize>, Pipeline
 }
 
 /// Names, and whether the lattice lies on the screen.
-fn layers_of_shot(setup: &Setup) -> Vec<(&str, bool)> {
+fn layers_of_shot(prepared: &PreparedShot) -> Vec<(&str, bool)> {
     let is_flat = |space: &LayerSpace| matches!(space, LayerSpace::Screen { .. });
-    setup.shot.layers.iter().map(|layer| (layer.name.as_str(), is_flat(&layer.space))).collect()
+    prepared.shot.layers.iter().map(|layer| (layer.name.as_str(), is_flat(&layer.space))).collect()
 }
 
 fn layers_of_file(file: &LatticeFile) -> Vec<(&str, bool)> {
@@ -176,9 +178,9 @@ fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
 /// Says that several layers bend the whole picture, each the parts of the others, where nothing says that it is meant.
 fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
     let is_whole = |&&layer: &&usize| match &job.warp {
-        PlateWarp::Shot(setup) => {
-            let settings = &setup.shot.layers[layer];
-            settings.matte.is_none() && settings.unmatted == Unmatted::OwnNodes && !setup.moves_own_nodes(layer)
+        PlateWarp::Shot(prepared) => {
+            let settings = &prepared.shot.layers[layer];
+            settings.matte.is_none() && settings.unmatted == Unmatted::OwnNodes && !prepared.moves_own_nodes(layer)
         }
         PlateWarp::Lattices { matte, .. } => matte.is_none(),
         PlateWarp::Maps(_) => false,
@@ -199,14 +201,14 @@ fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
 
 /// Two layers with the same matte would move the same pixels twice.
 fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
-    let PlateWarp::Shot(setup) = &job.warp else { return Ok(()) };
-    let mattes = || layers.iter().filter_map(|&layer| Some((layer, setup.shot.layers[layer].matte.as_ref()?)));
+    let PlateWarp::Shot(prepared) = &job.warp else { return Ok(()) };
+    let mattes = || layers.iter().filter_map(|&layer| Some((layer, prepared.shot.layers[layer].matte.as_ref()?)));
     for (place, (layer, matte)) in mattes().enumerate() {
         let Some((first, _)) = mattes().take(place).find(|(_, other)| other.is_same(matte)) else { continue };
-        let [one, other] = [first, layer].map(|layer| &setup.shot.layers[layer].name);
+        let [one, other] = [first, layer].map(|layer| &prepared.shot.layers[layer].name);
         let what = format!("layers '{one}' and '{other}' have the same matte, so the same pixels would move twice");
         let hint = "put the pins of both into one layer, give one of them another matte, or choose one with --layer";
-        return Err(PipelineError::mismatch(&setup.shot, &format!("layer[{layer}].matte"), what, hint));
+        return Err(PipelineError::mismatch(&prepared.shot, &format!("layer[{layer}].matte"), what, hint));
     }
     Ok(())
 }
@@ -214,8 +216,8 @@ fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineEr
 /// What mattes took apart cannot be put together again, since what lay behind is gone.
 fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let is_matted = match &job.warp {
-        PlateWarp::Shot(setup) => {
-            layers.iter().any(|&layer| setup.shot.layers[layer].matte.is_some() || setup.moves_own_nodes(layer))
+        PlateWarp::Shot(prepared) => {
+            layers.iter().any(|&layer| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer))
         }
         PlateWarp::Lattices { matte, .. } => matte.is_some(),
         PlateWarp::Maps(_) => {
@@ -243,8 +245,8 @@ fn wanted(
     if !job.frames.is_empty() {
         return Ok(job.frames.clone());
     }
-    if let PlateWarp::Shot(setup) = &job.warp {
-        return Ok((setup.shot.frames.first..=setup.shot.frames.last).collect());
+    if let PlateWarp::Shot(prepared) = &job.warp {
+        return Ok((prepared.shot.frames.first..=prepared.shot.frames.last).collect());
     }
     let found = match plate.frames_on_disk()? {
         Some(found) => Some(found),
@@ -281,17 +283,17 @@ fn frames_of(file: &LatticeFile) -> Vec<i32> {
 
 /// Digest of all settings that change the frames: what files are called counts, not where they lie.
 fn hash(job: &WarpJob, layers: &[usize]) -> String {
-    let mut rules = job.rules.clone();
-    if let Holes::Plate(clean) = &mut rules.holes {
+    let mut settings = job.settings.clone();
+    if let Holes::Plate(clean) = &mut settings.holes {
         *clean = clean.file_name().map(PathBuf::from).unwrap_or_default();
     }
     let plate = job.plate.file_name();
     let source = match &job.warp {
-        PlateWarp::Shot(setup) => setup.shot.hash(),
+        PlateWarp::Shot(prepared) => prepared.shot.hash(),
         PlateWarp::Lattices { file, strength, matte } => digest(&format!("{file:?} {strength} {matte:?}")),
         PlateWarp::Maps(maps) => format!("{:?}", maps.file_name()),
     };
-    digest(&format!("{source} {plate:?} {rules:?} {:?} {layers:?}", job.direction))
+    digest(&format!("{source} {plate:?} {settings:?} {:?} {layers:?}", job.direction))
 }
 
 fn unusable(what: impl Into<String>, hint: impl Into<String>) -> PipelineError {

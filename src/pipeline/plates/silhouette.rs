@@ -1,8 +1,8 @@
 //! What can be seen of the unwarped picture of a shot: where a map folds, what is transparent must not hide it.
 //!
-//! In: a [`Setup`]. Out: the [`Coverage`] of a frame: the model of a scene, the alpha of pictures or of a plate.
+//! In: a [`PreparedShot`]. Out: the [`Coverage`] of a frame: the model of a scene, the alpha of pictures or of a plate.
 
-use super::super::{PipelineError, Setup};
+use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
 use crate::plate::{Coverage, color_layers};
@@ -14,7 +14,7 @@ const UNCLAIMED: f32 = 0.25;
 
 /// Finds what can be seen before the warp.
 pub struct Silhouette<'a> {
-    setup: &'a Setup,
+    prepared: &'a PreparedShot,
     /// Of this layer alone.
     layer: Option<usize>,
     scene: Option<SceneAtRest<'a>>,
@@ -23,10 +23,10 @@ pub struct Silhouette<'a> {
 impl<'a> Silhouette<'a> {
     /// Of everything, or of the layer of that name alone.
     #[must_use]
-    pub fn of(setup: &'a Setup, layer: Option<&str>) -> Self {
-        let layer = layer.and_then(|name| setup.shot.layers.iter().position(|layer| layer.name == name));
-        let scene = setup.shot.scene().map(|_| SceneAtRest::new(setup, &DeviceChoice::Cpu, Vec::new()));
-        Self { setup, layer, scene: scene.map(SceneAtRest::with_one_sample) }
+    pub fn of(prepared: &'a PreparedShot, layer: Option<&str>) -> Self {
+        let layer = layer.and_then(|name| prepared.shot.layers.iter().position(|layer| layer.name == name));
+        let scene = prepared.shot.scene().map(|_| SceneAtRest::new(prepared, &DeviceChoice::Cpu, Vec::new()));
+        Self { prepared, layer, scene: scene.map(SceneAtRest::with_one_sample) }
     }
 
     /// The coverage of a frame; `None` where nothing says what can be seen.
@@ -34,13 +34,15 @@ impl<'a> Silhouette<'a> {
     /// # Errors
     /// [`PipelineError`] where the scene cannot be drawn.
     pub fn at(&mut self, frame: i32) -> Result<Option<Coverage>, PipelineError> {
-        let size = self.setup.shot.size;
+        let size = self.prepared.shot.size;
         if let Some(scene) = &mut self.scene {
             let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
             return Ok(of_render(&drawn, size, self.layer));
         }
-        if let Some(gallery) = &self.setup.gallery {
-            let shown = |index: usize| self.layer.is_none_or(|layer| self.setup.owners[index] == Some(layer));
+        if let Some(gallery) = &self.prepared.gallery {
+            let shown = |index: usize| {
+                self.layer.is_none_or(|layer| self.prepared.assignment.layer_of_part[index] == Some(layer))
+            };
             return Ok(Some(Coverage { frame: size, window: size.window(), samples: gallery.coverage(shown) }));
         }
         Ok(self.of_plate(frame))
@@ -51,7 +53,7 @@ impl<'a> Silhouette<'a> {
     /// # Errors
     /// [`PipelineError`] where the scene cannot be drawn.
     pub fn of_layers(&mut self, frame: i32, layers: &[usize]) -> Result<Option<Vec<Coverage>>, PipelineError> {
-        let size = self.setup.shot.size;
+        let size = self.prepared.shot.size;
         let Some(scene) = &mut self.scene else { return Ok(None) };
         let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
         Ok(layers.iter().map(|&layer| of_render(&drawn, size, Some(layer))).collect())
@@ -59,9 +61,9 @@ impl<'a> Silhouette<'a> {
 
     /// The alpha of the shot's plate, where that is there and has one.
     fn of_plate(&self, frame: i32) -> Option<Coverage> {
-        let path = SequencePath::parse(self.setup.shot.plate.as_ref()?).ok()?.path_of(frame);
+        let path = SequencePath::parse(self.prepared.shot.plate.as_ref()?).ok()?.path_of(frame);
         let plate = read_any(&path).ok()?;
-        let (layers, _) = color_layers(&plate, &self.setup.shot.warp.meanings);
+        let (layers, _) = color_layers(&plate, &self.prepared.shot.warp.semantics);
         let layer = layers.first()?;
         let samples = layer.channels[3]?.samples.clone();
         let coverage = Coverage { frame: plate.frame_size(), window: plate.window_of(layer.part), samples };

@@ -3,7 +3,7 @@
 //! In: [`Loaded`] frames. Out: [`Warped`] ones.
 
 use super::super::PipelineError;
-use super::super::moment::ScreenWarp;
+use super::super::time_sample::ScreenWarp;
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
 use super::heads::check_shape;
@@ -44,13 +44,15 @@ impl MovedLayer {
 impl<'a> Stage<'a> {
     pub(super) fn of(job: &'a WarpJob<'a>, plan: &'a Plan, warper: Warper) -> Self {
         let filler = match &job.warp {
-            PlateWarp::Shot(setup) if job.rules.holes == Holes::Geometry => {
-                Filler::of(setup, &job.device, &plan.layers)
+            PlateWarp::Shot(prepared) if job.settings.holes == Holes::Geometry => {
+                Filler::of(prepared, &job.device, &plan.layers)
             }
             _ => None,
         };
         let default_mattes = match (&job.warp, job.direction) {
-            (PlateWarp::Shot(setup), WarpDirection::Forward) => DefaultMattes::of(setup, &job.device, &plan.layers),
+            (PlateWarp::Shot(prepared), WarpDirection::Forward) => {
+                DefaultMattes::of(prepared, &job.device, &plan.layers)
+            }
             _ => None,
         };
         Self { job, plan, filler, default_mattes, warper }
@@ -94,26 +96,26 @@ impl<'a> Stage<'a> {
         let Pictures { plate, clean, map, .. } = pictures;
         let size = plate.frame_size();
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
-        let rules = self.job.rules.in_pixels(size);
+        let settings = self.job.settings.in_pixels(size);
         if let Some(map) = map {
-            let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &rules));
+            let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &settings));
             let (warped, report) =
                 warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source })?;
             return Ok((warped, report, String::new()));
         }
-        let moved = self.moved(frame, has_motion(plate, &rules))?;
+        let moved = self.moved(frame, has_motion(plate, &settings))?;
         let found = match &mut self.default_mattes {
-            Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &rules))?,
+            Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &settings))?,
             _ => FoundMattes::default(),
         };
         let layers = moved.into_iter().map(|moved| self.layer_job(moved, &found)).collect();
         if self.job.direction == WarpDirection::Inverse {
-            let job = PlateJob { layers, rules: &rules, fill: None };
+            let job = PlateJob { layers, settings: &settings, fill: None };
             let (warped, report) = self.warper.undo(plate, &job, plate.reach())?;
             return Ok((warped, report, found.source));
         }
-        let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &rules))).transpose()?;
-        let job = PlateJob { layers, rules: &rules, fill: clean.as_ref().or(drawn.as_ref()) };
+        let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &settings))).transpose()?;
+        let job = PlateJob { layers, settings: &settings, fill: clean.as_ref().or(drawn.as_ref()) };
         let (warped, report) = self.warper.warp(plate, &job)?;
         Ok((warped, report, found.source))
     }
@@ -146,9 +148,9 @@ impl<'a> Stage<'a> {
     fn warps(&self, frame: i32) -> Result<Vec<Option<ScreenWarp>>, PipelineError> {
         let layers = self.plan.layers.iter();
         match &self.job.warp {
-            PlateWarp::Shot(setup) => {
-                let moment = setup.exposed(frame)?;
-                Ok(layers.map(|&layer| moment.layers[layer].screen_warp()).collect())
+            PlateWarp::Shot(prepared) => {
+                let sample = prepared.mid_exposure(frame)?;
+                Ok(layers.map(|&layer| sample.layers[layer].screen_warp()).collect())
             }
             PlateWarp::Lattices { file, strength, .. } => {
                 let warp = |&layer: &usize| match &file.layers[layer].track {

@@ -35,7 +35,7 @@ pub(super) struct Writer<'a> {
 impl<'a> Writer<'a> {
     pub(super) fn of(job: &WarpJob, plan: &'a Plan) -> Self {
         let rate = match &job.warp {
-            PlateWarp::Shot(setup) => setup.shot.frames.rate,
+            PlateWarp::Shot(prepared) => prepared.shot.frames.rate,
             PlateWarp::Lattices { file, .. } => file.rate,
             PlateWarp::Maps(_) => 0.0,
         };

@@ -11,7 +11,7 @@ use crate::screen::Camera;
 
 /// The scene on the screen at one time, with its solved lattices.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
+pub struct PosedScene<'a> {
     /// The pose.
     pub pose: &'a Pose,
     /// The camera that sees it.
@@ -26,9 +26,9 @@ pub struct Assembly<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The time to draw.
-    pub now: Moment<'a>,
+    pub now: PosedScene<'a>,
     /// One frame later, then one frame earlier; `None` where motion is not wanted (it is then zero).
-    pub neighbours: Option<[Moment<'a>; 2]>,
+    pub neighbours: Option<[PosedScene<'a>; 2]>,
     /// Per part: 1 + index of the layer, 0 for none.
     pub layer_ids: &'a [u32],
     /// Per part: its ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; empty: none.

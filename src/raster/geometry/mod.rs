@@ -10,7 +10,7 @@ mod sort;
 mod split;
 mod vertex;
 
-pub use assembly::{Assembly, Moment};
+pub use assembly::{Assembly, PosedScene};
 
 use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
@@ -78,7 +78,7 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
 fn faces(
     source: &Primitive,
     mut splitter: Splitter,
-    (now, part): (Moment, usize),
+    (now, part): (PosedScene, usize),
     warped: impl Fn(&ClipVertex) -> RasterVertex + Send + Sync,
 ) -> (Vec<RasterVertex>, Vec<[u32; 3]>) {
     for corners in &source.triangles {

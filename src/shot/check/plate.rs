@@ -1,10 +1,10 @@
 //! Rules of `plate`, `[warp]` and `matte`: what a shot that warps finished frames may ask for.
 //!
-//! In: raw tables. Out: [`WarpRules`], [`Matte`]s, paths, and what the shot's lattices are laid over.
+//! In: raw tables. Out: [`WarpSettings`], [`Matte`]s, paths, and what the shot's lattices are laid over.
 
 use super::{Check, Kind, LayerDefaults};
 use crate::image::{ImageError, SequencePath};
-use crate::plate::{Holes, Matte, MotionRule, MotionScale, WarpRules};
+use crate::plate::{Holes, Matte, MotionEncoding, MotionUnit, WarpSettings};
 use crate::shot::Source;
 use crate::shot::raw::{
     RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedMatte, RawNamedUnit, RawPart, RawShot,
@@ -47,7 +47,7 @@ impl Check<'_> {
     }
 
     /// How plates are warped.
-    pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source) -> WarpRules {
+    pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source) -> WarpSettings {
         let holes = match &raw.holes {
             RawHoles::Leave => Holes::Leave,
             RawHoles::Geometry => {
@@ -59,13 +59,13 @@ impl Check<'_> {
             }
             RawHoles::Plate(path) => Holes::Plate(self.plate_path(path, "warp.holes.plate")),
         };
-        let (motion, motion_scale) = raw.motion.as_ref().map_or((None, MotionScale::default()), motion);
-        WarpRules {
+        let (motion, motion_scale) = raw.motion.as_ref().map_or((None, MotionUnit::default()), motion);
+        WarpSettings {
             filter: raw.filter,
             normals: raw.normals,
             motion,
             motion_scale,
-            meanings: raw.channels.iter().map(|channel| (channel.name.clone(), channel.meaning)).collect(),
+            semantics: raw.channels.iter().map(|channel| (channel.name.clone(), channel.meaning)).collect(),
             holes,
         }
     }
@@ -148,13 +148,13 @@ impl Check<'_> {
 }
 
 /// What a unit is, in pixels or sides of the frame.
-fn motion(raw: &RawMotion) -> (Option<MotionRule>, MotionScale) {
+fn motion(raw: &RawMotion) -> (Option<MotionEncoding>, MotionUnit) {
     let (unit, scale) = match raw.unit {
-        RawMotionUnit::Named(RawNamedUnit::Pixels) => ([1.0; 2], MotionScale::Pixels),
-        RawMotionUnit::Number(pixels) => ([pixels; 2], MotionScale::Pixels),
-        RawMotionUnit::Named(RawNamedUnit::Frame) => ([1.0; 2], MotionScale::Frame),
+        RawMotionUnit::Named(RawNamedUnit::Pixels) => ([1.0; 2], MotionUnit::Pixels),
+        RawMotionUnit::Number(pixels) => ([pixels; 2], MotionUnit::Pixels),
+        RawMotionUnit::Named(RawNamedUnit::Frame) => ([1.0; 2], MotionUnit::Frame),
     };
     let x = if raw.x == RawAcross::Left { -unit[0] } else { unit[0] };
     let y = if raw.y == RawUpright::Down { -unit[1] } else { unit[1] };
-    (Some(MotionRule { pixels_per_unit: [x, y] }), scale)
+    (Some(MotionEncoding { pixels_per_unit: [x, y] }), scale)
 }

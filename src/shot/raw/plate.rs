@@ -2,7 +2,7 @@
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
-use crate::plate::{Filter, Meaning, NormalRule};
+use crate::plate::{Filter, NormalMode, Semantic};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -14,7 +14,7 @@ pub(in crate::shot) struct RawWarp {
     /// How colour is resampled.
     pub(in crate::shot) filter: Filter,
     /// What becomes of normals.
-    pub(in crate::shot) normals: NormalRule,
+    pub(in crate::shot) normals: NormalMode,
     /// What fills places that the warp uncovers.
     pub(in crate::shot) holes: RawHoles,
     /// How the plate stores motion vectors; default: not said, so those of other programs pass through as they are.
@@ -22,7 +22,7 @@ pub(in crate::shot) struct RawWarp {
     pub(in crate::shot) motion: Option<RawMotion>,
     /// What channels mean whose names do not tell it; the first pattern that fits counts.
     #[schemars(example = serde_json::json!([{ "name": "zz.*", "meaning": "depth" }]))]
-    pub(in crate::shot) channels: Vec<RawMeaning>,
+    pub(in crate::shot) channels: Vec<RawSemantic>,
 }
 
 /// What fills places that the warp uncovers.
@@ -116,13 +116,13 @@ pub(in crate::shot) enum RawUpright {
 /// What channels mean.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub(in crate::shot) struct RawMeaning {
+pub(in crate::shot) struct RawSemantic {
     /// Full name of a channel, with its layer; * and ? stand for any letters.
     #[schemars(length(min = 1), example = &"zz.*")]
     pub(in crate::shot) name: String,
     /// What it holds.
     #[schemars(example = &"depth")]
-    pub(in crate::shot) meaning: Meaning,
+    pub(in crate::shot) meaning: Semantic,
 }
 
 /// The part of a plate that a layer moves.

@@ -1,0 +1,76 @@
+//! A layer of a shot, driven by controls.
+//!
+//! In: a layer, [`Controls`]. Out: the layer with the pins of the controls, at rest or at their targets.
+
+use super::{Controls, Moved, OwnPins, Pin};
+use crate::plate::Matte;
+use crate::shot::{Anchor, Ease, Goal, Layer, LayerSpace, OffsetUnit, PinKey, Rotation};
+use crate::solve::Guard;
+
+/// Whether the pins of the controls go where they shall, or stay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Goals {
+    /// They hold their rest places: what is prepared must not depend on targets.
+    AtRest,
+    /// They go to their targets.
+    Reached,
+}
+
+/// A layer with everything that the controls say; their pins come after its own, and first of all in time.
+pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (OwnPins, f64), goals: Goals) -> Layer {
+    let mut layer = layer.clone();
+    if let LayerSpace::Screen { bounds, .. } = layer.space {
+        layer.space = LayerSpace::Screen { dims: controls.dims, bounds };
+    }
+    layer.basis = controls.basis;
+    layer.settings = layer.settings.with_smoothness(controls.smoothness);
+    layer.strength *= controls.strength;
+    if controls.guard == Guard::Limit {
+        layer.settings.guard = Guard::Limit;
+    }
+    if controls.moved == Moved::Masked {
+        layer.matte = layer.matte.or(Some(Matte::Alpha));
+    }
+    if own == OwnPins::LeftOut {
+        layer.pins.clear();
+    }
+    let start = first_key(&layer).min(frame - f64::from(layer.step)) - 1.0;
+    let pins = controls.pins.iter().enumerate().map(|(index, pin)| driven_pin(index, pin, start, goals));
+    layer.pins.extend(pins);
+    layer
+}
+
+/// When the first key of a layer stands.
+fn first_key(layer: &Layer) -> f64 {
+    let pins = layer.pins.iter().filter_map(|pin| Some(pin.keys.first()?.frame));
+    let handles = layer.handles.iter().filter_map(|handle| Some(handle.keys.first()?.frame));
+    pins.chain(handles).fold(f64::INFINITY, f64::min)
+}
+
+/// A pin of the controls: one frame long it goes from its rest to its target. So turns of more than half a circle are wound.
+fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot::Pin {
+    let key = |frame: f64, goals: Goals| {
+        let is_reached = goals == Goals::Reached;
+        let offset = if is_reached { pin.target - pin.rest } else { Default::default() };
+        PinKey {
+            frame,
+            goal: Goal::Offset(offset),
+            rotate_degrees: pin
+                .rotation
+                .map(|angle| Rotation::InView(if is_reached { angle.to_degrees() } else { 0.0 })),
+            scale: pin.scale.map(|scale| if is_reached { scale } else { 1.0 }),
+            ease: Ease::Linear,
+        }
+    };
+    crate::shot::Pin {
+        name: format!("live{}", index + 1),
+        anchor: Anchor::Screen { at: pin.rest, frame: None },
+        unit: OffsetUnit::Frame,
+        region: pin.region.map(|region| crate::shot::PinRegion {
+            radius: region.radius,
+            rigidity: region.rigidity,
+            stiffness: region.stiffness,
+        }),
+        keys: vec![key(start, Goals::AtRest), key(start + 1.0, goals)],
+    }
+}

@@ -1,0 +1,55 @@
+//! Evaluates a prepared shot at a time: pose, world layers, projection, screen layers.
+//!
+//! In: a [`PreparedShot`] and a (fractional) frame. Out: a [`TimeSample`]. World layers come first, because they move what
+//! is projected.
+
+use super::passes::mid_shutter;
+use super::{PipelineError, PreparedShot, TimeSample, screen_layer, trajectories};
+use crate::shot::LayerSpace;
+use std::sync::Arc;
+
+impl PreparedShot {
+    /// The solved scene in the middle of a frame's exposure: what its data channels show.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn mid_exposure(&self, frame: i32) -> Result<Arc<TimeSample>, PipelineError> {
+        self.sample_at(self.mid_exposure_time(f64::from(frame)))
+    }
+
+    /// The solved scene at a (fractional) frame; the last samples that other frames need, too, are kept.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn sample_at(&self, frame: f64) -> Result<Arc<TimeSample>, PipelineError> {
+        if let Some(sample) = self.cache.sample(frame) {
+            return Ok(sample);
+        }
+        let sample = Arc::new(self.evaluate(frame)?);
+        // Neighbouring frames ask for the middle of an exposure again, never for another time of it.
+        let exposed = frame - mid_shutter(self.shot.shutter);
+        if (exposed - exposed.round()).abs() <= 1e-9 {
+            self.cache.keep(&sample);
+        }
+        Ok(sample)
+    }
+
+    /// Poses, projects and solves a (fractional) frame.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub(super) fn evaluate(&self, frame: f64) -> Result<TimeSample, PipelineError> {
+        let mut sample = self.unsolved_at(frame)?;
+        for (index, layer) in self.shot.layers.iter().enumerate() {
+            if let LayerSpace::Screen { bounds, .. } = layer.space {
+                sample.layers[index] = if trajectories::has_trajectory(self, index) {
+                    trajectories::solve(self, &sample, index)?
+                } else {
+                    screen_layer::solve(self, &sample, index, bounds)?
+                };
+            }
+        }
+        sample.mesh = None;
+        Ok(sample)
+    }
+}

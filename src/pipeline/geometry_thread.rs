@@ -1,0 +1,183 @@
+//! Geometry thread of a render: poses, solves and builds the geometry of every pass.
+//!
+//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes arrive while it is drawn.
+
+use super::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, lighting, overlay, plan_passes, report};
+use crate::image::CameraMatrices;
+use crate::lattice::ScreenLattice;
+use crate::raster::geometry::{self, Assembly, assemble};
+use crate::raster::{ChannelGroup, Geometry, PassRole};
+use glam::Vec2;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
+
+/// Passes that may wait to be drawn.
+const QUEUED_PASSES: usize = 2;
+
+/// Scenes with more triangles than this hand their passes over one by one: every pass that waits holds its geometry.
+const MANY_TRIANGLES: usize = 500_000;
+
+/// Width of lines, frame heights: two pixels at 1080 lines; proxies draw them a pixel wide.
+const LINE_WIDTH: f64 = 1.0 / 540.0;
+
+/// One frame to draw.
+pub(super) struct FrameJob {
+    /// Number of the frame.
+    pub(super) frame: i32,
+    /// All passes, once a tile, in the order of the plan; or the reason why there are none.
+    pub(super) passes: Receiver<Result<BuiltPass, PipelineError>>,
+    /// For the frame's file and the user; arrives after the last pass.
+    pub(super) facts: Receiver<FrameFacts>,
+}
+
+/// What is known of a frame once it is solved.
+pub(super) struct FrameFacts {
+    pub(super) report: FrameReport,
+    pub(super) picture: Option<overlay::Picture>,
+    pub(super) camera: CameraMatrices,
+}
+
+/// One pass to draw.
+pub(super) struct BuiltPass {
+    pub(super) geometry: Arc<Geometry>,
+    pub(super) jitter_px: Vec2,
+    pub(super) role: PassRole,
+}
+
+/// The geometry made last.
+struct Built {
+    /// Frames after the frame's own.
+    time: f64,
+    has_motion: bool,
+    geometry: Arc<Geometry>,
+}
+
+/// Makes jobs.
+pub(super) struct GeometryThread<'a> {
+    pub(super) prepared: &'a PreparedShot,
+    pub(super) tile_count: usize,
+    pub(super) has_overlay: bool,
+    pub(super) cancel: &'a AtomicBool,
+    pub(super) jerk: JerkMeter,
+}
+
+impl GeometryThread<'_> {
+    /// Makes the jobs of all frames; ends early when cancelled or when drawing has ended.
+    pub(super) fn run(&mut self, frames: &[i32], jobs: &SyncSender<FrameJob>) {
+        for &frame in frames {
+            let (pass, passes) = sync_channel(self.queued_passes());
+            let (fact, facts) = sync_channel(1);
+            let is_over = self.cancel.load(Ordering::Relaxed) || jobs.send(FrameJob { frame, passes, facts }).is_err();
+            if is_over {
+                return;
+            }
+            // The receiver is gone where the raster failed; the next frame may succeed.
+            if let Err(error) = self.frame(frame, (&pass, &fact)) {
+                let _ = pass.send(Err(error));
+            }
+        }
+    }
+
+    fn frame(
+        &mut self,
+        frame: i32,
+        (pass, fact): (&SyncSender<Result<BuiltPass, PipelineError>>, &SyncSender<FrameFacts>),
+    ) -> Result<(), PipelineError> {
+        let begun = Instant::now();
+        let shot = &self.prepared.shot;
+        let middle = self.prepared.mid_exposure(frame)?;
+        let mut facts = facts(self.prepared, (frame, &middle), self.has_overlay, &mut self.jerk);
+        let mut busy = begun.elapsed();
+        let plan = plan_passes(shot.samples, shot.shutter);
+        let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
+        let mut last: Option<Built> = None;
+        for planned in (0..self.tile_count).flat_map(|_| &plan) {
+            let time = planned.time_frames;
+            let needs_motion = planned.role != PassRole::Beauty && has_motion;
+            let begun = Instant::now();
+            // What does not fit goes before anything is made in its place.
+            last = last.filter(|built| built.time == time && (built.has_motion || !needs_motion));
+            let built = match last.take() {
+                Some(built) => built,
+                None => {
+                    let geometry = Arc::new(self.geometry(f64::from(frame) + time, needs_motion)?);
+                    Built { time, has_motion: needs_motion, geometry }
+                }
+            };
+            busy += begun.elapsed();
+            let geometry = Arc::clone(&last.insert(built).geometry);
+            let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
+            if pass.send(Ok(built)).is_err() {
+                // The raster failed and reports the reason itself.
+                return Ok(());
+            }
+        }
+        facts.report.geometry_ms = busy.as_secs_f64() * 1e3;
+        let _ = fact.send(facts);
+        Ok(())
+    }
+
+    /// Passes of a frame that may wait.
+    fn queued_passes(&self) -> usize {
+        let primitives = self.prepared.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let triangles: usize = primitives.map(|primitive| primitive.triangles.len()).sum();
+        if triangles > MANY_TRIANGLES { 0 } else { QUEUED_PASSES }
+    }
+
+    /// The geometry of one time, with the neighbours' places where motion is wanted.
+    fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
+        let prepared = self.prepared;
+        let now = prepared.sample_at(frame)?;
+        let around =
+            if has_motion { Some([prepared.sample_at(frame + 1.0)?, prepared.sample_at(frame - 1.0)?]) } else { None };
+        let lattices = now.lattices(&prepared.assignment.layer_of_part);
+        let around_lattices =
+            around.as_ref().map(|samples| samples.each_ref().map(|m| m.lattices(&prepared.assignment.layer_of_part)));
+        let neighbours = around
+            .as_ref()
+            .zip(around_lattices.as_ref())
+            .map(|(samples, lattices)| [view_of(&samples[0], &lattices[0]), view_of(&samples[1], &lattices[1])]);
+        let layer_ids: Vec<u32> =
+            prepared.assignment.layer_of_part.iter().map(|owner| owner.map_or(0, |layer| layer as u32 + 1)).collect();
+        let mut geometry = assemble(&Assembly {
+            scene: &prepared.scene,
+            now: view_of(&now, &lattices),
+            neighbours,
+            layer_ids: &layer_ids,
+            mattes: &prepared.draw_inputs.mattes.of_part,
+            lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
+            environment: lighting::environment(&prepared.shot, &now.pose),
+            line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
+        });
+        geometry
+            .draws
+            .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
+        Ok(geometry)
+    }
+}
+
+/// What a solved frame has to say.
+pub(super) fn facts(
+    prepared: &PreparedShot,
+    (frame, middle): (i32, &TimeSample),
+    has_overlay: bool,
+    jerk: &mut JerkMeter,
+) -> FrameFacts {
+    let mut report = report(prepared, frame, middle);
+    jerk.watch(prepared, middle, &mut report);
+    FrameFacts {
+        report,
+        picture: has_overlay.then(|| overlay::Picture::of(prepared, middle)),
+        camera: CameraMatrices {
+            camera_from_scene: middle.camera.view_from_scene(),
+            screen_from_scene: middle.camera.screen_from_scene(),
+        },
+    }
+}
+
+/// A sample as the geometry stage wants it.
+fn view_of<'a>(sample: &'a TimeSample, lattices: &'a [Option<&'a ScreenLattice>]) -> geometry::PosedScene<'a> {
+    geometry::PosedScene { pose: &sample.pose, camera: &sample.camera, lattices }
+}

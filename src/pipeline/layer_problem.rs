@@ -1,0 +1,51 @@
+//! A layer at one frame as a bare problem, for comparisons with other methods.
+//!
+//! In: a [`PreparedShot`], a layer, a frame. Out: [`LayerProblem`]: grid, shape and pins on the screen.
+
+use super::layer_pins::moved_handles;
+use super::screen_shape::screen_shape;
+use super::{PipelineError, PreparedShot};
+use crate::lattice::Grid;
+use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
+
+/// What a layer's solve was made of.
+#[derive(Clone, Debug)]
+pub struct LayerProblem {
+    grid: Grid<2>,
+    shape: Shape<2>,
+    pins: Vec<PointPin<2>>,
+    handles: Vec<HandlePin<2>>,
+    settings: Settings,
+}
+
+impl LayerProblem {
+    /// The problem.
+    #[must_use]
+    pub fn problem(&self) -> Problem<'_, 2> {
+        let Self { grid, shape, pins, handles, settings } = self;
+        Problem { grid, shape, pins, handles, settings }
+    }
+}
+
+/// A layer's shape, pins and moved handles on the screen at a frame; `None` where nothing is solved there, or in the world. Of the pins
+/// only points and targets are taken: no other method holds rotations.
+///
+/// # Errors
+/// [`PipelineError::Solve`] where a layer cannot be solved.
+pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Result<Option<LayerProblem>, PipelineError> {
+    let sample = prepared.evaluate(frame)?;
+    let (Some(layer), Some(state)) = (prepared.shot.layers.get(index), sample.layers.get(index)) else {
+        return Ok(None);
+    };
+    let Some(grid) = state.solution.as_ref().map(|solution| solution.lattice.grid.clone()) else {
+        return Ok(None);
+    };
+    let pins: Vec<_> =
+        state.pins.iter().map(|pin| PointPin::new(pin.rest.0.to_array(), pin.target.0.to_array())).collect();
+    let targets = prepared.shot.pin_targets(index, prepared.key_frame(layer, frame));
+    let handles = moved_handles(layer, &grid, &targets);
+    let is_empty = pins.is_empty() && handles.is_empty();
+    let shape = screen_shape(prepared, &sample, index);
+    let settings = layer.settings.clone();
+    Ok((!is_empty).then_some(LayerProblem { grid, shape, pins, handles, settings }))
+}

@@ -1,0 +1,47 @@
+//! The solve of one layer, on the screen and in the scene: shape and pins become a factored matrix, targets a lattice.
+//!
+//! In: grid, shape, targets, settings of a layer. Out: a [`Solver`]; a [`Solution`] that fades with its pins.
+
+use super::layer_pins::fade;
+use crate::lattice::Grid;
+use crate::solve::{Cancel, Problem, Settings, Shape, Solution, SolveError, Solver, Targets};
+
+/// Samples the shape and factors the matrix for pins and handles; `None` where neither act. The shape is made only where
+/// it is needed.
+///
+/// # Errors
+/// [`SolveError`] where the problem is malformed, or the solve is cancelled.
+pub(super) fn factor<const D: usize>(
+    grid: &Grid<D>,
+    shape: impl FnOnce() -> Shape<D>,
+    targets: &Targets<D>,
+    settings: &Settings,
+    cancel: &Cancel,
+) -> Result<Option<Solver<D>>, SolveError> {
+    let Targets { pins, handles } = targets;
+    if pins.is_empty() && handles.is_empty() {
+        return Ok(None);
+    }
+    let problem = Problem { grid, shape: &shape(), pins, handles, settings };
+    Solver::build(&problem, cancel).map(Some)
+}
+
+/// Solves for targets at the end of a path (empty: those the matrix was factored for). Where no handle is moved, the
+/// solution fades with `presence`, that of the pin that is present most.
+///
+/// # Errors
+/// [`SolveError`] where targets are not those of the solver's pins and handles, or the solve is cancelled.
+pub(super) fn solve_layer<const D: usize>(
+    solver: &Solver<D>,
+    path: &[Targets<D>],
+    targets: &Targets<D>,
+    presence: impl Iterator<Item = f64>,
+    cancel: &Cancel,
+) -> Result<Solution<D>, SolveError> {
+    let mut solution = solver.with_cancel(cancel).follow(path)?;
+    let presence = presence.fold(0.0, f64::max);
+    if targets.handles.is_empty() && presence < 1.0 {
+        fade(&mut solution, (solver, &targets.pins), presence);
+    }
+    Ok(solution)
+}

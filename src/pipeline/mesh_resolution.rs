@@ -1,0 +1,45 @@
+//! Finds meshes that are too coarse for the lattice of the scene that bends them.
+//!
+//! In: a prepared shot and its first pose. Out: notes.
+
+use super::PreparedShot;
+use super::lattice_box::world_grid;
+use crate::lattice::{BoxFrame, Grid};
+use crate::pose::{Pose, PosedPart};
+use crate::scene::Scene;
+use crate::screen::primitive;
+
+/// Edges longer than this many cells are told to the user.
+const LONG_EDGE_CELLS: f64 = 2.0;
+
+/// A note on every layer whose lattice bends a mesh that is too coarse for it.
+pub(super) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
+    let frame = f64::from(prepared.shot.frames.first);
+    let note = |index: usize| {
+        let (placed, grid) = world_grid(prepared, index, frame, first)?;
+        let parts = prepared.assignment.parts_of_layer[index].iter();
+        let longest = parts.map(|&part| (longest_edge(&prepared.scene, &first.parts[part], (&placed, &grid)), part));
+        let (cells, part) = longest.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let layer = &prepared.shot.layers[index].name;
+        let node = &prepared.scene.nodes[first.parts[part].node].name;
+        (cells > LONG_EDGE_CELLS).then(|| {
+            format!(
+                "layer '{layer}': edges of '{node}' are up to {cells:.1} cells of its lattice long; a mesh bends at \
+                 its vertices only, so subdivide it or give the lattice fewer handles"
+            )
+        })
+    };
+    (0..prepared.shot.layers.len()).filter_map(note).collect()
+}
+
+/// Length of a part's longest edge, in cells of a grid.
+fn longest_edge(scene: &Scene, part: &PosedPart, (frame, grid): (&BoxFrame, &Grid<3>)) -> f64 {
+    let cells = |from: u32, to: u32| {
+        let [from, to] = [from, to].map(|corner| part.positions[corner as usize].0.as_dvec3());
+        let edge = frame.axes().transpose() * (to - from);
+        (0..3).map(|axis| edge[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max)
+    };
+    let source = primitive(scene, part);
+    let edges = source.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.chain(source.segments()).map(|[from, to]| cells(from, to)).fold(0.0, f64::max)
+}

@@ -1,0 +1,200 @@
+//! Prepares a shot: loads its scene, chooses camera and clip, assigns parts to layers, ties pins.
+//!
+//! In: a [`Shot`]. Out: a [`PreparedShot`], with notes on what was chosen for the user.
+
+use super::cameras::{self, CameraContext, CameraSource};
+use super::frame_cache::FrameCache;
+use super::layer_assignment::LayerAssignment;
+use super::mattes::Mattes;
+use super::mesh_resolution::coarse_meshes;
+use super::pictures::Gallery;
+use super::prepared_shot::{DrawInputs, LayerInputs};
+use super::{
+    PinAnchor, PipelineError, PreparedShot, anchors, lighting, missing_files, stiffness, transfer, visibility,
+};
+use crate::pose::{ClipChoice, Pose, PosedPart, pose};
+use crate::scene::{self, FileAccess, Scene};
+use crate::screen::{self, Camera, ScreenMesh};
+use crate::shot::{Anchor, CameraRule, ClipName, Layer, Shot, Source};
+use crate::spelling;
+use std::collections::HashMap;
+
+/// The greatest number of pixels of a frame: 16384 x 16384.
+const MAX_PIXELS: u64 = 1 << 28;
+
+impl PreparedShot {
+    /// Loads the scene and ties the shot to it.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
+    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+        check_size(&shot)?;
+        missing_files::check(&shot)?;
+        let (scene, gallery) = load(&shot)?;
+        let prepared = Self::with_scene(shot, scene)?;
+        Ok(Self { gallery, ..prepared })
+    }
+
+    /// Ties a shot to a scene that is loaded already, instead of its own.
+    ///
+    /// # Errors
+    /// [`PipelineError`] where the scene does not fit the shot.
+    pub fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
+        let hidden_nodes = visibility::hide(&shot, &mut scene)?;
+        let mut notes = scene.warnings.clone();
+        notes.extend(shot.range_notes());
+        let clip = choose_clip(&shot, &scene, &mut notes)?;
+        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        check_parts(&shot, &first, &hidden_nodes)?;
+        let assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
+        let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &assignment.parts_of_layer };
+        let camera = cameras::choose(&context, &mut notes)?;
+        if let CameraSource::Own { camera, .. } = &camera {
+            // Shots that are made of this one for other scenes see them from the same place.
+            shot.camera = CameraRule::Own(camera.clone());
+        }
+        let loaded = transfer::load(&shot, &mut notes)?;
+        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
+        let mattes = Mattes::new(&shot, &scene, (&first.parts, &assignment.layer_of_part));
+        let mut prepared = Self {
+            shot,
+            scene,
+            notes,
+            assignment,
+            layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, loaded },
+            draw_inputs: DrawInputs { rig: Vec::new(), mattes, hidden_layers: Vec::new(), hidden_nodes },
+            gallery: None,
+            camera,
+            clip,
+            cache: FrameCache::default(),
+        };
+        let (_, camera) = prepared.view(f64::from(prepared.shot.frames.first));
+        prepared.draw_inputs.rig = lighting::neutral_rig(&camera);
+        if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&prepared.scene, part)) {
+            prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());
+        }
+        tie_pins(&mut prepared, &first)?;
+        note_unwarped(&mut prepared);
+        let coarse = coarse_meshes(&prepared, &first);
+        prepared.notes.extend(coarse);
+        Ok(prepared)
+    }
+}
+
+/// Refuses a scene of which nothing is drawn.
+fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), PipelineError> {
+    if !first.parts.is_empty() {
+        return Ok(());
+    }
+    let (key, what, hint) = if hidden_nodes.is_empty() {
+        ("scene", "the scene has no triangles and no lines", "export meshes with it")
+    } else {
+        ("hide", "nothing is left to draw", "hide fewer nodes, or name in `show` what stays")
+    };
+    Err(PipelineError::mismatch(shot, key, what, hint))
+}
+
+/// Turns every pin's anchor into indices.
+fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
+    let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
+    for (index, layer) in prepared.shot.layers.iter().enumerate() {
+        let mut tied = Vec::new();
+        for (number, pin) in layer.pins.iter().enumerate() {
+            let pinned = match pin.anchor {
+                Anchor::Screen { at, frame: None } => PinAnchor::Screen(at),
+                Anchor::Screen { at, frame: Some(frame) } => {
+                    let (pose, mesh, camera) = casts.entry(frame).or_insert_with(|| {
+                        let (pose, camera) = prepared.view(f64::from(frame));
+                        let mesh = screen::project(&pose, &camera);
+                        (pose, mesh, camera)
+                    });
+                    let hit = screen::pick(&prepared.scene, pose, mesh, camera.near(), at).ok_or_else(|| {
+                        let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
+                        anchors::mismatch(
+                            &prepared.shot,
+                            [index, number],
+                            (what, "move the anchor onto the model".into()),
+                        )
+                    })?;
+                    PinAnchor::on(&prepared.scene, pose, &hit)
+                }
+                Anchor::Surface { .. } => {
+                    let (pinned, note) =
+                        anchors::find((&prepared.shot, [index, number]), &prepared.scene, &first.parts)?;
+                    prepared.notes.extend(note);
+                    pinned
+                }
+            };
+            if let PinAnchor::Surface { part, .. } = pinned
+                && !prepared.assignment.parts_of_layer[index].contains(&part)
+            {
+                let node = &prepared.scene.nodes[first.parts[part].node].name;
+                let text = "which the layer does not claim: the pin follows it all the same";
+                prepared.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
+            }
+            tied.push(pinned);
+        }
+        prepared.layer_inputs.anchors.push(tied);
+    }
+    Ok(())
+}
+
+/// Says which layers nothing moves.
+fn note_unwarped(prepared: &mut PreparedShot) {
+    let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
+    let (moved, still): (Vec<_>, Vec<_>) = prepared.shot.layers.iter().partition(is_moved);
+    if moved.is_empty() {
+        prepared.notes.push("no layer has pins or moved handles: nothing is warped".into());
+        return;
+    }
+    let names = still.iter().map(|layer| &layer.name);
+    prepared
+        .notes
+        .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
+}
+
+/// Whether light makes a difference to a part.
+fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
+    !scene.materials[screen::primitive(scene, part).material].unlit
+}
+
+/// What the shot is about, as a scene; and the pictures that it stands for.
+fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
+    match &shot.source {
+        Source::Scene(path) => {
+            let access = if shot.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder };
+            Ok((scene::load_with(path, access)?, None))
+        }
+        Source::Frame => Ok((scene::frame_card(shot.size.aspect()), None)),
+        Source::Images(paths) => {
+            let (gallery, scene) = Gallery::hang(shot, paths)?;
+            Ok((scene, Some(gallery)))
+        }
+    }
+}
+
+/// Refuses frames that no memory holds.
+fn check_size(shot: &Shot) -> Result<(), PipelineError> {
+    let pixels = u64::from(shot.size.width) * u64::from(shot.size.height);
+    if pixels <= MAX_PIXELS {
+        return Ok(());
+    }
+    let what = format!("a frame of {} x {} pixels is too large", shot.size.width, shot.size.height);
+    Err(PipelineError::mismatch(shot, "size", what, "stay within 268 million pixels (16384 x 16384)"))
+}
+
+/// The clip the shot names, else the scene's first, if any.
+fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<ClipChoice, PipelineError> {
+    let (name, index) = match &shot.clip {
+        None => (None, None),
+        Some(ClipName::Name(name)) => (Some(name.as_str()), None),
+        Some(ClipName::Index(index)) => (None, Some(*index)),
+    };
+    let found = scene.find_clip(name, index);
+    let clip = found.map_err(|source| PipelineError::find(shot, "frames.clip", source))?;
+    if shot.clip.is_none() && scene.clips.len() > 1 {
+        let names = scene.clips.iter().map(|clip| clip.name.as_str());
+        notes.push(format!("no clip is named: '{}' is used; {}", scene.clips[0].name, spelling::list(names)));
+    }
+    Ok(ClipChoice { clip, is_looped: shot.is_looped })
+}

@@ -1,0 +1,167 @@
+//! Composes a warped plate: every channel of every composite by its semantic.
+//!
+//! In: a [`PlateCompositor`], composites with layers and maps. Out: the plate, and the rest of the report.
+
+use super::channel_table::{ChannelEntry, ChannelIndex};
+use super::composite::{Composite, LEAST_VISIBLE};
+use super::compositor::{AlphaGroup, OutputPlanes, PlateCompositor};
+use super::cryptomatte::{CryptomatteRanks, gathered_ranks};
+use super::disjoint_over::{colors, occlusion};
+use super::hole_filling::add_behind;
+use super::vectors::compose_vectors;
+use super::visible_samples::visible_samples;
+use super::{Filter, Planes, PlateReport, Semantic};
+use crate::image::{Channel, Plate};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Composes the plate, and reports what was done.
+pub(super) fn compose(compositor: &PlateCompositor, composites: &[Composite], report: &mut PlateReport) -> Plate {
+    compositor.table.report(report);
+    report.warnings.extend(compositor.filling.iter().filter_map(|filling| filling.refusal.clone()));
+    report.warnings.extend(composites.iter().find_map(|composite| composite.overlap.clone()));
+    let mut planes = OutputPlanes::new();
+    for composite in composites {
+        report.warnings.extend(composite.layers.iter().filter_map(|layer| layer.matte.warning.clone()));
+        if report.folded_pixels == 0 {
+            report_folds(compositor, composite, report);
+        }
+        compose_channels(compositor, composite, &mut planes, report);
+    }
+    let mut seen = BTreeSet::new();
+    report.warnings.retain(|warning| seen.insert(warning.clone()));
+    assemble(compositor, composites, planes)
+}
+
+fn compose_channels(
+    compositor: &PlateCompositor,
+    composite: &Composite,
+    planes: &mut OutputPlanes,
+    report: &mut PlateReport,
+) {
+    let mut by_alpha: BTreeMap<Option<ChannelIndex>, Vec<&ChannelEntry>> = BTreeMap::new();
+    for entry in &composite.entries {
+        // Where all moves as one, nothing lies over anything.
+        let alpha = entry.alpha.filter(|_| composite.layers.len() > 1);
+        by_alpha.entry(alpha).or_default().push(entry);
+    }
+    for (index, entries) in by_alpha {
+        let alpha = index.and_then(|index| compositor.alpha(index, composite));
+        let is_copied = |entry: &&ChannelEntry| !matches!(entry.class.semantic, Semantic::Color | Semantic::Alpha);
+        let has_copied = entries.iter().any(is_copied);
+        let visible = if has_copied { visible_samples(composite, alpha.as_deref()) } else { Vec::new() };
+        let occlusion = occlusion(composite, alpha.as_deref(), compositor.by(compositor.settings.filter));
+        let group = AlphaGroup { entries, occlusion, visible };
+        report_holes(compositor, &group, report);
+        compose_colors(compositor, (composite, &group), planes, report);
+        let data = group.of(&[Semantic::Depth, Semantic::Id, Semantic::Data, Semantic::Normal]);
+        compositor.copy(&data, (composite, &group), planes);
+        compose_cryptomattes(compositor, (composite, &group), planes);
+        compose_vectors(compositor, composite, &group, planes, report);
+    }
+}
+
+/// Counts the pixels of visible folds, and says which layers fold.
+fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mut PlateReport) {
+    let alpha = composite.entries.iter().find_map(|entry| entry.alpha);
+    let alpha = alpha.and_then(|index| compositor.alpha(index, composite));
+    let Some(moving_layers) = compositor.moving_layers else { return };
+    let mut all = BTreeSet::new();
+    for (index, moving_layer) in moving_layers.iter().enumerate() {
+        let folded = composite.folded_pixels(index, alpha.as_deref());
+        if !folded.is_empty() {
+            let frame = compositor.table.plate.frame_size();
+            report.warnings.push(moving_layer.fold_warning(folded.len(), (frame, composite.window)));
+        }
+        all.extend(folded);
+    }
+    report.folded_pixels = all.len();
+}
+
+/// Counts the holes of the first view that has some, and says which channels nothing fills.
+fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut PlateReport) {
+    let holes = group.occlusion.holes.iter().flatten().filter(|hole| **hole > LEAST_VISIBLE).count();
+    if report.hole_pixels == 0 {
+        report.hole_pixels = holes;
+    }
+    let filling = compositor.filling.as_ref().filter(|filling| holes > 0 && filling.refusal.is_none());
+    let Some(filling) = filling else { return };
+    let missing = group.entries.iter().filter(|entry| filling.find(entry).is_none());
+    let names: Vec<&str> = missing.map(|entry| entry.name.full.as_str()).collect();
+    if !names.is_empty() {
+        report.warnings.push(format!("what fills the holes has no {}: they stay empty there", names.join(", ")));
+    }
+    let is_ours = filling.plate().is_own_render() && !compositor.table.plate.is_own_render();
+    if is_ours && group.of(&[Semantic::Normal]).into_iter().any(|entry| filling.find(entry).is_some()) {
+        report.warnings.push("normals that fill the holes lie in scene space, y up, as the scene has them".into());
+    }
+}
+
+fn compose_colors(
+    compositor: &PlateCompositor,
+    (composite, group): (&Composite, &AlphaGroup),
+    planes: &mut OutputPlanes,
+    report: &mut PlateReport,
+) {
+    let filter = compositor.settings.filter;
+    let entries = group.of(&[Semantic::Color, Semantic::Alpha]);
+    let samples = |entry: &&ChannelEntry| Cow::Borrowed(&compositor.table.channel(entry.index).samples[..]);
+    let sources: Vec<Cow<[f32]>> = entries.iter().map(samples).collect();
+    if composite.layers.iter().any(|layer| layer.map.is_some()) {
+        let bad = Planes { window: composite.source, planes: sources.iter().map(|plane| &plane[..]).collect() };
+        let bad = bad.not_finite();
+        report.contained_samples += bad.nan + bad.infinite;
+    }
+    let colors = colors(composite, &sources, &group.occlusion, compositor.by(filter));
+    for (entry, mut color) in entries.into_iter().zip(colors) {
+        if let Some((holes, filling)) = group.occlusion.holes.as_ref().zip(compositor.fill(entry, composite, filter)) {
+            add_behind(&mut color, holes, &filling);
+        }
+        planes.insert(entry.index, color);
+    }
+}
+
+fn compose_cryptomattes(
+    compositor: &PlateCompositor,
+    (composite, group): (&Composite, &AlphaGroup),
+    planes: &mut OutputPlanes,
+) {
+    let entries = group.of(&[Semantic::Cryptomatte]);
+    for matte in compositor.table.matte_layers(entries.iter().copied()) {
+        let samples = |index: ChannelIndex| &compositor.table.channel(index).samples[..];
+        let entry = |index: ChannelIndex| entries.iter().find(|entry| entry.index == index);
+        let filling = |index: ChannelIndex| compositor.fill(entry(index)?, composite, Filter::Nearest);
+        let fillings = matte.ranks.iter().map(|rank| Some([filling(rank.id)?, filling(rank.coverage)?]));
+        let has_holes = group.occlusion.holes.is_some();
+        let ranks = CryptomatteRanks {
+            name: &matte.name,
+            ranks: matte.ranks.iter().map(|rank| [samples(rank.id), samples(rank.coverage)]).collect(),
+            filling: if has_holes { fillings.flatten().collect() } else { Vec::new() },
+        };
+        let gathered = gathered_ranks(composite, &ranks, &group.occlusion, compositor.context);
+        for (rank, [ids, coverage]) in matte.ranks.iter().zip(gathered) {
+            planes.insert(rank.id, ids);
+            planes.insert(rank.coverage, coverage);
+        }
+    }
+    // Half a pair of ranks cannot be read: it stays data.
+    let alone: Vec<&ChannelEntry> = entries.into_iter().filter(|entry| !planes.contains_key(&entry.index)).collect();
+    compositor.copy(&alone, (composite, group), planes);
+}
+
+/// Puts the planes in their parts, in the plate's order.
+fn assemble(compositor: &PlateCompositor, composites: &[Composite], mut planes: OutputPlanes) -> Plate {
+    let plate = compositor.table.plate;
+    let parts = plate.parts.iter().enumerate().map(|(part, stored)| {
+        let source = plate.window_of(stored);
+        let composite = composites.iter().find(|composite| composite.source == source);
+        let window = composite.map_or(stored.data_window, |composite| composite.window.placed_in(plate.display));
+        let channels = stored.channels.iter().enumerate().map(|(channel, stored)| Channel {
+            name: stored.name.clone(),
+            storage: stored.storage,
+            samples: planes.remove(&ChannelIndex { part, channel }).expect("every semantic is composed"),
+        });
+        stored.with_channels(window, channels.collect())
+    });
+    plate.with_parts(parts.collect())
+}

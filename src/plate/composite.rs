@@ -1,0 +1,100 @@
+//! Warped layers of one view over one data window, from back to front.
+//!
+//! In: what [`composite_layout`](super::composite_layout) finds. Out: [`Composite`], and questions about single pixels of it.
+
+use super::WarpMap;
+use super::channel_table::ChannelEntry;
+use super::matte::MatteCoverage;
+use super::warp_map::nearest_source;
+use crate::space::PixelRect;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Coverage that counts, as a hole or where mattes overlap: half a step of an 8-bit picture.
+pub(super) const LEAST_VISIBLE: f32 = 0.5 / 255.0;
+
+/// A moving layer as it is drawn: its matte, its map, its window.
+#[derive(Clone, Debug)]
+pub(super) struct WarpedLayer {
+    /// Index among the moving layers; 0 is the background.
+    pub(super) moving_layer: usize,
+    /// The part of the source that it moves.
+    pub(super) matte: MatteCoverage,
+    /// The pixels it may appear in.
+    pub(super) window: PixelRect,
+    /// Where the pixels of that window come from; `None`: nothing moves.
+    pub(super) map: Option<Arc<WarpMap>>,
+}
+
+/// The channels of one view over one data window. Windows are measured from the upper left corner of the display window.
+#[derive(Debug)]
+pub(super) struct Composite<'a> {
+    pub(super) view: Option<&'a str>,
+    pub(super) entries: Vec<&'a ChannelEntry>,
+    /// Data window of the plate.
+    pub(super) source: PixelRect,
+    /// Data window of the result.
+    pub(super) window: PixelRect,
+    /// From back to front.
+    pub(super) layers: Vec<WarpedLayer>,
+    /// Coverage that layers with mattes remove from the background: #pixels of the source; `None`: nothing.
+    pub(super) holdout: Option<Vec<f32>>,
+    /// Pixels that mattes of more than one layer cover; in words.
+    pub(super) overlap: Option<String>,
+}
+
+impl Composite<'_> {
+    /// The front of the background; it is as large as the window.
+    pub(super) fn background(&self) -> &WarpedLayer {
+        &self.layers[self.background_folds().len()]
+    }
+
+    /// What the background shows behind itself where it folds, from the back.
+    pub(super) fn background_folds(&self) -> &[WarpedLayer] {
+        let count = self.layers.iter().take_while(|layer| layer.moving_layer == 0).count();
+        &self.layers[..count.saturating_sub(1)]
+    }
+
+    /// The layers with a matte, from back to front.
+    pub(super) fn matted_layers(&self) -> &[WarpedLayer] {
+        &self.layers[self.background_folds().len() + 1..]
+    }
+
+    /// Index into the source of the sample nearest to where a pixel of a layer comes from.
+    pub(super) fn source_of(&self, layer: &WarpedLayer, [x, y]: [i32; 2]) -> Option<usize> {
+        let own = layer.window.place_of([x, y])?;
+        let offset = layer.map.as_ref().map_or([0.0; 2], |map| map.offsets[own]);
+        self.source.place_of(nearest_source([x, y], offset)?)
+    }
+
+    /// The pixel of the source's frame that the background shows at a pixel, given by its index in the window.
+    pub(super) fn background_source(&self, at: usize) -> Option<[i32; 2]> {
+        let offset = self.background().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
+        nearest_source(self.window.pixel_at(at), offset)
+    }
+
+    /// Whether the holdout removes something of the background that a pixel shows.
+    pub(super) fn is_held_out_at(&self, at: [i32; 2]) -> bool {
+        let held_out = self.holdout.as_ref().zip(self.source_of(self.background(), at));
+        held_out.is_some_and(|(holdout, index)| holdout[index] > 0.0)
+    }
+
+    /// Pixels, as indices into the window, at which a moving layer folds over itself and something of it is visible.
+    /// `alpha`: #pixels of the source.
+    pub(super) fn folded_pixels(&self, moving_layer: usize, alpha: Option<&[f32]>) -> BTreeSet<usize> {
+        let of_layer = |layer: &WarpedLayer| -> Vec<usize> {
+            let folded = layer.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
+            let pixels = folded.map(|index| layer.window.pixel_at(index));
+            let shown = pixels.filter(|&pixel| self.is_visible(layer, pixel, alpha));
+            shown.filter_map(|pixel| self.window.place_of(pixel)).collect()
+        };
+        self.layers.iter().filter(|layer| layer.moving_layer == moving_layer).flat_map(of_layer).collect()
+    }
+
+    /// Whether a layer shows something of the picture at a pixel.
+    fn is_visible(&self, layer: &WarpedLayer, pixel: [i32; 2], alpha: Option<&[f32]>) -> bool {
+        let of = |plane: Option<&[f32]>, source: usize| plane.map_or(1.0, |plane| plane[source]);
+        self.source_of(layer, pixel)
+            .is_some_and(|source| of(layer.matte.coverage.as_deref(), source) * of(alpha, source) > LEAST_VISIBLE)
+    }
+}

@@ -1,0 +1,257 @@
+//! One lattice as a displacement of the whole plane: inside its box, and what happens around it.
+//!
+//! In: a lattice of the screen. Out: displacement and its gradient at any point, in frame heights. Handles count as
+//! displacements, so that what does not move gets exactly 0.
+
+use super::ramp::Ramp;
+use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
+use glam::{DMat2, DVec2};
+
+/// Samples of the border a span, to find out how far it moves.
+const SAMPLES: usize = 4;
+
+/// A handle that moved less than this, in frame heights, rests: a fifty-thousandth of a pixel at 4K. Solvers leave such
+/// noise, and what does not move has to stay exactly where it is.
+const STILL: f64 = 1e-8;
+
+/// A lattice whose displacement is extrapolated beyond its box.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ExtrapolatedLattice {
+    grid: Grid<2>,
+    /// How far each handle has moved: #handles, x fastest.
+    moved: Vec<DVec2>,
+    extrapolation: Extrapolation,
+}
+
+/// What happens outside the box.
+#[derive(Clone, Debug, PartialEq)]
+enum Extrapolation {
+    /// A point moves as the nearest box point does.
+    Nearest,
+    /// The displacement goes on along the normal of the border with its value and slope, and fades to zero:
+    ///
+    /// ```text
+    /// d(q + n) = [ d + d_x c(n_x) + d_y c(n_y) + d_xy c(n_x) c(n_y) ](q) · f(|n_x|/margin) · f(|n_y|/margin)
+    /// c(0) = 0, c'(0) = 1, constant from `bend` on;  f(0) = 1, f'(0) = 0, f(1) = 0, f'(1) = 0
+    /// ```
+    ///
+    /// C1 across the border, across the lines that go on from its sides, and at the margin's end.
+    Fade {
+        /// Where the slope has died away, an axis.
+        bend: DVec2,
+        /// Where the displacement has.
+        margin: f64,
+    },
+    /// A factor brings the displacement to rest at the border, and nothing moves outside.
+    Rests(Ramp),
+}
+
+/// Displacement at a box point and its derivatives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Jet {
+    d: DVec2,
+    dx: DVec2,
+    dy: DVec2,
+    dxy: DVec2,
+}
+
+/// How a displacement goes on along one axis: c, c', f, f'.
+#[derive(Clone, Copy, Debug)]
+struct AxisExtrapolation {
+    c: f64,
+    c_slope: f64,
+    f: f64,
+    f_slope: f64,
+}
+
+impl AxisExtrapolation {
+    const INSIDE: Self = Self { c: 0.0, c_slope: 1.0, f: 1.0, f_slope: 0.0 };
+    const HELD: Self = Self { c: 0.0, c_slope: 0.0, f: 1.0, f_slope: 0.0 };
+}
+
+impl ExtrapolatedLattice {
+    /// Extrapolation the box a point moves as the nearest box point does.
+    pub(super) fn clamped(lattice: &ScreenLattice) -> Self {
+        let rest = lattice.grid.rest_handles();
+        let moved = lattice.handles.iter().zip(rest).map(|(&to, from)| {
+            let moved = DVec2::from(to) - DVec2::from(from);
+            if moved.length() < STILL { DVec2::ZERO } else { moved }
+        });
+        Self { grid: lattice.grid.clone(), moved: moved.collect(), extrapolation: Extrapolation::Nearest }
+    }
+
+    /// The displacement times a factor that is 0 from the border of the box outwards.
+    pub(super) fn resting(lattice: &ScreenLattice, ramp: Ramp) -> Self {
+        Self { extrapolation: Extrapolation::Rests(ramp), ..Self::clamped(lattice) }
+    }
+
+    /// Whether it is known to be one-to-one.
+    pub(super) fn is_one_to_one(&self) -> bool {
+        matches!(self.extrapolation, Extrapolation::Rests(_))
+    }
+
+    /// Extrapolation the box the displacement goes on smoothly and fades to zero.
+    pub(super) fn fading(lattice: &ScreenLattice) -> Self {
+        let mut lattice = Self::clamped(lattice);
+        let grid = &lattice.grid;
+        let side = DVec2::new(grid.size(0), grid.size(1));
+        let spacing = DVec2::new(grid.spacing(0), grid.spacing(1));
+        // Slopes of barycentric cells jump along the border; going on with them would tear the picture.
+        let bend = if grid.basis.support() == Support::Simplex { DVec2::ZERO } else { spacing.min(side * 0.25) };
+        // f falls by 1.5/margin at most: a margin of four times the border's greatest displacement keeps the fold away, see docs/PLATES.md.
+        let margin = 0.25 * side.min_element() + 4.0 * lattice.max_border_displacement(bend);
+        lattice.extrapolation = Extrapolation::Fade { bend, margin };
+        lattice
+    }
+
+    /// The greatest displacement that the border reaches when it goes on with its slopes.
+    fn max_border_displacement(&self, bend: DVec2) -> f64 {
+        let counts = [0, 1].map(|axis| SAMPLES * self.grid.basis.spans(self.grid.dims[axis]));
+        let half = bend * 0.5;
+        let reached = |unit: DVec2, is_end: [bool; 2]| {
+            let jet = self.jet(unit);
+            let [cx, cy] = [half.x * f64::from(u8::from(is_end[0])), half.y * f64::from(u8::from(is_end[1]))];
+            jet.d.length() + cx * jet.dx.length() + cy * jet.dy.length() + cx * cy * jet.dxy.length()
+        };
+        let side = |axis: usize, end: f64| {
+            (0..=counts[1 - axis]).map(move |k| {
+                let t = k as f64 / counts[1 - axis] as f64;
+                let is_corner = k == 0 || k == counts[1 - axis];
+                if axis == 0 {
+                    (DVec2::new(end, t), [true, is_corner])
+                } else {
+                    (DVec2::new(t, end), [is_corner, true])
+                }
+            })
+        };
+        let border = [0, 1].into_iter().flat_map(|axis| [0.0, 1.0].into_iter().flat_map(move |end| side(axis, end)));
+        border.map(|(unit, is_end)| reached(unit, is_end)).fold(0.0, f64::max)
+    }
+
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.moved.iter().all(|moved| *moved == DVec2::ZERO)
+    }
+
+    /// No point moves further, in frame heights.
+    pub(super) fn max_displacement(&self) -> f64 {
+        let inside = self.moved.iter().map(|moved| moved.length()).fold(0.0, f64::max);
+        match self.extrapolation {
+            Extrapolation::Nearest | Extrapolation::Rests(_) => inside,
+            Extrapolation::Fade { bend, .. } => inside.max(self.max_border_displacement(bend)),
+        }
+    }
+
+    /// Distance of two rest handles, an axis.
+    pub(super) fn spacing(&self) -> DVec2 {
+        DVec2::new(self.grid.spacing(0), self.grid.spacing(1))
+    }
+
+    /// Whether the displacement is smooth within a box that is less than half a cell wide: no crease of the basis and
+    /// no border that creases runs through it.
+    pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        let is_small = (hi - lo).cmple(self.spacing() * 0.5).all() && self.is_ramp_smooth_within(lo, hi);
+        let has_cells = self.grid.basis.is_piecewise_linear();
+        if !is_small || (self.extrapolation != Extrapolation::Nearest && !has_cells) {
+            return is_small;
+        }
+        let ends = [lo, hi].map(|point| self.grid.unit_from_point(point.to_array()));
+        let cell = |end: usize, axis: usize| {
+            let spans = if has_cells { self.grid.basis.spans(self.grid.dims[axis]) as f64 } else { 1.0 };
+            (ends[end][axis] * spans).floor().clamp(-1.0, spans)
+        };
+        let is_one_cell = (0..2).all(|axis| cell(0, axis) == cell(1, axis));
+        is_one_cell && (self.grid.basis.support() != Support::Simplex || self.is_off_diagonal(ends))
+    }
+
+    fn is_ramp_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        if let Extrapolation::Rests(ramp) = &self.extrapolation { ramp.is_smooth_within(lo, hi) } else { true }
+    }
+
+    /// Whether a box within a cell keeps off the diagonal that cuts the cell.
+    fn is_off_diagonal(&self, ends: [[f64; 2]; 2]) -> bool {
+        let place = |end: usize, axis: usize| {
+            (ends[end][axis].clamp(0.0, 1.0) * self.grid.basis.spans(self.grid.dims[axis]) as f64).fract()
+        };
+        place(0, 0) > place(1, 1) || place(1, 0) < place(0, 1)
+    }
+
+    /// Displacement of a point, and its gradient (column = derivative along x, y).
+    pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
+        let (lo, hi) = (DVec2::from(self.grid.lo), DVec2::from(self.grid.hi));
+        let inside = point.max(lo).min(hi);
+        let size = hi - lo;
+        let Jet { d, dx, dy, dxy } = self.jet((inside - lo) / size);
+        let [x, y] = [0, 1].map(|axis| self.along(axis, point[axis] - inside[axis]));
+        let value = d + dx * x.c + dy * y.c + dxy * (x.c * y.c);
+        let fade = x.f * y.f;
+        let slope_x = (dx + dxy * y.c) * (x.c_slope * fade) + value * (x.f_slope * y.f);
+        let slope_y = (dy + dxy * x.c) * (y.c_slope * fade) + value * (x.f * y.f_slope);
+        let Extrapolation::Rests(ramp) = &self.extrapolation else {
+            return (value * fade, DMat2::from_cols(slope_x, slope_y));
+        };
+        let (factor, fall) = ramp.at(point);
+        (value * factor, DMat2::from_cols(slope_x * factor + value * fall.x, slope_y * factor + value * fall.y))
+    }
+
+    /// How the displacement goes on `out` of the box.
+    fn along(&self, axis: usize, out: f64) -> AxisExtrapolation {
+        if out == 0.0 {
+            return AxisExtrapolation::INSIDE;
+        }
+        let Extrapolation::Fade { bend, margin } = self.extrapolation else { return AxisExtrapolation::HELD };
+        let (bend, t) = (bend[axis], out.abs() / margin);
+        // Beyond the margin nothing moves; NaN goes on.
+        if t >= 1.0 {
+            return AxisExtrapolation { c: 0.0, c_slope: 0.0, f: 0.0, f_slope: 0.0 };
+        }
+        let s = if bend > 0.0 { (out.abs() / bend).min(1.0) } else { 1.0 };
+        AxisExtrapolation {
+            c: bend * s * (1.0 - s * s * (1.0 - 0.5 * s)) * out.signum(),
+            c_slope: 1.0 - s * s * (3.0 - 2.0 * s),
+            f: 1.0 - t * t * (3.0 - 2.0 * t),
+            f_slope: -6.0 * t * (1.0 - t) / margin * out.signum(),
+        }
+    }
+
+    /// Displacement and derivatives at a place of the box, 0 to 1 an axis.
+    fn jet(&self, unit: DVec2) -> Jet {
+        match self.grid.basis.support() {
+            Support::Simplex => self.simplex_jet(unit),
+            Support::Tensor { .. } => self.tensor_jet::<4>(unit),
+            Support::Global => self.tensor_jet::<MAX_HANDLES>(unit),
+        }
+    }
+
+    fn tensor_jet<const N: usize>(&self, unit: DVec2) -> Jet {
+        let Grid { dims, basis, .. } = self.grid;
+        let (x, y) = (AxisTerms::<N>::at(basis, dims[0], unit.x), AxisTerms::<N>::at(basis, dims[1], unit.y));
+        let mut jet = Jet::default();
+        for (row, (value, slope)) in y.values().iter().zip(y.slopes()).enumerate() {
+            let start = (y.first + row) * dims[0] + x.first;
+            let (mut sum, mut slant) = (DVec2::ZERO, DVec2::ZERO);
+            let handles = &self.moved[start..start + x.values().len()];
+            for ((moved, value), slope) in handles.iter().zip(x.values()).zip(x.slopes()) {
+                sum += *moved * *value;
+                slant += *moved * *slope;
+            }
+            jet.d += sum * *value;
+            jet.dx += slant * *value;
+            jet.dy += sum * *slope;
+            jet.dxy += slant * *slope;
+        }
+        let [width, height] = [self.grid.size(0), self.grid.size(1)];
+        Jet { d: jet.d, dx: jet.dx / width, dy: jet.dy / height, dxy: jet.dxy / (width * height) }
+    }
+
+    fn simplex_jet(&self, unit: DVec2) -> Jet {
+        let point = [0, 1].map(|axis| self.grid.lo[axis] + unit[axis] * self.grid.size(axis));
+        let mut jet = Jet::default();
+        self.grid.for_each_weight(point, |term| {
+            let moved = self.moved[term.handle];
+            jet.d += moved * term.weight;
+            jet.dx += moved * term.gradient[0];
+            jet.dy += moved * term.gradient[1];
+        });
+        jet
+    }
+}

@@ -1,0 +1,138 @@
+//! What is seen where a layer moved away: the channels of a clean plate.
+//!
+//! In: the plate that fills, a composite, a channel's name. Out: samples over the composite's window.
+
+use super::Planes;
+use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
+use super::composite::Composite;
+use super::disjoint_over::BATCH;
+use super::resampler::Resampling;
+use crate::image::cryptomatte::Manifest;
+use crate::image::{Plate, Storage};
+use crate::space::PixelRect;
+use rayon::prelude::*;
+
+/// Up to here a float tells all whole numbers apart: 2^24.
+const MOST_EXACT: u32 = 1 << 24;
+/// The same of halves.
+const MOST_EXACT_HALF: u32 = 1 << 11;
+
+/// A plate that fills holes.
+pub(super) struct HoleFilling<'a> {
+    table: ChannelTable<'a>,
+    /// Why it cannot be used at all.
+    pub(super) refusal: Option<String>,
+}
+
+impl<'a> HoleFilling<'a> {
+    pub(super) fn of(fill: &'a Plate, plate: &Plate) -> Self {
+        let sizes = [plate, fill].map(|plate| [plate.display.width, plate.display.height]);
+        let refusal = (sizes[0] != sizes[1]).then(|| {
+            format!(
+                "what should fill the holes shows {:?} pixels, the plate {:?}: holes stay empty; use pictures of one size",
+                sizes[1], sizes[0]
+            )
+        });
+        Self { table: ChannelTable::of(fill, &[]), refusal }
+    }
+
+    /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture, the
+    /// depth and the Cryptomattes of other programs, whatever they call them.
+    pub(super) fn find(&self, entry: &ChannelEntry) -> Option<&ChannelEntry> {
+        if self.refusal.is_some() {
+            return None;
+        }
+        let same = || self.table.entries.iter().filter(|other| other.name.full == entry.name.full);
+        let in_part = same().find(|other| other.name.part == entry.name.part);
+        let in_view = || same().find(|other| other.name.view == entry.name.view);
+        let in_role = || self.table.entries.iter().find(|other| entry.has_role_of(other));
+        in_part.or_else(in_view).or_else(in_role)
+    }
+
+    /// What fills.
+    pub(super) fn plate(&self) -> &Plate {
+        self.table.plate
+    }
+
+    /// Whether a channel holds its numbers as the plate's channel does, whatever they count: a clean plate comes from where
+    /// the plate comes from.
+    pub(super) fn is_stored_alike(&self, behind: &ChannelEntry, entry: &ChannelEntry) -> bool {
+        behind.name.full == entry.name.full && !self.table.plate.is_own_render()
+    }
+
+    /// Samples of a channel and their window.
+    pub(super) fn samples(&self, place: ChannelIndex) -> (&[f32], PixelRect) {
+        (&self.table.channel(place).samples, self.table.window(place))
+    }
+
+    /// Writes the names of what fills Cryptomattes beside the names that they have.
+    pub(super) fn add_names(&self, plate: &mut Plate) {
+        if self.refusal.is_some() {
+            return;
+        }
+        for part in &mut plate.parts {
+            let texts = part.texts("cryptomatte/").into_iter();
+            let mattes = texts.filter_map(|(key, name)| Some((key.strip_suffix("name")?.to_owned(), name)));
+            for (key, name) in mattes.collect::<Vec<_>>() {
+                let key = format!("{key}manifest");
+                let behind = self.table.mattes.iter().find(|matte| is_same_matte(&matte.name, &name));
+                let Some((own, behind)) = part.text(&key).zip(behind) else { continue };
+                let own = Manifest::from_json(&own);
+                let all = own.joined(&behind.manifest);
+                if all != own {
+                    part.set_text(&key, &all.to_json());
+                }
+            }
+        }
+    }
+
+    /// The nearest sample of a channel at a pixel of a composite, counted in its window, as a channel of another storage holds
+    /// it; `None` where it has none.
+    pub(super) fn nearest(
+        &self,
+        place: ChannelIndex,
+        (composite, at): (&Composite, usize),
+        storage: Storage,
+    ) -> Option<f32> {
+        let channel = self.table.channel(place);
+        let index = self.table.window(place).place_of(composite.background_source(at)?)?;
+        Some(restored(channel.samples[index], channel.storage, storage))
+    }
+
+    /// A channel as it is seen at the back of a composite; 0 where it has nothing.
+    pub(super) fn seen(&self, place: ChannelIndex, composite: &Composite, by: Resampling) -> Vec<f32> {
+        let (window, samples) = (self.table.window(place), &self.table.channel(place).samples);
+        match &composite.background().map {
+            Some(map) => by.seen(map, &Planes { window, planes: vec![samples] }).swap_remove(0),
+            None => window.over(samples, composite.window, 0.0),
+        }
+    }
+}
+
+/// The same number in another storage: whole ones hold bits. Ids that a float cannot tell from others become 0, nothing.
+fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
+    match (from, to) {
+        (Storage::Uint, Storage::Uint) => sample,
+        (Storage::Uint, Storage::Half) if sample.to_bits() > MOST_EXACT_HALF => 0.0,
+        (Storage::Uint, _) if sample.to_bits() > MOST_EXACT => 0.0,
+        (Storage::Uint, _) => sample.to_bits() as f32,
+        (_, Storage::Uint) => f32::from_bits(sample.round() as u32),
+        _ => sample,
+    }
+}
+
+/// `ViewLayer.CryptoObject` is another program's `CryptoObject`.
+fn is_same_matte(one: &str, other: &str) -> bool {
+    let word = |name: &str| name.rsplit('.').next().map(str::to_lowercase);
+    word(one) == word(other)
+}
+
+/// Adds what fills holes, as far as they are open.
+pub(super) fn add_behind(plane: &mut [f32], holes: &[f32], filling: &[f32]) {
+    let samples = plane.par_iter_mut().zip(holes).zip(filling).with_min_len(BATCH);
+    samples.for_each(|((sample, &hole), &filling)| {
+        if hole > 0.0 {
+            *sample += hole * filling;
+        }
+    });
+}

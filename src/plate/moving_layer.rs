@@ -1,0 +1,76 @@
+//! What moves as one in a plate: the background and the layers with mattes.
+//!
+//! In: a [`PlateJob`]. Out: one [`MovingLayer`] each, with its fields of three frames; words about its folds.
+
+use super::pixel_field::Direction;
+use super::{Field, LayerJob, Matte, PlateJob};
+use crate::space::{FrameSize, PixelRect};
+use crate::spelling::counted;
+
+/// What moves as one: the background that no matte takes, or a layer with its matte.
+#[derive(Clone, Debug)]
+pub(super) struct MovingLayer<'a> {
+    /// For messages.
+    pub(super) name: &'a str,
+    /// What it moves of the plate; `None`: what no other layer moves.
+    pub(super) matte: Option<&'a Matte>,
+    /// Name and field of each layer that bends it.
+    pub(super) bent_by: Vec<(&'a str, &'a Field)>,
+    /// Forward: along its fields; backward: against them, to undo a warp.
+    pub(super) direction: Direction,
+    /// Where it goes in this frame.
+    pub(super) now: Field,
+    /// Where it goes in the frame before.
+    pub(super) previous: Field,
+    /// Where it goes in the next frame.
+    pub(super) next: Field,
+}
+
+impl<'a> MovingLayer<'a> {
+    /// The background, then the layers with mattes in the shot's order. Layers without a matte bend all of them.
+    pub(super) fn all_of(job: &'a PlateJob) -> Vec<Self> {
+        let whole: Vec<_> = job.layers.iter().filter(|layer| layer.matte.is_none()).collect();
+        let matted = job.layers.iter().filter(|layer| layer.matte.is_some());
+        let chain = |first: Option<&Field>, field_of: &dyn Fn(&LayerJob) -> Field| {
+            Field::chain(first.cloned().into_iter().chain(whole.iter().map(|layer| field_of(layer))).collect())
+        };
+        let now = |layer: &LayerJob| layer.field.clone();
+        let previous = |layer: &LayerJob| layer.previous.clone().unwrap_or_else(|| layer.field.clone());
+        let next = |layer: &LayerJob| layer.next.clone().unwrap_or_else(|| layer.field.clone());
+        let of = |layer: Option<&'a LayerJob>| Self {
+            bent_by: layer.into_iter().chain(whole.iter().copied()).map(|layer| (&*layer.name, &layer.field)).collect(),
+            name: layer.map_or("", |layer| layer.name.as_str()),
+            matte: layer.and_then(|layer| layer.matte.as_ref()),
+            direction: Direction::Forward,
+            now: chain(layer.map(now).as_ref(), &now),
+            previous: chain(layer.map(previous).as_ref(), &previous),
+            next: chain(layer.map(next).as_ref(), &next),
+        };
+        std::iter::once(of(None)).chain(matted.map(|layer| of(Some(layer)))).collect()
+    }
+}
+
+impl MovingLayer<'_> {
+    /// Says that it lies over itself, which layers fold it, and what to do.
+    pub(super) fn fold_warning(&self, pixels: usize, (frame, window): (FrameSize, PixelRect)) -> String {
+        let folding: Vec<&str> = match &self.bent_by[..] {
+            [(only, _)] => vec![only],
+            layers => layers.iter().filter(|(_, field)| field.folds_in(frame, window)).map(|(name, _)| *name).collect(),
+        };
+        let folding = if folding.is_empty() { self.bent_by.iter().map(|(name, _)| *name).collect() } else { folding };
+        let names: Vec<String> = folding.iter().map(|name| format!("\"{name}\"")).collect();
+        let subject = match &names[..] {
+            [only] => format!("the warp of layer {only} folds"),
+            names => format!("the warps of the layers {} fold", names.join(" and ")),
+        };
+        let pixels = counted(pixels, "pixel", "pixels");
+        let remedy = match (self.direction, self.matte) {
+            (Direction::Backward, _) => "which cannot be undone there",
+            (Direction::Forward, Some(_)) => "move its pins less far, or hold what folds with more pins",
+            (Direction::Forward, None) => {
+                "move its pins less far, hold what folds with more pins, or give the layer a matte of what it moves"
+            }
+        };
+        format!("{subject}: the picture lies over itself in {pixels}; {remedy}")
+    }
+}

@@ -1,0 +1,105 @@
+//! A warp as a map of pixels: where every pixel of a warped picture comes from, or where every pixel of a picture goes.
+//!
+//! In: offsets, from a [`Field`](super::Field) or an STMap. Out: sources and Jacobians of single pixels, parts of the map.
+
+use crate::space::{FrameSize, PixelRect};
+use glam::DVec2;
+
+/// Where every pixel of a window comes from (or goes to).
+#[derive(Clone, Debug, PartialEq)]
+pub struct WarpMap {
+    /// The display window that the screen is measured against.
+    pub frame: FrameSize,
+    /// The pixels that the map tells of, relative to the upper left corner of the DISPLAY window; may lie partly or
+    /// wholly outside the frame.
+    pub window: PixelRect,
+    /// #pixels of the window, rows from the top: what has to be added to a pixel's centre, in pixels, x right, y DOWN;
+    /// NaN where nothing is seen. Exactly 0 where nothing moves.
+    pub offsets: Vec<[f32; 2]>,
+    /// Pixels of the window (places in `offsets`, in order) at which the field is not one-to-one: several points of the
+    /// source land there (backward), or the pixel lands where others do (forward).
+    pub folded_pixels: Vec<u32>,
+}
+
+/// Steps between neighbours that differ by more than this, in pixels a pixel, belong to different surfaces.
+const TEAR: f32 = 0.5;
+
+/// A surface is seen at a pixel if it covers at least this much of it.
+pub(super) const HALF: f32 = 0.5;
+
+impl WarpMap {
+    /// The map that moves nothing.
+    #[must_use]
+    pub fn identity(frame: FrameSize, window: PixelRect) -> Self {
+        Self { frame, window, offsets: vec![[0.0; 2]; window.area()], folded_pixels: Vec::new() }
+    }
+
+    /// Where pixel (x, y) of the display window comes from (or goes to), in pixels: the centre of pixel (i, j) is
+    /// (i + .5, j + .5). `None` outside the window and where nothing is seen.
+    #[must_use]
+    pub fn source(&self, x: i32, y: i32) -> Option<[f64; 2]> {
+        let column = usize::try_from(i64::from(x) - i64::from(self.window.x)).ok()?;
+        let row = usize::try_from(i64::from(y) - i64::from(self.window.y)).ok()?;
+        if column >= self.window.width as usize || row >= self.window.height as usize {
+            return None;
+        }
+        let [dx, dy] = self.offsets[row * self.window.width as usize + column].map(f64::from);
+        let source = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) + DVec2::new(dx, dy);
+        source.is_finite().then_some(source.to_array())
+    }
+
+    /// How the source moves per pixel at a place in `offsets`: `[row][column]`, column 0 a step to the right, column 1 a
+    /// step DOWN, in pixels. Steps across the edge of a surface do not count; a pixel alone gets the identity.
+    #[must_use]
+    pub fn jacobian(&self, index: usize) -> [[f32; 2]; 2] {
+        let width = self.window.width as usize;
+        let (column, row) = (index % width, index / width);
+        let right = (column + 1 < width).then(|| index + 1);
+        let below = (row + 1 < self.window.height as usize).then(|| index + width);
+        let x = self.step(index, index.checked_sub(1).filter(|_| column > 0), right);
+        let y = self.step(index, index.checked_sub(width), below);
+        [[1.0 + x[0], y[0]], [x[1], 1.0 + y[1]]]
+    }
+
+    /// Change of the offsets a pixel, between two neighbours.
+    fn step(&self, at: usize, before: Option<usize>, after: Option<usize>) -> [f32; 2] {
+        let here = self.offsets[at];
+        let change = |other: Option<usize>, sign: f32| {
+            let there = self.offsets[other?];
+            let change = [0, 1].map(|d| (there[d] - here[d]) * sign);
+            (change[0] + change[1]).is_finite().then_some(change)
+        };
+        let square = |v: [f32; 2]| v[0] * v[0] + v[1] * v[1];
+        match (change(before, -1.0), change(after, 1.0)) {
+            (Some(a), Some(b)) if square([a[0] - b[0], a[1] - b[1]]) <= TEAR * TEAR => {
+                [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+            }
+            (Some(a), Some(b)) => {
+                if square(a) <= square(b) {
+                    a
+                } else {
+                    b
+                }
+            }
+            (Some(only), None) | (None, Some(only)) => only,
+            (None, None) => [0.0; 2],
+        }
+    }
+
+    /// The map over another window; nothing is seen where it told nothing.
+    pub(super) fn cropped(&self, window: PixelRect) -> Self {
+        let place = |&index: &u32| window.place_of(self.window.pixel_at(index as usize)).map(|index| index as u32);
+        Self {
+            frame: self.frame,
+            window,
+            offsets: self.window.over(&self.offsets, window, [f32::NAN; 2]),
+            folded_pixels: self.folded_pixels.iter().filter_map(place).collect(),
+        }
+    }
+}
+
+/// The pixel whose centre is nearest to where a pixel comes from; `None` where nothing is seen.
+pub(super) fn nearest_source(pixel: [i32; 2], offset: [f32; 2]) -> Option<[i32; 2]> {
+    let [x, y] = [0, 1].map(|axis| (f64::from(offset[axis]) + 0.5).floor() + f64::from(pixel[axis]));
+    (x.abs() < 1e9 && y.abs() < 1e9).then_some([x as i32, y as i32])
+}

@@ -1,0 +1,201 @@
+//! A finished frame, warped channel by channel.
+//!
+//! In: a plate, the fields of its layers, mattes, settings. Out: the warped plate and a report of what was done.
+
+use super::channel_table::ChannelTable;
+use super::compose::compose;
+use super::composite::Composite;
+use super::composite_layout::{
+    assign_coverage, assign_map, assign_maps, assign_windows, composites, settle_windows, window_under,
+};
+use super::compositor::PlateCompositor;
+use super::hole_filling::HoleFilling;
+use super::matte::check_matte;
+use super::moving_layer::MovingLayer;
+use super::pixel_field::Direction;
+use super::resampler::{ResampleContext, Resampler};
+use super::{ChannelReport, Matte, PlateError, PlateJob, PlateReport, Semantic, WarpMap, WarpSettings};
+use crate::image::Plate;
+use crate::space::PixelRect;
+use crate::spelling;
+use std::sync::Arc;
+
+/// Whether a plate holds motion vectors, so that the fields of neighbour frames are needed.
+#[must_use]
+pub fn has_motion(plate: &Plate, settings: &WarpSettings) -> bool {
+    has_any(plate, settings, &[Semantic::Forward, Semantic::Backward])
+}
+
+/// Whether a plate holds Cryptomattes, so that what fills its holes needs some too.
+#[must_use]
+pub fn has_cryptomattes(plate: &Plate, settings: &WarpSettings) -> bool {
+    has_any(plate, settings, &[Semantic::Cryptomatte])
+}
+
+fn has_any(plate: &Plate, settings: &WarpSettings, semantics: &[Semantic]) -> bool {
+    let table = ChannelTable::of(plate, &settings.semantics);
+    table.entries.iter().any(|entry| semantics.contains(&entry.class.semantic))
+}
+
+/// Checks what the head of a plate tells, before anything is warped: that it has what mattes (with the names of their
+/// layers) ask for. No samples are needed. Gives back what the user should know.
+///
+/// # Errors
+/// [`PlateError`] as [`warp_plate`] would give it.
+pub fn check_plate(
+    head: &Plate,
+    mattes: &[(&str, &Matte)],
+    settings: &WarpSettings,
+) -> Result<Vec<String>, PlateError> {
+    let table = ChannelTable::of(head, &settings.semantics);
+    mattes.iter().try_for_each(|(layer, matte)| check_matte(&table, layer, matte))?;
+    let names = || table.entries.iter().map(|entry| entry.name.full.as_str());
+    let note = |pattern: String| {
+        let hint = spelling::hint(&pattern, names());
+        format!("[[warp.channels]]: no channel of the plate fits '{pattern}'; {hint}")
+    };
+    Ok(table.unmatched_patterns(&settings.semantics).into_iter().map(note).collect())
+}
+
+/// What every channel of a plate is taken for, in the order of parts and channels. No samples are needed.
+#[must_use]
+pub fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<ChannelReport> {
+    ChannelTable::of(head, &settings.semantics).entries.iter().map(|entry| entry.report(head)).collect()
+}
+
+/// Warps plates one after the other, and uses memory again.
+#[derive(Default)]
+pub struct Warper {
+    context: ResampleContext,
+}
+
+impl Warper {
+    /// A warper whose colour is resampled by a device, not by the kernels of this stage.
+    #[must_use]
+    pub fn on(device: Box<dyn Resampler>) -> Self {
+        Self { context: ResampleContext::with_device(Some(device)) }
+    }
+
+    /// What resamples, where it is not the CPU; `None` too from the moment on when a device failed.
+    #[must_use]
+    pub fn device(&self) -> Option<String> {
+        self.context.device()
+    }
+
+    /// Takes a plate that is not needed any more: the next result lies in its memory.
+    pub fn recycle(&self, plate: Plate) {
+        self.context.recycle(plate);
+    }
+
+    /// As [`warp_plate`].
+    ///
+    /// # Errors
+    /// As [`warp_plate`].
+    pub fn warp(&self, plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
+        let table = ChannelTable::of(plate, &job.settings.semantics);
+        let moving_layers = MovingLayer::all_of(job);
+        let mut composites = composites(&table);
+        for composite in &mut composites {
+            assign_coverage(composite, &table, &moving_layers)?;
+        }
+        assign_windows(&mut composites, plate.frame_size(), &moving_layers);
+        assign_maps(&mut composites, plate.frame_size(), &moving_layers);
+        let filling = job.fill.map(|fill| HoleFilling::of(fill, plate));
+        let compositor = PlateCompositor {
+            table: &table,
+            settings: job.settings,
+            moving_layers: Some(&moving_layers),
+            filling,
+            context: &self.context,
+        };
+        let (mut warped, report) = composed(&compositor, &composites, PlateReport::default());
+        compositor.filling.iter().for_each(|filling| filling.add_names(&mut warped));
+        Ok((warped, report))
+    }
+
+    /// As [`undo_plate`].
+    ///
+    /// # Errors
+    /// As [`undo_plate`].
+    pub fn undo(&self, plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+        let whole = MovingLayer::all_of(job).swap_remove(0);
+        let map = WarpMap::forward(&whole.now, plate.frame_size(), reach);
+        let undone = MovingLayer { direction: Direction::Backward, ..whole };
+        self.remapped(plate, &map, (job.settings, Some(&[undone])))
+    }
+
+    /// As [`remap_plate`].
+    ///
+    /// # Errors
+    /// As [`remap_plate`].
+    pub fn remap(
+        &self,
+        plate: &Plate,
+        map: &WarpMap,
+        settings: &WarpSettings,
+    ) -> Result<(Plate, PlateReport), PlateError> {
+        self.remapped(plate, map, (settings, None))
+    }
+
+    fn remapped(
+        &self,
+        plate: &Plate,
+        map: &WarpMap,
+        (settings, moving_layers): (&WarpSettings, Option<&[MovingLayer]>),
+    ) -> Result<(Plate, PlateReport), PlateError> {
+        let frame = plate.frame_size();
+        if (frame.width, frame.height) != (map.frame.width, map.frame.height) {
+            let (map, plate) = ([map.frame.width, map.frame.height], [frame.width, frame.height]);
+            return Err(PlateError::WrongMap { map, plate });
+        }
+        let table = ChannelTable::of(plate, &settings.semantics);
+        let mut composites = composites(&table);
+        for composite in &mut composites {
+            assign_coverage(composite, &table, &[])?;
+            composite.window = window_under(composite, map);
+        }
+        settle_windows(&mut composites);
+        assign_map(&mut composites, 0, &Arc::new(map.clone()));
+        let mut report = PlateReport::default();
+        if composites.iter().any(|composite| composite.source.intersection(map.window) != composite.source) {
+            let what = "the map does not reach as far as the plate: what lies outside it is left out";
+            report.warnings.push(format!("{what}; make the map with the plate's overscan"));
+        }
+        let compositor =
+            PlateCompositor { table: &table, settings, moving_layers, filling: None, context: &self.context };
+        Ok(composed(&compositor, &composites, report))
+    }
+}
+
+/// The plate, and its whole report.
+fn composed(compositor: &PlateCompositor, composites: &[Composite], mut report: PlateReport) -> (Plate, PlateReport) {
+    let plate = compose(compositor, composites, &mut report);
+    report.warnings.extend(compositor.context.take_warnings());
+    (plate, report)
+}
+
+/// Warps a plate: every part and channel by its semantic, layer over layer. Windows, attributes and the order of
+/// everything stay; data windows grow and shrink with the picture, unless the plate fills its frame.
+///
+/// # Errors
+/// [`PlateError`] where a matte names something that the plate does not have.
+pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
+    Warper::default().warp(plate, job)
+}
+
+/// Undoes the warp of a plate by the layers of a job, which have no mattes, where it is one-to-one: motion vectors too.
+/// `reach`: the pixels of the result, from the upper left corner of the display window.
+///
+/// # Errors
+/// None but those of [`remap_plate`].
+pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+    Warper::default().undo(plate, job, reach)
+}
+
+/// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.
+///
+/// # Errors
+/// [`PlateError::WrongMap`] where the map was made for another frame.
+pub fn remap_plate(plate: &Plate, map: &WarpMap, settings: &WarpSettings) -> Result<(Plate, PlateReport), PlateError> {
+    Warper::default().remap(plate, map, settings)
+}
