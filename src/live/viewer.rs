@@ -175,11 +175,13 @@ mod tests {
     #[test]
     fn folds_are_outlined_and_stretch_is_coloured() {
         let frame = viewer().host_frame.frame;
-        // A whole picture whose border is held never folds.
-        let free = |target| Controls { moved: Moved::Masked, ..controls(target) };
-        let warped = |target| warp(&free(target), &ShapeSource::Frame, frame).expect("solves");
+        // Two pins that change places; a whole picture whose border is held would not fold.
+        let swapped = [[0.6, 1.4], [1.4, 0.6], [0.05, 0.05], [1.95, 1.95]]
+            .map(|[rest, target]| Pin::new(ScreenPoint::new(rest, 0.5), ScreenPoint::new(target, 0.5)));
+        let crossed = Controls { pins: swapped.to_vec(), moved: Moved::Masked, ..Controls::default() };
+        let [calm, folded] = [controls([0.6, 0.2]), crossed]
+            .map(|controls| warp(&controls, &ShapeSource::Frame, frame).expect("solves"));
         let is_red = |stroke: &Stroke| stroke.colour == FOLD;
-        let [calm, folded] = [[0.6, 0.2], [1.7, 0.2]].map(warped);
         assert!(!viewer().lattice(Some(&calm), LatticeStyle::Plain).iter().any(is_red));
         assert!(viewer().lattice(Some(&folded), LatticeStyle::Plain).iter().any(is_red));
         let strokes = viewer().lattice(Some(&calm), LatticeStyle::Stretch);
