@@ -6,6 +6,7 @@
 //! What was computed is kept for the whole process by content (`process_cache.rs` says what and why), so hosts may make
 //! their instances anew for every frame.
 
+mod alpha_region;
 mod base_scene;
 mod buffer_pool;
 mod cache;
@@ -44,6 +45,7 @@ pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 /// Results are always wanted.
 const NEVER: &Stop<'static> = &|| false;
 
+pub use alpha_region::destination_of_any_alpha;
 pub use buffer_pool::{recycle_planes, take_planes};
 pub use controls::{Controls, Moved, Pin, PinRegion};
 pub use error::LiveError;
@@ -55,7 +57,6 @@ pub use owned::OwnedPicture;
 pub use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
-pub use regions::destination_of_any_alpha;
 pub use render::{Piece, render, render_mean, render_pieces};
 pub use render_job::Render;
 pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};

@@ -5,19 +5,19 @@
 use super::key::{Key, KeyWriter};
 use super::map_tiles::MapTile;
 use super::process_cache::CACHE;
-use super::{Controls, LiveError, Moved, ShapeSource, Stop, Warp, warp_until};
+use super::{LiveError, Warp};
 use crate::plate::{Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
 
 /// Samples around a picture's edge that its filter may spread to, in pixels of the result.
-const SOFT_EDGE: u32 = 3;
+pub(super) const SOFT_EDGE: u32 = 3;
 
 /// Samples on each side that a filter reads where little is squeezed.
 const WIDEST: u32 = 8;
 
 /// Where pixels are looked at one by one: the frame and as much again on every side. Hosts ask for "everywhere", too.
-fn around(frame: FrameSize) -> PixelRect {
+pub(super) fn around(frame: FrameSize) -> PixelRect {
     frame.window().grown(frame.width.max(frame.height))
 }
 
@@ -69,25 +69,6 @@ impl Warp {
         key.words(&[question, frame.width.into(), frame.height.into(), frame.pixel_aspect.to_bits()]);
         key.words(&[window.x as u64, window.y as u64, window.width.into(), window.height.into()]).finish()
     }
-}
-
-/// Every pixel that a picture of that window may be carried to whose alpha, not known yet, gives the shape: where the pins
-/// take it when it covers all of the window. A compact shape stays within; thin parts that reach far beyond the
-/// pins, and parts that lie apart, may go further.
-///
-/// # Errors
-/// As [`warp_until`].
-pub fn destination_of_any_alpha(
-    controls: &Controls,
-    window: PixelRect,
-    frame: FrameSize,
-    stop: &Stop,
-) -> Result<PixelRect, LiveError> {
-    let free = Controls { moved: Moved::Masked, ..controls.clone() };
-    // Of a picture that has no end, what lies within the frame gives the shape.
-    let shape = if window.intersection(around(frame)) == window { window } else { frame.window() };
-    let warp = warp_until(&free, &ShapeSource::Window(shape), frame, stop)?;
-    Ok(window.union(warp.destination_of(window, frame)))
 }
 
 /// Left, top, right and bottom of what is read, in pixels.
