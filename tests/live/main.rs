@@ -3,6 +3,7 @@
 mod alpha_regions;
 mod files;
 mod pixels;
+mod polls;
 mod regions;
 mod shots;
 mod support;
