@@ -2,6 +2,7 @@
 //!
 //! In: a [`PreparedShot`], frames, layers. Out: a [`BakedScene`]: every vertex in the space of its node, frame by frame.
 
+use super::topology::check_plain;
 use super::{PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::nominal_rate;
 use crate::export::gltf::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
@@ -45,6 +46,7 @@ impl PreparedShot {
         is_baked: impl Fn(usize) -> bool,
         mut tell: impl FnMut(i32),
     ) -> Result<BakedScene<'_>, PipelineError> {
+        check_plain(self, "a baked scene")?;
         let mut frames = frames.to_vec();
         frames.sort_unstable();
         let owned = |part: &usize| self.assignment.layer_of_part[*part].is_some_and(&is_baked);

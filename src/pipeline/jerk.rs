@@ -122,7 +122,8 @@ fn places(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Places>> {
 
 impl Places {
     fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
-        let lattice = &sample.layers[layer].solution.as_ref()?.lattice;
+        let solution = sample.layers[layer].solution.as_ref().filter(|solution| solution.branches.is_none())?;
+        let lattice = &solution.lattice;
         let mut places = Self::default();
         surface_points(prepared, sample, layer).for_each(|point| places.add(point, lattice));
         let state = &sample.layers[layer];

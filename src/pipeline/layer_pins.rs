@@ -58,7 +58,7 @@ pub(super) fn fade<const D: usize>(
     (solver, pins): (&Solver<D>, &[PointPin<D>]),
     presence: f64,
 ) {
-    let Solution { lattice, report } = solution;
+    let Solution { lattice, report, .. } = solution;
     let rest = lattice.grid.rest_handles();
     for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
         *handle = std::array::from_fn(|axis| rest[axis] + (handle[axis] - rest[axis]) * presence);

@@ -9,6 +9,7 @@ use super::mattes::Mattes;
 use super::mesh_resolution::coarse_meshes;
 use super::pictures::Gallery;
 use super::prepared_shot::{DrawInputs, LayerInputs};
+use super::topology::check_branching;
 use super::{
     PinAnchor, PipelineError, PreparedShot, anchors, lighting, missing_files, stiffness, transfer, visibility,
 };
@@ -32,6 +33,7 @@ impl PreparedShot {
         missing_files::check(&shot)?;
         let (scene, gallery) = load(&shot)?;
         let prepared = Self::with_scene(shot, scene)?;
+        check_branching(&prepared)?;
         Ok(Self { gallery, ..prepared })
     }
 

@@ -123,7 +123,7 @@ impl WorldLayer<'_> {
         let solver = factor(&self.grid, || self.shape(), &goal, &layer.settings, &never).map_err(fault)?;
         let Some(solver) = solver else { return Ok(LayerState::default()) };
         let presence = pins.iter().map(|pin| pin.state.presence);
-        let Solution { lattice, report } = solve_layer(&solver, &[], &goal, presence, &never).map_err(fault)?;
+        let Solution { lattice, report, .. } = solve_layer(&solver, &[], &goal, presence, &never).map_err(fault)?;
         let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
         let lattice = SceneLattice { frame: self.frame, lattice };
         let world = Some(WorldSolution { lattice, report, pins: in_scene });

@@ -90,6 +90,24 @@ impl<const C: usize> BlockedWeights<C> {
         self.blocks.push(Block { handles, packets: first..self.order.len(), start });
     }
 
+    /// Replaces handles by other unknowns, in the same order.
+    pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
+        let handles = self.blocks.iter_mut().flat_map(|block| &mut block.handles);
+        handles.for_each(|handle| *handle = unknown_of(*handle));
+    }
+
+    /// Adds the rows of another matrix; `order` of what is added counts from its own first row.
+    pub(crate) fn append(&mut self, other: Self) {
+        let (packets, coefficients) = (self.order.len(), self.coefficients.len());
+        self.order.extend(other.order);
+        self.coefficients.extend(other.coefficients);
+        self.blocks.extend(other.blocks.into_iter().map(|block| Block {
+            packets: block.packets.start + packets..block.packets.end + packets,
+            start: block.start + coefficients,
+            ..block
+        }));
+    }
+
     /// Largest difference of handle indices within a block.
     pub(crate) fn bandwidth(&self) -> usize {
         self.blocks.iter().filter_map(|block| index_extent(block.handles.iter().copied())).max().unwrap_or(0)

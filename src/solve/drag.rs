@@ -61,6 +61,12 @@ impl<const D: usize> Solver<D> {
     /// # Errors
     /// [`SolveError`] where the lattice has another number of handles.
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
+        if self.system().has_branches() {
+            return Err(SolveError::Invalid {
+                what: "a drag of a lattice with branches".into(),
+                hint: "solve each move, or set topology = \"plain\"".into(),
+            });
+        }
         let (found, wanted) = (from.handles.len(), self.system().grid().handle_count());
         if found != wanted {
             return Err(SolveError::Invalid {

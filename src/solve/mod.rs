@@ -5,6 +5,7 @@
 mod active_cells;
 mod anderson;
 mod blocked_weights;
+mod branching;
 mod cancel;
 mod constraints;
 mod continuation;
@@ -42,6 +43,7 @@ mod winding;
 
 pub(crate) use active_cells::active_cells;
 
+pub use branching::BranchedLattice;
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;
@@ -52,7 +54,7 @@ pub use problem::{HandlePin, PointPin, Problem, Region, Shape};
 pub use report::{Solution, SolveReport};
 pub use settings::{
     DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling,
-    Settings, SmoothingDisc, Start,
+    Settings, SmoothingDisc, Start, Topology,
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;

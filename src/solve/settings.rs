@@ -110,6 +110,17 @@ pub struct SmoothingDisc {
     pub weight: f64,
 }
 
+/// Which points of a shape share handles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Topology {
+    /// All points near a handle, however far apart they are along the shape.
+    #[default]
+    Plain,
+    /// Those that hang together near the handle: every connected piece has a copy of it.
+    Branching,
+}
+
 /// Handling of folds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -166,6 +177,8 @@ pub struct Settings {
     pub disc: SmoothingDisc,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
+    /// Which points share handles.
+    pub topology: Topology,
     /// Folds.
     pub guard: Guard,
     /// Duplicate vertices.
@@ -222,6 +235,20 @@ impl Settings {
         self
     }
 
+    /// Which of these settings a branching lattice cannot have, and what to do; `None`: it can have them all.
+    #[must_use]
+    pub fn branching_fault(&self) -> Option<[&'static str; 2]> {
+        if self.energy != Energy::Area || self.sampling != Sampling::Subcells {
+            Some(["another energy than `area`", "use energy = \"area\" and no preset"])
+        } else if self.regularizer != Regularizer::Bend {
+            Some(["another regulariser than `bend`", "use regularizer = \"bend\""])
+        } else if self.temporal > 0.0 {
+            Some(["a temporal weight", "take `temporal` out"])
+        } else {
+            None
+        }
+    }
+
     /// The same settings with a smoother warp (above 1) or a less smooth one: the weight of the regulariser is multiplied by
     /// the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one smooth deformation.
     #[must_use]
@@ -245,6 +272,7 @@ impl Default for Settings {
             pin_hold: PinHold::Hard,
             disc: SmoothingDisc { radius: 0.05, weight: 100.0 },
             outside_pins: OutsidePins::Nearest,
+            topology: Topology::Plain,
             guard: Guard::Report,
             duplicate_vertices: DuplicateVertices::Merged,
             iteration_limit: 200,

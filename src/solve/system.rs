@@ -3,6 +3,7 @@
 //! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and the reports of their results.
 
 use super::active_cells::active_cells;
+use super::branching::{BranchedLattice, Branching};
 use super::cancel::Cancel;
 use super::constraints::Constraints;
 use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
@@ -23,6 +24,7 @@ use super::terms::{Scales, TargetTerms, Terms};
 use super::{energy, pin_residuals, pins, validate};
 use crate::lattice::{Folds, Grid, Lattice};
 use crate::spelling::counted;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The grid, the shape's samples, which points are pinned, which handles are moved, and the factored matrix.
@@ -40,6 +42,8 @@ pub(crate) struct System<const D: usize> {
     pins: Vec<PointPin<D>>,
     handles: Vec<HandlePin<D>>,
     terms: Terms<D>,
+    /// Copies of handles; `None`: every handle is one unknown.
+    branching: Option<Arc<Branching<D>>>,
     /// Which cells hold some of the shape.
     is_active: Vec<bool>,
     /// Warnings about the shape.
@@ -50,6 +54,7 @@ pub(crate) struct System<const D: usize> {
 pub(crate) struct Parts<const D: usize> {
     pub(crate) distortion: Box<dyn Distortion<D>>,
     pub(crate) pin_rows: LeastSquaresRows<D>,
+    pub(crate) branching: Option<Branching<D>>,
     pub(crate) warnings: Vec<String>,
     /// Points of the model, each a row of the proximal term.
     pub(crate) proximal: LeastSquaresRows<D>,
@@ -72,11 +77,29 @@ impl<const D: usize> System<D> {
     pub(crate) fn with_points(problem: &Problem<D>, points: &[[f64; D]], cancel: &Cancel) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
+        let warnings = shape_warnings(problem);
+        if let Some(branching) = Branching::of(problem)? {
+            if !points.is_empty() {
+                return Err(SolveError::Invalid {
+                    what: "a branching lattice over time".into(),
+                    hint: "solve it frame by frame, or set topology = \"plain\"".into(),
+                });
+            }
+            let parts = Parts {
+                distortion: branching.distortion(problem.shape, problem.pins, settings, cancel),
+                pin_rows: branching.pin_rows(problem.pins, settings),
+                branching: Some(branching),
+                warnings,
+                proximal: LeastSquaresRows::new(),
+            };
+            return Self::assemble(problem, parts, cancel);
+        }
         let distortion = energy::build(grid, problem.shape, problem.pins, settings, cancel)?;
         let parts = Parts {
             distortion: WithPinNeighbourhoods::around(distortion, grid, problem.pins, settings),
             pin_rows: pins::pin_rows(grid, problem.pins, settings),
-            warnings: shape_warnings(problem),
+            branching: None,
+            warnings,
             proximal: pins::point_rows(grid, points),
         };
         Self::assemble(problem, parts, cancel)
@@ -84,26 +107,31 @@ impl<const D: usize> System<D> {
 
     /// Factors a checked problem whose parts are built already.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
-        let Parts { distortion, pin_rows, warnings, proximal } = parts;
+        let Parts { distortion, pin_rows, branching, warnings, proximal } = parts;
         let (grid, settings) = (problem.grid, problem.settings);
         let mut moved = vec![false; grid.handle_count()];
         problem.handles.iter().for_each(|handle| moved[handle.index] = true);
+        let regularizer = match &branching {
+            Some(branching) => RegularizerTerm::Rows(branching.bend(settings.scaling)),
+            None => RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling),
+        };
+        let count = branching.as_ref().map_or(grid.handle_count(), Branching::count);
         let terms = Terms {
             pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
-            regularizer: Arc::new(RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling)),
+            regularizer: Arc::new(regularizer),
             proximal,
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
         let bandwidth = terms.pins.bandwidth().max(terms.regularizer.bandwidth()).max(distortion.bandwidth());
         let bandwidth = bandwidth.max(terms.proximal.bandwidth());
-        let mut normal = NormalMatrix::zero(grid.handle_count(), bandwidth);
+        let mut normal = NormalMatrix::zero(count, bandwidth);
         distortion.add_normal(scales.shape, &mut normal, cancel);
         cancel.check()?;
         terms.regularizer.add_normal(scales.regularizer, &mut normal, cancel);
         if settings.scaling == Scaling::Dimensionless {
             scales.tikhonov = TIKHONOV * normal.mean_diagonal();
-            (0..grid.handle_count()).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
+            (0..count).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
         }
         terms.pins.add_normal(scales.pins, &mut normal, cancel);
         terms.handles.add_normal(scales.handles, &mut normal, cancel);
@@ -124,6 +152,7 @@ impl<const D: usize> System<D> {
             pins: problem.pins.to_vec(),
             handles: problem.handles.to_vec(),
             terms,
+            branching: branching.map(Arc::new),
             is_active: active_cells(grid, problem.shape),
             warnings,
         })
@@ -190,7 +219,7 @@ impl<const D: usize> System<D> {
         validate::same_pins(&self.pins, pins)?;
         validate::same_handles(&self.handles, handles)?;
         let mut terms = self.terms.clone();
-        pins::retarget(&mut terms.pins, &self.grid, pins, &self.settings);
+        pins::retarget(&mut terms.pins, &self.grid, &self.held(pins), &self.settings);
         for (row, handle) in handles.iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
@@ -203,7 +232,7 @@ impl<const D: usize> System<D> {
         targets: &TargetTerms<'a, D>,
         cancel: &'a Cancel<'a>,
     ) -> Minimization<'a, D> {
-        let rest = self.grid.rest_handles();
+        let rest = self.rest();
         let start = match self.settings.start {
             Start::Rest => rest,
             Start::RigidFit => {
@@ -234,15 +263,18 @@ impl<const D: usize> System<D> {
 
     /// No active cell folds, or nearly folds.
     pub(crate) fn is_safe(&self, handles: &[[f64; D]]) -> bool {
-        let lattice = Lattice { grid: self.grid.clone(), handles: handles.to_vec() };
-        self.folds(&lattice).min_det >= MIN_GUARDED_DET
+        let folds = match self.branches(handles) {
+            Some(branches) => branches.folds(),
+            None => self.folds(&Lattice { grid: self.grid.clone(), handles: handles.to_vec() }),
+        };
+        folds.min_det >= MIN_GUARDED_DET
     }
 
     /// The solution without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
-        let result = MinimizationResult { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
+        let result = MinimizationResult { handles: self.rest(), iterations: 0, is_converged: true };
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 
@@ -270,8 +302,12 @@ impl<const D: usize> System<D> {
     fn report(&self, goal: &Targets<D>, run: MinimizationResult<D>, warnings: Vec<String>) -> Solution<D> {
         let Targets { pins, handles } = goal;
         let metrics = self.distortion.metrics(&run.handles);
-        let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
-        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let branches = self.branches(&run.handles);
+        let lattice = match &branches {
+            Some(branches) => branches.lattice(0),
+            None => Lattice { grid: self.grid.clone(), handles: run.handles },
+        };
+        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, branches.as_ref(), pin)).collect();
         let evidence = Evidence {
             pins,
             settings: &self.settings,
@@ -279,7 +315,7 @@ impl<const D: usize> System<D> {
             bounds: [self.grid.lo, self.grid.hi],
             diagonal: self.grid.diagonal(),
         };
-        let folds = self.folds(&lattice);
+        let folds = branches.as_ref().map_or_else(|| self.folds(&lattice), BranchedLattice::folds);
         let report = SolveReport {
             pin_residuals: pin_residuals::residuals(&evidence, &pin_errors),
             pin_errors,
@@ -296,10 +332,37 @@ impl<const D: usize> System<D> {
             conflicts: pins::conflicts(&self.grid, pins),
             warnings,
         };
-        Solution { lattice, report }
+        Solution { lattice, branches, report }
     }
 
-    fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
+    /// Some handles have copies.
+    pub(crate) fn has_branches(&self) -> bool {
+        self.branching.is_some()
+    }
+
+    /// The unknowns of the solve at rest: handles, or copies of them.
+    fn rest(&self) -> Vec<[f64; D]> {
+        self.branching.as_ref().map_or_else(|| self.grid.rest_handles(), |branching| branching.rest())
+    }
+
+    /// The points of the shape that pins hold.
+    fn held<'a>(&self, pins: &'a [PointPin<D>]) -> Cow<'a, [PointPin<D>]> {
+        match &self.branching {
+            Some(branching) => pins.iter().map(|pin| branching.held(pin).0).collect(),
+            None => Cow::Borrowed(pins),
+        }
+    }
+
+    /// The branches of a state; `None` where every handle is one unknown.
+    fn branches(&self, unknowns: &[[f64; D]]) -> Option<BranchedLattice<D>> {
+        self.branching.as_ref().map(|branching| BranchedLattice::new(branching, unknowns.to_vec()))
+    }
+
+    fn pin_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, pin: &PointPin<D>) -> f64 {
+        if let (Some(branching), Some(branches)) = (&self.branching, branches) {
+            let (held, piece) = branching.held(pin);
+            return distance(&branches.evaluate_in(branching.branch_of(piece), held.at), &held.target);
+        }
         let target = pins::held_target(&self.grid, pin, &self.settings);
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.evaluate(held), &target)

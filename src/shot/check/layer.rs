@@ -3,10 +3,10 @@
 //! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
 
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::MAX_HANDLES_IN_ALL;
+use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
 use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace};
 use crate::shot::{BoxRule, Layer, LayerSpace, Unmatted, WorldBoxRule};
-use crate::solve::Settings;
+use crate::solve::{Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// Whether a layer over a plate says no part of it.
@@ -28,6 +28,7 @@ impl Check<'_> {
         let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
+        let settings = self.branching(&raw, &key, shot);
         Layer {
             transfer,
             unmatted: match raw.matte {
@@ -39,7 +40,7 @@ impl Check<'_> {
             nodes: raw.nodes.unwrap_or_default(),
             space,
             basis: raw.lattice.basis,
-            settings: self.settings(&raw.solve, &format!("{key}.solve")),
+            settings,
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             stiffness: self.stiffness(raw.stiffness, &key),
@@ -142,6 +143,34 @@ impl Check<'_> {
             self.fault(&key, format!("the box from {lo:?} to {hi:?} is empty"), order);
         }
         WorldBoxRule::Fixed([lo, hi])
+    }
+
+    /// The settings of a layer, with the topology of its lattice.
+    fn branching(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) -> Settings {
+        let settings =
+            Settings { topology: raw.lattice.topology, ..self.settings(&raw.solve, &format!("{key}.solve")) };
+        if settings.topology == Topology::Plain {
+            return settings;
+        }
+        let faults = [
+            (shot.source != Kind::Images, "works on pictures only", "give `image` instead of a scene or a frame"),
+            (raw.lattice.space != RawSpace::Screen, "lies on the screen", "take `space` out"),
+            (raw.transfer.is_some(), "cannot be taken from another shot", "use pins instead of `transfer`"),
+            (!raw.handle.is_empty(), "has no handles that can be moved one by one", "use pins instead of handles"),
+            (
+                !matches!(raw.lattice.basis.support(), Support::Tensor { .. }),
+                "needs a basis with local support and no diagonals",
+                "use basis = \"bspline\" or \"bilinear\"",
+            ),
+        ];
+        let faults =
+            faults.into_iter().filter(|(is_fault, ..)| *is_fault).map(|(_, what, hint)| (what.to_owned(), hint));
+        let of_solver = settings.branching_fault().map(|[what, hint]| (format!("cannot have {what}"), hint));
+        for (what, hint) in faults.chain(of_solver) {
+            let hint = format!("{hint}, or set topology = \"plain\"");
+            self.fault(&format!("{key}.lattice.topology"), format!("a branching lattice {what}"), hint);
+        }
+        settings
     }
 
     fn settings(&mut self, raw: &RawSolve, key: &str) -> Settings {

@@ -4,7 +4,7 @@
 
 use crate::lattice::Basis;
 use crate::shot::model::{ColorChannel, Ease, OffsetUnit};
-use crate::solve::{EdgeWeights, Energy, Guard, Regularizer};
+use crate::solve::{EdgeWeights, Energy, Guard, Regularizer, Topology};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -109,6 +109,8 @@ pub(in crate::shot) struct RawLattice {
     pub(in crate::shot) dims: Option<Vec<usize>>,
     /// How handles are blended.
     pub(in crate::shot) basis: Basis,
+    /// Which parts of a drawing share handles.
+    pub(in crate::shot) topology: Topology,
     /// Where the box of the grid comes from.
     #[serde(rename = "box")]
     pub(in crate::shot) bounds: RawBox,
@@ -309,6 +311,12 @@ pub(in crate::shot) struct RawHandleKey {
 
 impl Default for RawLattice {
     fn default() -> Self {
-        Self { space: RawSpace::Screen, dims: None, basis: Basis::default(), bounds: RawBox::Follow }
+        Self {
+            space: RawSpace::Screen,
+            dims: None,
+            basis: Basis::default(),
+            topology: Topology::default(),
+            bounds: RawBox::Follow,
+        }
     }
 }

@@ -39,6 +39,24 @@ impl<const D: usize> Area<D> {
         Self { gradients, areas, plain_areas, total: samples.iter().map(|sample| sample.area).sum() }
     }
 
+    /// Replaces handles by other unknowns, in the same order.
+    pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
+        self.gradients.relabel(unknown_of);
+    }
+
+    /// The sum of several energies.
+    pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut parts = parts.into_iter();
+        let mut joined = parts.next().expect("there is a first part");
+        for part in parts {
+            joined.gradients.append(part.gradients);
+            joined.areas.extend(part.areas);
+            joined.plain_areas.extend(part.plain_areas);
+            joined.total += part.total;
+        }
+        joined
+    }
+
     /// Gradients at all samples: [packet][row][column][lane].
     fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
         dispatch(Gradients { energy: self, handles })

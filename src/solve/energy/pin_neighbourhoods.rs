@@ -70,6 +70,30 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
         Box::new(with_pins)
     }
 
+    /// As [`Self::around`] for unknowns other than handles: `relabel` turns rows over handles around a pin, by its index, into rows
+    /// over unknowns; more rows of the energy are given, as multiples of its mean.
+    pub(crate) fn with_rows(
+        shape: Box<dyn Distortion<D>>,
+        grid: &Grid<D>,
+        pins: &[PointPin<D>],
+        settings: &Settings,
+        (relabel, rows): (&dyn Fn(usize, &LeastSquaresRows<D>) -> LeastSquaresRows<D>, LeastSquaresRows<D>),
+    ) -> Box<dyn Distortion<D>> {
+        let mass = shape.mass();
+        let mut with_pins = Self { shape, discs: vec![(mass, rows)], regions: Vec::new() };
+        let kinds = SecondDifferences::of(grid);
+        for (index, pin) in pins.iter().enumerate() {
+            for spec in PinNeighbourhood::of(grid, pin, settings) {
+                let first = with_pins.discs.len();
+                with_pins.add((grid, &kinds), &spec, mass * (spec.radius / grid.diagonal()).powi(2));
+                for (_, rows) in &mut with_pins.discs[first..] {
+                    *rows = relabel(index, rows);
+                }
+            }
+        }
+        Box::new(with_pins)
+    }
+
     fn disc_energy(&self, handles: &[[f64; D]]) -> f64 {
         self.discs.iter().map(|(weight, rows)| weight * rows.energy(handles)).sum()
     }
