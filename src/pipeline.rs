@@ -13,6 +13,7 @@
 
 // Once a shot.
 mod anchors;
+mod auto_dims;
 mod cameras;
 mod layer_assignment;
 mod lighting;
@@ -21,6 +22,9 @@ mod mesh_resolution;
 mod missing_files;
 mod prepare;
 mod prepared_shot;
+mod rest_links;
+mod rest_mesh;
+mod selection;
 mod stiffness;
 mod transfer;
 mod visibility;
@@ -32,9 +36,12 @@ mod frame_cache;
 mod lattice_box;
 mod layer_pins;
 mod layer_solve;
+mod moved_meshes;
+mod part_starts;
 mod screen_layer;
 mod screen_shape;
 mod time_sample;
+mod topology;
 mod trajectories;
 mod watched_trajectory;
 mod whole_layer;
@@ -48,6 +55,7 @@ mod overlay;
 mod overlay_legend;
 mod passes;
 mod report;
+mod shared_cells;
 mod write;
 
 // Runs over frames: of a scene, of pictures, of plates.
@@ -90,4 +98,6 @@ pub use report::report;
 #[cfg(feature = "cli")]
 pub(crate) use resume::{Todo, refuse_existing};
 pub use screen_layer::{LayerSolver, LayerTask};
+pub use selection::{LayerShare, SharedPart};
 pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
+pub(crate) use topology::check_plain;

@@ -97,7 +97,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plate", &["image", "lattice", "space", "spelling"]),
     ("export", &["files", "image", "lattice", "plate", "scene", "space", "spelling"]),
     ("compare", &["image", "lattice", "solve", "space", "spelling"]),
-    ("raster", &["image", "lattice", "plate", "pose", "scene", "screen", "space", "spelling"]),
+    ("raster", &["image", "lattice", "plate", "pose", "scene", "screen", "solve", "space", "spelling"]),
     ("shot", &["files", "image", "lattice", "plate", "raster", "solve", "space", "spelling"]),
     (
         "pipeline",

@@ -4,7 +4,7 @@ use glam::{DVec2, Mat4, Quat, Vec2, Vec3};
 use pinwarp::lattice::{Basis, Grid, ScreenLattice};
 use pinwarp::pose::{Pose, PosedPart};
 use pinwarp::raster::Geometry;
-use pinwarp::raster::geometry::{Assembly, PosedScene, assemble};
+use pinwarp::raster::geometry::{Assembly, PartWarp, Piece, PosedScene, assemble};
 use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use pinwarp::screen::Camera;
 use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
@@ -76,16 +76,19 @@ fn bulge() -> ScreenLattice {
 }
 
 fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometry {
+    let warps = vec![lattice.map_or(PartWarp::Rest, PartWarp::Lattice); pose.parts.len()];
+    build_warped(scene, pose, &warps)
+}
+
+fn build_warped(scene: &Scene, pose: &Pose, warps: &[PartWarp]) -> Geometry {
     let camera = camera();
-    let lattices = vec![lattice; pose.parts.len()];
-    let now = PosedScene { pose, camera: &camera, lattices: &lattices };
-    let layer_ids = vec![1; pose.parts.len()];
+    let now = PosedScene { pose, camera: &camera, warps };
+    let pieces = vec![vec![Piece { layer_id: 1, ..Piece::default() }]; pose.parts.len()];
     assemble(&Assembly {
         scene,
         now,
         neighbours: None,
-        layer_ids: &layer_ids,
-        mattes: &[],
+        pieces: &pieces,
         lights: &[],
         environment: 1.0,
         line_width: WIDTH,

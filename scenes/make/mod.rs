@@ -16,6 +16,7 @@ mod nets;
 mod outline;
 mod paint;
 mod patch;
+mod puppet;
 mod rig;
 pub(crate) mod teapot;
 mod teapot_data;
@@ -36,5 +37,6 @@ pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
         ("flag/flag.png", flag::cloth()?),
         ("flag/pole.png", flag::pole()?),
         ("cat/cat.png", cat::picture()?),
+        ("puppet/puppet.png", puppet::picture()?),
     ])
 }

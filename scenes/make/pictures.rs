@@ -1,5 +1,5 @@
 //! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
-//! also docs/bulge.png (a hard pull as the paper, a point and a disc answer it), docs/fit.png, docs/flag.png, docs/transfer.png.
+//! also docs/branches.png (a raised arm under a plain and a branching lattice), docs/bulge.png (a hard pull as the paper, a point and a disc answer it), docs/fit.png, docs/flag.png, docs/transfer.png.
 //! Names as arguments: only theirs.
 
 mod fit_sheet;
@@ -11,7 +11,7 @@ use pinwarp::image::Durability;
 use pinwarp::pipeline::{Event, Existing, PreparedShot, RenderOptions, lattices, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::{Shot, Transfer, TransferFit};
-use pinwarp::solve::{Settings, SmoothingDisc};
+use pinwarp::solve::{Settings, SmoothingDisc, Topology};
 use pinwarp::space::FrameSize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -30,11 +30,12 @@ struct Picture {
     shift: i64,
 }
 
-const PICTURES: [Picture; 6] = [
+const PICTURES: [Picture; 7] = [
     Picture { scene: "teapot", frame: 12, height: 336, width: 596, shift: 0 },
     Picture { scene: "gingerman", frame: 8, height: 480, width: 480, shift: 0 },
     Picture { scene: "flag", frame: 6, height: 336, width: 500, shift: 0 },
     Picture { scene: "cat", frame: 8, height: 400, width: 400, shift: 0 },
+    Picture { scene: "puppet", frame: 11, height: 480, width: 400, shift: 0 },
     Picture { scene: "hare", frame: 8, height: 480, width: 400, shift: -10 },
     Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -40 },
 ];
@@ -58,8 +59,13 @@ fn main() -> anyhow::Result<()> {
         }
         both.save(place.join("picture.png")).with_context(|| format!("writing the picture of {}", picture.scene))?;
     }
-    let strips: [(&str, Strip); 4] =
-        [("bulge", bulge), ("fit", fit_sheet::strip), ("flag", flag_sheet::strip), ("transfer", transfer)];
+    let strips: [(&str, Strip); 5] = [
+        ("branches", branches),
+        ("bulge", bulge),
+        ("fit", fit_sheet::strip),
+        ("flag", flag_sheet::strip),
+        ("transfer", transfer),
+    ];
     for (name, strip) in strips.iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|other| other == name))
     {
         let path = folder.join(format!("../docs/{name}.png"));
@@ -81,6 +87,23 @@ fn bulge(folder: &Path) -> anyhow::Result<RgbImage> {
         let left = whole.width().saturating_sub(SIDE) / 2 - 40;
         let part = imageops::crop_imm(&whole, left, whole.height() - SIDE, SIDE, SIDE).to_image();
         imageops::replace(&mut strip, &part, column * i64::from(SIDE + GAP), 0);
+    }
+    Ok(strip)
+}
+
+/// The puppet at rest, and with her hand raised under a plain and a branching lattice of the same dims.
+fn branches(folder: &Path) -> anyhow::Result<RgbImage> {
+    const WIDTH: u32 = 320;
+    const HEIGHT: u32 = 480;
+    const FRAME: i32 = 11;
+    let read = || Shot::read(&folder.join("puppet/shot.toml"));
+    let (mut rest, mut plain) = (read()?, read()?);
+    rest.layers[0].strength = 0.0;
+    plain.layers[0].settings.topology = Topology::Plain;
+    let mut strip = RgbImage::from_pixel(3 * WIDTH + 2 * GAP, HEIGHT, image::Rgb([255; 3]));
+    for (shot, column) in [rest, plain, read()?].into_iter().zip(0..) {
+        let whole = rendered(shot, HEIGHT, FRAME)?;
+        imageops::replace(&mut strip, &whole, column * i64::from(WIDTH + GAP), 0);
     }
     Ok(strip)
 }

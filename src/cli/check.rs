@@ -13,8 +13,8 @@ use std::io::{self, Write};
 
 /// What the numbers mean.
 const JERK_IN_WORDS: &str = "jerk: how much the acceleration of a point changes from frame to frame, in pixels a frame \
-    cubed. It is 0 in steady motion, and high where a motion starts, stops or flickers. The warp is warned of where it jerks \
-    by more than 2 px and more than 6 times as much as the model and the keys that it follows.";
+    cubed. It is 0 in steady motion, and high where a motion starts, stops, turns fast or flickers. The warp is warned of where it \
+    jerks by more than 2 px and more than 6 times as much as the model and the keys that it follows, and is no smooth motion.";
 
 /// What was worst in a layer over all frames.
 #[derive(Default)]

@@ -39,7 +39,10 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
         barycentric: hit.barycentric,
         rest: Some(rest(&prepared, &pose, &hit)),
     };
-    let owner = prepared.assignment.layer_of_part[hit.part].map(|layer| prepared.shot.layers[layer].name.as_str());
+    let owner = prepared
+        .assignment
+        .layer_of_triangle(hit.part, hit.triangle)
+        .map(|layer| prepared.shot.layers[layer].name.as_str());
     let layer = args.layer.as_deref().or(owner);
     let name = args.write.as_deref().unwrap_or("pin");
     match (&args.write, layer) {

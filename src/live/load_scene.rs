@@ -9,7 +9,8 @@ use crate::pipeline::PreparedShot;
 use crate::plate::WarpSettings;
 use crate::scene::{Picture, Scene, SceneError, frame_card, picture_cards};
 use crate::shot::{
-    BoxRule, CameraRule, FrameRange, KeyLines, Layer, LayerSpace, Output, Shot, Shutter, Source, Unmatted, Visibility,
+    BoxRule, CameraRule, FrameRange, KeyLines, Layer, LayerSpace, Output, Selection, Shot, Shutter, Source, Unmatted,
+    Visibility,
 };
 use crate::solve::Settings;
 use crate::space::FrameSize;
@@ -121,7 +122,10 @@ fn layer(bounds: BoxRule) -> Layer {
     Layer {
         name: LAYER.to_owned(),
         nodes: Vec::new(),
+        selection: Selection::default(),
         space: LayerSpace::Screen { dims, bounds },
+        has_auto_dims: false,
+        cuts: Vec::new(),
         basis,
         settings: Settings::default(),
         step: 1,

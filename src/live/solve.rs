@@ -13,7 +13,7 @@ use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::lattice::Support;
 use crate::memory;
-use crate::pipeline::{LayerTask, PinAnchor, PipelineError, PreparedShot};
+use crate::pipeline::{LayerTask, PinAnchor, PipelineError, PreparedShot, check_plain};
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
@@ -169,6 +169,7 @@ impl Task<'_> {
     }
 
     fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
+        check_plain(self.prepared, "a plugin")?;
         let layer = self.layer(Goals::AtRest);
         self.check_handles(&layer)?;
         self.check_memory()?;

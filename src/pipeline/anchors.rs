@@ -24,6 +24,8 @@ pub enum PinAnchor {
     Surface {
         /// Index into the pose's parts.
         part: usize,
+        /// Index into the part's triangles.
+        triangle: usize,
         /// Vertex indices.
         corners: [u32; 3],
         /// Their weights.
@@ -48,7 +50,7 @@ impl PinAnchor {
     pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> RestPoint {
         match *self {
             Self::Screen(point) => RestPoint { point, presence: 1.0 },
-            Self::Surface { part, corners, barycentric } => {
+            Self::Surface { part, corners, barycentric, .. } => {
                 let vertices = corners.map(|corner| mesh.parts[part].vertices[corner as usize]);
                 let h =
                     vertices[0].h * barycentric[0] + vertices[1].h * barycentric[1] + vertices[2].h * barycentric[2];
@@ -67,7 +69,7 @@ impl PinAnchor {
     /// The pinned point of a pose in scene space, metres; `None` for a point of the screen.
     #[must_use]
     pub fn in_scene(&self, pose: &Pose) -> Option<DVec3> {
-        let Self::Surface { part, corners, barycentric } = *self else { return None };
+        let Self::Surface { part, corners, barycentric, .. } = *self else { return None };
         let place = |corner: usize| pose.parts[part].positions[corners[corner] as usize].0.as_dvec3();
         Some((0..3).map(|corner| place(corner) * barycentric[corner]).sum())
     }
@@ -76,7 +78,7 @@ impl PinAnchor {
     #[must_use]
     pub fn on(scene: &Scene, pose: &Pose, hit: &Hit) -> Self {
         let corners = primitive(scene, &pose.parts[hit.part]).triangles[hit.triangle];
-        Self::Surface { part: hit.part, corners, barycentric: hit.barycentric }
+        Self::Surface { part: hit.part, triangle: hit.triangle, corners, barycentric: hit.barycentric }
     }
 }
 
@@ -133,7 +135,7 @@ pub(super) fn find(
             layer.name, pin.name, pin.name
         )
     });
-    Ok((PinAnchor::Surface { part, corners, barycentric: *barycentric }, note))
+    Ok((PinAnchor::Surface { part, triangle: *triangle, corners, barycentric: *barycentric }, note))
 }
 
 /// A pin that does not fit the scene: what is wrong and how to fix it.

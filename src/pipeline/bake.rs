@@ -5,10 +5,10 @@
 use super::{PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::nominal_rate;
 use crate::export::gltf::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
-use crate::lattice::ScreenLattice;
 use crate::pose::{LocalPose, Pose, PosedPart, local_pose};
-use crate::scene::Packed;
-use crate::screen::{Camera, primitive};
+use crate::raster::geometry::{PartPoint, PartWarp, vertex_triangles};
+use crate::scene::{Packed, Primitive};
+use crate::screen::{Camera, Projected, primitive};
 use crate::space::ScreenVector;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
@@ -47,15 +47,17 @@ impl PreparedShot {
     ) -> Result<BakedScene<'_>, PipelineError> {
         let mut frames = frames.to_vec();
         frames.sort_unstable();
-        let owned = |part: &usize| self.assignment.layer_of_part[*part].is_some_and(&is_baked);
+        let layers = || (0..self.shot.layers.len()).filter(|&layer| is_baked(layer));
+        let owned = |part: &usize| layers().any(|layer| self.assignment.parts_of_layer[layer].contains(part));
         let parts: Vec<usize> = (0..self.assignment.layer_of_part.len()).filter(owned).collect();
         let mut nodes = self.at_rest(&parts, frames.first().copied().unwrap_or_default());
         for &frame in frames.iter().filter(|_| !parts.is_empty()) {
             let sample = self.sample_at(f64::from(frame))?;
-            let lattices = sample.lattices(&self.assignment.layer_of_part);
+            let warps = sample.warps(&self.assignment, &is_baked);
             let mut shapes = parts.iter().map(|&part| {
                 let node_from_scene = node_from_scene(&sample.pose, sample.pose.parts[part].node);
-                shape(&sample, (part, lattices[part]), node_from_scene)
+                let source = primitive(&self.scene, &sample.pose.parts[part]);
+                shape(&sample, (part, &warps[part]), source, node_from_scene)
             });
             nodes.iter_mut().flat_map(|node| &mut node.parts).for_each(|part| part.shapes.extend(shapes.next()));
             tell(frame);
@@ -67,13 +69,9 @@ impl PreparedShot {
 
     /// Takes the meshes of everything but a layer out of the file of the scene.
     pub fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
-        let others = self
-            .assignment
-            .node_of_part
-            .iter()
-            .zip(&self.assignment.layer_of_part)
-            .filter(|(_, owner)| **owner != Some(layer));
-        for (&node, _) in others {
+        let own = &self.assignment.parts_of_layer[layer];
+        let others = self.assignment.node_of_part.iter().enumerate().filter(|(part, _)| !own.contains(part));
+        for (_, &node) in others {
             let node = &mut packed.json["nodes"][self.scene.file_from_scene[node]];
             node.as_object_mut().and_then(|node| node.remove("mesh"));
         }
@@ -200,14 +198,20 @@ fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
 /// move each vertex across the view at its own depth, which leaves its place in the picture where the lattice puts it.
 fn shape(
     sample: &TimeSample,
-    (part, lattice): (usize, Option<&ScreenLattice>),
+    (part, warp): (usize, &PartWarp),
+    source: &Primitive,
     node_from_scene: Option<DMat4>,
 ) -> BakedShape {
     let mut baked = in_node(&sample.pose.parts[part], node_from_scene);
-    if let (Some(lattice), Some(node_from_scene)) = (lattice, node_from_scene) {
+    if let Some(node_from_scene) = node_from_scene.filter(|_| !warp.is_rest()) {
         let scene_points = &sample.pose.parts[part].positions;
+        let triangles = if warp.has_branches() { vertex_triangles(source) } else { Vec::new() };
+        let on = |vertex: usize| PartPoint {
+            weights: warp.weights_of(vertex),
+            triangle: triangles.get(vertex).copied().unwrap_or_default(),
+        };
         baked.positions.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(vertex, position)| {
-            let by = across(&sample.camera, lattice, sample.camera.project(scene_points[vertex]));
+            let by = across(&sample.camera, (warp, on(vertex)), sample.camera.project(scene_points[vertex]));
             let moved = scene_points[vertex].0.as_dvec3() + by;
             *position = node_from_scene.transform_point3(moved).as_vec3();
         });
@@ -215,12 +219,12 @@ fn shape(
     baked
 }
 
-/// How a lattice of the screen moves a point of the scene at its depth; not at all behind the camera.
-pub(super) fn across(camera: &Camera, lattice: &ScreenLattice, seen: crate::screen::Projected) -> DVec3 {
+/// How a warp of the screen moves a vertex of the scene at its depth; not at all behind the camera.
+fn across(camera: &Camera, (warp, on): (&PartWarp, PartPoint), seen: Projected) -> DVec3 {
     if seen.w <= 0.0 {
         return DVec3::ZERO;
     }
-    let by: ScreenVector = lattice.warp(seen.point()) - seen.point();
+    let by: ScreenVector = warp.warp(seen.point(), on) - seen.point();
     camera.scene_from_screen_vector(by, seen.w)
 }
 

@@ -4,8 +4,7 @@
 
 use super::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, lighting, overlay, plan_passes, report};
 use crate::image::CameraMatrices;
-use crate::lattice::ScreenLattice;
-use crate::raster::geometry::{self, Assembly, assemble};
+use crate::raster::geometry::{self, Assembly, PartWarp, assemble};
 use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
 use std::sync::Arc;
@@ -132,21 +131,18 @@ impl GeometryThread<'_> {
         let now = prepared.sample_at(frame)?;
         let around =
             if has_motion { Some([prepared.sample_at(frame + 1.0)?, prepared.sample_at(frame - 1.0)?]) } else { None };
-        let lattices = now.lattices(&prepared.assignment.layer_of_part);
-        let around_lattices =
-            around.as_ref().map(|samples| samples.each_ref().map(|m| m.lattices(&prepared.assignment.layer_of_part)));
+        let warps = now.warps(&prepared.assignment, |_| true);
+        let around_warps =
+            around.as_ref().map(|samples| samples.each_ref().map(|m| m.warps(&prepared.assignment, |_| true)));
         let neighbours = around
             .as_ref()
-            .zip(around_lattices.as_ref())
-            .map(|(samples, lattices)| [view_of(&samples[0], &lattices[0]), view_of(&samples[1], &lattices[1])]);
-        let layer_ids: Vec<u32> =
-            prepared.assignment.layer_of_part.iter().map(|owner| owner.map_or(0, |layer| layer as u32 + 1)).collect();
+            .zip(around_warps.as_ref())
+            .map(|(samples, warps)| [view_of(&samples[0], &warps[0]), view_of(&samples[1], &warps[1])]);
         let mut geometry = assemble(&Assembly {
             scene: &prepared.scene,
-            now: view_of(&now, &lattices),
+            now: view_of(&now, &warps),
             neighbours,
-            layer_ids: &layer_ids,
-            mattes: &prepared.draw_inputs.mattes.of_part,
+            pieces: &prepared.draw_inputs.pieces,
             lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
             environment: lighting::environment(&prepared.shot, &now.pose),
             line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
@@ -178,6 +174,6 @@ pub(super) fn facts(
 }
 
 /// A sample as the geometry stage wants it.
-fn view_of<'a>(sample: &'a TimeSample, lattices: &'a [Option<&'a ScreenLattice>]) -> geometry::PosedScene<'a> {
-    geometry::PosedScene { pose: &sample.pose, camera: &sample.camera, lattices }
+fn view_of<'a>(sample: &'a TimeSample, warps: &'a [PartWarp<'a>]) -> geometry::PosedScene<'a> {
+    geometry::PosedScene { pose: &sample.pose, camera: &sample.camera, warps }
 }

@@ -1,7 +1,7 @@
 //! Jerk: how unevenly a layer moves over four frames, before the warp and by it.
 //!
-//! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks and
-//! nothing that it follows does. It looks and never changes a picture.
+//! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks, nothing that it
+//! follows does, and it is no smooth motion either. It looks and never changes a picture.
 
 use super::{FrameReport, Jerk, PreparedShot, TimeSample};
 use crate::lattice::ScreenLattice;
@@ -17,6 +17,13 @@ const VISIBLE_PX: f64 = 2.0;
 
 /// The warp may jerk this many times as much as what it follows: far from the pins it swings farther than they move.
 const AMPLIFIED: f64 = 6.0;
+
+/// In steps of half the length a smooth motion has an eighth of the jerk, a kink in it a half and a jump all of it: above this part
+/// it is none.
+const ROUGH: f64 = 0.25;
+
+/// Steps in which a motion is looked at before it counts as rough, frames: what buckles is smooth, but within a part of a frame.
+const HALVINGS: [f64; 3] = [0.5, 0.25, 0.125];
 
 /// A turn of a pin moves its surroundings by this part of the lattice's diagonal a radian.
 const LEVER: f64 = 0.25;
@@ -52,7 +59,8 @@ impl JerkMeter {
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
             // What a transferred lattice follows lies in another shot: nothing here to blame it by.
             let is_followed = layer.transfer.is_none();
-            if is_followed && jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px) {
+            let is_uneven = jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px);
+            if is_followed && is_uneven && self.is_rough(prepared, index, &now).unwrap_or(true) {
                 report.warnings.push(format!(
                     "layer '{}': the warp jerks by {:.1} px where model and keys jerk by {:.1} px: it may flicker here; \
                      look for pins that are nearly on one point, or for parts that no pin holds",
@@ -84,6 +92,33 @@ impl JerkMeter {
         }
     }
 
+    /// Whether the warp of a layer jerks as it does because it jumps or bends, and not because it is carried around fast: an arm that is
+    /// raised evenly turns, and what turns is never without jerk. `None` where it cannot be solved between frames.
+    fn is_rough(&self, prepared: &PreparedShot, layer: usize, now: &[Option<Places>]) -> Option<bool> {
+        let mut first = prepared.mid_exposure_time(f64::from(self.past.front()?.0));
+        let known = self.past.iter().map(|(_, places)| places).map(Vec::as_slice).chain([now]);
+        let mut four: Vec<Places> = known.map(|places| places[layer].clone()).collect::<Option<_>>()?;
+        let mut whole = jerk_of(&four);
+        for step in HALVINGS {
+            let between =
+                |k: i32| Places::of(prepared, &*prepared.sample_at(first + step * f64::from(2 * k + 1)).ok()?, layer);
+            let middles = (0..3).map(between).collect::<Option<Vec<_>>>()?;
+            let mut seven: Vec<Places> = Vec::with_capacity(7);
+            for (place, middle) in four.iter().cloned().zip(middles) {
+                seven.extend([place, middle]);
+            }
+            seven.push(four.pop()?);
+            let halves = seven.windows(4).map(jerk_of).enumerate();
+            let (worst, half) = halves.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            if half <= ROUGH * whole {
+                return Some(false);
+            }
+            (whole, first) = (half, first + step * worst as f64);
+            four = seven.drain(worst..worst + 4).collect();
+        }
+        Some(true)
+    }
+
     /// The jerk of a layer; and the unrest of what its warp follows, pixels, in which jerks of both signs do not cancel.
     fn jerk(&self, now: &[Option<Places>], layer: usize, height_px: f64) -> Option<(Jerk, f64)> {
         let mut frames: Vec<&Places> = Vec::with_capacity(4);
@@ -100,6 +135,12 @@ impl JerkMeter {
         let jerk = Jerk { warp_px: warp[0], input_px: points[0].max(wanted[0]) };
         Some((jerk, points[1].max(wanted[1])))
     }
+}
+
+/// The jerk of the displacements at four times, frame heights a step cubed.
+fn jerk_of(four: &[Places]) -> f64 {
+    let [a, b, c, d] = four else { return 0.0 };
+    unevenness([&a.displacements, &b.displacements, &c.displacements, &d.displacements])[0]
 }
 
 /// Of points that are in sight in all four frames, the greatest third difference, and the greatest sum of the lengths of
@@ -122,7 +163,8 @@ fn places(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Places>> {
 
 impl Places {
     fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
-        let lattice = &sample.layers[layer].solution.as_ref()?.lattice;
+        let solution = sample.layers[layer].solution.as_ref().filter(|solution| solution.branches.is_none())?;
+        let lattice = &solution.lattice;
         let mut places = Self::default();
         surface_points(prepared, sample, layer).for_each(|point| places.add(point, lattice));
         let state = &sample.layers[layer];
@@ -161,9 +203,15 @@ fn surface_points<'a>(
     sample: &'a TimeSample,
     layer: usize,
 ) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
-    let parts = || prepared.assignment.parts_of_layer[layer].iter().map(|&part| &sample.pose.parts[part].positions);
-    let step = parts().map(Vec::len).sum::<usize>().div_ceil(SURFACE_POINTS).max(1);
-    let projected = parts().flatten().step_by(step).map(|&point| sample.camera.project(point));
+    let points = move || {
+        prepared.assignment.parts_of_layer[layer].iter().flat_map(move |&part| {
+            let share = prepared.assignment.share(layer, part);
+            let vertices = (0..).zip(&sample.pose.parts[part].positions);
+            vertices.filter(move |(vertex, _)| share.at(*vertex) > 0.0).map(|(_, point)| *point)
+        })
+    };
+    let step = points().count().div_ceil(SURFACE_POINTS).max(1);
+    let projected = points().step_by(step).map(|point| sample.camera.project(point));
     projected.map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
 }
 

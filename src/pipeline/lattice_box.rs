@@ -54,7 +54,9 @@ pub(super) fn screen_bounds(
     camera: &Camera,
 ) -> Option<Bounds<2>> {
     let reach = reach_of_frame(prepared.shot.size);
-    let extent = Extent { parts: &prepared.assignment.parts_of_layer[layer], near: camera.near(), reach };
+    let counts = |part: usize, corners: &[u32; 3]| prepared.assignment.share(layer, part).meets(corners);
+    let parts = &prepared.assignment.parts_of_layer[layer];
+    let extent = Extent { parts, counts: &counts, near: camera.near(), reach };
     let bounds = bounds(&prepared.scene, pose, mesh, extent)?;
     Some([bounds.min.0.to_array(), bounds.max.0.to_array()])
 }
@@ -105,7 +107,9 @@ fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bo
     let of_part = |&part: &usize| {
         let posed = &pose.parts[part];
         let source = primitive(&prepared.scene, posed);
-        let corners = source.triangles.iter().flatten().chain(source.lines.iter().flatten());
+        let share = prepared.assignment.share(index, part);
+        let triangles = source.triangles.iter().filter(|corners| share.meets(corners));
+        let corners = triangles.flatten().chain(source.lines.iter().flatten());
         let places = corners.map(|&corner| posed.positions[corner as usize].0.as_dvec3());
         let places = places.filter(|place| place.is_finite()).map(|place| frame.box_from_scene(place).to_array());
         places.map(|place| [place; 2]).reduce(union)

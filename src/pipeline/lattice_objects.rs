@@ -3,6 +3,7 @@
 //! In: a [`PreparedShot`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
 //! reason why there is none.
 
+use super::topology::check_plain;
 use super::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
 use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
@@ -30,6 +31,7 @@ impl PreparedShot {
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
     pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
+        check_plain(self, "a scene for Blender")?;
         let name = self.shot.layers[index].name.clone();
         let way = match self.lattice_object(index, frames)? {
             Ok(lattice) => BlenderWay::Lattice(lattice),
@@ -45,6 +47,11 @@ impl PreparedShot {
     }
 
     fn lattice_object(&self, index: usize, frames: &[i32]) -> Result<Result<LatticeObject, Reason>, PipelineError> {
+        if self.assignment.is_sharing[index] {
+            return Ok(Err(
+                "it shares a mesh with another layer or with what rests, and moves its vertices by weights".into(),
+            ));
+        }
         let mut poses = Poses::new();
         let mut built = None;
         for &frame in frames {

@@ -2,6 +2,7 @@
 //!
 //! In: a [`PreparedShot`] and frames. Out: a [`LatticeFile`].
 
+use super::topology::check_plain;
 use super::{LayerState, PipelineError, PreparedShot};
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::lattice::{BoxFrame, Lattice};
@@ -48,6 +49,7 @@ pub fn lattices(
     frames: &[i32],
     mut tell: impl FnMut(i32),
 ) -> Result<LatticeFile, PipelineError> {
+    check_plain(prepared, "a lattice file")?;
     let shot = &prepared.shot;
     let mut solved = vec![Solved::default(); shot.layers.len()];
     for &frame in frames {

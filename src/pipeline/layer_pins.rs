@@ -5,7 +5,9 @@
 
 use crate::lattice::Grid;
 use crate::shot::{HandleTrack, Layer, OffsetUnit, Pin, PinTargets};
-use crate::solve::{HandlePin, PinResidual, PointPin, Region, ResidualReason, Solution, SolveReport, Solver};
+use crate::solve::{
+    BranchedLattice, HandlePin, PinResidual, PointPin, Region, ResidualReason, Solution, SolveReport, Solver,
+};
 
 /// A pin that fades has ten to this power of its weight at the end.
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
@@ -58,20 +60,21 @@ pub(super) fn fade<const D: usize>(
     (solver, pins): (&Solver<D>, &[PointPin<D>]),
     presence: f64,
 ) {
-    let Solution { lattice, report } = solution;
+    let Solution { lattice, branches, report } = solution;
     let rest = lattice.grid.rest_handles();
     for (handle, rest) in lattice.handles.iter_mut().zip(rest) {
         *handle = std::array::from_fn(|axis| rest[axis] + (handle[axis] - rest[axis]) * presence);
     }
+    *branches = branches.take().map(|branches| branches.faded(presence));
     let off_by = |pin: &PointPin<D>| {
-        let image = lattice.deform(pin.at);
+        let image = branches.as_ref().map_or_else(|| lattice.deform(pin.at), |branches| branches.pin_image(pin));
         (0..D).map(|axis| (image[axis] - pin.target[axis]).powi(2)).sum::<f64>().sqrt()
     };
     report.pin_errors = pins.iter().map(off_by).collect();
     let off = report.pin_errors.iter().enumerate().filter(|(_, distance)| **distance > 0.0);
     let miss = |(pin, &distance): (usize, &f64)| PinResidual { pin, distance, reason: ResidualReason::Fading };
     report.pin_residuals = off.map(miss).collect();
-    let folds = solver.folds(lattice);
+    let folds = branches.as_ref().map_or_else(|| solver.folds(lattice), BranchedLattice::folds);
     report.folded_cells = folds.cells.len();
     report.folded_model_cells = folds.active_count;
     report.min_cell_det = folds.min_det;

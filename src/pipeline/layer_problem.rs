@@ -4,6 +4,7 @@
 
 use super::layer_pins::moved_handles;
 use super::screen_shape::screen_shape;
+use super::topology::check_plain;
 use super::{PipelineError, PreparedShot};
 use crate::lattice::Grid;
 use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
@@ -33,6 +34,7 @@ impl LayerProblem {
 /// # Errors
 /// [`PipelineError::Solve`] where a layer cannot be solved.
 pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Result<Option<LayerProblem>, PipelineError> {
+    check_plain(prepared, "a comparison of methods")?;
     let sample = prepared.evaluate(frame)?;
     let (Some(layer), Some(state)) = (prepared.shot.layers.get(index), sample.layers.get(index)) else {
         return Ok(None);

@@ -1,10 +1,13 @@
-//! The names of a shot, as Cryptomattes know them.
+//! What the parts of a scene are told apart by: ids of layers and nodes, and the names that Cryptomattes know.
 //!
-//! In: scene, parts, layer_of_part, layers. Out: [`Mattes`]: ids of every part, manifests for the files.
+//! In: scene, parts, layer assignment, layers. Out: [`Mattes`]: pieces of every part, manifests for the files.
 
+use super::LayerAssignment;
+use super::selection::{SharedPart, material_name};
 use crate::image::cryptomatte::{Manifest, MatteHeader, MatteId, clean_name};
 use crate::pose::PosedPart;
 use crate::raster::MATTE_LAYERS;
+use crate::raster::geometry::Piece;
 use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::Shot;
@@ -12,37 +15,55 @@ use crate::shot::Shot;
 /// What no layer claims goes by this name in `CryptoLayer`, as Arnold calls what belongs to no asset.
 const NO_LAYER: &str = "default";
 
-/// Ids of all parts, and what files say about them.
+/// Pieces of all parts, and what files say about them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mattes {
-    /// One a part, in the order of [`MATTE_LAYERS`].
-    pub(super) of_part: Vec<[MatteId; MATTE_LAYERS.len()]>,
+    /// One a part: all of it, or its triangles by the layer that moves most of each.
+    pub(super) pieces: Vec<Vec<Piece>>,
     /// One a Cryptomatte, with its manifest.
     pub(super) headers: Vec<MatteHeader>,
 }
 
 impl Mattes {
-    /// `layer_of_part`: one a part, the layer that moves it. The names do not depend on the frame, so every frame of a
-    /// sequence has the same manifest.
-    pub(super) fn new(shot: &Shot, scene: &Scene, (parts, layer_of_part): (&[PosedPart], &[Option<usize>])) -> Self {
-        let names = |(part, layer): (&PosedPart, &Option<usize>)| {
-            let layer = layer.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
-            let node = &scene.nodes[part.node].name;
-            [clean_name(node), material_name(scene, primitive(scene, part).material), clean_name(layer)]
+    /// The names do not depend on the frame, so every frame of a sequence has the same manifest.
+    pub(super) fn new(shot: &Shot, scene: &Scene, (parts, assignment): (&[PosedPart], &LayerAssignment)) -> Self {
+        let mut all_names = Vec::new();
+        let mut piece = |part: &PosedPart, owner: Option<usize>, triangles: Option<Vec<u32>>| {
+            let names = names(shot, scene, (part, owner));
+            let mattes = names.each_ref().map(|name| MatteId::of_name(name));
+            all_names.push(names);
+            Piece { triangles, layer_id: owner.map_or(0, |layer| layer as u32 + 1), mattes }
         };
-        let names: Vec<[String; MATTE_LAYERS.len()]> = parts.iter().zip(layer_of_part).map(names).collect();
-        let of_part = names.iter().map(|names| names.each_ref().map(|name| MatteId::of_name(name))).collect();
+        let of_part = |(index, part): (usize, &PosedPart)| match &assignment.shared_parts[index] {
+            None => vec![piece(part, assignment.layer_of_part[index], None)],
+            Some(shared) => {
+                owned(shared).into_iter().map(|(owner, triangles)| piece(part, owner, Some(triangles))).collect()
+            }
+        };
+        let pieces = parts.iter().enumerate().map(of_part).collect();
         let headers = MATTE_LAYERS.iter().enumerate().map(|(place, layer)| MatteHeader {
             name: (*layer).to_owned(),
-            manifest: Manifest::of_names(names.iter().map(|names| names[place].as_str())),
+            manifest: Manifest::of_names(all_names.iter().map(|names| names[place].as_str())),
             side_file: None,
         });
-        Self { of_part, headers: headers.collect() }
+        Self { pieces, headers: headers.collect() }
     }
 }
 
-/// Materials without a name go by their number, as nodes do.
-fn material_name(scene: &Scene, material: usize) -> String {
-    let name = &scene.materials[material].name;
-    if name.trim().is_empty() { format!("material_{material}") } else { clean_name(name) }
+/// The names of a piece, in the order of [`MATTE_LAYERS`].
+fn names(shot: &Shot, scene: &Scene, (part, owner): (&PosedPart, Option<usize>)) -> [String; MATTE_LAYERS.len()] {
+    let layer = owner.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
+    let node = &scene.nodes[part.node].name;
+    let material = material_name(scene, primitive(scene, part).material);
+    [clean_name(node), clean_name(&material), clean_name(layer)]
+}
+
+/// The triangles of a shared part, by the layer that moves most of each.
+fn owned(shared: &SharedPart) -> Vec<(Option<usize>, Vec<u32>)> {
+    let layers = std::iter::once(None).chain(shared.layers.iter().copied().map(Some));
+    let of_owner = |owner: Option<usize>| {
+        let triangles = (0..).zip(&shared.layer_of_triangle).filter(move |(_, other)| **other == owner);
+        (owner, triangles.map(|(number, _)| number).collect::<Vec<u32>>())
+    };
+    layers.map(of_owner).filter(|(_, triangles)| !triangles.is_empty()).collect()
 }

@@ -6,7 +6,6 @@ use super::PreparedShot;
 use super::lattice_box::world_grid;
 use crate::lattice::{BoxFrame, Grid};
 use crate::pose::{Pose, PosedPart};
-use crate::scene::Scene;
 use crate::screen::primitive;
 
 /// Edges longer than this many cells are told to the user.
@@ -18,7 +17,8 @@ pub(super) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String
     let note = |index: usize| {
         let (placed, grid) = world_grid(prepared, index, frame, first)?;
         let parts = prepared.assignment.parts_of_layer[index].iter();
-        let longest = parts.map(|&part| (longest_edge(&prepared.scene, &first.parts[part], (&placed, &grid)), part));
+        let longest =
+            parts.map(|&part| (longest_edge(prepared, (index, part), &first.parts[part], (&placed, &grid)), part));
         let (cells, part) = longest.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let layer = &prepared.shot.layers[index].name;
         let node = &prepared.scene.nodes[first.parts[part].node].name;
@@ -33,13 +33,20 @@ pub(super) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String
 }
 
 /// Length of a part's longest edge, in cells of a grid.
-fn longest_edge(scene: &Scene, part: &PosedPart, (frame, grid): (&BoxFrame, &Grid<3>)) -> f64 {
+fn longest_edge(
+    prepared: &PreparedShot,
+    (layer, index): (usize, usize),
+    part: &PosedPart,
+    (frame, grid): (&BoxFrame, &Grid<3>),
+) -> f64 {
     let cells = |from: u32, to: u32| {
         let [from, to] = [from, to].map(|corner| part.positions[corner as usize].0.as_dvec3());
         let edge = frame.axes().transpose() * (to - from);
         (0..3).map(|axis| edge[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max)
     };
-    let source = primitive(scene, part);
-    let edges = source.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let source = primitive(&prepared.scene, part);
+    let share = prepared.assignment.share(layer, index);
+    let own = source.triangles.iter().filter(|corners| share.meets(corners));
+    let edges = own.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     edges.chain(source.segments()).map(|[from, to]| cells(from, to)).fold(0.0, f64::max)
 }

@@ -8,12 +8,17 @@ use crate::shot::{Shot, Source};
 use crate::spelling;
 use std::path::Path;
 
-/// Looks for the scene, the pictures and the lattice files.
+/// Looks for the scene, the pictures, the masks and the lattice files.
 pub(super) fn check(shot: &Shot) -> Result<(), PipelineError> {
     match &shot.source {
         Source::Scene(scene) => check_file(shot, "scene", scene)?,
         Source::Images(images) => images.iter().try_for_each(|image| check_file(shot, "image", image))?,
         Source::Frame => {}
+    }
+    for (index, mask) in
+        shot.layers.iter().enumerate().filter_map(|(k, layer)| Some((k, layer.selection.mask.as_ref()?)))
+    {
+        check_file(shot, &format!("layer[{index}].select.mask.file"), &mask.file)?;
     }
     for (index, transfer) in shot.layers.iter().enumerate().filter_map(|(k, layer)| Some((k, layer.transfer.as_ref()?)))
     {

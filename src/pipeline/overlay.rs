@@ -62,6 +62,11 @@ impl SolvedLattice {
     }
 }
 
+/// The lattice has branches: the picture shows the largest, whose cells do not hold all of the model.
+fn has_branches(state: &LayerState) -> bool {
+    state.solution.as_ref().is_some_and(|solution| solution.branches.is_some())
+}
+
 impl Picture {
     /// What a sample's solves did.
     #[must_use]
@@ -77,8 +82,10 @@ impl Picture {
                 };
                 let seen = state.pins.iter().filter(|pin| pin.is_in_view);
                 let folds = match &lattice {
-                    SolvedLattice::Screen(lattice) => folds(lattice, || screen_shape(prepared, sample, index)),
-                    SolvedLattice::World(_) => Vec::new(),
+                    SolvedLattice::Screen(lattice) if !has_branches(state) => {
+                        folds(lattice, || screen_shape(prepared, sample, index))
+                    }
+                    SolvedLattice::Screen(_) | SolvedLattice::World(_) => Vec::new(),
                 };
                 Some(LayerPicture { lattice, folds, pins: seen.map(named).collect() })
             });

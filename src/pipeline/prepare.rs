@@ -9,8 +9,11 @@ use super::mattes::Mattes;
 use super::mesh_resolution::coarse_meshes;
 use super::pictures::Gallery;
 use super::prepared_shot::{DrawInputs, LayerInputs};
+use super::rest_links::rest_links;
+use super::topology::check_branching;
 use super::{
-    PinAnchor, PipelineError, PreparedShot, anchors, lighting, missing_files, stiffness, transfer, visibility,
+    PinAnchor, PipelineError, PreparedShot, anchors, auto_dims, lighting, missing_files, stiffness, transfer,
+    visibility,
 };
 use crate::pose::{ClipChoice, Pose, PosedPart, pose};
 use crate::scene::{self, FileAccess, Scene};
@@ -22,6 +25,9 @@ use std::collections::HashMap;
 /// The greatest number of pixels of a frame: 16384 x 16384.
 const MAX_PIXELS: u64 = 1 << 28;
 
+/// A pin is told of where its layer moves less of the mesh than this.
+const FULL_SHARE: f64 = 0.99;
+
 impl PreparedShot {
     /// Loads the scene and ties the shot to it.
     ///
@@ -32,6 +38,7 @@ impl PreparedShot {
         missing_files::check(&shot)?;
         let (scene, gallery) = load(&shot)?;
         let prepared = Self::with_scene(shot, scene)?;
+        check_branching(&prepared)?;
         Ok(Self { gallery, ..prepared })
     }
 
@@ -55,14 +62,15 @@ impl PreparedShot {
         }
         let loaded = transfer::load(&shot, &mut notes)?;
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
-        let mattes = Mattes::new(&shot, &scene, (&first.parts, &assignment.layer_of_part));
+        let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
+        let Mattes { pieces, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,
             scene,
             notes,
             assignment,
-            layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, loaded },
-            draw_inputs: DrawInputs { rig: Vec::new(), mattes, hidden_layers: Vec::new(), hidden_nodes },
+            layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, links, loaded },
+            draw_inputs: DrawInputs { rig: Vec::new(), pieces, mattes, hidden_layers: Vec::new(), hidden_nodes },
             gallery: None,
             camera,
             clip,
@@ -74,6 +82,7 @@ impl PreparedShot {
             prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());
         }
         tie_pins(&mut prepared, &first)?;
+        auto_dims::choose(&mut prepared);
         note_unwarped(&mut prepared);
         let coarse = coarse_meshes(&prepared, &first);
         prepared.notes.extend(coarse);
@@ -125,11 +134,9 @@ fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineErr
                     pinned
                 }
             };
-            if let PinAnchor::Surface { part, .. } = pinned
-                && !prepared.assignment.parts_of_layer[index].contains(&part)
-            {
-                let node = &prepared.scene.nodes[first.parts[part].node].name;
-                let text = "which the layer does not claim: the pin follows it all the same";
+            if let Some(text) = note_on_pin(&prepared.assignment, index, &pinned) {
+                let at = if let PinAnchor::Surface { part, .. } = pinned { first.parts[part].node } else { 0 };
+                let node = &prepared.scene.nodes[at].name;
                 prepared.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
             }
             tied.push(pinned);
@@ -137,6 +144,20 @@ fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineErr
         prepared.layer_inputs.anchors.push(tied);
     }
     Ok(())
+}
+
+/// What the user should know of a pin that does not sit on what its layer moves.
+fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
+    let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
+    if !assignment.parts_of_layer[layer].contains(part) {
+        return Some("which the layer does not claim: the pin follows it all the same".into());
+    }
+    let share = assignment.share(layer, *part);
+    let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
+    (moved < FULL_SHARE).then(|| {
+        let percent = (100.0 * moved).round();
+        format!("where the layer moves {percent} % of the mesh: it goes that far only; pin it farther inside, or lessen `feather`")
+    })
 }
 
 /// Says which layers nothing moves.

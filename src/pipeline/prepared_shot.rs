@@ -4,16 +4,20 @@
 use super::cameras::CameraSource;
 use super::frame_cache::FrameCache;
 use super::layer_assignment::LayerAssignment;
-use super::mattes::Mattes;
 use super::passes::mid_shutter;
 use super::pictures::Gallery;
+use super::stiffness::{Painted, PartStiffness};
 use super::transfer::Loaded;
 use super::{PinAnchor, RestPoint};
+use crate::image::cryptomatte::MatteHeader;
 use crate::pose::{ClipChoice, Pose, PosedLight, pose};
+use crate::raster::geometry::Piece;
 use crate::scene::Scene;
 use crate::screen::{self, Camera};
 use crate::shot::{Layer, Shot};
+use crate::solve::Link;
 use crate::space::ScreenPoint;
+use std::sync::Arc;
 
 /// A shot ready to be rendered: all of it is the same for every frame.
 #[derive(Debug)]
@@ -45,8 +49,10 @@ pub struct PreparedShot {
 pub(super) struct LayerInputs {
     /// One a layer and pin.
     pub(super) anchors: Vec<Vec<PinAnchor>>,
-    /// One a part: stiffness of its triangles; empty: 1 everywhere.
-    pub(super) stiffness: Vec<Vec<f64>>,
+    /// Stiffness of their triangles.
+    pub(super) stiffness: Painted,
+    /// One a layer: which of its triangles hang together, where its lattice branches.
+    pub(super) links: Vec<Option<Arc<Vec<Link>>>>,
     /// One a layer: lattices from elsewhere.
     pub(super) loaded: Vec<Option<Loaded>>,
 }
@@ -56,8 +62,10 @@ pub(super) struct LayerInputs {
 pub(super) struct DrawInputs {
     /// The neutral lights, used where the scene has none.
     pub(super) rig: Vec<PosedLight>,
-    /// Names and ids for Cryptomattes.
-    pub(super) mattes: Mattes,
+    /// What the parts are told apart by.
+    pub(super) pieces: Vec<Vec<Piece>>,
+    /// What files say about Cryptomattes, one each.
+    pub(super) mattes: Vec<MatteHeader>,
     /// Layers whose parts are not drawn, though they keep their places, ids and names.
     pub(super) hidden_layers: Vec<usize>,
     /// Nodes whose meshes the shot hides.
@@ -115,9 +123,13 @@ impl PreparedShot {
         &self.layer_inputs.anchors[layer]
     }
 
-    /// Stiffness of a part's triangles in a layer; `None`: the layer has none.
-    pub(super) fn stiffness_of(&self, layer: usize, part: usize) -> Option<&[f64]> {
-        (!self.shot.layers[layer].stiffness.is_empty()).then(|| &self.layer_inputs.stiffness[part][..])
+    /// Stiffness of a part's triangles in a layer that has the part.
+    pub(super) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
+        PartStiffness {
+            painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
+            share: self.assignment.share(layer, part),
+            is_uneven: !self.shot.layers[layer].stiffness.is_empty() || self.assignment.is_sharing[layer],
+        }
     }
 
     /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure

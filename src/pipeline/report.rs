@@ -3,6 +3,7 @@
 //! In: a solved [`TimeSample`]. Out: a [`FrameReport`] with one entry for each solved layer, and warnings in words.
 
 use super::lattice_box::screen_bounds;
+use super::shared_cells;
 use super::trajectories::spread_at;
 use super::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
@@ -32,6 +33,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
+        report.warnings.extend(shared_cells::warning(layer, state, &solve, height_px));
         if let Ok(Some(spread)) = spread_at(prepared, index, frame) {
             report.warnings.push(spread_warning(layer, &spread, height_px));
         }

@@ -5,11 +5,12 @@
 use super::lattice_box::screen_box;
 use super::layer_pins::{faded_weight, held_border, moved_handles, region};
 use super::layer_solve::{factor, solve_layer};
-use super::screen_shape::screen_shape;
+use super::part_starts::PartStarts;
+use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample, whole_layer};
 use crate::lattice::Grid;
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
-use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets};
+use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets, Topology};
 use crate::space::{ScreenBox, ScreenVector};
 use std::borrow::Cow;
 
@@ -37,6 +38,10 @@ pub struct LayerSolver {
     /// Weights of the first pins of the layer; of the others 1.
     weights: Vec<f64>,
     border: Border,
+    /// One a pin: the triangle of the shape that it holds.
+    triangles: Vec<Option<u32>>,
+    /// Where the layer's parts lie in the shape, where its lattice branches.
+    starts: Vec<PartStarts>,
     /// `None`: neither pins nor handles act.
     solver: Option<Solver<2>>,
 }
@@ -89,10 +94,16 @@ impl PreparedShot {
         path: &[PinTargets],
         cancel: &Cancel,
     ) -> Result<Option<LayerSolver>, PipelineError> {
-        let LayerTask { index, layer, .. } = *task;
+        let LayerTask { index, layer, anchors, .. } = *task;
         let Some(mut solver) = unfactored(self, sample, task) else { return Ok(None) };
+        let is_branching = layer.settings.topology == Topology::Branching;
+        let branching = is_branching.then(|| screen_shape_with_starts(self, sample, index));
+        if let Some(ScreenShape { starts, .. }) = &branching {
+            solver.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
+            solver.starts.clone_from(starts);
+        }
         if let Some((_, goal)) = path.last().map(|targets| solver.targets(layer, targets)) {
-            let shape = || screen_shape(self, sample, index);
+            let shape = || branching.map_or_else(|| screen_shape(self, sample, index), |branching| branching.shape);
             let settings = match solver.border {
                 Border::Rests => Cow::Owned(whole_layer::compliant(&layer.settings)),
                 Border::Free | Border::Held => Cow::Borrowed(&layer.settings),
@@ -117,8 +128,18 @@ pub(super) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &La
         rests: anchors.iter().map(|anchor| anchor.rest(&mesh, &sample.camera)).collect(),
         weights: weights.to_vec(),
         border: border(&prepared.shot.source, layer, bounds),
+        triangles: Vec::new(),
+        starts: Vec::new(),
         solver: None,
     })
+}
+
+/// The triangle of the shape that a pin holds.
+fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
+    let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
+    let starts = &parts.iter().find(|own| own.part == part)?.starts;
+    let [start, end] = [*starts.get(triangle)?, *starts.get(triangle + 1)?];
+    (start < end).then_some(start)
 }
 
 /// Where a layer moves a whole plate from edge to edge, nothing is known beyond the edge, and a background must not
@@ -183,9 +204,9 @@ impl LayerSolver {
                 whole_layer::whole_pins(&pins, targets, &weights)
             });
             let whole = whole_pins.map(|pins| whole_layer::finish(&mut solution, &pins));
-            return Ok(LayerState { solution: Some(solution), pins, whole, world: None });
+            return Ok(LayerState { solution: Some(solution), pins, whole, ..LayerState::default() });
         }
-        Ok(LayerState { solution: Some(solution), pins, ..LayerState::default() })
+        Ok(LayerState { solution: Some(solution), pins, starts: self.starts.clone(), ..LayerState::default() })
     }
 
     /// The pins that act, and everything the solver is told, for one place of the path.
@@ -242,6 +263,7 @@ impl LayerSolver {
                 weight: faded_weight(rest.presence * self.weight(pin)),
                 gradient,
                 region: region(&layer.pins[pin], self.rest_box.size().length()),
+                triangle: self.triangles.get(pin).copied().flatten(),
             });
         }
         (states, points)

@@ -1,17 +1,30 @@
 //! The shape of a layer on the screen: what is seen of its triangles and lines.
 //!
-//! In: a [`TimeSample`] and a layer. Out: a [`Shape`]: triangles cut at the near plane, with their stiffness, and the runs of
-//! lines that the camera sees.
+//! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles cut at the near plane, with their stiffness and links, and the
+//! runs of lines that the camera sees.
 
-use super::stiffness::extend_stiffness;
+use super::part_starts::PartStarts;
 use super::{PreparedShot, TimeSample};
 use crate::screen::{Corner, Projected, clip_near, primitive};
-use crate::solve::Shape;
+use crate::solve::{Link, LinkEnd, LinkKind, Shape};
+use std::sync::Arc;
+
+/// A layer's shape, and which of its triangles come from where.
+pub(super) struct ScreenShape {
+    pub(super) shape: Shape<2>,
+    pub(super) starts: Vec<PartStarts>,
+}
 
 /// The layer's triangles and lines on the screen, cut at the near plane.
 pub(super) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Shape<2> {
+    screen_shape_with_starts(prepared, sample, index).shape
+}
+
+/// As [`screen_shape`], with where each part lies in it.
+pub(super) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> ScreenShape {
     let (mesh, near) = (sample.mesh(), sample.camera.near());
     let mut shape = Shape::default();
+    let mut all = Vec::new();
     for &part in &prepared.assignment.parts_of_layer[index] {
         let stiffness = prepared.stiffness_of(index, part);
         let vertices = &mesh.parts[part].vertices;
@@ -21,24 +34,63 @@ pub(super) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: 
         shape.points.extend(vertices.iter().map(place));
         let source = primitive(&prepared.scene, &sample.pose.parts[part]);
         source.lines.iter().for_each(|line| add_visible_runs(&mut shape, line, (vertices, base), near));
+        let mut starts = Vec::with_capacity(source.triangles.len() + 1);
         for (number, corners) in source.triangles.iter().enumerate() {
+            starts.push(shape.triangles.len() as u32);
+            if !stiffness.meets(corners) {
+                continue;
+            }
             let ends = corners.map(|corner| vertices[corner as usize]);
             if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
                 shape.triangles.push(corners.map(|corner| corner + base));
-                extend_stiffness(stiffness, number, &mut shape);
-                continue;
+            } else {
+                add_cut(&mut shape, ends, near);
             }
-            let (cut, count) = clip_near(ends, near);
-            for cut in &cut[..count] {
-                let first = shape.points.len() as u32;
-                let point = |corner: &Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
-                shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
-                shape.triangles.push([first, first + 1, first + 2]);
-            }
-            extend_stiffness(stiffness, number, &mut shape);
+            stiffness.extend((number, corners), &mut shape);
         }
+        starts.push(shape.triangles.len() as u32);
+        all.push(PartStarts { part, starts });
     }
-    shape
+    shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_now(links, &all));
+    ScreenShape { shape, starts: all }
+}
+
+/// Adds what the near plane leaves of a triangle.
+fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
+    let (cut, count) = clip_near(ends, near);
+    for cut in &cut[..count] {
+        let first = shape.points.len() as u32;
+        let point = |corner: &Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
+        shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
+        shape.triangles.push([first, first + 1, first + 2]);
+    }
+}
+
+/// The links between triangles of the rest as links of what is left of them. Where the near plane cuts a triangle in two, both hang
+/// together, and its links hold their middle.
+fn links_now(links: &Arc<Vec<Link>>, parts: &[PartStarts]) -> Arc<Vec<Link>> {
+    let runs: Vec<[u32; 2]> =
+        parts.iter().flat_map(|part| part.starts.windows(2).map(|pair| [pair[0], pair[1]])).collect();
+    if runs.iter().enumerate().all(|(number, &[start, end])| start as usize == number && end == start + 1) {
+        return Arc::clone(links);
+    }
+    let now = |end: &LinkEnd| {
+        let [start, next] = runs[end.triangle as usize];
+        match next - start {
+            0 => None,
+            1 => Some(LinkEnd { triangle: start, ..*end }),
+            _ => Some(LinkEnd { triangle: start, barycentric: [1.0 / 3.0; 3] }),
+        }
+    };
+    let kept = links.iter().filter_map(|link| {
+        let [from, to] = link.ends.each_ref().map(now);
+        Some(Link { ends: [from?, to?], kind: link.kind })
+    });
+    let halves = runs.iter().filter(|[start, end]| end - start > 1).map(|&[start, _]| {
+        let ends = [LinkEnd::corner(start as usize, 0), LinkEnd::corner(start as usize + 1, 1)];
+        Link { ends, kind: LinkKind::Edge }
+    });
+    Arc::new(kept.chain(halves).collect())
 }
 
 /// Adds the visible runs of a line to a shape, whose points hold the part's vertices from `base` on. A segment that

@@ -3,33 +3,59 @@
 //! In: a shot, its scene, which layer has which part. Out: stiffness of the triangles of every part.
 
 use super::PipelineError;
+use super::selection::LayerShare;
 use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
-use crate::shot::{ColorChannel, Shot, StiffPart, StiffnessRule};
+use crate::shot::{Shot, StiffPart, StiffnessRule};
 use crate::solve::Shape;
 use crate::spelling;
+use std::collections::BTreeMap;
 
-/// Gives the triangles last added to a shape the stiffness of the triangle of a part that they came from. `painted`: the
-/// stiffness of the part's triangles; `None`: the layer has none.
-pub(super) fn extend_stiffness<const D: usize>(painted: Option<&[f64]>, triangle: usize, shape: &mut Shape<D>) {
-    if let Some(painted) = painted {
-        let value = painted.get(triangle).copied().unwrap_or(1.0);
-        shape.stiffness.resize(shape.triangles.len(), value);
+/// What a layer moves next to nothing of resists it at least by this share, so that its lattice is held there too.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Stiffness of a part's triangles in a layer: as painted, times how much of them the layer moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PartStiffness<'a> {
+    /// #triangles; empty: 1 everywhere.
+    pub(super) painted: &'a [f64],
+    /// How much of the part the layer moves.
+    pub(super) share: LayerShare<'a>,
+    /// Some triangles of the layer are not as stiff as others.
+    pub(super) is_uneven: bool,
+}
+
+impl PartStiffness<'_> {
+    /// The layer moves some of a triangle.
+    pub(super) fn meets(&self, corners: &[u32; 3]) -> bool {
+        self.share.meets(corners)
+    }
+
+    /// Gives the triangles last added to a shape the stiffness of the triangle of the part that they came from.
+    pub(super) fn extend<const D: usize>(&self, (triangle, corners): (usize, &[u32; 3]), shape: &mut Shape<D>) {
+        if self.is_uneven {
+            let value = self.painted.get(triangle).copied().unwrap_or(1.0) * self.share.of(corners).max(LEAST_SHARE);
+            shape.stiffness.resize(shape.triangles.len(), value);
+        }
     }
 }
 
-/// One a part: stiffness of its triangles; empty: 1 everywhere.
+/// One a layer, by part: stiffness of its triangles; 1 everywhere in parts that are missing.
+pub(super) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
+
+/// Paints the triangles of all layers.
 pub(super) fn paint(
     shot: &Shot,
     scene: &Scene,
     (parts, parts_of_layer): (&[PosedPart], &[Vec<usize>]),
-) -> Result<Vec<Vec<f64>>, PipelineError> {
-    let mut painted = vec![Vec::new(); parts.len()];
+) -> Result<Painted, PipelineError> {
+    let mut painted = Painted::new();
     for (index, layer) in shot.layers.iter().enumerate() {
+        let mut own = BTreeMap::new();
         for (number, rule) in layer.stiffness.iter().enumerate() {
             let brush = Brush { scene, parts, own: &parts_of_layer[index], rule };
-            let is_met = brush.paint(&mut painted);
+            let is_met = brush.paint(&mut own);
             if !is_met {
                 let (key, what, hint) = brush.fault();
                 let what = format!("layer '{}': {what}", layer.name);
@@ -41,6 +67,7 @@ pub(super) fn paint(
                 ));
             }
         }
+        painted.push(own);
     }
     Ok(painted)
 }
@@ -56,12 +83,12 @@ struct Brush<'a> {
 
 impl Brush<'_> {
     /// Multiplies what the rule names; `false` where the layer has no triangles of it.
-    fn paint(&self, painted: &mut [Vec<f64>]) -> bool {
+    fn paint(&self, painted: &mut BTreeMap<usize, Vec<f64>>) -> bool {
         let met: Vec<usize> = self.own.iter().copied().filter(|&part| self.meets(part)).collect();
         let mut is_met = false;
         for &part in &met {
             let source = primitive(self.scene, &self.parts[part]);
-            let stiffness = &mut painted[part];
+            let stiffness = painted.entry(part).or_default();
             is_met |= !source.triangles.is_empty();
             stiffness.resize(source.triangles.len(), 1.0);
             for (slot, corners) in stiffness.iter_mut().zip(&source.triangles) {
@@ -86,7 +113,7 @@ impl Brush<'_> {
     /// How much of a triangle the rule means, 0 to 1: for vertex colours the mean over its corners.
     fn share(&self, source: &Primitive, corners: &[u32; 3]) -> f64 {
         let StiffPart::VertexColor(channel) = self.rule.part else { return 1.0 };
-        let value = |corner: &u32| f64::from(source.colors[*corner as usize][channel_index(channel)]);
+        let value = |corner: &u32| f64::from(source.colors[*corner as usize][channel.index()]);
         (corners.iter().map(value).sum::<f64>() / 3.0).clamp(0.0, 1.0)
     }
 
@@ -124,14 +151,5 @@ impl Brush<'_> {
                 ("vertex_color", "none of its meshes has vertex colours".into(), hint)
             }
         }
-    }
-}
-
-fn channel_index(channel: ColorChannel) -> usize {
-    match channel {
-        ColorChannel::R => 0,
-        ColorChannel::G => 1,
-        ColorChannel::B => 2,
-        ColorChannel::A => 3,
     }
 }

@@ -2,9 +2,13 @@
 //!
 //! Plain data: what [`evaluate`](super::evaluate) computes for a (fractional) frame.
 
+use super::LayerAssignment;
+use super::part_starts::PartStarts;
+use super::selection::SharedPart;
 use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::plate::{Field, WholeWarp};
 use crate::pose::Pose;
+use crate::raster::geometry::{BranchWarp, PartWarp, WarpBlend};
 use crate::screen::{Camera, ScreenMesh, project};
 use crate::solve::{Solution, SolveReport};
 use crate::space::ScreenPoint;
@@ -37,6 +41,8 @@ pub struct LayerState {
     pub world: Option<WorldSolution>,
     /// One a pin that acts.
     pub pins: Vec<PinState>,
+    /// Where its parts lie in the shape of a lattice with branches; empty without branches.
+    pub(super) starts: Vec<PartStarts>,
 }
 
 /// The solved lattice of a world layer.
@@ -84,6 +90,16 @@ impl LayerState {
 }
 
 impl LayerState {
+    /// What warps a part of the layer on the screen.
+    fn part_warp(&self, part: usize) -> PartWarp<'_> {
+        let Some(solution) = &self.solution else { return PartWarp::Rest };
+        let own = self.starts.iter().find(|own| own.part == part);
+        match solution.branches.as_ref().zip(own) {
+            Some((branches, own)) => PartWarp::Branches(BranchWarp { branches, starts: &own.starts }),
+            None => PartWarp::Lattice(&solution.lattice),
+        }
+    }
+
     /// Where the points of a plate go; `None` where the layer is not warped. `is_whole`: no matte cuts it out.
     #[must_use]
     pub fn field(&self, is_whole: bool) -> Option<Field> {
@@ -124,9 +140,22 @@ impl TimeSample {
         self.mesh.as_ref().map_or_else(|| Cow::Owned(project(&self.pose, &self.camera)), Cow::Borrowed)
     }
 
-    /// The lattice that warps a part, one a part.
-    pub(super) fn lattices(&self, layer_of_part: &[Option<usize>]) -> Vec<Option<&ScreenLattice>> {
-        let lattice = |layer: usize| self.layers[layer].solution.as_ref().map(|solution| &solution.lattice);
-        layer_of_part.iter().map(|layer| layer.and_then(lattice)).collect()
+    /// What warps a part on the screen, one a part; layers that `counts` leaves out rest.
+    pub(super) fn warps<'a>(
+        &'a self,
+        assignment: &'a LayerAssignment,
+        counts: impl Fn(usize) -> bool,
+    ) -> Vec<PartWarp<'a>> {
+        let of_layer = |layer: usize, part: usize| {
+            if counts(layer) { self.layers[layer].part_warp(part) } else { PartWarp::Rest }
+        };
+        let warp = |(part, (owner, shared)): (usize, (&Option<usize>, &'a Option<SharedPart>))| match shared {
+            Some(shared) => PartWarp::Blend(WarpBlend {
+                layers: shared.layers.iter().map(|&layer| of_layer(layer, part)).collect(),
+                weights: &shared.weights,
+            }),
+            None => owner.map_or(PartWarp::Rest, |layer| of_layer(layer, part)),
+        };
+        assignment.layer_of_part.iter().zip(&assignment.shared_parts).enumerate().map(warp).collect()
     }
 }

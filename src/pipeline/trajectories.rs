@@ -106,17 +106,19 @@ fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinA
     let mut total = 0.0;
     for &part in &prepared.assignment.parts_of_layer[index] {
         let positions = &pose.parts[part].positions;
-        for corners in &primitive(&prepared.scene, &pose.parts[part]).triangles {
+        let share = prepared.assignment.share(index, part);
+        for (triangle, corners) in primitive(&prepared.scene, &pose.parts[part]).triangles.iter().enumerate() {
             let [a, b, c]: [DVec3; 3] = corners.map(|corner| positions[corner as usize].0.as_dvec3());
-            total += (b - a).cross(c - a).length();
-            areas.push((total, part, *corners));
+            total += (b - a).cross(c - a).length() * share.of(corners);
+            areas.push((total, part, (triangle, *corners)));
         }
     }
     if total > 0.0 {
         let pick = |k: usize| {
             let wanted = total * (k as f64 + 0.5) / WATCHED_POINTS as f64;
-            let (_, part, corners) = areas[areas.partition_point(|area| area.0 < wanted).min(areas.len() - 1)];
-            PinAnchor::Surface { part, corners, barycentric: [1.0 / 3.0; 3] }
+            let (_, part, (triangle, corners)) =
+                areas[areas.partition_point(|area| area.0 < wanted).min(areas.len() - 1)];
+            PinAnchor::Surface { part, triangle, corners, barycentric: [1.0 / 3.0; 3] }
         };
         return (0..WATCHED_POINTS).map(pick).collect();
     }
@@ -128,6 +130,8 @@ fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinA
     let step = vertices.len().div_ceil(WATCHED_POINTS).max(1);
     let pinned = |&(part, vertex): &(usize, u32)| PinAnchor::Surface {
         part,
+        // A line has none.
+        triangle: usize::MAX,
         corners: [vertex; 3],
         barycentric: [1.0, 0.0, 0.0],
     };

@@ -94,7 +94,7 @@ impl Loaded {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
             report.warnings.push(text);
         }
-        LayerState { solution: Some(Solution { lattice, report }), ..LayerState::default() }
+        LayerState { solution: Some(Solution { lattice, branches: None, report }), ..LayerState::default() }
     }
 }
 

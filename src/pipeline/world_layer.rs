@@ -4,22 +4,17 @@
 
 use super::anchors::presence;
 use super::lattice_box::world_grid;
-use super::layer_assignment::LayerAssignment;
 use super::layer_pins::{faded_weight, moved_handles, region};
 use super::layer_solve::{factor, solve_layer};
-use super::stiffness::extend_stiffness;
+use super::moved_meshes::move_meshes;
 use super::{LayerState, PinState, PipelineError, PreparedShot, ScenePin, TimeSample, WorldSolution};
 use crate::lattice::{BoxFrame, Grid, SceneLattice};
-use crate::pose::{Pose, PosedPart};
+use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive, project};
 use crate::shot::{Goal, OffsetUnit, PinTarget, PinTargets, Rotation};
 use crate::solve::{Cancel, PointPin, Shape, Solution, Targets};
-use crate::space::{ScenePoint, SceneVector, ScreenPoint, ScreenVector};
-use glam::{DMat3, DVec3, Vec3};
-use rayon::prelude::*;
-
-/// Least vertices a thread takes at once.
-const CHUNK: usize = 2048;
+use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
+use glam::{DMat3, DVec3};
 
 /// A world layer at one time, on its way to be solved.
 struct WorldLayer<'a> {
@@ -46,7 +41,7 @@ impl PreparedShot {
     pub fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
         let (mut pose, camera) = self.view(frame);
         let layers = solve_all(self, frame, &pose, &camera)?;
-        move_meshes(&self.assignment, &mut pose, &layers);
+        move_meshes((&self.scene, &self.assignment), &mut pose, &layers);
         let mesh = Some(project(&pose, &camera));
         Ok(TimeSample { frame, pose, camera, mesh, layers })
     }
@@ -72,45 +67,6 @@ fn solve_all(
     (0..prepared.shot.layers.len()).map(solve).collect()
 }
 
-/// Moves the meshes of all solved world layers. A surface turns as the lattice does: tangents by its gradient,
-/// normals by the cofactors of it (the inverse transpose, up to a factor that unit length takes away).
-fn move_meshes(assignment: &LayerAssignment, pose: &mut Pose, layers: &[LayerState]) {
-    for (index, state) in layers.iter().enumerate() {
-        let Some(world) = &state.world else { continue };
-        for &part in &assignment.parts_of_layer[index] {
-            move_part(&mut pose.parts[part], &world.lattice);
-        }
-    }
-}
-
-fn move_part(part: &mut PosedPart, lattice: &SceneLattice) {
-    let moved: Vec<(Vec3, DMat3)> = part
-        .positions
-        .par_iter()
-        .with_min_len(CHUNK)
-        .map(|point| {
-            let (place, gradient) = lattice.warp_with_gradient(point.0.as_dvec3());
-            (place.as_vec3(), gradient)
-        })
-        .collect();
-    for (vertex, (place, gradient)) in moved.into_iter().enumerate() {
-        part.positions[vertex] = ScenePoint(place);
-        if let Some(normal) = part.normals.get_mut(vertex) {
-            let [x, y, z] = [gradient.x_axis, gradient.y_axis, gradient.z_axis];
-            let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-            *normal = SceneVector(turned(cofactors, normal.0));
-        }
-        if let Some(tangent) = part.tangents.get_mut(vertex) {
-            *tangent = turned(gradient, tangent.truncate()).extend(tangent.w);
-        }
-    }
-}
-
-/// A direction turned; the old one where the lattice squashes it to nothing.
-fn turned(by: DMat3, direction: Vec3) -> Vec3 {
-    (by * direction.as_dvec3()).try_normalize().map_or(direction, |turned| turned.as_vec3())
-}
-
 impl WorldLayer<'_> {
     fn solve(&self, frame: f64) -> Result<LayerState, PipelineError> {
         let layer = &self.prepared.shot.layers[self.index];
@@ -123,7 +79,7 @@ impl WorldLayer<'_> {
         let solver = factor(&self.grid, || self.shape(), &goal, &layer.settings, &never).map_err(fault)?;
         let Some(solver) = solver else { return Ok(LayerState::default()) };
         let presence = pins.iter().map(|pin| pin.state.presence);
-        let Solution { lattice, report } = solve_layer(&solver, &[], &goal, presence, &never).map_err(fault)?;
+        let Solution { lattice, report, .. } = solve_layer(&solver, &[], &goal, presence, &never).map_err(fault)?;
         let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
         let lattice = SceneLattice { frame: self.frame, lattice };
         let world = Some(WorldSolution { lattice, report, pins: in_scene });
@@ -141,9 +97,10 @@ impl WorldLayer<'_> {
             let place = |point: &ScenePoint| self.frame.box_from_scene(point.0.as_dvec3()).to_array();
             shape.points.extend(posed.positions.iter().map(place));
             let source = primitive(&self.prepared.scene, posed);
-            for (number, corners) in source.triangles.iter().enumerate() {
+            for (number, corners) in source.triangles.iter().enumerate().filter(|(_, corners)| stiffness.meets(corners))
+            {
                 shape.triangles.push(corners.map(|corner| corner + base));
-                extend_stiffness(stiffness, number, &mut shape);
+                stiffness.extend((number, corners), &mut shape);
             }
             let lines = source.lines.iter().map(|line| line.iter().map(|vertex| vertex + base).collect());
             shape.strokes.extend(lines);

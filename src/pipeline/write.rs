@@ -75,7 +75,7 @@ impl<'a> Writer<'a> {
             shot_hash: self.shot_hash.clone(),
             device: self.device.to_string(),
             camera: Some(camera),
-            mattes: if has_mattes { self.prepared.draw_inputs.mattes.headers.clone() } else { Vec::new() },
+            mattes: if has_mattes { self.prepared.draw_inputs.mattes.clone() } else { Vec::new() },
         };
         if frame.data_window.area() == 0 {
             report.warnings.push("the picture is empty: the camera sees nothing".into());

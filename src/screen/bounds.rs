@@ -22,10 +22,12 @@ pub fn reach_of_frame(frame: FrameSize) -> ScreenBox {
 }
 
 /// What of a scene [`bounds`] looks at.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Extent<'a> {
     /// Indices into the pose's parts.
     pub parts: &'a [usize],
+    /// Whether a triangle of a part counts, by its corners.
+    pub counts: &'a (dyn Fn(usize, &[u32; 3]) -> bool + Sync),
     /// Distance of the near plane, metres: what is nearer does not count.
     pub near: f64,
     /// What lies outside is cut off.
@@ -37,13 +39,14 @@ pub struct Extent<'a> {
 /// `None` where nothing of them is within reach.
 #[must_use]
 pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> Option<ScreenBox> {
-    let Extent { parts, near, reach } = extent;
+    let Extent { parts, counts, near, reach } = extent;
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
         // Corners of triangles and lines only: other vertices may belong to other parts.
         let source = primitive(scene, &pose.parts[part]);
         let segments = source.segments().map(|[a, b]| [a, b, b]);
-        ScreenBox::around(source.triangles.iter().copied().chain(segments).flat_map(|corners| {
+        let triangles = source.triangles.iter().copied().filter(|corners| counts(part, corners));
+        ScreenBox::around(triangles.chain(segments).flat_map(|corners| {
             let corners = corners.map(|corner| vertices[corner as usize]);
             let (cut, count) = clip_near(corners, near);
             let place = move |corner: Corner| corners[corner.from].lerp(corners[corner.to], corner.share).point();

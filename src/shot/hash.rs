@@ -26,6 +26,9 @@ impl Shot {
         content.layers.iter_mut().filter_map(|layer| layer.transfer.as_mut()).for_each(|transfer| {
             transfer.file = portable(&transfer.file, folder);
         });
+        content.layers.iter_mut().filter_map(|layer| layer.selection.mask.as_mut()).for_each(|mask| {
+            mask.file = portable(&mask.file, folder);
+        });
         if let Holes::Plate(clean) = &mut content.warp.holes {
             *clean = portable(clean, folder);
         }

@@ -85,6 +85,7 @@ fn expected_list(rules: &Rules) -> String {
         "integer" => "whole numbers",
         "number" => "numbers",
         "object" => "tables",
+        "array" => "lists",
         _ => "texts",
     };
     let limit = |name: &str| rules.get(name).and_then(Rules::as_u64);
@@ -92,7 +93,7 @@ fn expected_list(rules: &Rules) -> String {
         (Some(min), Some(max)) if min == max => format!("a list of {min} {kind}"),
         (Some(min), Some(max)) if min + 1 == max => format!("a list of {min} or {max} {kind}"),
         (Some(min), Some(max)) => format!("a list of {min} to {max} {kind}"),
-        (Some(min), _) => format!("a list of at least {min} of {kind}"),
+        (Some(min), _) => format!("a list of at least {min} {kind}"),
         _ => format!("a list of {kind}"),
     }
 }

@@ -20,6 +20,7 @@ mod model;
 mod range;
 mod raw;
 mod schema;
+mod selection;
 mod structure;
 pub mod template;
 
@@ -29,6 +30,7 @@ pub use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
 pub use schema::schema;
+pub use selection::{ColorChannel, PaintedMask, Selection};
 
 use crate::files::{SHOT_BYTES, read_text};
 use document::Document;

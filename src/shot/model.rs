@@ -2,7 +2,7 @@
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
-use super::{CameraRule, KeyLines, Visibility};
+use super::{CameraRule, ColorChannel, KeyLines, Selection, Visibility};
 use crate::image::Compression;
 use crate::lattice::Basis;
 use crate::plate::{Matte, WarpSettings};
@@ -66,14 +66,16 @@ impl Shot {
         }
     }
 
-    /// The files that it names, but for sequences: scene or pictures, and lattices from elsewhere.
+    /// The files that it names, but for sequences: scene or pictures, masks, and lattices from elsewhere.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let drawn = match &self.source {
             Source::Scene(scene) => std::slice::from_ref(scene),
             Source::Images(images) => images,
             Source::Frame => &[],
         };
-        drawn.iter().chain(self.layers.iter().filter_map(|layer| Some(&layer.transfer.as_ref()?.file)))
+        let masks = self.layers.iter().filter_map(|layer| Some(&layer.selection.mask.as_ref()?.file));
+        let lattices = self.layers.iter().filter_map(|layer| Some(&layer.transfer.as_ref()?.file));
+        drawn.iter().chain(masks).chain(lattices)
     }
 }
 
@@ -138,10 +140,17 @@ pub struct Shutter {
 pub struct Layer {
     /// Name, unique in the shot.
     pub name: String,
-    /// Patterns of node names (`*` and `?`); each claims its subtree. Empty: all nodes.
+    /// Patterns of node names (`*` and `?`); each takes its subtree, with a `!` before it takes it out. Where none takes:
+    /// all nodes.
     pub nodes: Vec<String>,
+    /// Which part of the meshes of those nodes.
+    pub selection: Selection,
     /// Where the lattice lies, its handles and its box.
     pub space: LayerSpace,
+    /// The dims of `space` are chosen when the shot is prepared, from the thinnest parts of the layer and its nearest pins.
+    pub has_auto_dims: bool,
+    /// Strokes that separate what touches in a picture, for lattices that branch: points in frame heights.
+    pub cuts: Vec<Vec<[f64; 2]>>,
     /// Basis of the lattice.
     pub basis: Basis,
     /// The solver's settings.
@@ -293,20 +302,6 @@ pub enum StiffPart {
     Material(String),
     /// Where a channel of the vertex colours is 1; 0 is not stiff, in between it mixes.
     VertexColor(ColorChannel),
-}
-
-/// A channel of the vertex colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum ColorChannel {
-    /// Red.
-    R,
-    /// Green.
-    G,
-    /// Blue.
-    B,
-    /// Alpha.
-    A,
 }
 
 /// What a pin is attached to.

@@ -180,6 +180,8 @@ name    = \"all\"
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
+## Limbs that cross on the screen, or hang close to something else, move apart with
+## lattice = {{ dims = \"auto\", topology = \"branching\" }}
 {world}
   ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
   ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}

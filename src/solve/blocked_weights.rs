@@ -27,6 +27,14 @@ pub(crate) struct Block {
     start: usize,
 }
 
+impl Block {
+    /// The block with some of its packets.
+    pub(crate) fn part(&self, packets: std::ops::Range<usize>) -> Self {
+        let start = self.start + (packets.start - self.packets.start) * self.handles.len();
+        Self { handles: self.handles.clone(), packets, start }
+    }
+}
+
 /// The matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockedWeights<const C: usize> {
@@ -88,6 +96,24 @@ impl<const C: usize> BlockedWeights<C> {
             self.order.push(order);
         }
         self.blocks.push(Block { handles, packets: first..self.order.len(), start });
+    }
+
+    /// Replaces handles by other unknowns, in the same order.
+    pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
+        let handles = self.blocks.iter_mut().flat_map(|block| &mut block.handles);
+        handles.for_each(|handle| *handle = unknown_of(*handle));
+    }
+
+    /// Adds the rows of another matrix; `order` of what is added counts from its own first row.
+    pub(crate) fn append(&mut self, other: Self) {
+        let (packets, coefficients) = (self.order.len(), self.coefficients.len());
+        self.order.extend(other.order);
+        self.coefficients.extend(other.coefficients);
+        self.blocks.extend(other.blocks.into_iter().map(|block| Block {
+            packets: block.packets.start + packets..block.packets.end + packets,
+            start: block.start + coefficients,
+            ..block
+        }));
     }
 
     /// Largest difference of handle indices within a block.

@@ -1,10 +1,11 @@
 //! Hard constraints: rows of pins and moved handles that hold exactly.
 //!
-//! In: the factored matrix A, and C, the rows of full weight of pins and moved handles.
-//! Out: after every linear solve P ← P + A⁻¹Cᵀ (C A⁻¹ Cᵀ)⁺ (d − C P), the solution of the KKT system
+//! In: the factored matrix A, and C, the rows of full weight of pins and moved handles, with the compliance Z of those that give way.
+//! Out: after every linear solve P ← P + A⁻¹Cᵀ (C A⁻¹ Cᵀ + Z)⁺ (d − C P), the solution of the KKT system
 //! (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 16.2, the Schur-complement method).
 
 use super::cancel::{Cancel, Cancelled};
+use super::least_squares::LeastSquaresRows;
 use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
 use super::linalg::pseudo_inverse::PseudoInverse;
@@ -13,7 +14,7 @@ use super::problem::PointPin;
 use super::settings::{PinHold, Settings};
 use super::terms::Terms;
 
-/// Directions of C A⁻¹ Cᵀ below this part of the largest eigenvalue are not enforced. A contains the rows at the weight of the pins
+/// Directions of C A⁻¹ Cᵀ below this part of the largest eigenvalue fade out: a tenth of it is not enforced. A contains the rows at the weight of the pins
 /// already, so only directions that cost ten thousand times as much shape energy as pin energy fall below: pins closer than
 /// about 1e-5 of the box, and more pins in a cell than it has handles.
 const CUTOFF: f64 = 1e-4;
@@ -83,7 +84,7 @@ impl Constraints {
         if held.is_empty() {
             return Ok(Self::default());
         }
-        if held.len() > normal.size {
+        if held.len() > normal.size && terms.yielding.is_none() {
             let rows: Vec<&[(usize, f64)]> = held.iter().map(|row| row.entries(terms)).collect();
             let owner = |row: usize| match held[row] {
                 ConstraintRow::Pin { pin, .. } => pin,
@@ -97,10 +98,11 @@ impl Constraints {
             }
         }
         let responses = responses(factor, terms, (&held, normal.size), cancel)?;
-        let schur: Vec<f64> = responses
+        let mut schur: Vec<f64> = responses
             .chunks_exact(normal.size)
             .flat_map(|column| held.iter().map(|row| row.entries(terms).iter().map(|&(h, c)| c * column[h]).sum()))
             .collect();
+        add_compliance(terms, &held, &mut schur);
         let PseudoInverse { inverse, dropped } = PseudoInverse::new(&schur, held.len(), CUTOFF, cancel)?;
         let correction = if held.len() > MAX_MULTIPLIED {
             Correction::Factored { inverse, responses }
@@ -119,6 +121,22 @@ impl Constraints {
     ) {
         residuals.clear();
         residuals.extend(self.held.iter().map(|row| row.residual(terms, handles)));
+        self.correct(terms, residuals, handles);
+    }
+
+    /// Removes from a direction what would move the rows.
+    pub(crate) fn project<const D: usize>(
+        &self,
+        terms: &Terms<D>,
+        residuals: &mut Vec<[f64; D]>,
+        direction: &mut [[f64; D]],
+    ) {
+        residuals.clear();
+        residuals.extend(self.held.iter().map(|row| row.image(terms, direction)));
+        self.correct(terms, residuals, direction);
+    }
+
+    fn correct<const D: usize>(&self, terms: &Terms<D>, residuals: &[[f64; D]], handles: &mut [[f64; D]]) {
         match &self.correction {
             Correction::ByRow(rows) => subtract_product(rows, residuals, handles),
             Correction::Factored { inverse, responses } => {
@@ -163,16 +181,30 @@ impl ConstraintRow {
     }
 
     fn entries<const D: usize>(self, terms: &Terms<D>) -> &[(usize, f64)] {
+        let (rows, row) = self.place(terms);
+        rows.row(row)
+    }
+
+    fn image<const D: usize>(self, terms: &Terms<D>, direction: &[[f64; D]]) -> [f64; D] {
         match self {
-            Self::Pin { row, .. } => terms.pins.row(row),
-            Self::Handle { row } => terms.handles.row(row),
+            Self::Pin { row, .. } => terms.pins.image(row, direction),
+            Self::Handle { row } => terms.handles.image(row, direction),
         }
     }
 
     fn residual<const D: usize>(self, terms: &Terms<D>, handles: &[[f64; D]]) -> [f64; D] {
+        let (rows, row) = self.place(terms);
+        rows.miss(row, handles)
+    }
+
+    /// The rows that it is one of; a pin that gives way has one of its own.
+    fn place<const D: usize>(self, terms: &Terms<D>) -> (&LeastSquaresRows<D>, usize) {
         match self {
-            Self::Pin { row, .. } => terms.pins.miss(row, handles),
-            Self::Handle { row } => terms.handles.miss(row, handles),
+            Self::Pin { row, .. } => {
+                let yielding = terms.yielding.as_ref().and_then(|yielding| yielding.held(row));
+                yielding.unwrap_or((&terms.pins, row))
+            }
+            Self::Handle { row } => (&terms.handles, row),
         }
     }
 }
@@ -191,6 +223,19 @@ fn constraint_rows<const D: usize>(pins: &[PointPin<D>], handles: usize) -> Vec<
     }
     held.extend((0..handles).map(|row| ConstraintRow::Handle { row }));
     held
+}
+
+/// Adds the compliance of pins that give way to C A⁻¹ Cᵀ, #held².
+fn add_compliance<const D: usize>(terms: &Terms<D>, held: &[ConstraintRow], schur: &mut [f64]) {
+    let entries = terms.yielding.as_ref().map_or(&[][..], |yielding| yielding.compliance());
+    let is_row =
+        |wanted: usize| move |row: &ConstraintRow| matches!(row, ConstraintRow::Pin { row, .. } if *row == wanted);
+    for ([a, b], compliance) in entries {
+        let places = (held.iter().position(is_row(*a)), held.iter().position(is_row(*b)));
+        if let (Some(a), Some(b)) = places {
+            schur[a * held.len() + b] += compliance;
+        }
+    }
 }
 
 /// Rows that are solved for together.

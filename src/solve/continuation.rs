@@ -10,7 +10,6 @@ use super::minimization::{Minimization, MinimizationResult};
 use super::settings::{Guard, Settings, Start};
 use super::system::System;
 use super::targets::Targets;
-use super::terms::TargetTerms;
 use super::winding;
 
 /// Windings above this, radians, are solved step by step (150 degrees; a solve from the rigid fit jumps at 180).
@@ -74,8 +73,8 @@ impl<const D: usize> System<D> {
         let solve = |targets: &Targets<D>, initial: Option<&[[f64; D]]>, settings: &Settings| {
             cancel.check()?;
             let Targets { pins, handles } = targets;
-            let terms = self.retargeted(pins, handles)?;
-            let minimization = self.minimization(&TargetTerms { pins, handles, terms: &terms }, cancel);
+            let to = self.retargeted(pins, handles, cancel)?;
+            let minimization = self.minimization(&self.targets((pins, handles), &to), cancel);
             Ok::<_, SolveError>(Minimization { initial, settings, ..minimization }.run(None)?)
         };
         let coarse = Settings {

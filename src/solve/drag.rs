@@ -13,7 +13,6 @@ use super::report::Solution;
 use super::settings::{Guard, Settings};
 use super::solver::{CancellableSolver, Solver};
 use super::targets::Targets;
-use super::terms::TargetTerms;
 use crate::lattice::Lattice;
 use crate::spelling::counted;
 
@@ -61,6 +60,12 @@ impl<const D: usize> Solver<D> {
     /// # Errors
     /// [`SolveError`] where the lattice has another number of handles.
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
+        if self.system().has_branches() {
+            return Err(SolveError::Invalid {
+                what: "a drag of a lattice with branches".into(),
+                hint: "solve each move, or set topology = \"plain\"".into(),
+            });
+        }
         let (found, wanted) = (from.handles.len(), self.system().grid().handle_count());
         if found != wanted {
             return Err(SolveError::Invalid {
@@ -122,10 +127,10 @@ impl<const D: usize> Drag<'_, D> {
         handles: &[HandlePin<D>],
         (settings, limits, factors): (&Settings, [usize; 2], usize),
     ) -> Result<MinimizationResult<D>, SolveError> {
-        let terms = self.solver.system().retargeted(pins, handles)?;
-        let never = Cancel::never();
-        let targets = TargetTerms { pins, handles, terms: &terms };
-        let minimization = self.solver.system().minimization(&targets, self.cancel.unwrap_or(&never));
+        let (system, never) = (self.solver.system(), Cancel::never());
+        let cancel = self.cancel.unwrap_or(&never);
+        let to = system.retargeted(pins, handles, cancel)?;
+        let minimization = system.minimization(&system.targets((pins, handles), &to), cancel);
         let has_newton = minimization.has_newton();
         let settings = Settings { iteration_limit: limits[usize::from(!has_newton)], ..settings.clone() };
         let run = if has_newton {

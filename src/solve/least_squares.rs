@@ -30,6 +30,31 @@ impl<const D: usize> LeastSquaresRows<D> {
         self.targets.push(target);
     }
 
+    /// Adds all rows of another term.
+    pub(crate) fn extend(&mut self, other: &Self) {
+        self.extend_where(other, |_| true);
+    }
+
+    /// Adds the rows of another term that are wanted.
+    pub(crate) fn extend_where(&mut self, other: &Self, mut is_wanted: impl FnMut(&[(usize, f64)]) -> bool) {
+        for index in (0..other.len()).filter(|&index| is_wanted(other.row(index))) {
+            self.push(other.weights[index], other.row(index).iter().copied(), other.targets[index]);
+        }
+    }
+
+    /// The rows over other unknowns. A row with a handle that has none is left out where rows are `whole`, else its other entries stay.
+    pub(crate) fn mapped(&self, unknown_of: impl Fn(usize) -> Option<usize>, is_whole: bool) -> Self {
+        let mut mapped = Self::new();
+        for index in 0..self.len() {
+            let row = self.row(index).iter();
+            let row: Vec<_> = row.filter_map(|&(handle, value)| Some((unknown_of(handle)?, value))).collect();
+            if !is_whole || row.len() == self.row(index).len() {
+                mapped.push(self.weights[index], row, self.targets[index]);
+            }
+        }
+        mapped
+    }
+
     /// Number of rows.
     pub(crate) fn len(&self) -> usize {
         self.ends.len()
@@ -38,6 +63,16 @@ impl<const D: usize> LeastSquaresRows<D> {
     /// Replaces the target of a row.
     pub(crate) fn set_target(&mut self, row: usize, target: [f64; D]) {
         self.targets[row] = target;
+    }
+
+    /// The weight of a row.
+    pub(crate) fn weight(&self, row: usize) -> f64 {
+        self.weights[row]
+    }
+
+    /// The target of a row.
+    pub(crate) fn target(&self, row: usize) -> [f64; D] {
+        self.targets[row]
     }
 
     /// The entries of a row: handles and coefficients.

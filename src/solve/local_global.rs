@@ -52,6 +52,12 @@ impl<const D: usize> Minimization<'_, D> {
             if switch.as_mut().is_some_and(|switch| switch.should_switch(step)) {
                 return self.newton(&next, iteration, &mut |iterate| notify(iterate, iterate));
             }
+            if self.should_switch_in_space((iteration, step)) {
+                let solved = self.newton_in_space(&next, iteration, &mut |iterate| notify(iterate, iterate))?;
+                if let Some(result) = solved {
+                    return Ok(result);
+                }
+            }
             if step <= self.settings.tolerance * self.diagonal {
                 return Ok(MinimizationResult { handles: next, iterations: iteration, is_converged: true });
             }

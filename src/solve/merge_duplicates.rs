@@ -23,5 +23,11 @@ pub(crate) fn merge_duplicates<const D: usize>(shape: &Shape<D>) -> Shape<D> {
         .collect();
     let triangles = shape.triangles.iter().map(|triangle| triangle.map(|corner| index[corner as usize])).collect();
     let strokes = shape.strokes.iter().map(|stroke| stroke.iter().map(|&point| index[point as usize]).collect());
-    Shape { strokes: strokes.collect(), triangles, points, stiffness: shape.stiffness.clone() }
+    Shape {
+        strokes: strokes.collect(),
+        triangles,
+        points,
+        stiffness: shape.stiffness.clone(),
+        links: shape.links.clone(),
+    }
 }

@@ -69,7 +69,7 @@ impl<const D: usize> Minimization<'_, D> {
     /// The terms at `handles` under the rotations that are best at `rotations_at`.
     pub(crate) fn energies(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> Energies {
         let ml = self.distortion.energy(handles, rotations_at);
-        let mp = self.terms.pins.energy(handles);
+        let mp = self.terms.acting_pins().energy(handles);
         let gp = self.terms.handles.energy(handles);
         let gr = self.terms.regularizer.energy(handles);
         let scales = self.scales;
@@ -85,7 +85,7 @@ impl<const D: usize> Minimization<'_, D> {
             return 0.0;
         }
         self.scales.shape * ml
-            + self.scales.pins * self.terms.pins.energy(state)
+            + self.scales.pins * self.terms.acting_pins().energy(state)
             + self.scales.handles * self.terms.handles.energy(state)
             + self.scales.regularizer * self.terms.regularizer.energy(state)
             + self.scales.tikhonov * state.iter().zip(&self.start).map(|(x, start)| squared_gap(x, start)).sum::<f64>()
@@ -95,7 +95,7 @@ impl<const D: usize> Minimization<'_, D> {
     /// The part of the right side that does not depend on rotations.
     pub(crate) fn constant_right_side(&self) -> Vec<[f64; D]> {
         let mut right_side: Vec<[f64; D]> = self.start.iter().map(|x| x.map(|x| x * self.scales.tikhonov)).collect();
-        self.terms.pins.add_right_side(self.scales.pins, &mut right_side);
+        self.terms.acting_pins().add_right_side(self.scales.pins, &mut right_side);
         self.terms.handles.add_right_side(self.scales.handles, &mut right_side);
         self.terms.regularizer.add_right_side(self.scales.regularizer, &mut right_side);
         self.terms.proximal.add_right_side(self.scales.proximal, &mut right_side);

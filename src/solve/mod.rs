@@ -5,6 +5,7 @@
 mod active_cells;
 mod anderson;
 mod blocked_weights;
+mod branching;
 mod cancel;
 mod constraints;
 mod continuation;
@@ -19,9 +20,11 @@ mod merge_duplicates;
 pub mod methods;
 mod minimization;
 mod newton;
+mod newton_cg;
 mod overdetermined;
 mod pin_residuals;
 mod pins;
+mod prefactored;
 mod problem;
 pub mod problem_file;
 mod regularizer;
@@ -39,9 +42,12 @@ mod terms;
 mod trajectory;
 mod validate;
 mod winding;
+mod yielding;
+mod yielding_rows;
 
 pub(crate) use active_cells::active_cells;
 
+pub use branching::{BranchedLattice, Link, LinkEnd, LinkKind, inner_widths, link_length, solid_links, surface_links};
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;
@@ -52,7 +58,7 @@ pub use problem::{HandlePin, PointPin, Problem, Region, Shape};
 pub use report::{Solution, SolveReport};
 pub use settings::{
     DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling,
-    Settings, SmoothingDisc, Start,
+    Settings, SmoothingDisc, Start, Topology,
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;

@@ -6,6 +6,7 @@
 
 use super::cancel::{Cancel, Cancelled};
 use super::linalg::normal_matrix::NormalMatrix;
+use super::linalg::pseudo_inverse::kept_share;
 use super::linalg::syrk::SyrkRows;
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
@@ -23,7 +24,7 @@ pub(crate) struct Overdetermined {
 /// Limits on directions.
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
-    /// Directions whose eigenvalue is below this part of the largest are left out.
+    /// Directions whose eigenvalue is below this part of the largest fade out.
     pub(crate) cutoff: f64,
     /// Part of a row's direction that must be left out before the row is in conflict.
     pub(crate) conflict: f64,
@@ -55,8 +56,9 @@ impl Overdetermined {
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         let largest = (0..normal.size).map(|k| values[k]).fold(0.0, f64::max);
         let kept: Vec<(f64, Vec<f64>)> = (0..normal.size)
-            .filter(|&k| values[k] > limits.cutoff * largest)
-            .map(|k| (values[k], (0..normal.size).map(|i| vectors[(i, k)]).collect()))
+            .map(|k| (k, kept_share(values[k], limits.cutoff * largest)))
+            .filter(|&(_, share)| share > 0.0)
+            .map(|(k, share)| (values[k] / share, (0..normal.size).map(|i| vectors[(i, k)]).collect()))
             .collect();
         let mut correction = vec![0.0; normal.size * normal.size];
         for (value, vector) in &kept {

@@ -5,6 +5,7 @@
 use super::constraints::{ConstraintOwner, Constraints};
 use super::problem::PointPin;
 use super::settings::{PinHold, Settings};
+use super::yielding::YieldingPair;
 use serde::Serialize;
 
 /// Residuals below this part of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
@@ -31,6 +32,8 @@ pub enum ResidualReason {
     Outside(ConstraintOwner),
     /// Its position, rotation and scale together over-constrain the handles around it.
     Overloaded,
+    /// It and another pin, less than a span of the lattice apart, ask for more stretch than the settings allow: both give way.
+    Yielding(ConstraintOwner),
     /// It is fading out: its weight is below 1.
     Fading,
     /// Pins are soft in these settings: the shape pulls it back.
@@ -67,6 +70,13 @@ impl ResidualReason {
             Self::Overloaded => "its position, rotation and scale together over-constrain its cell of the lattice; \
                                  use more handles, or let it hold its position alone"
                 .into(),
+            Self::Yielding(rival) => {
+                let rival = holder(rival);
+                format!(
+                    "it and {rival} are less than a span of the lattice apart and ask for more stretch between them than \
+                     max_stretch allows, so both give way; move them apart, bring their targets nearer, or use more handles"
+                )
+            }
             Self::Fading => "it is fading out near the camera".into(),
             Self::Soft => "pins are soft in these settings; use hard pins or a larger weight".into(),
             Self::Guard => "the guard stopped it before the lattice folds".into(),
@@ -80,6 +90,8 @@ pub(crate) struct Evidence<'a, const D: usize> {
     pub(crate) pins: &'a [PointPin<D>],
     pub(crate) settings: &'a Settings,
     pub(crate) constraints: &'a Constraints,
+    /// Pairs of pins that give way.
+    pub(crate) yielding: &'a [YieldingPair],
     /// Corners of the box.
     pub(crate) bounds: [[f64; D]; 2],
     /// The box diagonal.
@@ -93,6 +105,13 @@ pub(crate) fn residuals<const D: usize>(evidence: &Evidence<D>, errors: &[f64]) 
 }
 
 impl<const D: usize> Evidence<'_, D> {
+    /// The other pin of the most compliant pair that a pin is in.
+    fn yields_to(&self, index: usize) -> Option<usize> {
+        let own = self.yielding.iter().filter(|pair| pair.pins.contains(&index));
+        let most = own.reduce(|most, pair| if pair.compliance > most.compliance { pair } else { most })?;
+        Some(if most.pins[0] == index { most.pins[1] } else { most.pins[0] })
+    }
+
     fn reason(&self, index: usize) -> ResidualReason {
         let pin = &self.pins[index];
         let [lo, hi] = self.bounds;
@@ -101,6 +120,7 @@ impl<const D: usize> Evidence<'_, D> {
             Some(ConstraintOwner::Pin(rival)) if rival == index => ResidualReason::Overloaded,
             Some(rival) if is_outside => ResidualReason::Outside(rival),
             Some(rival) => ResidualReason::Conflict(rival),
+            None if let Some(rival) = self.yields_to(index) => ResidualReason::Yielding(ConstraintOwner::Pin(rival)),
             None if pin.weight < 1.0 => ResidualReason::Fading,
             None if self.settings.pin_hold == PinHold::Soft => ResidualReason::Soft,
             None => ResidualReason::Unconverged,

@@ -2,8 +2,10 @@
 //!
 //! In: plain data. Out: [`Problem`].
 
+use super::branching::Link;
 use super::settings::Settings;
 use crate::lattice::Grid;
+use std::sync::Arc;
 
 /// The shape inside the lattice: #vertices points, triangles over them (any orientation; slivers allowed) and lines.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +18,9 @@ pub struct Shape<const D: usize> {
     pub strokes: Vec<Vec<u32>>,
     /// Stiffness of each triangle, 0 or more, #triangles; empty: 1 everywhere.
     pub stiffness: Vec<f64>,
+    /// Which triangles hang together, for [`Topology::Branching`](super::Topology::Branching); `None`: those that share an edge as
+    /// the shape lies here, and islands with what is nearest.
+    pub links: Option<Arc<Vec<Link>>>,
 }
 
 impl<const D: usize> Shape<D> {
@@ -39,13 +44,15 @@ pub struct PointPin<const D: usize> {
     pub gradient: Option<[[f64; D]; D]>,
     /// The neighbourhood that moves with the pin; `None`: the point alone.
     pub region: Option<Region>,
+    /// The triangle of the shape that the point lies on, where parts of the shape lie over each other; `None`: the nearest one.
+    pub triangle: Option<u32>,
 }
 
 impl<const D: usize> PointPin<D> {
     /// A pin of full weight that holds only its point.
     #[must_use]
     pub fn new(at: [f64; D], target: [f64; D]) -> Self {
-        Self { at, target, weight: 1.0, gradient: None, region: None }
+        Self { at, target, weight: 1.0, gradient: None, region: None, triangle: None }
     }
 }
 

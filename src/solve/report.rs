@@ -1,5 +1,6 @@
 //! The result of a solve: the lattice and a report.
 
+use super::branching::BranchedLattice;
 use super::pin_residuals::PinResidual;
 use crate::lattice::Lattice;
 use serde::Serialize;
@@ -42,8 +43,10 @@ pub struct SolveReport {
 /// A solved lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution<const D: usize> {
-    /// The lattice.
+    /// The lattice; of a branching one the largest branch.
     pub lattice: Lattice<D>,
+    /// All branches, where parts of the shape have copies of handles of their own.
+    pub branches: Option<BranchedLattice<D>>,
     /// How good it is.
     pub report: SolveReport,
 }

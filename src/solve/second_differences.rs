@@ -15,11 +15,7 @@ use crate::lattice::Grid;
 pub(crate) fn bend<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     for kind in SecondDifferences::of(grid) {
-        let mean = kind.share * grid.diagonal().powi(2) / kind.starts.len().max(1) as f64;
-        let weight = match scaling {
-            Scaling::Plain => kind.share,
-            Scaling::Dimensionless => mean / kind.cell.powi(2),
-        };
+        let weight = kind.weight(grid, scaling);
         for &(start, _) in &kind.starts {
             rows.push(weight, kind.entries(start), [0.0; D]);
         }
@@ -95,7 +91,17 @@ impl<const D: usize> SecondDifferences<D> {
         kinds.collect()
     }
 
-    fn entries(&self, start: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// Weight of one difference among all of the grid.
+    pub(crate) fn weight(&self, grid: &Grid<D>, scaling: Scaling) -> f64 {
+        let mean = self.share * grid.diagonal().powi(2) / self.starts.len().max(1) as f64;
+        match scaling {
+            Scaling::Plain => self.share,
+            Scaling::Dimensionless => mean / self.cell.powi(2),
+        }
+    }
+
+    /// Handles and coefficients of the difference that begins at a handle.
+    pub(crate) fn entries(&self, start: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.stencil.iter().map(move |&(step, c)| (start + step, c))
     }
 }

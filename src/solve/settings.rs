@@ -110,6 +110,17 @@ pub struct SmoothingDisc {
     pub weight: f64,
 }
 
+/// Which points of a shape share handles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Topology {
+    /// All points near a handle, however far apart they are along the shape.
+    #[default]
+    Plain,
+    /// Those that hang together near the handle: every connected piece has a copy of it.
+    Branching,
+}
+
 /// Handling of folds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -162,10 +173,15 @@ pub struct Settings {
     pub start: Start,
     /// Enforcement of pins and moved handles.
     pub pin_hold: PinHold,
+    /// Stretch, above 1, up to which two hard pins less than a span of the lattice apart hold exactly; nearer than 0.44 spans less. Beyond
+    /// they give way (docs/METHOD.md, "Pins that give way").
+    pub max_stretch: f64,
     /// The smooth disc around a pin.
     pub disc: SmoothingDisc,
     /// Pins outside the box.
     pub outside_pins: OutsidePins,
+    /// Which points share handles.
+    pub topology: Topology,
     /// Folds.
     pub guard: Guard,
     /// Duplicate vertices.
@@ -222,6 +238,20 @@ impl Settings {
         self
     }
 
+    /// Which of these settings a branching lattice cannot have, and what to do; `None`: it can have them all.
+    #[must_use]
+    pub fn branching_fault(&self) -> Option<[&'static str; 2]> {
+        if self.energy != Energy::Area || self.sampling != Sampling::Subcells {
+            Some(["another energy than `area`", "use energy = \"area\" and no preset"])
+        } else if self.regularizer != Regularizer::Bend {
+            Some(["another regulariser than `bend`", "use regularizer = \"bend\""])
+        } else if self.temporal > 0.0 {
+            Some(["a temporal weight", "take `temporal` out"])
+        } else {
+            None
+        }
+    }
+
     /// The same settings with a smoother warp (above 1) or a less smooth one: the weight of the regulariser is multiplied by
     /// the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one smooth deformation.
     #[must_use]
@@ -243,8 +273,10 @@ impl Default for Settings {
             sampling: Sampling::Subcells,
             start: Start::RigidFit,
             pin_hold: PinHold::Hard,
+            max_stretch: 4.0,
             disc: SmoothingDisc { radius: 0.05, weight: 100.0 },
             outside_pins: OutsidePins::Nearest,
+            topology: Topology::Plain,
             guard: Guard::Report,
             duplicate_vertices: DuplicateVertices::Merged,
             iteration_limit: 200,

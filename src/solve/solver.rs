@@ -5,12 +5,12 @@
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::Energies;
+use super::prefactored::TargetTerms;
 use super::problem::{HandlePin, PointPin, Problem};
 use super::report::Solution;
 use super::settings::Guard;
 use super::system::{Parts, System};
 use super::targets::Targets;
-use super::terms::TargetTerms;
 use crate::lattice::{Folds, Lattice};
 
 /// Solves for the handles.
@@ -135,8 +135,8 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// # Errors
     /// As [`Solver::update`], and [`SolveError::Cancelled`].
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
-        let terms = self.solver.system.retargeted(pins, handles)?;
-        self.run(&TargetTerms { pins, handles, terms: &terms }, None)
+        let to = self.solver.system.retargeted(pins, handles, self.cancel)?;
+        self.run(&self.solver.system.targets((pins, handles), &to), None)
     }
 
     /// As [`Solver::follow`].

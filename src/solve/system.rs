@@ -3,8 +3,8 @@
 //! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and the reports of their results.
 
 use super::active_cells::active_cells;
+use super::branching::{BranchedLattice, Branching, settings_for};
 use super::cancel::Cancel;
-use super::constraints::Constraints;
 use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
 use super::error::SolveError;
 use super::least_squares::LeastSquaresRows;
@@ -14,15 +14,19 @@ use super::linalg::small_matrix::distance;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult};
 use super::pin_residuals::{Evidence, ResidualReason};
 use super::pins::RigidMotion;
+use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, PointPin, Problem};
 use super::regularizer::RegularizerTerm;
 use super::report::{Solution, SolveReport};
 use super::settings::{Scaling, Settings, Start};
 use super::targets::Targets;
-use super::terms::{Scales, TargetTerms, Terms};
+use super::terms::{Scales, Terms};
+use super::yielding::{YieldingPair, yielding_pairs};
+use super::yielding_rows::YieldingRows;
 use super::{energy, pin_residuals, pins, validate};
 use crate::lattice::{Folds, Grid, Lattice};
 use crate::spelling::counted;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The grid, the shape's samples, which points are pinned, which handles are moved, and the factored matrix.
@@ -33,13 +37,16 @@ pub(crate) struct System<const D: usize> {
     distortion: Box<dyn Distortion<D>>,
     /// The matrix without the proximal term.
     constant: NormalMatrix,
-    normal: NormalMatrix,
-    factor: Factorization,
-    constraints: Constraints,
+    /// With pins that all hold.
+    prefactored: Prefactored,
+    /// For the targets that the problem was given with, where some pins give way.
+    yielded: Option<Prefactored>,
     scales: Scales,
     pins: Vec<PointPin<D>>,
     handles: Vec<HandlePin<D>>,
     terms: Terms<D>,
+    /// Copies of handles; `None`: every handle is one unknown.
+    branching: Option<Arc<Branching<D>>>,
     /// Which cells hold some of the shape.
     is_active: Vec<bool>,
     /// Warnings about the shape.
@@ -50,6 +57,7 @@ pub(crate) struct System<const D: usize> {
 pub(crate) struct Parts<const D: usize> {
     pub(crate) distortion: Box<dyn Distortion<D>>,
     pub(crate) pin_rows: LeastSquaresRows<D>,
+    pub(crate) branching: Option<Branching<D>>,
     pub(crate) warnings: Vec<String>,
     /// Points of the model, each a row of the proximal term.
     pub(crate) proximal: LeastSquaresRows<D>,
@@ -72,11 +80,31 @@ impl<const D: usize> System<D> {
     pub(crate) fn with_points(problem: &Problem<D>, points: &[[f64; D]], cancel: &Cancel) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
+        let warnings = shape_warnings(problem);
+        if let Some(branching) = Branching::of(problem)? {
+            let settings = &settings_for(grid, settings);
+            let problem = &Problem { settings, ..*problem };
+            if !points.is_empty() {
+                return Err(SolveError::Invalid {
+                    what: "a branching lattice over time".into(),
+                    hint: "solve it frame by frame, or set topology = \"plain\"".into(),
+                });
+            }
+            let parts = Parts {
+                distortion: branching.distortion(problem.shape, problem.pins, settings, cancel),
+                pin_rows: branching.pin_rows(problem.pins, settings),
+                branching: Some(branching),
+                warnings,
+                proximal: LeastSquaresRows::new(),
+            };
+            return Self::assemble(problem, parts, cancel);
+        }
         let distortion = energy::build(grid, problem.shape, problem.pins, settings, cancel)?;
         let parts = Parts {
             distortion: WithPinNeighbourhoods::around(distortion, grid, problem.pins, settings),
             pin_rows: pins::pin_rows(grid, problem.pins, settings),
-            warnings: shape_warnings(problem),
+            branching: None,
+            warnings,
             proximal: pins::point_rows(grid, points),
         };
         Self::assemble(problem, parts, cancel)
@@ -84,49 +112,96 @@ impl<const D: usize> System<D> {
 
     /// Factors a checked problem whose parts are built already.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
-        let Parts { distortion, pin_rows, warnings, proximal } = parts;
+        let Parts { distortion, pin_rows, branching, warnings, proximal } = parts;
         let (grid, settings) = (problem.grid, problem.settings);
         let mut moved = vec![false; grid.handle_count()];
         problem.handles.iter().for_each(|handle| moved[handle.index] = true);
+        let regularizer = match &branching {
+            Some(branching) => RegularizerTerm::Rows(branching.bend(settings.scaling)),
+            None => RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling),
+        };
+        let count = branching.as_ref().map_or(grid.handle_count(), Branching::count);
         let terms = Terms {
             pins: pin_rows,
             handles: pins::handle_rows(problem.handles),
-            regularizer: Arc::new(RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling)),
+            regularizer: Arc::new(regularizer),
             proximal,
+            yielding: None,
         };
         let mut scales = Scales::of(grid, settings, distortion.mass());
         let bandwidth = terms.pins.bandwidth().max(terms.regularizer.bandwidth()).max(distortion.bandwidth());
         let bandwidth = bandwidth.max(terms.proximal.bandwidth());
-        let mut normal = NormalMatrix::zero(grid.handle_count(), bandwidth);
+        let mut normal = NormalMatrix::zero(count, bandwidth);
         distortion.add_normal(scales.shape, &mut normal, cancel);
         cancel.check()?;
         terms.regularizer.add_normal(scales.regularizer, &mut normal, cancel);
         if settings.scaling == Scaling::Dimensionless {
             scales.tikhonov = TIKHONOV * normal.mean_diagonal();
-            (0..grid.handle_count()).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
+            (0..count).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
         }
         terms.pins.add_normal(scales.pins, &mut normal, cancel);
         terms.handles.add_normal(scales.handles, &mut normal, cancel);
-        let factor = Factorization::new(&normal, cancel);
-        cancel.check()?;
-        let factor = factor.ok_or_else(|| singular(settings))?;
-        let constraints = Constraints::new((&normal, &factor), &terms, problem.pins, settings, cancel)?;
         let constant = if terms.proximal.len() > 0 { normal.clone() } else { NormalMatrix::zero(0, 0) };
-        Ok(Self {
+        let mut system = Self {
             grid: grid.clone(),
             settings: settings.clone(),
             distortion,
             constant,
-            normal,
-            factor,
-            constraints,
+            prefactored: Prefactored::new(normal, &terms, problem.pins, settings, cancel)?,
+            yielded: None,
             scales,
             pins: problem.pins.to_vec(),
             handles: problem.handles.to_vec(),
             terms,
+            branching: branching.map(Arc::new),
             is_active: active_cells(grid, problem.shape),
             warnings,
-        })
+        };
+        system.let_yield(cancel)?;
+        Ok(system)
+    }
+
+    /// Lets pins give way where the problem's own targets ask for too much.
+    fn let_yield(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
+        let Retargeted { terms, yielded } = self.yielding((&self.pins, &self.handles), self.terms.clone(), cancel)?;
+        (self.terms, self.yielded) = (terms, yielded);
+        Ok(())
+    }
+
+    /// Terms in which pins give way where the targets ask for too much.
+    fn yielding(
+        &self,
+        (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+        mut terms: Terms<D>,
+        cancel: &Cancel,
+    ) -> Result<Retargeted<D>, SolveError> {
+        terms.yielding = None;
+        let pairs = self.yielding_pairs(pins, handles);
+        if pairs.is_empty() {
+            return Ok(Retargeted { terms, yielded: None });
+        }
+        terms.yielding = Some(Arc::new(YieldingRows::new(&terms.pins, pins, &pairs, self.scales.pins)));
+        let normal = self.softened(&self.prefactored.normal, &terms, cancel);
+        let yielded = Prefactored::new(normal, &terms, pins, &self.settings, cancel)?;
+        Ok(Retargeted { terms, yielded: Some(yielded) })
+    }
+
+    fn yielding_pairs(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Vec<YieldingPair> {
+        // More rows than handles cannot hold: least squares share what they ask.
+        if pins.len() + handles.len() > self.grid.handle_count() {
+            return Vec::new();
+        }
+        let firmness = self.scales.pins / (self.scales.shape * self.distortion.mass());
+        yielding_pairs(&self.grid, (pins, handles), &self.settings, firmness)
+    }
+
+    /// A matrix with pins that hold, with the rows of those that give way instead.
+    fn softened(&self, normal: &NormalMatrix, terms: &Terms<D>, cancel: &Cancel) -> NormalMatrix {
+        let Some(yielding) = &terms.yielding else { return normal.clone() };
+        let mut softened = normal.widened(yielding.rows.bandwidth());
+        terms.pins.add_normal(-self.scales.pins, &mut softened, cancel);
+        yielding.rows.add_normal(self.scales.pins, &mut softened, cancel);
+        softened
     }
 
     /// Draws the points of the proximal term to `places` with this weight.
@@ -141,14 +216,11 @@ impl<const D: usize> System<D> {
             return Ok(());
         }
         self.scales.proximal = weight;
-        self.normal = self.constant.clone();
-        self.terms.proximal.add_normal(weight, &mut self.normal, cancel);
-        let factor = Factorization::new(&self.normal, cancel);
-        cancel.check()?;
-        self.factor = factor.ok_or_else(|| singular(&self.settings))?;
-        self.constraints =
-            Constraints::new((&self.normal, &self.factor), &self.terms, &self.pins, &self.settings, cancel)?;
-        Ok(())
+        let mut normal = self.constant.clone();
+        self.terms.proximal.add_normal(weight, &mut normal, cancel);
+        self.terms.yielding = None;
+        self.prefactored = Prefactored::new(normal, &self.terms, &self.pins, &self.settings, cancel)?;
+        self.let_yield(cancel)
     }
 
     /// Whether energy and proximal term of this weight are convex at `handles`: their second derivative is positive definite.
@@ -157,7 +229,7 @@ impl<const D: usize> System<D> {
         if self.distortion.flops().is_none() {
             return true;
         }
-        let mut normal = self.constant.clone();
+        let mut normal = self.softened(&self.constant, &self.terms, cancel);
         self.terms.proximal.add_normal(weight, &mut normal, cancel);
         let mut second = normal.kron_identity::<D>(Vec::new());
         let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
@@ -182,19 +254,35 @@ impl<const D: usize> System<D> {
 
     /// The targets that the problem was given with.
     pub(crate) fn own_targets(&self) -> TargetTerms<'_, D> {
-        TargetTerms { pins: &self.pins, handles: &self.handles, terms: &self.terms }
+        let prefactored = self.yielded.as_ref().unwrap_or(&self.prefactored);
+        TargetTerms { pins: &self.pins, handles: &self.handles, terms: &self.terms, prefactored }
+    }
+
+    /// Other targets, whose terms are these.
+    pub(crate) fn targets<'a>(
+        &'a self,
+        (pins, handles): (&'a [PointPin<D>], &'a [HandlePin<D>]),
+        to: &'a Retargeted<D>,
+    ) -> TargetTerms<'a, D> {
+        let prefactored = to.yielded.as_ref().unwrap_or(&self.prefactored);
+        TargetTerms { pins, handles, terms: &to.terms, prefactored }
     }
 
     /// The terms with other targets for the same pins and handles.
-    pub(crate) fn retargeted(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Terms<D>, SolveError> {
+    pub(crate) fn retargeted(
+        &self,
+        pins: &[PointPin<D>],
+        handles: &[HandlePin<D>],
+        cancel: &Cancel,
+    ) -> Result<Retargeted<D>, SolveError> {
         validate::same_pins(&self.pins, pins)?;
         validate::same_handles(&self.handles, handles)?;
         let mut terms = self.terms.clone();
-        pins::retarget(&mut terms.pins, &self.grid, pins, &self.settings);
+        pins::retarget(&mut terms.pins, &self.grid, &self.held(pins), &self.settings);
         for (row, handle) in handles.iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
-        Ok(terms)
+        self.yielding((pins, handles), terms, cancel)
     }
 
     /// The minimisation for given targets.
@@ -203,7 +291,7 @@ impl<const D: usize> System<D> {
         targets: &TargetTerms<'a, D>,
         cancel: &'a Cancel<'a>,
     ) -> Minimization<'a, D> {
-        let rest = self.grid.rest_handles();
+        let rest = self.rest();
         let start = match self.settings.start {
             Start::Rest => rest,
             Start::RigidFit => {
@@ -213,9 +301,9 @@ impl<const D: usize> System<D> {
         };
         Minimization {
             distortion: self.distortion.as_ref(),
-            normal: &self.normal,
-            factor: &self.factor,
-            constraints: &self.constraints,
+            normal: &targets.prefactored.normal,
+            factor: &targets.prefactored.factor,
+            constraints: &targets.prefactored.constraints,
             scales: self.scales,
             terms: targets.terms,
             settings: &self.settings,
@@ -234,15 +322,18 @@ impl<const D: usize> System<D> {
 
     /// No active cell folds, or nearly folds.
     pub(crate) fn is_safe(&self, handles: &[[f64; D]]) -> bool {
-        let lattice = Lattice { grid: self.grid.clone(), handles: handles.to_vec() };
-        self.folds(&lattice).min_det >= MIN_GUARDED_DET
+        let folds = match self.branches(handles) {
+            Some(branches) => branches.folds(),
+            None => self.folds(&Lattice { grid: self.grid.clone(), handles: handles.to_vec() }),
+        };
+        folds.min_det >= MIN_GUARDED_DET
     }
 
     /// The solution without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
-        let result = MinimizationResult { handles: self.grid.rest_handles(), iterations: 0, is_converged: true };
+        let result = MinimizationResult { handles: self.rest(), iterations: 0, is_converged: true };
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 
@@ -270,16 +361,21 @@ impl<const D: usize> System<D> {
     fn report(&self, goal: &Targets<D>, run: MinimizationResult<D>, warnings: Vec<String>) -> Solution<D> {
         let Targets { pins, handles } = goal;
         let metrics = self.distortion.metrics(&run.handles);
-        let lattice = Lattice { grid: self.grid.clone(), handles: run.handles };
-        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect();
+        let branches = self.branches(&run.handles);
+        let lattice = match &branches {
+            Some(branches) => branches.lattice(0),
+            None => Lattice { grid: self.grid.clone(), handles: run.handles },
+        };
+        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, branches.as_ref(), pin)).collect();
         let evidence = Evidence {
             pins,
             settings: &self.settings,
-            constraints: &self.constraints,
+            constraints: &self.prefactored.constraints,
+            yielding: &self.yielding_pairs(pins, handles),
             bounds: [self.grid.lo, self.grid.hi],
             diagonal: self.grid.diagonal(),
         };
-        let folds = self.folds(&lattice);
+        let folds = branches.as_ref().map_or_else(|| self.folds(&lattice), BranchedLattice::folds);
         let report = SolveReport {
             pin_residuals: pin_residuals::residuals(&evidence, &pin_errors),
             pin_errors,
@@ -296,20 +392,40 @@ impl<const D: usize> System<D> {
             conflicts: pins::conflicts(&self.grid, pins),
             warnings,
         };
-        Solution { lattice, report }
+        Solution { lattice, branches, report }
     }
 
-    fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
+    /// Some handles have copies.
+    pub(crate) fn has_branches(&self) -> bool {
+        self.branching.is_some()
+    }
+
+    /// The unknowns of the solve at rest: handles, or copies of them.
+    fn rest(&self) -> Vec<[f64; D]> {
+        self.branching.as_ref().map_or_else(|| self.grid.rest_handles(), |branching| branching.rest())
+    }
+
+    /// The points of the shape that pins hold.
+    fn held<'a>(&self, pins: &'a [PointPin<D>]) -> Cow<'a, [PointPin<D>]> {
+        match &self.branching {
+            Some(branching) => pins.iter().map(|pin| branching.held(pin).0).collect(),
+            None => Cow::Borrowed(pins),
+        }
+    }
+
+    /// The branches of a state; `None` where every handle is one unknown.
+    fn branches(&self, unknowns: &[[f64; D]]) -> Option<BranchedLattice<D>> {
+        self.branching.as_ref().map(|branching| BranchedLattice::new(branching, unknowns.to_vec()))
+    }
+
+    fn pin_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, pin: &PointPin<D>) -> f64 {
+        if let (Some(branching), Some(branches)) = (&self.branching, branches) {
+            let (held, piece) = branching.held(pin);
+            return distance(&branches.evaluate_in(branching.branch_of(piece), held.at), &held.target);
+        }
         let target = pins::held_target(&self.grid, pin, &self.settings);
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.evaluate(held), &target)
-    }
-}
-
-fn singular(settings: &Settings) -> SolveError {
-    SolveError::Singular {
-        what: format!("{:?} with {:?}", settings.energy, settings.regularizer),
-        hint: "add a pin, use the `rest` regulariser, or uniform edge weights".into(),
     }
 }
 

@@ -3,9 +3,9 @@
 //! In: settings and rows. Out: [`Terms`], [`Scales`].
 
 use super::least_squares::LeastSquaresRows;
-use super::problem::{HandlePin, PointPin};
 use super::regularizer::RegularizerTerm;
 use super::settings::{Scaling, Settings};
+use super::yielding_rows::YieldingRows;
 use crate::lattice::Grid;
 use std::sync::Arc;
 
@@ -30,13 +30,15 @@ pub(crate) struct Terms<const D: usize> {
     pub(crate) regularizer: Arc<RegularizerTerm<D>>,
     /// Points of the model and the places they are drawn to; none in a solve of one time alone.
     pub(crate) proximal: LeastSquaresRows<D>,
+    /// The rows of the pins where some give way.
+    pub(crate) yielding: Option<Arc<YieldingRows<D>>>,
 }
 
-/// Targets, and the terms that contain them.
-pub(crate) struct TargetTerms<'a, const D: usize> {
-    pub(crate) pins: &'a [PointPin<D>],
-    pub(crate) handles: &'a [HandlePin<D>],
-    pub(crate) terms: &'a Terms<D>,
+impl<const D: usize> Terms<D> {
+    /// The rows of the pins as they act: where some give way, mixed.
+    pub(crate) fn acting_pins(&self) -> &LeastSquaresRows<D> {
+        self.yielding.as_ref().map_or(&self.pins, |yielding| &yielding.rows)
+    }
 }
 
 impl Scales {

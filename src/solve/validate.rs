@@ -35,6 +35,10 @@ pub(crate) fn problem<const D: usize>(problem: &Problem<D>) -> Result<(), SolveE
             return Err(invalid(format!("the weight `{name}` is {value}"), "use a finite number from 0".into()));
         }
     }
+    let most = problem.settings.max_stretch;
+    if most.is_nan() || most <= 1.0 {
+        return Err(invalid(format!("`max_stretch` is {most}"), "use a number above 1".into()));
+    }
     Ok(())
 }
 

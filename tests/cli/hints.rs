@@ -130,6 +130,23 @@ fn a_plain_arm_raise_is_no_reason_for_a_page_of_warnings() {
 }
 
 #[test]
+fn pins_that_share_cells_are_told_with_frames_and_dims() {
+    let bench = arm();
+    let text = String::from_utf8(bench.read("shot.toml")).expect("text");
+    let skirt = "
+  [[layer.pin]]
+  name = \"skirt\"
+  anchor = { node = \"Quad\", triangle = 14, barycentric = [0.0, 1.0, 0.0] }
+  keys = [ { frame = 1, offset = [0.0, 0.0] } ]
+";
+    bench.write("shot.toml", text.replace(OUTPUT, &format!("{skirt}{OUTPUT}")).as_bytes());
+    let told = bench.run("check shot.toml").says(0, &[]).stdout;
+    let line = told.lines().find(|line| line.contains("share cells")).unwrap_or_default();
+    let words = ["warning: frames ", "layer 'all'", "'hand' and 'skirt'", "dims = [", "a layer of its own"];
+    assert!(words.iter().all(|word| line.contains(word)), "{told}");
+}
+
+#[test]
 fn a_frame_alone_says_what_it_says_in_a_sequence() {
     let bench = arm();
     let reports = |frames: &str| {

@@ -133,5 +133,5 @@ fn layers_that_do_not_fit_the_scene() {
         .says(2, &["shot.toml", "layer 'all'", "'Quat'", "did you mean", "Quad"]);
     Bench::with_shot(&nodes("[\"Cam\"]")).render("").says(2, &["layer 'all'", "triangles"]);
     let twice = shot().replace("[output]", "[[layer]]\nname = \"more\"\n[output]");
-    Bench::with_shot(&twice).render("").says(2, &["'all'", "'more'", "both claim", "'Quad'"]);
+    Bench::with_shot(&twice).render("").says(2, &["layer 'all'", "later layers take all", "move its [[layer]] behind"]);
 }

@@ -33,7 +33,7 @@ enum What {
 impl Case {
     /// A raster draws it.
     pub(crate) fn is_drawn(&self) -> bool {
-        matches!(self.what, What::Shot { scene, .. } if !["flag", "cat"].contains(&scene))
+        matches!(self.what, What::Shot { scene, .. } if !["flag", "cat", "puppet"].contains(&scene))
     }
 
     pub(crate) fn draw(&self, device: &DeviceChoice) -> Result<Frame, PipelineError> {
@@ -213,6 +213,7 @@ pub(crate) fn cases() -> Vec<Case> {
         shot("flag.0007", "flag", 7, as_it_is),
         shot("cat.0008", "cat", 8, as_it_is),
         shot("cat.0012", "cat", 12, as_it_is),
+        shot("puppet.0011", "puppet", 11, as_it_is),
         Case { name: "plate.ewa", what: What::Plate(Filter::Ewa) },
         Case { name: "plate.cubic", what: What::Plate(Filter::Cubic) },
         Case { name: "plate.lanczos", what: What::Plate(Filter::Lanczos) },

@@ -85,7 +85,7 @@ fn pins_fade_before_the_near_plane() {
         Tiny { lens: Lens::Perspective(1.0), ..Tiny::of(vec![Part { velocity: [0.0, 0.0, 12.0], ..square(0.0) }]) };
     write_scene(&tiny, studio.scene());
     let prepared = studio.prepared();
-    let pinned = PinAnchor::Surface { part: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
+    let pinned = PinAnchor::Surface { part: 0, triangle: 0, corners: [0, 1, 4], barycentric: [1.0, 0.0, 0.0] };
     let weight = |frame: f64| {
         let (pose, camera) = prepared.view(frame);
         pinned.rest(&project(&pose, &camera), &camera).presence

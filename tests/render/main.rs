@@ -9,6 +9,7 @@ mod python;
 mod tiny;
 
 mod boxes;
+mod branches;
 mod cameras;
 mod data;
 mod faults;
@@ -22,6 +23,8 @@ mod own_cameras;
 mod pictures;
 mod pins;
 mod repeat;
+mod selection;
+mod shared_cells;
 mod stiffness;
 mod support;
 mod temporal;

@@ -1,5 +1,6 @@
 //! Shots of pictures: nothing moves to the bit, pins move smoothly, pictures lie over one another.
 
+use crate::support::at;
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
 use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, render};
 use pinwarp::raster::ChannelGroup;
@@ -290,4 +291,107 @@ fn faults_say_what_to_do() {
         assert!(error.contains(wanted), "{text}: {error}");
     }
     assert!(Path::new(wall.folder.path()).exists());
+}
+
+/// A body, and an arm beside it that hangs on at the top.
+fn body_and_arm(x: f32, y: f32) -> f32 {
+    let bar = |left: f32, right: f32, low: f32| f32::from(u8::from(x > left && x < right && y > 6.0 && y < low));
+    bar(16.0, 40.0, 58.0).max(bar(50.0, 60.0, 50.0)).max(bar(16.0, 60.0, 14.0))
+}
+
+/// A shot of [`body_and_arm`] whose three pins on the body rest; the fourth, at the end of the arm, moves.
+fn arm_shot(wall: &Wall, topology: &str, offset: [f64; 2], all: [f64; 2]) -> Shot {
+    wall.hang("arm.exr", SIZE, drawn(SIZE, "", body_and_arm));
+    let pins: Vec<String> = [(18.0, 10.0, all), (38.0, 40.0, all), (28.0, 55.0, all), (55.0, 46.0, offset)]
+        .into_iter()
+        .map(|(x, y, [dx, dy])| {
+            format!(
+                "[[layer.pin]]\nname = \"at {x}\"\nanchor = {{ screen = [{}, {}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{dx}, {dy}] }}]",
+                x / 64.0,
+                1.0 - y / 64.0
+            )
+        })
+        .collect();
+    let lattice = format!("{{ dims = [16, 20], topology = \"{topology}\" }}");
+    wall.shot(&format!("version = 1\nimage = \"arm.exr\"\n[[layer]]\nlattice = {lattice}\n{}", pins.join("\n")))
+}
+
+#[test]
+fn branches_of_a_picture_move_apart() {
+    // The arm swings out; pixels of the body, the arm's root apart, in which coverage changes.
+    let changed = |topology: &str| {
+        let wall = Wall::new();
+        let (frame, _) = wall.render(arm_shot(&wall, topology, [18.0 / 64.0, 6.0 / 64.0], [0.0; 2]));
+        let pixels = (24..60).flat_map(|y| (12..44).map(move |x| (x, y)));
+        let differs =
+            |&(x, y): &(i32, i32)| (at(&frame, "A", x, y) - body_and_arm(x as f32 + 0.5, y as f32 + 0.5)).abs() > 0.25;
+        assert!(at(&frame, "A", 73, 40) > 0.9, "{topology}: the hand is where its pin is");
+        pixels.filter(differs).count()
+    };
+    let [plain, branching] = ["plain", "branching"].map(changed);
+    println!("pixels of the body that change: plain {plain}, branching {branching}");
+    assert!(branching < 20 && plain > 3 * branching, "plain {plain}, branching {branching}");
+}
+
+#[test]
+fn branches_leave_no_seams() {
+    let wall = Wall::new();
+    let by = [8.0 / 64.0, 0.0];
+    let (frame, _) = wall.render(arm_shot(&wall, "branching", by, by));
+    for (x, y) in (0..64).flat_map(|y| (8..90).map(move |x| (x, y))) {
+        let inner = |dx: f32, dy: f32| body_and_arm(x as f32 - 7.5 + dx, y as f32 + 0.5 + dy);
+        if [(0.0, 0.0), (2.0, 2.0), (-2.0, 2.0), (2.0, -2.0), (-2.0, -2.0)].iter().all(|&(dx, dy)| inner(dx, dy) == 1.0)
+        {
+            let found = at(&frame, "A", x, y);
+            assert!((found - 1.0).abs() < 0.01, "{x}, {y}: {found}");
+        }
+    }
+}
+
+#[test]
+fn where_branches_cannot_be_carried_they_are_refused() {
+    let wall = Wall::new();
+    let prepared =
+        PreparedShot::new(arm_shot(&wall, "branching", [0.1, 0.0], [0.0; 2])).expect("the pictures are there");
+    let told =
+        pinwarp::pipeline::lattices(&prepared, &[1], |_| ()).expect_err("a lattice file has no branches").to_string();
+    assert!(told.contains("branches") && told.contains("topology = \"plain\""), "{told}");
+    wall.hang("two.exr", SIZE, drawn(SIZE, "", disc(70.0, 40.0, 9.0)));
+    let both = "version = 1\nimage = [\"arm.exr\", \"two.exr\"]\n[[layer]]\nlattice.topology = \"branching\"";
+    let told = wall.fault(wall.shot(both));
+    assert!(told.contains("a layer of its own"), "{told}");
+}
+
+/// An arm that touches the body along its whole length is one with it, until a stroke cuts them apart.
+#[test]
+fn a_stroke_cuts_apart_what_touches() {
+    let touching =
+        |x: f32, y: f32| body_and_arm(x, y).max(f32::from(u8::from(x > 38.0 && x < 52.0 && y > 6.0 && y < 50.0)));
+    let stroke = "[[0.7, 0.05], [0.7, 0.77]]";
+    let changed = |cuts: &str| {
+        let wall = Wall::new();
+        wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
+        let pins: String = [(18.0, 10.0, [0.0; 2]), (38.0, 40.0, [0.0; 2]), (28.0, 55.0, [0.0; 2]), (55.0, 46.0, [18.0, 6.0])]
+            .into_iter()
+            .map(|(x, y, [dx, dy])| {
+                format!(
+                    "[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{}, {}] }}]\n",
+                    x / 64.0, 1.0 - y / 64.0, dx / 64.0, dy / 64.0
+                )
+            })
+            .collect();
+        let lattice = format!("{{ dims = [24, 24], topology = \"branching\", cuts = [{cuts}] }}");
+        let shot = wall.shot(&format!("version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = {lattice}\n{pins}"));
+        let (frame, _) = wall.render(shot);
+        let pixels = (30..48).flat_map(|y| (44..56).map(move |x| (x, y)));
+        pixels.filter(|&(x, y)| at(&frame, "A", x, y) < 0.5).count()
+    };
+    let [whole, cut] = ["", stroke].map(changed);
+    println!("uncovered pixels between body and arm: {whole} as one piece, {cut} after the cut");
+    assert!(whole == 0 && cut > 30, "whole {whole}, cut {cut}");
+    let wall = Wall::new();
+    wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
+    let missed = "version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = { topology = \"branching\", cuts = [[[0.0, 0.99], [0.1, 0.99]]] }";
+    let told = wall.fault(wall.shot(missed));
+    assert!(told.contains("cuts nothing") && told.contains("cuts[0]"), "{told}");
 }

@@ -102,6 +102,51 @@ fn a_warp_that_jerks_by_itself_is_told() {
     assert!(told.iter().any(|text| text.contains("the warp jerks by")), "{told:?}");
 }
 
+/// What is said of jerk in the frames of a shot, and the greatest jerk of warp and input where neither starts nor stops.
+fn said_of_jerk(prepared: &PreparedShot, steady: std::ops::RangeInclusive<i32>) -> (Vec<String>, [f64; 2]) {
+    let reports = reports(prepared, prepared.shot.frames.first..=prepared.shot.frames.last);
+    let is_steady = |report: &&FrameReport| steady.contains(&report.frame);
+    let found: Vec<FrameReport> = reports.iter().filter(is_steady).cloned().collect();
+    let peak = |of: fn(&Jerk) -> f64| jerks(&found).iter().flatten().map(of).fold(0.0, f64::max);
+    let peaks = [peak(|jerk| jerk.warp_px), peak(|jerk| jerk.input_px)];
+    let told = reports.into_iter().flat_map(|report| report.warnings).filter(|text| text.contains("jerks by"));
+    (told.collect(), peaks)
+}
+
+#[test]
+fn an_evenly_raised_arm_is_quiet_and_a_strip_that_snaps_is_not() {
+    // The hand goes straight up within eight frames: keys without jerk, and an arm that turns.
+    let arm = grid("Arm", [-0.4, -0.04, 0.2, 0.04], 10);
+    let pins = "[[layer.pin]]\nname = \"shoulder\"\nanchor = { screen = [0.42, 0.5], frame = 1 }\n\
+        [[layer.pin]]\nname = \"hand\"\nanchor = { screen = [0.7, 0.5], frame = 1 }\n\
+        keys = [{ frame = 1, offset = [0.0, 0.0] }, { frame = 9, offset = [-0.25, 0.27] }]\n";
+    let mut studio = Studio::tiny(&Tiny::of(vec![arm]), &format!("[[layer]]\nname = \"arm\"\n{pins}"));
+    studio.shot.size = FrameSize::new(1728, 1080);
+    let (told, [warp, input]) = said_of_jerk(&studio.prepared(), 4..=9);
+    assert!(warp > 2.5 && input < 1e-3, "it turns without jerk of the keys: {warp} {input}");
+    assert_eq!(told, [""; 0]);
+    let mut snapping = crate::trajectories::swing("temporal = 0");
+    snapping.shot.size = FrameSize::new(1728, 1080);
+    let (told, _) = said_of_jerk(&snapping.prepared(), 1..=9);
+    assert!(told.iter().any(|text| text.starts_with("layer 'strip': the warp jerks by")), "{told:?}");
+}
+
+#[test]
+fn the_knights_raised_arm_is_quiet() {
+    let Some(knight) = crate::assets::asset("kaykit/Knight.glb") else { return };
+    let text = format!(
+        "version = 1\nscene = {knight:?}\ncamera = \"front\"\nshow = [\"Knight_*\"]\nsize = [1280, 960]\n\
+         frames = {{ first = 1, last = 18, rate = 24, clip = \"T-Pose\" }}\n[[layer]]\nname = \"arm\"\nnodes = [\"Knight_*\"]\n\
+         select = {{ joints = [\"upperarm.l\"] }}\n[[layer.pin]]\nname = \"shoulder\"\nanchor = {{ screen = [0.788, 0.459], frame = 1 }}\n\
+         [[layer.pin]]\nname = \"hand\"\nanchor = {{ screen = [0.993, 0.452], frame = 1 }}\n\
+         keys = [{{ frame = 5, offset = [0.0, 0.0] }}, {{ frame = 15, offset = [-0.162, 0.203] }}]\n"
+    );
+    let shot = Shot::parse(&text, Path::new("shot.toml")).expect("a right shot");
+    let (told, [warp, input]) = said_of_jerk(&PreparedShot::new(shot).expect("the scene fits"), 8..=15);
+    assert!(warp > 10.0 && input < 1e-3, "{warp} {input}");
+    assert_eq!(told, [""; 0]);
+}
+
 #[test]
 fn a_lattice_from_a_file_is_not_blamed_for_its_jerk() {
     let keys = "{ frame = 5, offset = [0.0, 0.0] }, { frame = 6, offset = [0.25, 0.0] }";

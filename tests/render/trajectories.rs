@@ -7,7 +7,7 @@ use pinwarp::pipeline::{PreparedShot, report};
 use std::fmt::Write;
 
 /// A strip that is pressed to two thirds, its upper end swinging from left to right: it buckles to one side, then to the other.
-fn swing(solve: &str) -> Studio {
+pub(crate) fn swing(solve: &str) -> Studio {
     let strip = grid("Strip", [-0.05, -0.42, 0.05, 0.42], 8);
     let mut pins = String::new();
     let mut pin = |triangle: usize, barycentric: &str, keys: &str| {

@@ -139,3 +139,18 @@ fn thousands_of_pins_are_written_and_edited() {
     assert_eq!(written.matches("[[layer.pin]]").count(), names.len());
     assert_eq!(put(&written, &edit(false)), written, "nothing is new");
 }
+
+/// An edit says nothing of the topology of a lattice: it stays.
+#[test]
+fn edits_keep_the_topology() {
+    use pinwarp::lattice::Basis;
+    use pinwarp::shot::edit::{Factor, LayerEdit, put_layer};
+    use pinwarp::solve::Topology;
+    let (strength, smoothness) = (Factor::Times(1.0), Factor::Times(1.0));
+    let edit = LayerEdit { dims: [20, 24], basis: Basis::Bspline, strength, smoothness, pins: &[] };
+    let text = "version = 1\nsize = [96, 64]\nimage = 'girl.png'\nframes = { first = 1, last = 2 }\noutput.path = 'o.####.exr'\n[[layer]]\nlattice = { dims = [10, 10], topology = 'branching' }\n";
+    let written = put_layer(text, None, &edit).expect("it can be edited");
+    let shot = pinwarp::shot::Shot::parse(&written, std::path::Path::new("shot.toml")).expect("a right shot");
+    assert_eq!(shot.layers[0].settings.topology, Topology::Branching);
+    assert!(written.contains("[20, 24]"), "{written}");
+}

@@ -100,3 +100,40 @@ fn the_template_of_a_picture_is_a_working_shot() {
     assert_eq!((shot.layers[0].pins.len(), shot.samples, shot.shutter.angle), (1, 16, 180.0));
     assert!(!text.contains("world") && !text.contains("camera"), "{text}");
 }
+
+#[test]
+fn branching_lattices_need_a_shape_and_local_handles() {
+    let fault = |from: &str, layer: &str| {
+        let text = format!(
+            "version = 1\n{from}\nsize = [96, 64]\nframes = {{ first = 1, last = 2 }}\noutput.path = 'o.####.exr'\n[[layer]]\n{layer}"
+        );
+        pinwarp::shot::Shot::parse(&text, std::path::Path::new("shot.toml"))
+            .map(drop)
+            .map_err(|error| error.to_string())
+    };
+    let branching = "lattice.topology = 'branching'";
+    assert_eq!(fault("image = 'a.png'", branching), Ok(()));
+    assert_eq!(fault("scene = 'a.glb'", branching), Ok(()));
+    for (from, layer, says) in [
+        ("plate = 'p.####.exr'", branching.to_owned(), "needs a shape"),
+        ("image = 'a.png'", format!("{branching}\nlattice.basis = 'bernstein'"), "local support"),
+        ("image = 'a.png'", format!("{branching}\nsolve.preset = 'paper'"), "energy than `area`"),
+        ("image = 'a.png'", format!("{branching}\nsolve.temporal = 0.3"), "temporal weight"),
+        ("image = 'a.png'", format!("{branching}\nsolve.regularizer = 'rest'"), "regulariser than `bend`"),
+    ] {
+        let told = fault(from, &layer).expect_err(&layer);
+        let key = "layer[0].lattice.topology";
+        assert!(told.contains(key) && told.contains(says) && told.contains("topology = \"plain\""), "{told}");
+    }
+    for (from, layer, key, says) in [
+        ("scene = 'a.glb'", "lattice = { space = 'world', dims = 'auto' }", "dims", "of the screen only"),
+        ("image = 'a.png'", "lattice = { basis = 'bernstein', dims = 'auto' }", "dims", "bspline"),
+        ("image = 'a.png'", "lattice = { dims = 'most' }", "dims", "auto"),
+        ("image = 'a.png'", "lattice.cuts = [[[0, 0], [1, 1]]]", "cuts", "branching"),
+        ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts", "image"),
+        ("image = 'a.png'", "lattice = { topology = 'branching', cuts = [[[0, 0]]] }", "cuts[0]", "at least 2 lists"),
+    ] {
+        let told = fault(from, layer).expect_err(layer);
+        assert!(told.contains(key) && told.contains(says), "{layer}: {told}");
+    }
+}

@@ -64,6 +64,10 @@ struct MeshInfo {
     lines: usize,
     morph_targets: usize,
     materials: Vec<String>,
+    /// Some of it has COLOR_0.
+    vertex_colors: bool,
+    /// Sets of UVs that some of it has: 0, 1.
+    texcoords: Vec<usize>,
 }
 
 #[derive(Serialize)]
@@ -174,6 +178,8 @@ fn mesh_info(scene: &Scene, mesh: usize) -> MeshInfo {
         lines: mesh.primitives.iter().map(|primitive| primitive.lines.len()).sum(),
         morph_targets: mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0),
         materials,
+        vertex_colors: mesh.primitives.iter().any(|primitive| !primitive.colors.is_empty()),
+        texcoords: (0..2).filter(|&set| mesh.primitives.iter().any(|one| !one.uvs[set].is_empty())).collect(),
     }
 }
 
@@ -262,6 +268,8 @@ impl NodeInfo {
                 about.push(counted(mesh.morph_targets, "morph target", "morph targets"));
             }
             about.push(format!("material {}", mesh.materials.join(", ")));
+            about.extend(mesh.vertex_colors.then(|| "vertex colours".to_owned()));
+            about.extend(mesh.texcoords.iter().map(|set| format!("TEXCOORD_{set}")));
         }
         if let Some(joints) = self.joints {
             about.push(format!("skin of {}", counted(joints, "joint", "joints")));

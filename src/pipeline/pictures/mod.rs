@@ -2,6 +2,7 @@
 //!
 //! In: the paths of a shot. Out: a [`Gallery`] and the scene it stands for; frames.
 
+mod branches;
 mod element;
 mod frames;
 mod paint;

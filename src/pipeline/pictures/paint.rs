@@ -3,12 +3,14 @@
 //! In: a [`Gallery`] and solved samples. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
 
 use super::super::{PreparedShot, TimeSample};
+use super::branches::{BranchMap, warped_branches};
 use super::read::CHANNELS;
 use super::{FlatPicture, Gallery};
-use crate::image::{Channel, Frame, Storage};
+use crate::image::{Channel, Frame, Plate, Storage};
 use crate::lattice::ScreenLattice;
 use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpSettings, warp_plate};
 use crate::raster::ChannelGroup;
+use crate::solve::{BranchedLattice, Solution};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
@@ -18,9 +20,11 @@ const SEEN: f32 = 0.5;
 /// A picture as it lies in the frame at some time.
 struct Laid {
     /// What warped it; `None`: nothing.
-    lattice: Option<ScreenLattice>,
-    /// The pixels that it may cover, with [`CHANNELS`].
-    picture: Frame,
+    warp: Option<Warp>,
+    /// Its parts from back to front: the pixels that each may cover, with [`CHANNELS`].
+    pictures: Vec<Frame>,
+    /// The branch of every pixel, where its lattice has branches.
+    branch_map: Option<BranchMap>,
     /// That it lies over itself, where that is seen; in words.
     warnings: Vec<String>,
 }
@@ -41,10 +45,24 @@ impl Gallery {
     }
 }
 
-impl Laid {
-    fn alpha(&self) -> &[f32] {
-        &self.picture.channels[3].samples
+/// What warps a picture.
+#[derive(Clone, Debug, PartialEq)]
+enum Warp {
+    Plain(ScreenLattice),
+    Branching(BranchedLattice<2>),
+}
+
+impl Warp {
+    fn of(solution: &Solution<2>) -> Self {
+        match &solution.branches {
+            Some(branches) => Self::Branching(branches.clone()),
+            None => Self::Plain(solution.lattice.clone()),
+        }
     }
+}
+
+fn alpha(picture: &Frame) -> &[f32] {
+    &picture.channels[3].samples
 }
 
 /// Draws frames; remembers pictures that did not move between samples of an exposure.
@@ -106,7 +124,7 @@ impl<'a> Painter<'a> {
         let window = self.gallery.frame.window();
         let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
         for index in 0..self.gallery.flat_pictures.len() {
-            lay_over(&mut canvas, window, self.lay(index, sample));
+            self.lay(index, sample).pictures.iter().for_each(|picture| lay_over(&mut canvas, window, picture));
         }
         canvas
     }
@@ -119,27 +137,28 @@ impl<'a> Painter<'a> {
             let layer = self.prepared.assignment.layer_of_part[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
             let laid = self.lay(index, sample);
-            for [to, from] in window.shared_rows(laid.picture.data_window) {
-                for (at, alpha) in to.zip(&laid.alpha()[from]) {
-                    if *alpha >= SEEN {
-                        (ids[0][at], ids[1][at]) = (here[0], here[1]);
-                    }
+            for picture in &laid.pictures {
+                for [to, from] in window.shared_rows(picture.data_window) {
+                    let seen = to.zip(&alpha(picture)[from]).filter(|(_, alpha)| **alpha >= SEEN);
+                    seen.for_each(|(at, _)| (ids[0][at], ids[1][at]) = (here[0], here[1]));
                 }
             }
         }
         ids
     }
 
-    /// A picture, warped as at a time.
+    /// A picture, warped as at a sample.
     fn lay(&mut self, index: usize, sample: &TimeSample) -> &Laid {
         let owner = self.prepared.assignment.layer_of_part[index];
-        let lattice = owner.and_then(|layer| sample.layers[layer].solution.as_ref()).map(|solution| &solution.lattice);
+        let warp = owner.and_then(|layer| sample.layers[layer].solution.as_ref()).map(Warp::of);
         let flat_picture = &self.gallery.flat_pictures[index];
-        let kept = self.laid[index].take().filter(|laid| laid.lattice.as_ref() == lattice);
-        let laid = kept.unwrap_or_else(|| {
-            let layer = owner.map_or("", |layer| &self.prepared.shot.layers[layer].name);
-            warped(flat_picture, (layer, lattice), self.prepared.shot.warp.filter)
-        });
+        let laid = match self.laid[index].take() {
+            Some(laid) if laid.warp == warp => laid,
+            last => {
+                let layer = owner.map_or("", |layer| &self.prepared.shot.layers[layer].name);
+                warped(flat_picture, (layer, warp), (self.prepared.shot.warp.filter, last))
+            }
+        };
         self.laid[index].insert(laid)
     }
 }
@@ -148,25 +167,54 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
     Channel { name: name.to_owned(), storage, samples }
 }
 
-/// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows.
-fn warped(flat_picture: &FlatPicture, (layer, lattice): (&str, Option<&ScreenLattice>), filter: Filter) -> Laid {
-    let Some(lattice) = lattice else {
-        return Laid { lattice: None, picture: flat_picture.plate.clone().into_frame(), warnings: Vec::new() };
+/// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows. `last`: the same picture
+/// as it lay before.
+fn warped(
+    flat_picture: &FlatPicture,
+    (layer, warp): (&str, Option<Warp>),
+    (filter, last): (Filter, Option<Laid>),
+) -> Laid {
+    let of_lattice = |plate: &Plate, lattice: ScreenLattice| {
+        let (name, field) = (layer.to_owned(), Field::of_layer(lattice));
+        let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha) };
+        let settings = WarpSettings { filter, ..WarpSettings::default() };
+        let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };
+        let (plate, report) = warp_plate(plate, &job).expect("a matte of all that is there names nothing");
+        (plate.into_frame(), report.warnings)
     };
-    let field = Field::of_layer(lattice.clone());
-    let layer = LayerJob { name: layer.to_owned(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
-    let settings = WarpSettings { filter, ..WarpSettings::default() };
-    let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };
-    let (plate, report) = warp_plate(&flat_picture.plate, &job).expect("a matte of all that is there names nothing");
-    Laid { lattice: Some(lattice.clone()), picture: plate.into_frame(), warnings: report.warnings }
+    let (pictures, branch_map, warnings) = match &warp {
+        None => (vec![flat_picture.plate.clone().into_frame()], None, Vec::new()),
+        Some(Warp::Plain(lattice)) => {
+            let (picture, warnings) = of_lattice(&flat_picture.plate, lattice.clone());
+            (vec![picture], None, warnings)
+        }
+        Some(Warp::Branching(branches)) => {
+            let map = last
+                .and_then(|last| last.branch_map_of(branches))
+                .unwrap_or_else(|| BranchMap::of(flat_picture, branches));
+            let (pictures, warnings) = warped_branches(flat_picture, (&map, branches), of_lattice);
+            (pictures, Some(map), warnings)
+        }
+    };
+    Laid { warp, pictures, branch_map, warnings }
+}
+
+impl Laid {
+    /// The branch of every pixel, where the picture hangs together as under other branches.
+    fn branch_map_of(self, branches: &BranchedLattice<2>) -> Option<BranchMap> {
+        match self.warp {
+            Some(Warp::Branching(last)) if last.has_same_pieces(branches) => self.branch_map,
+            _ => None,
+        }
+    }
 }
 
 /// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.
-fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, laid: &Laid) {
-    let rows = window.shared_rows(laid.picture.data_window);
-    for (plane, front) in canvas.iter_mut().zip(&laid.picture.channels) {
+fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, picture: &Frame) {
+    let rows = window.shared_rows(picture.data_window);
+    for (plane, front) in canvas.iter_mut().zip(&picture.channels) {
         for [to, from] in rows.clone() {
-            let (behind, front, alpha) = (&mut plane[to], &front.samples[from.clone()], &laid.alpha()[from]);
+            let (behind, front, alpha) = (&mut plane[to], &front.samples[from.clone()], &alpha(picture)[from]);
             for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
                 // Filters with negative lobes overshoot.
                 *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };

@@ -70,7 +70,7 @@ fn flat_picture(
 }
 
 /// [`CHANNELS`] as a plate.
-fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
+pub(super) fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
     let named = CHANNELS.into_iter().zip(planes);
     let channels = named.map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
     let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
@@ -83,6 +83,21 @@ impl FlatPicture {
         let part = self.part();
         let alpha = self.has_alpha.then_some(part.channels[3].samples.as_slice());
         Picture { path: self.path.clone(), name: self.name.clone(), window: part.data_window, alpha }
+    }
+
+    /// The pixels that are stored.
+    pub(super) fn window(&self) -> PixelRect {
+        self.part().data_window
+    }
+
+    /// Samples of [`CHANNELS`], #pixels of the window each.
+    pub(super) fn planes(&self) -> impl Iterator<Item = &[f32]> {
+        self.part().channels.iter().map(|channel| channel.samples.as_slice())
+    }
+
+    /// How much of every pixel it covers.
+    pub(super) fn alpha(&self) -> &[f32] {
+        &self.part().channels[3].samples
     }
 
     /// What holds its channels.

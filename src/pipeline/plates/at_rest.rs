@@ -63,8 +63,7 @@ impl<'a> SceneAtRest<'a> {
         };
         prepared.shot.output.channels = channels.to_vec();
         let drawn = draw_frame(device.as_mut(), &prepared, frame);
-        let metadata =
-            FrameMetadata { frame, mattes: prepared.draw_inputs.mattes.headers.clone(), ..FrameMetadata::default() };
+        let metadata = FrameMetadata { frame, mattes: prepared.draw_inputs.mattes.clone(), ..FrameMetadata::default() };
         self.ready = Some((device, prepared));
         Ok((drawn?, metadata))
     }

@@ -3,7 +3,7 @@
 //! In: a [`PreparedShot`], a plate. Out: one matte a layer, from a Cryptomatte of the plate that knows the nodes, else drawn from the
 //! scene at rest as a render draws it.
 
-use super::super::{PipelineError, PreparedShot};
+use super::super::{LayerAssignment, PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::image::cryptomatte::clean_name;
@@ -45,18 +45,33 @@ impl PreparedShot {
             && matches!(settings.space, LayerSpace::Screen { .. })
             && settings.matte.is_none()
             && settings.unmatted == Unmatted::OwnNodes
-            && self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer))
+            && (self.assignment.is_sharing[layer]
+                || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
+    }
+
+    /// What the user should know of layers that share a mesh: a plate is cut along their border.
+    pub(super) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
+        let shared: Vec<String> = layers
+            .iter()
+            .filter(|&&layer| self.assignment.is_sharing[layer] && self.moves_own_nodes(layer))
+            .map(|&layer| format!("'{}'", self.shot.layers[layer].name))
+            .collect();
+        (!shared.is_empty()).then(|| {
+            format!(
+                "{}: part of a mesh each; a plate is cut where they meet what moves otherwise, and a seam may open there (`render` \
+                 blends them): look at the border, or let one layer move the mesh",
+                shared.join(", ")
+            )
+        })
     }
 
     /// The names of what a layer moves.
     fn node_names(&self, layer: Option<usize>) -> BTreeSet<String> {
-        let nodes = self
-            .assignment
-            .node_of_part
-            .iter()
-            .zip(&self.assignment.layer_of_part)
-            .filter(|(_, owner)| **owner == layer);
-        nodes.map(|(&node, _)| clean_name(&self.scene.nodes[node].name)).collect()
+        let LayerAssignment { node_of_part, layer_of_part, shared_parts, .. } = &self.assignment;
+        // A shared part is everyone's: its name tells nobody apart.
+        let is_own = |part: &usize| layer_of_part[*part] == layer || shared_parts[*part].is_some();
+        let nodes = (0..node_of_part.len()).filter(is_own).map(|part| node_of_part[part]);
+        nodes.map(|node| clean_name(&self.scene.nodes[node].name)).collect()
     }
 }
 

@@ -6,6 +6,7 @@ use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::plate::{WarpSettings, has_cryptomattes};
+use crate::raster::geometry::Piece;
 use crate::raster::{ChannelGroup, DeviceChoice};
 
 /// Draws what lies behind.
@@ -17,9 +18,9 @@ impl<'a> Filler<'a> {
         let has_matte =
             |&&layer: &&usize| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer);
         let hidden: Vec<usize> = layers.iter().filter(has_matte).copied().collect();
-        let is_hidden = |owner: &&Option<usize>| owner.is_some_and(|layer| hidden.contains(&layer));
-        let hidden_parts = prepared.assignment.layer_of_part.iter().filter(is_hidden).count();
-        if hidden_parts == 0 || hidden_parts == prepared.assignment.layer_of_part.len() {
+        let pieces = || prepared.draw_inputs.pieces.iter().flatten();
+        let is_hidden = |piece: &Piece| hidden.iter().any(|&layer| piece.layer_id == layer as u32 + 1);
+        if !pieces().any(is_hidden) || pieces().all(is_hidden) {
             return None;
         }
         // Layers that are left bend the whole picture, and this with it.

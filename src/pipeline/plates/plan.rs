@@ -5,6 +5,7 @@
 use super::super::contents::FrameDigests;
 use super::super::output::input_files;
 use super::super::resume::{Todo, refuse_existing};
+use super::super::topology::check_plain;
 use super::super::{Existing, PipelineError, PreparedShot};
 use super::heads::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
@@ -40,6 +41,9 @@ impl Plan {
     pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
         let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
+        if let PlateWarp::Shot(prepared) = &job.warp {
+            check_plain(prepared, "a warp of finished frames")?;
+        }
         let sequence = |path: &PathBuf| SequencePath::parse(path);
         let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
         let clean = if let Holes::Plate(clean) = &job.settings.holes { Some(sequence(clean)?) } else { None };
@@ -49,6 +53,9 @@ impl Plan {
         check_matte(job, &layers)?;
         check_mattes_differ(job, &layers)?;
         notes.extend(note_unmatted(job, &layers));
+        if let PlateWarp::Shot(prepared) = &job.warp {
+            notes.extend(prepared.note_on_shared(&layers));
+        }
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
         let mut inputs =

@@ -3,14 +3,15 @@
 //! In: a lattice. Out: an upper estimate of the second derivative of its warp over any square of the screen.
 
 use crate::lattice::ScreenLattice;
+use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
 /// An edge may stray this far from its warped curve, in frame heights: a twentieth of a pixel at 1000 lines.
-const TOLERANCE: f64 = 5e-5;
+pub(super) const TOLERANCE: f64 = 5e-5;
 
 /// Edges shorter than this stay, however strong the warp: a pixel at 1000 lines. It bounds the number of pieces.
-const MIN_LENGTH: f64 = 1e-3;
+pub(super) const MIN_LENGTH: f64 = 1e-3;
 
 /// The greatest second derivative in each cell of a regular table over the lattice box, and the same for 2x2 blocks of
 /// cells, and so on up to one block.
@@ -46,6 +47,23 @@ impl Curvature {
         let border = (0..=side).flat_map(|k| [(0, k), (side, k), (k, 0), (k, side)]);
         let kink = border.map(|(i, j)| change(gradients[j][i], DMat2::IDENTITY)).fold(0.0, f64::max);
         Self { lo, size, levels: pyramid(cells, side), side, kink }
+    }
+
+    /// Of a lattice with branches: the greatest over those that hold some of the shape there.
+    pub(super) fn of_branches(branches: &BranchedLattice<2>) -> Self {
+        let (grid, bending) = (branches.grid(), branches.bending());
+        let side = (2 * grid.dims[0].max(grid.dims[1])).next_power_of_two().clamp(16, 128);
+        let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
+        // Cells of the grid that a cell of the table overlaps.
+        let overlapped = |axis: usize, k: usize| k * spans[axis] / side..=((k + 1) * spans[axis] - 1) / side;
+        let cells = (0..side * side).map(|cell| {
+            let [columns, rows] = [overlapped(0, cell % side), overlapped(1, cell / side)];
+            let within = rows.flat_map(|j| columns.clone().map(move |i| i + spans[0] * j));
+            within.map(|cell| bending[cell]).fold(0.0, f64::max)
+        });
+        let lo = DVec2::from_array(grid.lo);
+        let size = DVec2::from_array(grid.hi) - lo;
+        Self { lo, size, levels: pyramid(cells.collect(), side), side, kink: branches.greatest_strain_at_border() }
     }
 
     /// Whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.

@@ -3,7 +3,7 @@
 //! In: vertices and polylines. Out: raster vertices, two a point of the line, and two triangles a segment. Points
 //! are warped, the width is not; depth and motion are those of the line itself.
 
-use super::curvature::Curvature;
+use super::part_warp::{EdgeBends, PartPoint};
 use super::vertex::{ClipVertex, VertexList};
 use crate::raster::RasterVertex;
 use crate::screen::Camera;
@@ -22,7 +22,7 @@ const MAX_HALVINGS: u32 = 11;
 pub(super) struct LineClipper<'a> {
     pub(super) vertices: &'a VertexList<'a>,
     pub(super) near: f64,
-    pub(super) curvature: Option<&'a Curvature>,
+    pub(super) bends: &'a EdgeBends<'a>,
 }
 
 impl LineClipper<'_> {
@@ -72,7 +72,9 @@ impl LineClipper<'_> {
     /// Adds the end of a segment, after the points in between that the warp needs.
     fn split(&self, run: &mut Vec<ClipVertex>, [a, b]: [ClipVertex; 2], halvings: u32) {
         let place = |vertex: &ClipVertex| vertex.places[0].point().0;
-        if halvings < MAX_HALVINGS && self.curvature.is_some_and(|table| table.bends(place(&a), place(&b))) {
+        if halvings < MAX_HALVINGS
+            && self.bends.bends([place(&a), place(&b)], [PartPoint { weights: &[], triangle: 0 }; 2])
+        {
             let middle = a.lerp(&b, 0.5);
             self.split(run, [a, middle], halvings + 1);
             self.split(run, [middle, b], halvings + 1);

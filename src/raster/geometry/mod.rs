@@ -1,26 +1,29 @@
 //! Builds the [`Geometry`] of one time: vertices projected, clipped at the near plane, long edges split, warped.
 //!
-//! In: the scene, its pose and camera now, one frame later and one earlier, and a lattice for each part.
+//! In: the scene, its pose and camera now, one frame later and one earlier, and what warps each part.
 //! Out: what a raster draws. Only positions on the screen are warped; depth, normals and lighting stay unwarped.
 
 mod assembly;
 mod curvature;
 mod lines;
+mod part_warp;
 mod sort;
 mod split;
 mod vertex;
 
-pub use assembly::{Assembly, PosedScene};
+pub use assembly::{Assembly, Piece, PosedScene};
+pub use part_warp::{BranchWarp, PartPoint, PartWarp, WarpBlend};
 
 use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
 use crate::screen::{Camera, primitive};
 use assembly::BuiltPart;
-use curvature::Curvature;
 use glam::DVec2;
 use lines::LineClipper;
+use part_warp::EdgeBends;
 use rayon::prelude::*;
 use split::Splitter;
+pub use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
 
 /// Builds the geometry of one time.
@@ -46,51 +49,58 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let Assembly { scene, now, neighbours, .. } = *assembly;
     let posed = &now.pose.parts[part];
     let source = primitive(scene, posed);
-    let lattice = now.lattices[part];
-    let curvature = lattice.map(Curvature::of);
-    let lattices =
-        [lattice, neighbours.and_then(|n| n[0].lattices[part]), neighbours.and_then(|n| n[1].lattices[part])];
-    let warped = |vertex: &ClipVertex| vertex.warped(lattices, range);
+    let (warp, rest) = (&now.warps[part], PartWarp::Rest);
+    let bends = EdgeBends::of(warp);
+    let beside = |side: usize| neighbours.map_or(&rest, |neighbours| &neighbours[side].warps[part]);
+    let warps = [warp, beside(0), beside(1)];
+    let warped = |vertex: &ClipVertex, on: PartPoint| vertex.warped(warps, on, range);
     let material = &scene.materials[source.material];
     let list = VertexList::new(assembly, part);
-    let (vertices, triangles) = if source.lines.is_empty() {
-        faces(source, Splitter::new(list, source.triangles.len(), curvature.as_ref()), (now, part), warped)
+    let pieces = &assembly.pieces[part];
+    let (vertices, triangles, ends) = if source.lines.is_empty() {
+        faces(source, Splitter::new(list, source.triangles.len(), &bends), (now, part, pieces), warped)
     } else {
-        let clipper = LineClipper { vertices: &list, near: now.camera.near(), curvature: curvature.as_ref() };
-        ribbons(source, &clipper, (now.camera, assembly.line_width), warped)
+        let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends: &bends };
+        let warped = |vertex: &ClipVertex| warped(vertex, PartPoint { weights: &[], triangle: 0 });
+        let (vertices, triangles) = ribbons(source, &clipper, (now.camera, assembly.line_width), warped);
+        let end = triangles.len();
+        (vertices, triangles, vec![end; pieces.len()])
     };
-    BuiltPart {
-        vertices,
-        triangles,
-        draw: Draw {
-            indices: 0..0,
-            material: source.material as u32,
-            layer_id: assembly.layer_ids[part],
-            object_id: posed.node as u32 + 1,
-            mattes: assembly.mattes.get(part).copied().unwrap_or_default(),
-            is_mirrored: posed.is_mirrored,
-        },
-        is_blended: material.alpha == AlphaMode::Blend,
-    }
+    let draw = |piece: &Piece| Draw {
+        indices: 0..0,
+        material: source.material as u32,
+        layer_id: piece.layer_id,
+        object_id: posed.node as u32 + 1,
+        mattes: piece.mattes,
+        is_mirrored: posed.is_mirrored,
+    };
+    let draws = pieces.iter().map(draw).zip(ends).collect();
+    BuiltPart { vertices, triangles, draws, is_blended: material.alpha == AlphaMode::Blend }
 }
 
-/// Vertices and triangles of a surface.
+/// Vertices and triangles of a surface, piece after piece, and where the triangles of each piece end.
 fn faces(
     source: &Primitive,
     mut splitter: Splitter,
-    (now, part): (PosedScene, usize),
-    warped: impl Fn(&ClipVertex) -> RasterVertex + Send + Sync,
-) -> (Vec<RasterVertex>, Vec<[u32; 3]>) {
-    for corners in &source.triangles {
-        splitter.add(*corners, now.camera.near());
+    (now, part, pieces): (PosedScene, usize, &[Piece]),
+    warped: impl Fn(&ClipVertex, PartPoint) -> RasterVertex + Send + Sync,
+) -> (Vec<RasterVertex>, Vec<[u32; 3]>, Vec<usize>) {
+    let near = now.camera.near();
+    let mut ends = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        match &piece.triangles {
+            None => (0..).zip(&source.triangles).for_each(|(number, corners)| splitter.add((number, *corners), near)),
+            Some(own) => own.iter().for_each(|&number| splitter.add((number, source.triangles[number as usize]), near)),
+        }
+        ends.push(splitter.count());
     }
     let (list, mut triangles) = splitter.finish();
-    let one = |index: u32| warped(&list.get(index));
+    let one = |index: u32| warped(&list.get(index), list.on_part(index));
     let vertices: Vec<RasterVertex> = (0..list.len() as u32).into_par_iter().with_min_len(2048).map(one).collect();
-    if now.lattices[part].is_some() {
+    if !now.warps[part].is_rest() {
         keep_facing(&mut triangles, &list, &vertices);
     }
-    (vertices, triangles)
+    (vertices, triangles, ends)
 }
 
 /// Vertices and triangles of lines.

@@ -4,12 +4,14 @@
 
 use super::assembly::BuiltPart;
 use crate::raster::{Draw, Geometry};
+use std::ops::Range;
 
 /// A blended triangle on its way into the back-to-front order.
 struct Blended {
     depth: f32,
     corners: [u32; 3],
-    part: usize,
+    /// Place in the list of all draws.
+    draw: usize,
 }
 
 /// Joins all parts in a geometry without vertices and draws. The arrays of the first part become those of the geometry, so
@@ -19,14 +21,15 @@ pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
     let mut draws = Vec::new();
     let vertices: usize = parts.iter().map(|built| built.vertices.len()).sum();
     let corners: usize = parts.iter().map(|built| 3 * built.triangles.len()).sum();
-    for (part, built) in parts.into_iter().enumerate() {
-        let BuiltPart { vertices: part_vertices, triangles, draw, is_blended } = built;
+    for built in parts {
+        let BuiltPart { vertices: part_vertices, triangles, draws: pieces, is_blended } = built;
         let base = geometry.vertices.len() as u32;
         if is_blended {
-            blended.extend(triangles.into_iter().map(|corners| Blended {
+            let first = draws.len();
+            blended.extend(triangles.into_iter().enumerate().map(|(number, corners)| Blended {
                 depth: corners.iter().map(|&corner| part_vertices[corner as usize].depth).sum(),
                 corners: corners.map(|corner| corner + base),
-                part,
+                draw: first + pieces.iter().take_while(|(_, end)| *end <= number).count(),
             }));
         } else {
             let start = geometry.indices.len() as u32;
@@ -37,7 +40,12 @@ pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
             } else {
                 geometry.indices.extend(part_corners.into_iter().map(|corner| corner + base));
             }
-            push(geometry, &draw, start);
+            let mut from = start;
+            for (draw, end) in &pieces {
+                let to = start + 3 * *end as u32;
+                push(geometry, draw, from..to);
+                from = to;
+            }
         }
         if base == 0 {
             geometry.vertices = part_vertices;
@@ -45,21 +53,21 @@ pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
         } else {
             geometry.vertices.extend(part_vertices);
         }
-        draws.push(draw);
+        draws.extend(pieces.into_iter().map(|(draw, _)| draw));
     }
     // Stable: equally far triangles keep the file's order.
     blended.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-    for run in blended.chunk_by(|a, b| a.part == b.part) {
+    for run in blended.chunk_by(|a, b| a.draw == b.draw) {
         let start = geometry.indices.len() as u32;
         geometry.indices.extend(run.iter().flat_map(|triangle| triangle.corners));
-        push(geometry, &draws[run[0].part], start);
+        let end = geometry.indices.len() as u32;
+        push(geometry, &draws[run[0].draw], start..end);
     }
 }
 
-/// Adds a draw of all indices since `start`, unless there are none.
-fn push(geometry: &mut Geometry, draw: &Draw, start: u32) {
-    let end = geometry.indices.len() as u32;
-    if start < end {
-        geometry.draws.push(Draw { indices: start..end, ..draw.clone() });
+/// Adds a draw of these indices, unless there are none.
+fn push(geometry: &mut Geometry, draw: &Draw, indices: Range<u32>) {
+    if !indices.is_empty() {
+        geometry.draws.push(Draw { indices, ..draw.clone() });
     }
 }

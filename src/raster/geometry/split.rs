@@ -3,7 +3,7 @@
 //! In: the vertices and triangles of a part. Out: more of both. Whether and where an edge is split depends on the edge alone,
 //! so the triangles on both sides of it agree, also across seams where vertices are doubled.
 
-use super::curvature::Curvature;
+use super::part_warp::EdgeBends;
 use super::vertex::VertexList;
 use crate::screen::{Corner, clip_near};
 use std::collections::HashMap;
@@ -15,7 +15,9 @@ const MAX_HALVINGS: u32 = 11;
 pub(super) struct Splitter<'a> {
     vertices: VertexList<'a>,
     triangles: Vec<[u32; 3]>,
-    curvature: Option<&'a Curvature>,
+    bends: &'a EdgeBends<'a>,
+    /// The triangle of the source mesh that is at hand.
+    triangle: u32,
     /// Vertices made on an edge, by the edge's ends and what made them.
     made: HashMap<(u32, u32, EdgeVertex), u32>,
 }
@@ -29,18 +31,24 @@ enum EdgeVertex {
 
 impl<'a> Splitter<'a> {
     /// Room for `triangles` triangles, which most parts do not exceed.
-    pub(super) fn new(vertices: VertexList<'a>, triangles: usize, curvature: Option<&'a Curvature>) -> Self {
-        Self { vertices, triangles: Vec::with_capacity(triangles), curvature, made: HashMap::new() }
+    pub(super) fn new(vertices: VertexList<'a>, triangles: usize, bends: &'a EdgeBends<'a>) -> Self {
+        Self { vertices, triangles: Vec::with_capacity(triangles), bends, triangle: 0, made: HashMap::new() }
     }
 
     /// Adds one triangle of the source mesh.
-    pub(super) fn add(&mut self, corners: [u32; 3], near: f64) {
+    pub(super) fn add(&mut self, (number, corners): (u32, [u32; 3]), near: f64) {
+        self.triangle = number;
         let places = corners.map(|corner| self.vertices.projected(corner));
         let (cut, count) = clip_near(places, near);
         for cut in &cut[..count] {
             let corners = cut.map(|corner| self.on_edge(corners, corner));
             self.split(corners, 0);
         }
+    }
+
+    /// Triangles so far.
+    pub(super) fn count(&self) -> usize {
+        self.triangles.len()
     }
 
     /// All vertices and triangles.
@@ -63,7 +71,7 @@ impl<'a> Splitter<'a> {
         if let Some(&vertex) = self.made.get(&key) {
             return vertex;
         }
-        let index = self.vertices.push(self.vertices.get(from).lerp(&self.vertices.get(to), share));
+        let index = self.vertices.add_between((from, to), share, self.triangle);
         self.made.insert(key, index);
         index
     }
@@ -71,7 +79,8 @@ impl<'a> Splitter<'a> {
     /// The middle of an edge that has to be split, else `None`.
     fn middle(&mut self, a: u32, b: u32) -> Option<u32> {
         let place = |vertex: u32| self.vertices.projected(vertex).point().0;
-        self.curvature?.bends(place(a), place(b)).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
+        let on = [a, b].map(|vertex| self.vertices.on_part(vertex));
+        self.bends.bends([place(a), place(b)], on).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
     }
 
     /// Adds a triangle, or the pieces of it that are flat enough. Every bent edge is halved at every step, so an edge

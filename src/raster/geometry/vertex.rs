@@ -4,7 +4,7 @@
 //! [`RasterVertex`]es, which may not. Clip vertices are made when asked for: a mesh of millions of them is never held.
 
 use super::assembly::Assembly;
-use crate::lattice::ScreenLattice;
+use super::part_warp::{PartPoint, PartWarp};
 use crate::pose::{Pose, PosedPart};
 use crate::raster::RasterVertex;
 use crate::scene::Primitive;
@@ -64,6 +64,10 @@ pub(super) struct VertexList<'a> {
     /// Those of the primitive, projected now.
     projected: Vec<Projected>,
     made: Vec<ClipVertex>,
+    /// Weights of those, for parts that several lattices warp.
+    made_weights: Vec<f32>,
+    /// A triangle of each, for parts that a lattice with branches warps: those of the primitive, then those that were made.
+    triangles: Vec<u32>,
 }
 
 impl<'a> VertexList<'a> {
@@ -71,17 +75,46 @@ impl<'a> VertexList<'a> {
         let posed = &assembly.now.pose.parts[part];
         let project = |&point: &ScenePoint| assembly.now.camera.project(point);
         let projected = posed.positions.par_iter().with_min_len(4096).map(project).collect();
-        Self { assembly, posed, source: primitive(assembly.scene, posed), part, projected, made: Vec::new() }
+        let source = primitive(assembly.scene, posed);
+        let warps = assembly.neighbours.iter().flatten().chain([&assembly.now]);
+        let has_branches = warps.map(|time| &time.warps[part]).any(PartWarp::has_branches);
+        let triangles = if has_branches { vertex_triangles(source) } else { Vec::new() };
+        Self { assembly, posed, source, part, projected, made: Vec::new(), made_weights: Vec::new(), triangles }
     }
 
     pub(super) fn len(&self) -> usize {
         self.posed.positions.len() + self.made.len()
     }
 
-    /// Adds a vertex; gives its index.
-    pub(super) fn push(&mut self, vertex: ClipVertex) -> u32 {
-        self.made.push(vertex);
+    /// Adds the vertex a share of the way from one to another along a side of a triangle; gives its index.
+    pub(super) fn add_between(&mut self, (from, to): (u32, u32), share: f64, triangle: u32) -> u32 {
+        if !self.triangles.is_empty() {
+            self.triangles.push(triangle);
+        }
+        self.made.push(self.get(from).lerp(&self.get(to), share));
+        let (a, b) = ((1.0 - share) as f32, share as f32);
+        let ends = self.weights(from).iter().zip(self.weights(to));
+        let mixed: Vec<f32> = ends.map(|(from, to)| from * a + to * b).collect();
+        self.made_weights.extend(mixed);
         self.len() as u32 - 1
+    }
+
+    /// Where a vertex lies on the part.
+    pub(super) fn on_part(&self, index: u32) -> PartPoint<'_> {
+        let triangle = self.triangles.get(index as usize).copied().unwrap_or_default();
+        PartPoint { weights: self.weights(index), triangle }
+    }
+
+    /// The weights of a vertex, one a lattice; none where one lattice warps all.
+    fn weights(&self, index: u32) -> &[f32] {
+        let (index, count) = (index as usize, self.posed.positions.len());
+        match index.checked_sub(count) {
+            None => self.assembly.now.warps[self.part].weights_of(index),
+            Some(made) => {
+                let lattices = self.made_weights.len().checked_div(self.made.len()).unwrap_or(0);
+                self.made_weights.get(made * lattices..(made + 1) * lattices).unwrap_or(&[])
+            }
+        }
     }
 
     /// The vertex's projection now.
@@ -132,11 +165,11 @@ impl ClipVertex {
         }
     }
 
-    /// The vertex as drawn: its three places moved by the lattices of their times, the rest as it was.
-    pub(super) fn warped(&self, lattices: [Option<&ScreenLattice>; 3], range: DepthRange) -> RasterVertex {
+    /// The vertex as drawn: its three places moved by the warps of their times, the rest as it was.
+    pub(super) fn warped(&self, warps: [&PartWarp; 3], on: PartPoint, range: DepthRange) -> RasterVertex {
         // A point that passes the near plane has no place on the screen there: it counts as still.
         let seen = |i: usize| if self.places[i].depth >= range.near && self.places[i].w > 0.0 { i } else { 0 };
-        let [now, next, previous] = std::array::from_fn(|i| warp_place(self.places[seen(i)], lattices[seen(i)]));
+        let [now, next, previous] = std::array::from_fn(|i| warp_place(self.places[seen(i)], warps[seen(i)], on));
         let z = range.z_times_w(self.places[0]) as f32;
         RasterVertex {
             screen: [now[0], now[1], z, now[2]],
@@ -152,12 +185,20 @@ impl ClipVertex {
     }
 }
 
+/// The first triangle of every vertex, #vertices; 0 for vertices without one.
+#[must_use]
+pub fn vertex_triangles(source: &Primitive) -> Vec<u32> {
+    let mut triangles = vec![0; source.positions.len()];
+    for (number, corners) in source.triangles.iter().enumerate().rev() {
+        corners.iter().for_each(|&corner| triangles[corner as usize] = number as u32);
+    }
+    triangles
+}
+
 /// Homogeneous screen position (x·w, y·w, w) after the warp.
-fn warp_place(place: Projected, lattice: Option<&ScreenLattice>) -> [f32; 3] {
-    let h = match lattice {
-        // Vertices behind the camera are kept for their indices' sake and never drawn.
-        Some(lattice) if place.w > 0.0 => lattice.warp(place.point()).0 * place.w,
-        _ => place.h,
-    };
+fn warp_place(place: Projected, warp: &PartWarp, on: PartPoint) -> [f32; 3] {
+    // Vertices behind the camera are kept for their indices' sake and never drawn.
+    let is_moved = place.w > 0.0 && !warp.is_rest();
+    let h = if is_moved { warp.warp(place.point(), on).0 * place.w } else { place.h };
     [h.x as f32, h.y as f32, place.w as f32]
 }

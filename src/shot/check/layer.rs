@@ -2,11 +2,14 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
 
+use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::MAX_HANDLES_IN_ALL;
-use crate::shot::raw::{RawBox, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace};
-use crate::shot::{BoxRule, Layer, LayerSpace, Unmatted, WorldBoxRule};
-use crate::solve::Settings;
+use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
+use crate::shot::raw::{
+    RawAuto, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
+};
+use crate::shot::{BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
+use crate::solve::{Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// Whether a layer over a plate says no part of it.
@@ -19,6 +22,7 @@ impl Check<'_> {
         let layers: Vec<Layer> = raw.into_iter().enumerate().map(|(i, raw)| self.layer(raw, i, shot)).collect();
         let names = layers.iter().enumerate().map(|(i, layer)| (format!("layer[{i}].name"), layer.name.as_str()));
         self.unique(names, "layer");
+        self.rest_layers(&layers);
         layers
     }
 
@@ -28,7 +32,13 @@ impl Check<'_> {
         let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
+        let settings = self.branching(&raw, &key, shot);
+        let (nodes, is_rest) = nodes(raw.nodes);
+        let selection = Selection { is_rest, ..self.selection(&raw.select, &key, shot) };
+        let handles = self.handles(raw.handle, &key, space.dims(), shot);
         Layer {
+            nodes,
+            selection,
             transfer,
             unmatted: match raw.matte {
                 Some(RawMatte::Named(RawNamedMatte::None)) => Unmatted::Picture,
@@ -36,15 +46,16 @@ impl Check<'_> {
             },
             matte: raw.matte.as_ref().and_then(|matte| self.matte(matte, &format!("{key}.matte"), shot)),
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
-            nodes: raw.nodes.unwrap_or_default(),
             space,
+            has_auto_dims: self.has_auto_dims(&raw.lattice, !handles.is_empty(), &key),
+            cuts: self.cuts(&raw.lattice, &key, shot),
             basis: raw.lattice.basis,
-            settings: self.settings(&raw.solve, &format!("{key}.solve")),
+            settings,
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             stiffness: self.stiffness(raw.stiffness, &key),
             pins: self.pins(raw.pin, &key, shot),
-            handles: self.handles(raw.handle, &key, space.dims(), shot),
+            handles,
         }
     }
 
@@ -65,13 +76,43 @@ impl Check<'_> {
         }
     }
 
+    /// Whether the program chooses the dims.
+    fn has_auto_dims(&mut self, raw: &RawLattice, has_handles: bool, key: &str) -> bool {
+        let is_auto = matches!(raw.dims, Some(RawDims::Auto(RawAuto::Auto)));
+        let faults = [
+            (raw.space == RawSpace::World, "chooses handles of the screen only"),
+            (has_handles, "cannot be used where handles are moved one by one"),
+            (!matches!(raw.basis.support(), Support::Tensor { .. }), "needs basis = \"bspline\" or \"bilinear\""),
+        ];
+        for (_, what) in faults.iter().filter(|(is_fault, _)| is_auto && *is_fault) {
+            self.fault(&format!("{key}.lattice.dims"), format!("dims = \"auto\" {what}"), "give numbers");
+        }
+        is_auto
+    }
+
+    /// Strokes that separate what touches.
+    fn cuts(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> Vec<Vec<[f64; 2]>> {
+        let key = format!("{key}.lattice.cuts");
+        if !raw.cuts.is_empty() && (raw.topology == Topology::Plain || shot.source != Kind::Images) {
+            let what = "cuts separate parts of a picture under a branching lattice";
+            self.fault(&key, what, "add topology = \"branching\" to `lattice`, and give an `image`");
+        }
+        for (number, stroke) in raw.cuts.iter().enumerate() {
+            if stroke.len() < 2 || !stroke.as_flattened().iter().all(|x| x.is_finite()) {
+                let what = "a stroke has at least two points, all of them numbers";
+                self.fault(&format!("{key}[{number}]"), what, "give [[x, y], [x, y], ..] in frame heights, y up");
+            }
+        }
+        raw.cuts.clone()
+    }
+
     /// Handles along x, y and z; 1 for an axis that is not there.
     fn dims(&mut self, raw: &RawLattice, key: &str, default: [usize; 3]) -> [usize; 3] {
         let axes = match raw.space {
             RawSpace::Screen => 2,
             RawSpace::World => 3,
         };
-        let Some(given) = &raw.dims else { return default };
+        let Some(RawDims::Counts(given)) = &raw.dims else { return default };
         if given.len() != axes {
             let (what, hint) = match raw.space {
                 RawSpace::Screen => {
@@ -144,6 +185,34 @@ impl Check<'_> {
         WorldBoxRule::Fixed([lo, hi])
     }
 
+    /// The settings of a layer, with the topology of its lattice.
+    fn branching(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) -> Settings {
+        let settings =
+            Settings { topology: raw.lattice.topology, ..self.settings(&raw.solve, &format!("{key}.solve")) };
+        if settings.topology == Topology::Plain {
+            return settings;
+        }
+        let faults = [
+            (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
+            (raw.lattice.space != RawSpace::Screen, "lies on the screen", "take `space` out"),
+            (raw.transfer.is_some(), "cannot be taken from another shot", "use pins instead of `transfer`"),
+            (!raw.handle.is_empty(), "has no handles that can be moved one by one", "use pins instead of handles"),
+            (
+                !matches!(raw.lattice.basis.support(), Support::Tensor { .. }),
+                "needs a basis with local support and no diagonals",
+                "use basis = \"bspline\" or \"bilinear\"",
+            ),
+        ];
+        let faults =
+            faults.into_iter().filter(|(is_fault, ..)| *is_fault).map(|(_, what, hint)| (what.to_owned(), hint));
+        let of_solver = settings.branching_fault().map(|[what, hint]| (format!("cannot have {what}"), hint));
+        for (what, hint) in faults.chain(of_solver) {
+            let hint = format!("{hint}, or set topology = \"plain\"");
+            self.fault(&format!("{key}.lattice.topology"), format!("a branching lattice {what}"), hint);
+        }
+        settings
+    }
+
     fn settings(&mut self, raw: &RawSolve, key: &str) -> Settings {
         let parts = [
             ("energy", raw.energy.is_some()),
@@ -170,6 +239,7 @@ impl Check<'_> {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
+        settings.max_stretch = raw.max_stretch.unwrap_or(settings.max_stretch);
         settings.temporal = raw.temporal.unwrap_or(settings.temporal);
         settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
     }

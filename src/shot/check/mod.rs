@@ -9,6 +9,7 @@ mod output;
 mod pin;
 mod place;
 mod plate;
+mod select;
 mod stiffness;
 mod transfer;
 

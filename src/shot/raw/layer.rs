@@ -3,8 +3,9 @@
 //! In: checked TOML. Out: raw values; see [`super`].
 
 use crate::lattice::Basis;
-use crate::shot::model::{ColorChannel, Ease, OffsetUnit};
-use crate::solve::{EdgeWeights, Energy, Guard, Regularizer};
+use crate::shot::model::{Ease, OffsetUnit};
+use crate::shot::selection::ColorChannel;
+use crate::solve::{EdgeWeights, Energy, Guard, Regularizer, Topology};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -15,9 +16,13 @@ pub(in crate::shot) struct RawLayer {
     /// Name, unique in the shot; default: layer1, layer2...
     #[schemars(length(min = 1), example = &"body")]
     pub(in crate::shot) name: Option<String>,
-    /// Patterns of node names with * and ?; each claims its subtree. Default: all nodes.
-    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Teapot*"]))]
-    pub(in crate::shot) nodes: Option<Vec<String>>,
+    /// Patterns of node names with * and ?; each takes its subtree, with a ! before it takes it out. "rest": all that no other
+    /// layer takes. A later layer takes what it names from those before. Default: all nodes.
+    #[schemars(example = serde_json::json!(["Teapot*"]))]
+    pub(in crate::shot) nodes: Option<super::RawNodes>,
+    /// The part of the meshes of those nodes; default: all of them.
+    #[serde(default)]
+    pub(in crate::shot) select: super::RawSelect,
     /// The part of a plate that the layer moves: "alpha", a channel, ids, names of a Cryptomatte, or "none" for the whole
     /// picture; default: the layer's nodes where the shot has a scene, else the whole picture.
     #[schemars(example = &"alpha")]
@@ -97,6 +102,35 @@ pub(in crate::shot) enum RawFit {
     Landmarks(#[schemars(length(min = 1), example = serde_json::json!([[[0.5, 0.5], [0.9, 0.4]]]))] Vec<[[f64; 2]; 2]>),
 }
 
+/// How many handles a grid has.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawDims {
+    /// As many as the layer needs.
+    Auto(RawAuto),
+    /// On each axis.
+    Counts(#[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)))] Vec<usize>),
+}
+
+/// The word `auto`.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::shot) enum RawAuto {
+    /// The program chooses.
+    Auto,
+}
+
+/// By hand, so that the word stands beside the list in one list of choices.
+impl JsonSchema for RawAuto {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "RawAuto".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "string", "enum": ["auto"] })
+    }
+}
+
 /// The grid of handles.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -105,10 +139,16 @@ pub(in crate::shot) struct RawLattice {
     /// Where the grid lies: on the screen, or in the scene, where it moves the meshes themselves.
     pub(in crate::shot) space: RawSpace,
     /// Handles across and up, in the scene along x, y and z; default: [10, 10], over whole plates [16, 16], in the scene [5, 5, 5].
-    #[schemars(length(min = 2, max = 3), inner(range(min = 2, max = 64)), example = serde_json::json!([10, 10]))]
-    pub(in crate::shot) dims: Option<Vec<usize>>,
+    /// "auto": as many as the thinnest parts and the nearest pins of the layer need.
+    #[schemars(example = serde_json::json!([10, 10]), example = serde_json::json!("auto"))]
+    pub(in crate::shot) dims: Option<RawDims>,
     /// How handles are blended.
     pub(in crate::shot) basis: Basis,
+    /// Which parts of a drawing or model share handles.
+    pub(in crate::shot) topology: Topology,
+    /// Strokes across a picture that separate what touches, for branching lattices: points in frame heights.
+    #[schemars(inner(length(min = 2)), example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]))]
+    pub(in crate::shot) cuts: Vec<Vec<[f64; 2]>>,
     /// Where the box of the grid comes from.
     #[serde(rename = "box")]
     pub(in crate::shot) bounds: RawBox,
@@ -156,6 +196,10 @@ pub(in crate::shot) struct RawSolve {
     /// anything of the layer folds; default: report.
     #[schemars(example = &"limit")]
     pub(in crate::shot) guard: Option<Guard>,
+    /// Stretch up to which pins nearer than a span of the lattice hold exactly; where they ask for more they give way smoothly, and
+    /// the report says by how much; default: 4.
+    #[schemars(range(min = 1.1, max = 1000.0), example = 4.0)]
+    pub(in crate::shot) max_stretch: Option<f64>,
     /// How smooth the warp is: more spreads the pull of a pin over the whole layer. Its cube multiplies the weight of the
     /// regulariser; default: 1.
     #[schemars(range(min = 0.1, max = 10.0), example = 2.0)]
@@ -309,6 +353,13 @@ pub(in crate::shot) struct RawHandleKey {
 
 impl Default for RawLattice {
     fn default() -> Self {
-        Self { space: RawSpace::Screen, dims: None, basis: Basis::default(), bounds: RawBox::Follow }
+        Self {
+            space: RawSpace::Screen,
+            dims: None,
+            basis: Basis::default(),
+            topology: Topology::default(),
+            cuts: Vec::new(),
+            bounds: RawBox::Follow,
+        }
     }
 }

@@ -7,11 +7,13 @@ mod camera;
 mod image;
 mod layer;
 mod plate;
+mod select;
 
 pub(super) use camera::*;
 pub(super) use image::*;
 pub(super) use layer::*;
 pub(super) use plate::*;
+pub(super) use select::*;
 
 use schemars::JsonSchema;
 use serde::Deserialize;

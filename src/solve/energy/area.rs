@@ -3,14 +3,17 @@
 //! In: samples (position, area, stiffness). Independent of the density and defects of the mesh.
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
+use super::polar::lane_of;
 use super::rotation_hessian::SubtractRotationHessian;
+use super::rotation_response::RotationResponse;
+use super::sample_tasks::tasks;
 use crate::lattice::Grid;
 use crate::solve::blocked_weights::{Block, BlockedWeights, gather, gather_group, local_handles};
 use crate::solve::cancel::{Cancel, WorkMeter};
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
-use crate::solve::linalg::small_matrix::{SquareMatrix, nearest_rotation, squared_distance};
+use crate::solve::linalg::small_matrix::{nearest_rotation, squared_distance};
 use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::samples::Sample;
 use pulp::{Simd, WithSimd};
@@ -19,12 +22,14 @@ use pulp::{Simd, WithSimd};
 #[derive(Debug)]
 pub(crate) struct Area<const D: usize> {
     /// Rows of ∇W.
-    gradients: BlockedWeights<D>,
+    pub(super) gradients: BlockedWeights<D>,
     /// Area times stiffness of each lane's sample; 0 where a lane has none.
-    areas: Vec<Lanes>,
+    pub(super) areas: Vec<Lanes>,
     /// Area alone.
     plain_areas: Vec<Lanes>,
     total: f64,
+    /// Of passes over the samples in space; none in the plane.
+    pub(super) tasks: Vec<Vec<Block>>,
 }
 
 impl<const D: usize> Area<D> {
@@ -36,7 +41,27 @@ impl<const D: usize> Area<D> {
             gradients.order.iter().map(|rows| rows.map(of_row)).collect()
         };
         let (areas, plain_areas) = (lanes(|sample| sample.area * sample.stiffness), lanes(|sample| sample.area));
-        Self { gradients, areas, plain_areas, total: samples.iter().map(|sample| sample.area).sum() }
+        let tasks = if D == 3 { tasks(&gradients.blocks) } else { Vec::new() };
+        let total = samples.iter().map(|sample| sample.area).sum();
+        Self { gradients, areas, plain_areas, total, tasks }
+    }
+
+    /// Replaces handles by other unknowns, in the same order.
+    pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
+        self.gradients.relabel(unknown_of);
+    }
+
+    /// The sum of several energies.
+    pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut parts = parts.into_iter();
+        let mut joined = parts.next().expect("there is a first part");
+        for part in parts {
+            joined.gradients.append(part.gradients);
+            joined.areas.extend(part.areas);
+            joined.plain_areas.extend(part.plain_areas);
+            joined.total += part.total;
+        }
+        joined
     }
 
     /// Gradients at all samples: [packet][row][column][lane].
@@ -106,6 +131,9 @@ impl<const D: usize> Distortion<D> for Area<D> {
     }
 
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], cancel: &Cancel) -> f64 {
+        if D == 3 {
+            return self.local_step_in_space((handles, scale), right_side, cancel);
+        }
         dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side, meter: cancel.meter() })
     }
 
@@ -129,6 +157,20 @@ impl<const D: usize> Distortion<D> for Area<D> {
     ) {
         let Self { gradients, areas, .. } = self;
         dispatch(SubtractRotationHessian { gradients, areas, handles, hessian, normal, cancel });
+    }
+
+    fn rotation_response(&self, handles: &[[f64; D]], limit: f64) -> Option<RotationResponse<D>> {
+        (D == 3).then(|| self.response_in_space(handles, limit))
+    }
+
+    fn subtract_rotation_product(
+        &self,
+        response: &RotationResponse<D>,
+        along: (&[[f64; D]], f64),
+        product: &mut [[f64; D]],
+        cancel: &Cancel,
+    ) {
+        self.subtract_turned(response, along, product, cancel);
     }
 
     fn energy(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> f64 {
@@ -178,7 +220,7 @@ impl<const D: usize> WithSimd for Gradients<'_, D> {
     }
 }
 
-/// Kernel of the local step: rotations, their right side and the energy in one pass.
+/// Kernel of the local step in the plane: rotations, their right side and the energy in one pass.
 struct LocalStep<'a, const D: usize> {
     energy: &'a Area<D>,
     handles: &'a [[f64; D]],
@@ -206,11 +248,7 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
                 }
                 let packets = [first, first + areas.len() - 1].map(|packet| gradients.packet(block, packet));
                 for (areas, mut values) in areas.iter().zip(gather_group(simd, packets, &local)) {
-                    let part = if D == 2 {
-                        fit_plane(simd, &mut values, load::<S>(areas))
-                    } else {
-                        fit_each::<S, D>(&mut values, areas)
-                    };
+                    let part = fit_plane(simd, &mut values, load::<S>(areas));
                     energy = simd.add_f64s(energy, part);
                     turned.push(values);
                 }
@@ -252,24 +290,4 @@ fn fit_plane<S: Simd, const D: usize>(simd: S, values: &mut [[S::f64s; D]; D], a
     values[1][0] = sin;
     values[1][1] = cos;
     simd.mul_f64s(areas, energy)
-}
-
-/// The same for any dimension, one lane after the other.
-#[inline(always)]
-fn fit_each<S: Simd, const D: usize>(values: &mut [[S::f64s; D]; D], areas: &Lanes) -> S::f64s {
-    let mut lanes = values.map(|row| row.map(|x| store::<S>(x)));
-    let energy: Lanes = std::array::from_fn(|lane| {
-        let gradient = lane_of(&lanes, lane);
-        let rotation = nearest_rotation(&gradient);
-        for d in 0..D {
-            (0..D).for_each(|c| lanes[d][c][lane] = areas[lane] * rotation[d][c]);
-        }
-        areas[lane] * squared_distance(&gradient, &rotation)
-    });
-    *values = lanes.map(|row| row.map(|x| load::<S>(&x)));
-    load::<S>(&energy)
-}
-
-fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> SquareMatrix<D> {
-    std::array::from_fn(|d| std::array::from_fn(|c| values[d][c][lane]))
 }

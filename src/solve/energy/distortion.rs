@@ -2,6 +2,7 @@
 //!
 //! In: handles. Out: the constant normal matrix, per iteration rotations and right side, metrics.
 
+use super::rotation_response::RotationResponse;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::linalg::small_matrix::{SquareMatrix, area_of, determinant, dot, minus};
@@ -33,6 +34,22 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
         _handles: &[[f64; D]],
         _hessian: RotationHessian,
         _normal: &mut NormalMatrix,
+        _cancel: &Cancel,
+    ) {
+    }
+
+    /// How best rotations follow the handles, their changes limited as in [`RotationHessian`]; `None` where
+    /// [`Self::subtract_rotation_product`] is not implemented.
+    fn rotation_response(&self, _handles: &[[f64; D]], _limit: f64) -> Option<RotationResponse<D>> {
+        None
+    }
+
+    /// Subtracts the rotation Hessian times a direction of the handles, and times a factor, from a product with the constant matrix.
+    fn subtract_rotation_product(
+        &self,
+        _response: &RotationResponse<D>,
+        _along: (&[[f64; D]], f64),
+        _product: &mut [[f64; D]],
         _cancel: &Cancel,
     ) {
     }

@@ -3,6 +3,7 @@
 //! In: rest grid and shape. Out: the measure that the settings ask for.
 
 mod area;
+mod area_in_space;
 mod distortion;
 mod edge;
 mod edge_set_packets;
@@ -13,7 +14,10 @@ mod mesh_edges;
 mod one_rings;
 mod packets;
 mod pin_neighbourhoods;
+mod polar;
 mod rotation_hessian;
+mod rotation_response;
+mod sample_tasks;
 mod set_edges;
 mod spokes_and_rims;
 mod stroke;
@@ -23,6 +27,7 @@ pub(crate) use area::Area;
 pub(crate) use distortion::{Distortion, RotationHessian};
 pub(crate) use mesh_edges::{HalfEdges, edges};
 pub(crate) use pin_neighbourhoods::WithPinNeighbourhoods;
+pub(crate) use rotation_response::RotationResponse;
 
 use super::cancel::{Cancel, Cancelled};
 use super::merge_duplicates::merge_duplicates;

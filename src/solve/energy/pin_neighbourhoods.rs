@@ -6,6 +6,7 @@
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
 use super::rotation_hessian::{differential_row, rotation_differential};
+use super::rotation_response::{RotationResponse, SampleResponse};
 use crate::lattice::Grid;
 use crate::solve::cancel::Cancel;
 use crate::solve::least_squares::LeastSquaresRows;
@@ -31,6 +32,9 @@ struct PinNeighbourhood<const D: usize> {
     /// g: weight of the deviation of that map from a rotation.
     rigid: f64,
 }
+
+/// Rows over handles around a pin, by its index, as rows over other unknowns.
+type Relabel<'a, const D: usize> = dyn Fn(usize, &LeastSquaresRows<D>) -> LeastSquaresRows<D> + 'a;
 
 /// J̄ of one neighbourhood, with its rotation.
 #[derive(Clone, Debug)]
@@ -66,6 +70,30 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
         let kinds = SecondDifferences::of(grid);
         for spec in &specs {
             with_pins.add((grid, &kinds), spec, mass * (spec.radius / grid.diagonal()).powi(2));
+        }
+        Box::new(with_pins)
+    }
+
+    /// As [`Self::around`] for unknowns other than handles: `relabel` turns rows over handles around a pin, by its index, into rows
+    /// over unknowns; more rows of the energy are given, as multiples of its mean.
+    pub(crate) fn with_rows(
+        shape: Box<dyn Distortion<D>>,
+        grid: &Grid<D>,
+        pins: &[PointPin<D>],
+        settings: &Settings,
+        (relabel, rows): (&Relabel<D>, LeastSquaresRows<D>),
+    ) -> Box<dyn Distortion<D>> {
+        let mass = shape.mass();
+        let mut with_pins = Self { shape, discs: vec![(mass, rows)], regions: Vec::new() };
+        let kinds = SecondDifferences::of(grid);
+        for (index, pin) in pins.iter().enumerate() {
+            for spec in PinNeighbourhood::of(grid, pin, settings) {
+                let first = with_pins.discs.len();
+                with_pins.add((grid, &kinds), &spec, mass * (spec.radius / grid.diagonal()).powi(2));
+                for (_, rows) in &mut with_pins.discs[first..] {
+                    *rows = relabel(index, rows);
+                }
+            }
         }
         Box::new(with_pins)
     }
@@ -134,6 +162,15 @@ impl<const D: usize> RigidRegion<D> {
         }
         gradient
     }
+
+    /// Adds a multiple of the products of a matrix with the mean gradients.
+    fn add_scaled(&self, scale: f64, matrix: &SquareMatrix<D>, sums: &mut [[f64; D]]) {
+        for (handle, mean) in &self.mean {
+            for (slot, row) in sums[*handle].iter_mut().zip(matrix) {
+                *slot += scale * (0..D).map(|axis| row[axis] * mean[axis]).sum::<f64>();
+            }
+        }
+    }
 }
 
 impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
@@ -164,11 +201,7 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
             let gradient = region.gradient_at(handles);
             let wanted = nearest_rotation(&gradient);
             energy += region.weight * squared_distance(&gradient, &wanted);
-            for (handle, mean) in &region.mean {
-                for (slot, row) in right_side[*handle].iter_mut().zip(&wanted) {
-                    *slot += scale * region.weight * (0..D).map(|axis| row[axis] * mean[axis]).sum::<f64>();
-                }
-            }
+            region.add_scaled(scale * region.weight, &wanted, right_side);
         }
         energy
     }
@@ -192,6 +225,28 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
                 [(2 * handle, x), (2 * handle + 1, y)]
             });
             normal.add_row(-hessian.scale * region.weight, &row.collect::<Vec<_>>());
+        }
+    }
+
+    fn rotation_response(&self, handles: &[[f64; D]], limit: f64) -> Option<RotationResponse<D>> {
+        let mut response = self.shape.rotation_response(handles, limit)?;
+        let regions = self.regions.iter().map(|region| SampleResponse::at(&region.gradient_at(handles), limit));
+        response.regions.extend(regions);
+        Some(response)
+    }
+
+    fn subtract_rotation_product(
+        &self,
+        response: &RotationResponse<D>,
+        along: (&[[f64; D]], f64),
+        product: &mut [[f64; D]],
+        cancel: &Cancel,
+    ) {
+        self.shape.subtract_rotation_product(response, along, product, cancel);
+        let (direction, scale) = along;
+        for (region, response) in self.regions.iter().zip(&response.regions) {
+            let turned = response.turned(&region.gradient_at(direction));
+            region.add_scaled(-scale * region.weight, &turned, product);
         }
     }
 

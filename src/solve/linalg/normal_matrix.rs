@@ -28,6 +28,16 @@ impl NormalMatrix {
         Self { size, band, columns: vec![0.0; size * stride(band)], downdates: Vec::new() }
     }
 
+    /// The same matrix with room for rows of a larger extent.
+    pub(crate) fn widened(&self, band: usize) -> Self {
+        let mut wide = Self { downdates: self.downdates.clone(), ..Self::zero(self.size, band.max(self.band)) };
+        let (from, to) = (stride(self.band), stride(wide.band));
+        for (column, slots) in self.columns.chunks_exact(from).zip(wide.columns.chunks_exact_mut(to)) {
+            slots[..=self.band].copy_from_slice(&column[..=self.band]);
+        }
+        wide
+    }
+
     /// The band is full, and rows with `shared` handles each have all handles, as
     /// [`Self::add_syrk`] requires. A model within one cell has a few handles only.
     pub(crate) fn is_full(&self, shared: usize) -> bool {

@@ -1,6 +1,7 @@
 //! Pseudo-inverses of symmetric positive semidefinite matrices. Crate faer.
 //!
-//! In: a matrix, any order. Out: its pseudo-inverse, and the projector onto the directions that it leaves out.
+//! In: a matrix, any order. Out: its pseudo-inverse, and by how much it leaves directions out. They fade out with their eigenvalue,
+//! so that the pseudo-inverse is a continuous function of the matrix.
 
 use super::band_storage::stride;
 use super::cholesky::Cholesky;
@@ -17,12 +18,12 @@ const BATCH: usize = 8;
 pub(crate) struct PseudoInverse {
     /// Row by row.
     pub(crate) inverse: Vec<f64>,
-    /// The projector onto the directions that are left out, row by row; empty where none is.
+    /// Σ (1 − share) v vᵀ over the eigenvectors v, row by row; share: see [`kept_share`]; empty where nothing is left out.
     pub(crate) dropped: Vec<f64>,
 }
 
 impl PseudoInverse {
-    /// Inverts a matrix (size x size) in all directions but those whose eigenvalue is below `cutoff` times the largest.
+    /// Inverts a matrix (size x size) in all directions but those whose eigenvalue is below `cutoff` times the largest, which fade out.
     pub(crate) fn new(entries: &[f64], size: usize, cutoff: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
         let symmetric = |i: usize, j: usize| 0.5 * (entries[i * size + j] + entries[j * size + i]);
         if size > MAX_EIGEN
@@ -46,10 +47,15 @@ impl PseudoInverse {
             found.inverse.chunks_exact_mut(size).zip(found.dropped.chunks_exact_mut(size)).enumerate()
         {
             for (k, column) in columns.iter().enumerate() {
-                let is_kept = values[k] > cutoff * largest;
-                let (row, factor) = if is_kept { (&mut *inverse, 1.0 / values[k]) } else { (&mut *dropped, 1.0) };
-                let factor = factor * column[i];
-                row.iter_mut().zip(column).for_each(|(slot, x)| *slot += factor * x);
+                let share = kept_share(values[k], cutoff * largest);
+                if share > 0.0 {
+                    let factor = share / values[k] * column[i];
+                    inverse.iter_mut().zip(column).for_each(|(slot, x)| *slot += factor * x);
+                }
+                if share < 1.0 {
+                    let factor = (1.0 - share) * column[i];
+                    dropped.iter_mut().zip(column).for_each(|(slot, x)| *slot += factor * x);
+                }
             }
             if meter.spend(size * size) {
                 return Err(Cancelled);
@@ -57,6 +63,21 @@ impl PseudoInverse {
         }
         Ok(found)
     }
+}
+
+/// Directions fade out between a limit and this part of it.
+const FADE: f64 = 0.1;
+
+/// How much of a direction is kept: all from the limit on, nothing below a tenth of it, smoothly in the logarithm between.
+pub(crate) fn kept_share(value: f64, limit: f64) -> f64 {
+    if value >= limit {
+        return 1.0;
+    }
+    if value <= FADE * limit {
+        return 0.0;
+    }
+    let t = 1.0 - (value / limit).ln() / FADE.ln();
+    t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
 /// The inverse where every eigenvalue is above `cutoff` times the largest, which the norms of matrix and inverse prove.

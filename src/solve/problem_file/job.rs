@@ -31,6 +31,7 @@ pub(super) fn run<const D: usize>(file: &ProblemFile) -> Result<ResultFile, Prob
     let parts = Parts {
         distortion,
         pin_rows: pin_rows(file, &problem),
+        branching: None,
         warnings: Vec::new(),
         proximal: LeastSquaresRows::new(),
     };

@@ -7,7 +7,7 @@ const MAX_CORNERS: usize = 12;
 
 /// A convex polygon in D dimensions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Polygon<const D: usize> {
+pub(crate) struct Polygon<const D: usize> {
     corners: [[f64; D]; MAX_CORNERS],
     count: usize,
 }
@@ -15,18 +15,18 @@ pub(super) struct Polygon<const D: usize> {
 impl<const D: usize> Polygon<D> {
     const NONE: Self = Self { corners: [[0.0; D]; MAX_CORNERS], count: 0 };
 
-    pub(super) fn triangle(corners: [[f64; D]; 3]) -> Self {
+    pub(crate) fn triangle(corners: [[f64; D]; 3]) -> Self {
         let mut polygon = Self { corners: [[0.0; D]; MAX_CORNERS], count: 3 };
         polygon.corners[..3].copy_from_slice(&corners);
         polygon
     }
 
-    pub(super) fn corners(&self) -> &[[f64; D]] {
+    pub(crate) fn corners(&self) -> &[[f64; D]] {
         &self.corners[..self.count]
     }
 
     /// Smallest and largest coordinate on an axis.
-    pub(super) fn range(&self, axis: usize) -> [f64; 2] {
+    pub(crate) fn range(&self, axis: usize) -> [f64; 2] {
         self.corners().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
             [low.min(corner[axis]), high.max(corner[axis])]
         })
@@ -41,7 +41,7 @@ impl<const D: usize> Polygon<D> {
     }
 
     /// Cuts off the part with coordinate ≤ `at` on an axis and keeps the part ≥ `at`; either may be empty.
-    pub(super) fn split_off(&mut self, axis: usize, at: f64) -> Self {
+    pub(crate) fn split_off(&mut self, axis: usize, at: f64) -> Self {
         let (mut below, mut above) = (Self::NONE, Self::NONE);
         for k in 0..self.count {
             let (from, to) = (self.corners[k], self.corners[if k + 1 < self.count { k + 1 } else { 0 }]);

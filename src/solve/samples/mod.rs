@@ -7,6 +7,7 @@ mod clip;
 mod moments;
 mod sample;
 
+pub(crate) use clip::Polygon;
 pub(crate) use sample::{Sample, subcell_dims};
 
 use super::linalg::small_matrix::{area_of, minus};
@@ -35,6 +36,11 @@ pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>)
 pub(crate) fn subcell_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Sample<D>> {
     let samples = Subcells::of(grid, shape).samples();
     if samples.is_empty() { even_samples(grid) } else { samples }
+}
+
+/// The same for parts of a shape, which may lie outside the box; no sample leaves its sub-cell.
+pub(crate) fn samples_of_pieces<const D: usize>(grid: &Grid<D>, pieces: &Shape<D>) -> Vec<Sample<D>> {
+    Subcells::of(grid, pieces).samples_inside()
 }
 
 /// The centre of every sub-cell.

@@ -13,6 +13,9 @@ use rayon::prelude::*;
 /// Triangles per task. Fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 15;
 
+/// Samples that have to stay inside a sub-cell reach no nearer to its border than this share of the way.
+const INSIDE: f64 = 0.999;
+
 /// Moments about the centre of a sub-cell.
 #[derive(Clone, Copy, Debug)]
 struct Moments<const D: usize> {
@@ -195,6 +198,29 @@ impl<const D: usize> Subcells<D> {
             let mut below = polygon.split_off(axis, self.layout.border(axis, cell + 1));
             self.cut(&mut below, axis + 1, place);
         }
+    }
+
+    /// The samples, each pair drawn together until both lie inside their sub-cell: where a model is at two ends of one, those that
+    /// match its covariance do not.
+    pub(super) fn samples_inside(&self) -> Vec<Sample<D>> {
+        let mut samples = self.samples();
+        for pair in samples.chunks_exact_mut(2) {
+            let middle: [f64; D] = std::array::from_fn(|axis| f64::midpoint(pair[0].at[axis], pair[1].at[axis]));
+            let mut share: f64 = 1.0;
+            for (axis, &middle) in middle.iter().enumerate() {
+                let place = self.layout.cell(axis, middle).clamp(0.0, (self.layout.dims[axis] - 1) as f64);
+                let low = self.layout.border(axis, place as usize);
+                let room = (middle - low).min(low + self.layout.side[axis] - middle).max(0.0);
+                let spread = 0.5 * (pair[1].at[axis] - pair[0].at[axis]).abs();
+                if spread > INSIDE * room {
+                    share = share.min(INSIDE * room / spread);
+                }
+            }
+            for sample in pair {
+                sample.at = std::array::from_fn(|axis| middle[axis] + share * (sample.at[axis] - middle[axis]));
+            }
+        }
+        samples
     }
 
     /// The samples of all sub-cells that contain some of the model, in cell order.

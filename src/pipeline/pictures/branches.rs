@@ -1,0 +1,170 @@
+//! Draws a picture whose lattice branches: every branch is cut out, warped by its own lattice, and laid over those behind it.
+//!
+//! In: a [`FlatPicture`] and a solved [`BranchedLattice`]. Out: the warped parts, from back to front: the largest branch lies behind.
+
+use super::read::{FlatPicture, pictured};
+use crate::image::{Frame, Plate};
+use crate::lattice::ScreenLattice;
+use crate::solve::BranchedLattice;
+use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
+
+/// No branch.
+const NONE: u32 = u32::MAX;
+
+/// A branch goes on under those before it by so many pixels, so that no seam shows where filters soften their edges.
+const OVERLAP: usize = 3;
+
+/// Lattices of two branches that differ by more than this at a pixel, in pixels, do not hang together there.
+const SAME_PLACE: f64 = 0.5;
+
+/// The branch of every pixel of a picture, by window.
+pub(super) struct BranchMap {
+    window: PixelRect,
+    frame: FrameSize,
+    /// #pixels; [`NONE`]: no branch is near.
+    labels: Vec<u32>,
+}
+
+impl BranchMap {
+    /// Pixels beside the shape belong to the nearest one inside.
+    pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>) -> Self {
+        let (window, frame) = (flat_picture.window(), flat_picture.plate.frame_size());
+        let mut map = Self { window, frame, labels: vec![NONE; window.area()] };
+        for (branch, corners) in branches.pieces() {
+            let corners = corners.iter().map(|&[x, y]| frame.image_from_screen(ScreenPoint::new(x, y)).0.to_array());
+            map.fill(branch as u32, &corners.collect::<Vec<[f64; 2]>>());
+        }
+        let alpha = flat_picture.alpha();
+        map.spread(|pixel| alpha[pixel] != 0.0);
+        map
+    }
+
+    /// Fills a convex polygon, given in pixels of the frame.
+    fn fill(&mut self, branch: u32, corners: &[[f64; 2]]) {
+        let (width, height) = (self.window.width as usize, self.window.height as usize);
+        // From the centre of the first pixel on.
+        let origin = [f64::from(self.window.x) + 0.5, f64::from(self.window.y) + 0.5];
+        let corners: Vec<[f64; 2]> = corners.iter().map(|&[x, y]| [x - origin[0], y - origin[1]]).collect();
+        for row in pixels_within(corners.iter().map(|corner| corner[1]), height) {
+            let crossings =
+                (0..corners.len()).flat_map(|k| crossings([corners[k], corners[(k + 1) % corners.len()]], row as f64));
+            let columns = pixels_within(crossings, width);
+            self.labels[row * width + columns.start..row * width + columns.end].fill(branch);
+        }
+    }
+
+    /// Gives pixels that are covered the branch of a neighbour, ring by ring.
+    fn spread(&mut self, is_covered: impl Fn(usize) -> bool) {
+        let mut ring: Vec<usize> = (0..self.labels.len()).filter(|&pixel| self.labels[pixel] != NONE).collect();
+        while !ring.is_empty() {
+            let mut next = Vec::new();
+            for pixel in ring {
+                for neighbour in self.neighbours(pixel).into_iter().flatten() {
+                    if self.labels[neighbour] == NONE && is_covered(neighbour) {
+                        self.labels[neighbour] = self.labels[pixel];
+                        next.push(neighbour);
+                    }
+                }
+            }
+            ring = next;
+        }
+    }
+
+    fn neighbours(&self, pixel: usize) -> [Option<usize>; 4] {
+        let width = self.window.width as usize;
+        let (column, row) = (pixel % width, pixel / width);
+        [
+            (column > 0).then(|| pixel - 1),
+            (column + 1 < width).then(|| pixel + 1),
+            (row > 0).then(|| pixel - width),
+            (row + 1 < self.window.height as usize).then(|| pixel + width),
+        ]
+    }
+
+    /// Where the centre of a pixel goes, in pixels.
+    fn image(&self, lattice: &ScreenLattice, pixel: usize) -> [f64; 2] {
+        let width = self.window.width as usize;
+        let place = |start: i32, step: usize| f64::from(start) + step as f64 + 0.5;
+        let at = ImagePoint::new(place(self.window.x, pixel % width), place(self.window.y, pixel / width));
+        self.frame.image_from_screen(lattice.warp(self.frame.screen_from_image(at))).0.to_array()
+    }
+
+    /// The pixels of a branch, and those of branches before it that hang together with it, up to [`OVERLAP`] pixels away.
+    fn mask(&self, branch: usize, lattices: &[ScreenLattice]) -> Vec<bool> {
+        let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == branch as u32).collect();
+        let mut ring: Vec<usize> = (0..mask.len()).filter(|&pixel| mask[pixel]).collect();
+        for _ in 0..OVERLAP {
+            let mut next = Vec::new();
+            for neighbour in ring.iter().flat_map(|&pixel| self.neighbours(pixel)).flatten() {
+                let label = self.labels[neighbour];
+                if mask[neighbour] || label == NONE || label as usize <= branch {
+                    continue;
+                }
+                let [own, other] = [branch, label as usize].map(|index| self.image(&lattices[index], neighbour));
+                if (own[0] - other[0]).hypot(own[1] - other[1]) <= SAME_PLACE {
+                    mask[neighbour] = true;
+                    next.push(neighbour);
+                }
+            }
+            ring = next;
+        }
+        mask
+    }
+}
+
+/// Whole numbers from 0 to below `count` that lie between the least and the greatest of some values.
+fn pixels_within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let start = low.ceil().clamp(0.0, count as f64) as usize;
+    start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
+}
+
+/// Where a side meets the line at a height: nowhere, once, or, along the line, at both ends.
+fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
+    if y < ay.min(by) || y > ay.max(by) {
+        Vec::new()
+    } else if ay == by {
+        vec![ax, bx]
+    } else {
+        vec![ax + (y - ay) / (by - ay) * (bx - ax)]
+    }
+}
+
+/// The parts of a picture, from back to front, each warped by `warp`, with what that has to say.
+pub(super) fn warped_branches(
+    flat_picture: &FlatPicture,
+    (map, branches): (&BranchMap, &BranchedLattice<2>),
+    warp: impl Fn(&Plate, ScreenLattice) -> (Frame, Vec<String>),
+) -> (Vec<Frame>, Vec<String>) {
+    let lattices: Vec<ScreenLattice> = (0..branches.branch_count()).map(|k| branches.extended_lattice(k)).collect();
+    let (mut pictures, mut warnings) = (Vec::new(), Vec::new());
+    for branch in 0..lattices.len() {
+        let mask = map.mask(branch, &lattices);
+        let Some(plate) = cut_out(flat_picture, map, &mask) else { continue };
+        let (picture, told) = warp(&plate, lattices[branch].clone());
+        pictures.push(picture);
+        warnings.extend(told);
+    }
+    (pictures, warnings)
+}
+
+/// The pixels of a mask, in the smallest window that holds them; `None`: there are none.
+fn cut_out(flat_picture: &FlatPicture, map: &BranchMap, mask: &[bool]) -> Option<Plate> {
+    let width = map.window.width as usize;
+    let rows: Vec<usize> =
+        (0..map.window.height as usize).filter(|row| mask[row * width..][..width].contains(&true)).collect();
+    let is_used = |column: &usize| rows.iter().any(|row| mask[row * width + column]);
+    let (top, bottom) = (*rows.first()?, *rows.last()?);
+    let (left, right) = ((0..width).find(is_used)?, (0..width).rev().find(is_used)?);
+    let window = PixelRect {
+        x: map.window.x + left as i32,
+        y: map.window.y + top as i32,
+        width: (right - left + 1) as u32,
+        height: (bottom - top + 1) as u32,
+    };
+    let planes = flat_picture.planes().map(|samples| {
+        let rows = (top..=bottom).map(|row| row * width + left..=row * width + right);
+        rows.flat_map(move |row| row.map(move |pixel| if mask[pixel] { samples[pixel] } else { 0.0 })).collect()
+    });
+    Some(pictured(map.frame, window, planes))
+}

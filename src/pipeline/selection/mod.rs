@@ -1,0 +1,104 @@
+//! Which layers move which part of the scene: by nodes, joints, materials, vertex colours and painted masks.
+//!
+//! In: the layers' selections and the posed parts. Out: [`PartLayers`], one a part; unknown names and layers that are left with
+//! nothing are errors. Where layers share a mesh, its vertices go from one to the other by weights, so nothing tears.
+
+mod coverage;
+mod feather;
+mod mesh_graph;
+mod precedence;
+mod rules;
+mod shared_part;
+
+pub(super) use precedence::PartLayers;
+pub(super) use rules::material_name;
+pub use shared_part::{LayerShare, SharedPart};
+
+use super::PipelineError;
+use crate::pose::PosedPart;
+use crate::scene::Scene;
+use crate::screen::primitive;
+use crate::shot::Shot;
+use coverage::Coverage;
+use rules::Rules;
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+
+/// What layers take of a scene.
+#[derive(Debug)]
+pub(super) struct Selected {
+    /// One a part.
+    pub(super) layers_of_part: Vec<PartLayers>,
+    /// One a layer: the nodes that count as its joints, where it names some.
+    pub(super) joints: Vec<Option<BTreeSet<usize>>>,
+}
+
+/// Gives every part to the layers that name it.
+pub(super) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Selected, PipelineError> {
+    let (mut named, mut joints): (Vec<Vec<Coverage>>, Vec<_>) = (Vec::new(), Vec::new());
+    for (index, layer) in shot.layers.iter().enumerate() {
+        let rules = Rules::of(shot, index, scene, parts)?;
+        let coverage = coverage::named(scene, parts, &rules, layer.selection.feather);
+        if coverage.iter().all(Coverage::is_nothing) {
+            return Err(names_nothing(shot, index));
+        }
+        named.push(coverage);
+        joints.push(rules.joints);
+    }
+    let mut order: Vec<usize> = (0..named.len()).collect();
+    order.sort_by_key(|&layer| (shot.layers[layer].selection.is_rest, Reverse(layer)));
+    let layers_of = |(index, part): (usize, &PosedPart)| {
+        let named = order.iter().map(|&layer| (layer, &named[layer][index]));
+        precedence::layers_of(named, primitive(scene, part))
+    };
+    let layers_of_part: Vec<PartLayers> = parts.iter().enumerate().map(layers_of).collect();
+    let is_left = |layer: usize| layers_of_part.iter().any(|layers| layers.have(layer));
+    match (0..named.len()).find(|&layer| !is_left(layer)) {
+        Some(layer) => Err(left_with_nothing(shot, layer)),
+        None => Ok(Selected { layers_of_part, joints }),
+    }
+}
+
+impl PartLayers {
+    /// A layer moves some of the part.
+    pub(super) fn have(&self, layer: usize) -> bool {
+        match self {
+            Self::Whole(owner) => *owner == Some(layer),
+            Self::Shared(shared) => shared.layers.contains(&layer),
+        }
+    }
+}
+
+/// What a layer names is not there.
+fn names_nothing(shot: &Shot, index: usize) -> PipelineError {
+    let (name, rule) = (&shot.layers[index].name, &shot.layers[index].selection);
+    if rule.is_whole() {
+        let what = format!("layer '{name}': none of its nodes has triangles or lines");
+        let hint = "name nodes that carry a mesh in `nodes`, or leave `nodes` out for all";
+        return PipelineError::mismatch(shot, &format!("layer[{index}].nodes"), what, hint);
+    }
+    let rules = [
+        (!rule.joints.is_empty(), "hangs on its joints"),
+        (!rule.materials.is_empty(), "has its materials"),
+        (rule.vertex_color.is_some(), "is coloured in its channel"),
+        (rule.mask.is_some(), "is white in its mask"),
+    ];
+    let wanted: Vec<&str> = rules.iter().filter(|(is_given, _)| *is_given).map(|&(_, text)| text).collect();
+    let what = format!("layer '{name}': no vertex of its meshes {}", wanted.join(" and "));
+    let hint = "`pinwarp info` lists joints, materials and vertex colours of a scene; masks count at vertices";
+    PipelineError::mismatch(shot, &format!("layer[{index}].select"), what, hint)
+}
+
+/// Other layers take all that a layer names.
+fn left_with_nothing(shot: &Shot, index: usize) -> PipelineError {
+    let layer = &shot.layers[index];
+    let name = &layer.name;
+    if layer.selection.is_rest {
+        let what = format!("layer '{name}': nothing is left, the other layers take all of the scene");
+        let hint = "remove the layer, or let another take less";
+        return PipelineError::mismatch(shot, &format!("layer[{index}].nodes"), what, hint);
+    }
+    let what = format!("layer '{name}': later layers take all that it names");
+    let hint = "move its [[layer]] behind them, give them other `nodes`, or name with a '!' what they leave alone";
+    PipelineError::mismatch(shot, &format!("layer[{index}].nodes"), what, hint)
+}

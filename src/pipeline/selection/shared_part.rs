@@ -1,0 +1,106 @@
+//! A part of the scene that several layers move, each vertex by its weights.
+//!
+//! In: weights. Out: whose a triangle is, how much of it a layer moves.
+
+/// A part that more than one layer moves, or one layer in parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SharedPart {
+    /// The layers, by their places in the shot, rising.
+    pub layers: Vec<usize>,
+    /// #vertices x #layers, rows one after the other, 0 to 1: how much a layer moves a vertex. What a row lacks to 1 rests.
+    pub weights: Vec<f32>,
+    /// #triangles: the layer that moves most of it; `None` where most of it rests.
+    pub layer_of_triangle: Vec<Option<usize>>,
+}
+
+impl SharedPart {
+    /// `columns`: layers and their weights of all vertices; in rising order of the layers.
+    pub(crate) fn new(columns: &[(usize, Vec<f32>)], triangles: &[[u32; 3]]) -> Self {
+        let vertices = columns.first().map_or(0, |(_, weights)| weights.len());
+        let weights = (0..vertices).flat_map(|vertex| columns.iter().map(move |(_, weights)| weights[vertex]));
+        let mut part = Self {
+            layers: columns.iter().map(|&(layer, _)| layer).collect(),
+            weights: weights.collect(),
+            layer_of_triangle: Vec::new(),
+        };
+        part.layer_of_triangle = triangles.iter().map(|corners| part.owner(corners)).collect();
+        part
+    }
+
+    /// Weights of all its layers at a vertex.
+    #[must_use]
+    pub fn at(&self, vertex: u32) -> &[f32] {
+        let count = self.layers.len();
+        &self.weights[vertex as usize * count..][..count]
+    }
+
+    /// How much of a triangle a layer moves: the mean over its corners. 0 for layers that it does not know.
+    #[must_use]
+    pub fn of_triangle(&self, layer: usize, corners: &[u32; 3]) -> f64 {
+        let Some(column) = self.layers.iter().position(|&own| own == layer) else { return 0.0 };
+        corners.iter().map(|&corner| f64::from(self.at(corner)[column])).sum::<f64>() / 3.0
+    }
+
+    /// The layer that moves most of the part; `None` where most of it rests.
+    #[must_use]
+    pub fn most(&self) -> Option<usize> {
+        let count = |layer: Option<usize>| self.layer_of_triangle.iter().filter(|owner| **owner == layer).count();
+        let candidates = std::iter::once(None).chain(self.layers.iter().copied().map(Some));
+        candidates.max_by_key(|&layer| count(layer)).flatten()
+    }
+
+    fn owner(&self, corners: &[u32; 3]) -> Option<usize> {
+        let shares = self.layers.iter().map(|&layer| (Some(layer), self.of_triangle(layer, corners)));
+        let moved: f64 = shares.clone().map(|(_, share)| share).sum();
+        let greatest = std::iter::once((None, 1.0 - moved)).chain(shares).max_by(|a, b| a.1.total_cmp(&b.1));
+        greatest.and_then(|(layer, _)| layer)
+    }
+}
+
+/// How much of a part a layer moves.
+#[derive(Clone, Copy, Debug)]
+pub enum LayerShare<'a> {
+    /// All of it.
+    Whole,
+    /// Each vertex by its weight.
+    Shared(&'a SharedPart, usize),
+}
+
+impl LayerShare<'_> {
+    /// How much of a triangle, 0 to 1.
+    #[must_use]
+    pub fn of(&self, corners: &[u32; 3]) -> f64 {
+        match self {
+            Self::Whole => 1.0,
+            Self::Shared(part, layer) => part.of_triangle(*layer, corners),
+        }
+    }
+
+    /// How much of a vertex, 0 to 1.
+    #[must_use]
+    pub fn at(&self, vertex: u32) -> f64 {
+        self.of(&[vertex; 3])
+    }
+
+    /// The layer moves some of a triangle.
+    #[must_use]
+    pub fn meets(&self, corners: &[u32; 3]) -> bool {
+        self.of(corners) > 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_is_of_the_layer_that_moves_most_of_it() {
+        let columns = [(1, vec![1.0, 0.6, 0.0, 0.0]), (4, vec![0.0, 0.4, 0.3, 0.0])];
+        let part = SharedPart::new(&columns, &[[0, 0, 1], [1, 2, 3], [1, 1, 2], [0, 2, 2]]);
+        assert_eq!(part.layer_of_triangle, [Some(1), None, Some(1), None]);
+        assert_eq!(part.at(1), [0.6, 0.4]);
+        assert_eq!(part.most(), Some(1));
+        assert!((LayerShare::Shared(&part, 4).of(&[1, 2, 3]) - 0.7 / 3.0).abs() < 1e-6);
+        assert!(!LayerShare::Shared(&part, 4).meets(&[0, 0, 3]) && LayerShare::Whole.meets(&[0, 0, 3]));
+    }
+}

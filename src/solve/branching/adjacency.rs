@@ -1,0 +1,51 @@
+//! The links of a shape where it lies in a grid.
+//!
+//! In: a shape. Out: its seams, and for every triangle those it begins.
+
+use super::link::LinkKind;
+use super::rest_links::surface_links;
+use crate::solve::problem::Shape;
+use std::borrow::Cow;
+
+/// A link between two triangles, where it lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seam<const D: usize> {
+    /// The triangle with the smaller index, and the other.
+    pub(super) triangles: [usize; 2],
+    /// Its ends.
+    pub(super) ends: [[f64; D]; 2],
+    pub(super) kind: LinkKind,
+}
+
+/// All seams of a shape, by their first triangle.
+#[derive(Clone, Debug)]
+pub(super) struct Adjacency<const D: usize> {
+    seams: Vec<Seam<D>>,
+    /// Where the seams of each triangle end, #triangles.
+    ends: Vec<usize>,
+}
+
+impl<const D: usize> Adjacency<D> {
+    /// The shape's links; where it has none, those of its surface as it lies.
+    pub(super) fn of(shape: &Shape<D>) -> Self {
+        let links = match &shape.links {
+            Some(links) => Cow::Borrowed(links.as_slice()),
+            None => Cow::Owned(surface_links(&shape.points, &shape.triangles)),
+        };
+        let seam = |link: &super::Link| {
+            let [a, b] = link.ends.map(|end| end.triangle as usize);
+            let ends = link.ends.map(|end| end.point(&shape.points, &shape.triangles));
+            Seam { triangles: [a.min(b), a.max(b)], ends, kind: link.kind }
+        };
+        let mut seams: Vec<Seam<D>> = links.iter().map(seam).collect();
+        seams.sort_by_key(|seam| seam.triangles);
+        let ends = (0..shape.triangles.len()).map(|number| seams.partition_point(|seam| seam.triangles[0] <= number));
+        Self { ends: ends.collect(), seams }
+    }
+
+    /// The seams of a triangle with those of larger index.
+    pub(super) fn from(&self, triangle: usize) -> &[Seam<D>] {
+        let start = if triangle == 0 { 0 } else { self.ends[triangle - 1] };
+        &self.seams[start..self.ends[triangle]]
+    }
+}

@@ -1,0 +1,189 @@
+//! A solved branching lattice: one plain lattice a branch.
+//!
+//! In: a [`Branching`] and moved copies. Out: places of points of the shape, lattices to draw with.
+
+use super::{Branching, handles_of_cell};
+use crate::lattice::{Folds, Grid, Lattice};
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::factorization::Factorization;
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::problem::PointPin;
+use crate::solve::second_differences::bend;
+use crate::solve::settings::Scaling;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Weight of known handles beside second differences, where unknown ones are extrapolated.
+const KNOWN: f64 = 1e6;
+
+/// A solved lattice with branches, the largest first.
+#[derive(Clone, Debug)]
+pub struct BranchedLattice<const D: usize> {
+    branching: Arc<Branching<D>>,
+    /// Where the copies are.
+    copies: Vec<[f64; D]>,
+}
+
+impl<const D: usize> PartialEq for BranchedLattice<D> {
+    /// Copies in the same places over the same grid.
+    fn eq(&self, other: &Self) -> bool {
+        self.copies == other.copies
+            && self.branching.grid == other.branching.grid
+            && self.branching.handles == other.branching.handles
+    }
+}
+
+impl<const D: usize> BranchedLattice<D> {
+    pub(crate) fn new(branching: &Arc<Branching<D>>, copies: Vec<[f64; D]>) -> Self {
+        Self { branching: Arc::clone(branching), copies }
+    }
+
+    /// Number of branches.
+    #[must_use]
+    pub fn branch_count(&self) -> usize {
+        self.branching.branches.len()
+    }
+
+    /// The grid at rest.
+    #[must_use]
+    pub fn grid(&self) -> &Grid<D> {
+        &self.branching.grid
+    }
+
+    /// The same shape at rest under the same grid: the same parts belong to the same branches.
+    #[must_use]
+    pub fn has_same_pieces(&self, other: &Self) -> bool {
+        let (one, other) = (&self.branching, &other.branching);
+        Arc::ptr_eq(one, other) || one.grid == other.grid && one.triangles == other.triangles
+    }
+
+    /// The shape at rest as convex polygons, each in one cell of the grid, with the branch of each.
+    pub fn pieces(&self) -> impl Iterator<Item = (usize, &[[f64; D]])> {
+        let Branching { cuts, pieces, branch_of, .. } = self.branching.as_ref();
+        cuts.iter().zip(&pieces.of_cuts).map(move |(cut, &piece)| (branch_of[piece], cut.polygon.corners()))
+    }
+
+    /// The branch of a triangle of the shape at a point of it.
+    ///
+    /// # Panics
+    /// Where the shape has no such triangle.
+    #[must_use]
+    pub fn branch_at(&self, triangle: usize, point: [f64; D]) -> usize {
+        assert!(triangle < self.branching.triangles.len(), "the shape has no triangle {triangle}");
+        self.branching.branch_of(self.branching.piece_at(triangle..triangle + 1, &point))
+    }
+
+    /// The lattice of a branch. Handles that do not act on the branch stay at rest.
+    #[must_use]
+    pub fn lattice(&self, branch: usize) -> Lattice<D> {
+        let Branching { grid, branches, .. } = self.branching.as_ref();
+        let handles = branches[branch].iter().enumerate();
+        let handles =
+            handles.map(|(handle, copy)| copy.map_or_else(|| grid.rest_handle(handle), |copy| self.copies[copy]));
+        Lattice { grid: grid.clone(), handles: handles.collect() }
+    }
+
+    /// The lattice of a branch; handles that do not act on it continue it smoothly (least second differences).
+    #[must_use]
+    pub fn extended_lattice(&self, branch: usize) -> Lattice<D> {
+        let mut lattice = self.lattice(branch);
+        let rows = bend(&lattice.grid, Scaling::Plain);
+        let mut normal = NormalMatrix::zero(lattice.handles.len(), rows.bandwidth());
+        rows.add_normal(1.0, &mut normal, &Cancel::never());
+        let mut extended = vec![[0.0; D]; lattice.handles.len()];
+        let known = self.branching.branches[branch].iter().map(Option::is_some).enumerate();
+        for (handle, _) in known.clone().filter(|(_, is_known)| *is_known) {
+            normal.add(handle, handle, KNOWN);
+            extended[handle] = lattice.handles[handle].map(|x| KNOWN * x);
+        }
+        if let Some(factor) = Factorization::new(&normal, &Cancel::never()) {
+            factor.solve(&mut extended);
+            for (handle, _) in known.filter(|(_, is_known)| !is_known) {
+                lattice.handles[handle] = extended[handle];
+            }
+        }
+        lattice
+    }
+
+    /// Where a point goes that lies on a triangle of the shape.
+    #[must_use]
+    pub fn evaluate(&self, triangle: usize, point: [f64; D]) -> [f64; D] {
+        self.evaluate_in(self.branch_at(triangle, point), point)
+    }
+
+    /// Where a point goes that lies on one of a run of triangles of the shape; points outside the box go with the nearest box point.
+    ///
+    /// # Panics
+    /// Where the run is empty, or the shape does not have all of it.
+    #[must_use]
+    pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
+        assert!(triangles.start < triangles.end && triangles.end <= self.branching.triangles.len(), "{triangles:?}");
+        self.evaluate_in(self.branching.branch_of(self.branching.piece_at(triangles, &point)), point)
+    }
+
+    /// The same lattice with every copy a share of its way from rest: 0 is the lattice at rest.
+    #[must_use]
+    pub fn faded(&self, share: f64) -> Self {
+        let rest = self.branching.rest();
+        let faded = self
+            .copies
+            .iter()
+            .zip(&rest)
+            .map(|(copy, rest)| std::array::from_fn(|d| rest[d] + (copy[d] - rest[d]) * share));
+        Self { branching: Arc::clone(&self.branching), copies: faded.collect() }
+    }
+
+    /// Where a pin's point goes.
+    #[must_use]
+    pub fn pin_image(&self, pin: &PointPin<D>) -> [f64; D] {
+        let (held, piece) = self.branching.held(pin);
+        let image = self.evaluate_in(self.branching.branch_of(piece), held.at);
+        std::array::from_fn(|d| image[d] + pin.at[d] - held.at[d])
+    }
+
+    /// The cells that hold some of a branch, with the handles that act there.
+    pub(super) fn cells_of(&self, branch: usize) -> impl Iterator<Item = (usize, Vec<usize>)> {
+        let Branching { grid, pieces, branch_of, width, .. } = self.branching.as_ref();
+        let own = pieces.list.iter().zip(branch_of).filter(move |(_, of)| **of == branch);
+        own.map(|(piece, _)| (piece.cell, handles_of_cell(grid, *width, piece.cell)))
+    }
+
+    /// Where a branch's copy of a handle is; `None`: the branch has none.
+    pub(super) fn copy_place(&self, branch: usize, handle: usize) -> Option<[f64; D]> {
+        self.branching.branches[branch][handle].map(|copy| self.copies[copy])
+    }
+
+    /// Where a point of a branch goes.
+    pub(crate) fn evaluate_in(&self, branch: usize, point: [f64; D]) -> [f64; D] {
+        let copies = &self.branching.branches[branch];
+        let inside = self.branching.grid.clamp_to_box(point);
+        let mut image: [f64; D] = std::array::from_fn(|d| point[d] - inside[d]);
+        self.branching.grid.for_each_weight(inside, |term| {
+            if let Some(copy) = copies[term.handle] {
+                (0..D).for_each(|d| image[d] += term.weight * self.copies[copy][d]);
+            }
+        });
+        image
+    }
+
+    /// The folds of all branches, in the cells that hold some of them.
+    #[must_use]
+    pub fn folds(&self) -> Folds<D> {
+        let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();
+        let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
+        for branch in 0..self.branch_count() {
+            let mut is_active = vec![false; grid.cell_count()];
+            let own = pieces.list.iter().zip(branch_of).filter(|(_, of)| **of == branch);
+            own.for_each(|(piece, _)| is_active[piece.cell] = true);
+            let found = self.lattice(branch).folds(&is_active);
+            let margin = grid.basis.margin();
+            let number = |place: &[usize; D]| {
+                (0..D).rev().fold(0, |cell, axis| cell * grid.basis.spans(grid.dims[axis]) + place[axis] - margin)
+            };
+            folds.cells.extend(found.cells.into_iter().filter(|place| is_active[number(place)]));
+            folds.active_count += found.active_count;
+            folds.min_det = folds.min_det.min(found.min_det);
+        }
+        folds
+    }
+}

@@ -1,0 +1,185 @@
+//! The copies of handles: one for each connected piece of the shape in a handle's support.
+//!
+//! In: the cuts and seams of a shape. Out: for every cut the copies that act on it, and how near copies of one handle are to each
+//! other.
+
+use super::adjacency::Adjacency;
+use super::cuts::Cut;
+use super::disjoint_sets::DisjointSets;
+use super::support_box::{SupportBox, cells_between};
+use crate::lattice::Grid;
+use std::collections::BTreeMap;
+
+/// Two copies of one handle whose pieces meet where its support grows: the least growth at which some way joins them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tie {
+    /// The copies.
+    pub(super) copies: [usize; 2],
+    /// By how many spans it has to grow, 0 to 1.
+    pub(super) growth: f64,
+}
+
+/// All copies.
+#[derive(Clone, Debug)]
+pub(super) struct Copies {
+    /// The handle of each copy, ascending.
+    pub(super) handles: Vec<usize>,
+    /// Copies that act on a cut, in the order of the cell's handles: #cuts times #handles of a cell.
+    pub(super) of_cuts: Vec<usize>,
+    /// Copies of one handle that are near each other.
+    pub(super) ties: Vec<Tie>,
+}
+
+/// Handles that act on a cell of a tensor basis, ascending: `width` on each axis.
+pub(super) fn handles_of_cell<const D: usize>(grid: &Grid<D>, width: usize, cell: usize) -> Vec<usize> {
+    let first = grid.cell_coords(cell);
+    let mut handles = vec![0];
+    for axis in (0..D).rev() {
+        let count = grid.dims[axis];
+        handles = handles.iter().flat_map(|handle| (0..width).map(move |k| handle * count + first[axis] + k)).collect();
+    }
+    handles
+}
+
+/// Finds all copies; `width`: handles that have a weight at a coordinate.
+pub(super) fn copies<const D: usize>(
+    grid: &Grid<D>,
+    width: usize,
+    cuts: &[Cut<D>],
+    adjacency: &Adjacency<D>,
+) -> Copies {
+    let handles_per_cell = width.pow(D as u32);
+    let mut finder = Finder {
+        grid,
+        adjacency,
+        cuts,
+        cuts_of_cell: cuts_by_cell(grid.cell_count(), cuts),
+        place_of: vec![usize::MAX; cuts.last().map_or(0, |cut| cut.triangle + 1)],
+    };
+    let mut copies = Copies { handles: Vec::new(), of_cuts: vec![0; cuts.len() * handles_per_cell], ties: Vec::new() };
+    for handle in 0..grid.handle_count() {
+        let support = SupportBox::of(grid, width, handle);
+        finder.add(handle, &support, width, &mut copies);
+    }
+    copies
+}
+
+fn cuts_by_cell<const D: usize>(count: usize, cuts: &[Cut<D>]) -> Vec<Vec<usize>> {
+    let mut of_cell = vec![Vec::new(); count];
+    cuts.iter().enumerate().for_each(|(number, cut)| of_cell[cut.cell].push(number));
+    of_cell
+}
+
+/// What finds the pieces in a support.
+struct Finder<'a, const D: usize> {
+    grid: &'a Grid<D>,
+    adjacency: &'a Adjacency<D>,
+    cuts: &'a [Cut<D>],
+    cuts_of_cell: Vec<Vec<usize>>,
+    /// Place in the list of triangles at hand, #triangles; `usize::MAX`: not in it.
+    place_of: Vec<usize>,
+}
+
+impl<const D: usize> Finder<'_, D> {
+    /// Adds the copies of a handle.
+    fn add(&mut self, handle: usize, support: &SupportBox<D>, width: usize, copies: &mut Copies) {
+        let cells = cells_between(self.grid, support.cells);
+        let triangles = self.triangles_in(&cells);
+        if triangles.is_empty() {
+            return;
+        }
+        let mut pieces = DisjointSets::of(triangles.len());
+        for (_, pair) in self.seams_among(&triangles, support).into_iter().filter(|(growth, _)| *growth < 0.0) {
+            pieces.join(pair);
+        }
+        let first = copies.handles.len();
+        let mut copy_of_root = vec![usize::MAX; triangles.len()];
+        for place in 0..triangles.len() {
+            let root = pieces.root(place);
+            if copy_of_root[root] == usize::MAX {
+                copy_of_root[root] = copies.handles.len();
+                copies.handles.push(handle);
+            }
+        }
+        let of_triangle: Vec<usize> = (0..triangles.len()).map(|place| copy_of_root[pieces.root(place)]).collect();
+        let per_cut = width.pow(D as u32);
+        for &cell in &cells {
+            let slot = slot_in_cell(self.grid, width, cell, handle);
+            for &cut in &self.cuts_of_cell[cell] {
+                copies.of_cuts[cut * per_cut + slot] = of_triangle[self.place_of[self.cuts[cut].triangle]];
+            }
+        }
+        self.forget(&triangles);
+        if copies.handles.len() > first + 1 {
+            let inside: Vec<(usize, usize)> = triangles.into_iter().zip(of_triangle).collect();
+            copies.ties.extend(self.ties(support, &inside));
+        }
+    }
+
+    /// Ties of all pairs of copies of a handle, by the growth at which their pieces meet (Kruskal's spanning tree has the ways that need
+    /// the least growth). A tree's own edges alone would change from frame to frame where two growths are equal.
+    fn ties(&mut self, support: &SupportBox<D>, inside: &[(usize, usize)]) -> Vec<Tie> {
+        let cells = cells_between(self.grid, support.grown(self.grid));
+        let triangles = self.triangles_in(&cells);
+        let mut pieces = DisjointSets::of(triangles.len());
+        let mut first_of_copy = BTreeMap::new();
+        for &(triangle, copy) in inside {
+            let place = self.place_of[triangle];
+            pieces.join([place, *first_of_copy.entry(copy).or_insert(place)]);
+        }
+        let mut copies_at = vec![Vec::new(); triangles.len()];
+        first_of_copy.into_iter().for_each(|(copy, place)| copies_at[pieces.root(place)].push(copy));
+        let mut seams = self.seams_among(&triangles, support);
+        seams.retain(|(growth, _)| *growth < 1.0);
+        seams.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ties = Vec::new();
+        for (growth, pair) in seams {
+            let [a, b] = pair.map(|place| pieces.root(place));
+            if a == b {
+                continue;
+            }
+            let [ours, theirs] = [a, b].map(|root| std::mem::take(&mut copies_at[root]));
+            let pairs = ours.iter().flat_map(|&one| theirs.iter().map(move |&other| [one.min(other), one.max(other)]));
+            ties.extend(pairs.map(|copies| Tie { copies, growth: growth.max(0.0) }));
+            pieces.join([a, b]);
+            copies_at[pieces.root(a)] = [ours, theirs].concat();
+        }
+        self.forget(&triangles);
+        ties
+    }
+
+    /// Triangles that some cells hold, ascending; their places are kept until [`Self::forget`].
+    fn triangles_in(&mut self, cells: &[usize]) -> Vec<usize> {
+        let mut triangles = Vec::new();
+        for &cut in cells.iter().flat_map(|&cell| &self.cuts_of_cell[cell]) {
+            let triangle = self.cuts[cut].triangle;
+            if self.place_of[triangle] == usize::MAX {
+                self.place_of[triangle] = 0;
+                triangles.push(triangle);
+            }
+        }
+        triangles.sort_unstable();
+        triangles.iter().enumerate().for_each(|(place, &triangle)| self.place_of[triangle] = place);
+        triangles
+    }
+
+    fn forget(&mut self, triangles: &[usize]) {
+        triangles.iter().for_each(|&triangle| self.place_of[triangle] = usize::MAX);
+    }
+
+    /// Seams between triangles at hand, with the growth at which the support meets them.
+    fn seams_among(&self, triangles: &[usize], support: &SupportBox<D>) -> Vec<(f64, [usize; 2])> {
+        let seams = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
+        let among = seams.filter_map(|seam| {
+            let pair = seam.triangles.map(|triangle| self.place_of.get(triangle).copied().unwrap_or(usize::MAX));
+            (pair[1] != usize::MAX).then(|| (support.growth_to(seam), pair))
+        });
+        among.collect()
+    }
+}
+
+/// Place of a handle among those of a cell.
+fn slot_in_cell<const D: usize>(grid: &Grid<D>, width: usize, cell: usize, handle: usize) -> usize {
+    let (first, place) = (grid.cell_coords(cell), grid.handle_coords(handle));
+    (0..D).rev().fold(0, |slot, axis| slot * width + place[axis] - first[axis])
+}

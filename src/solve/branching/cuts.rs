@@ -1,0 +1,80 @@
+//! The parts of triangles that lie in the cells of a grid.
+//!
+//! In: a shape and a grid. Out: one [`Cut`] for each triangle and cell that meet. Parts outside the box count for the nearest
+//! cell, whose displacement they have.
+
+use crate::lattice::Grid;
+use crate::solve::linalg::small_matrix::{area_of, minus};
+use crate::solve::problem::Shape;
+use crate::solve::samples::Polygon;
+
+/// Parts below this share of a cell touch it, but hold nothing; those of a triangle that is as small itself count.
+const LEAST: f64 = 1e-9;
+
+/// What a cell holds of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut<const D: usize> {
+    /// Index of the triangle.
+    pub(super) triangle: usize,
+    /// Number of the cell, x fastest.
+    pub(super) cell: usize,
+    /// Its area.
+    pub(super) area: f64,
+    /// The part itself.
+    pub(super) polygon: Polygon<D>,
+}
+
+/// All cuts, triangle by triangle.
+pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<D>> {
+    let side = (0..D).map(|axis| grid.spacing(axis)).fold(f64::INFINITY, f64::min);
+    let least = LEAST * side * side;
+    let mut cuts: Vec<Cut<D>> = Vec::new();
+    for (triangle, corners) in shape.triangles.iter().enumerate() {
+        let corners = corners.map(|corner| shape.points[corner as usize]);
+        let first = cuts.len();
+        let is_small = area(&corners) <= least;
+        slice(grid, &mut Polygon::triangle(corners), (0, 0), &mut |cell, polygon| {
+            let area = area(polygon.corners());
+            if area > least || is_small {
+                cuts.push(Cut { triangle, cell, area, polygon: *polygon });
+            }
+        });
+        debug_assert!(cuts.len() > first, "a triangle lies in some cell");
+    }
+    cuts
+}
+
+/// Cuts a polygon into the slabs of each axis in turn; `cell`: what the axes before contribute to the cell's number.
+fn slice<const D: usize>(
+    grid: &Grid<D>,
+    polygon: &mut Polygon<D>,
+    (axis, cell): (usize, usize),
+    visit: &mut dyn FnMut(usize, &Polygon<D>),
+) {
+    if axis == D {
+        return visit(cell, polygon);
+    }
+    let spans = |axis: usize| grid.basis.spans(grid.dims[axis]);
+    let stride: usize = (0..axis).map(spans).product();
+    let place = |x: f64| ((x - grid.lo[axis]) / grid.spacing(axis)).clamp(0.0, (spans(axis) - 1) as f64) as usize;
+    let [low, high] = polygon.range(axis).map(place);
+    for slab in low..=high {
+        if slab == high {
+            return slice(grid, polygon, (axis + 1, cell + slab * stride), visit);
+        }
+        let border = grid.lo[axis] + (slab + 1) as f64 * grid.spacing(axis);
+        let mut below = polygon.split_off(axis, border);
+        if !below.corners().is_empty() {
+            slice(grid, &mut below, (axis + 1, cell + slab * stride), visit);
+        }
+        if polygon.corners().is_empty() {
+            return;
+        }
+    }
+}
+
+/// Area of a convex polygon.
+fn area<const D: usize>(corners: &[[f64; D]]) -> f64 {
+    let Some((first, rest)) = corners.split_first() else { return 0.0 };
+    rest.windows(2).map(|pair| 0.5 * area_of(&minus(&pair[0], first), &minus(&pair[1], first))).sum()
+}

@@ -1,0 +1,226 @@
+//! Branching lattices: parts of a shape that are near each other in space, but far apart along the shape, use copies of the
+//! handles between them.
+//!
+//! In: a grid and a shape at rest. Out: a [`Branching`]: copies as unknowns of a solve, terms over them, and branches, which are
+//! plain lattices over parts of the shape. For each handle the shape inside its open support is split into connected pieces, and
+//! each has a copy of the handle (J. Molino et al., "A Virtual Node Algorithm for Changing Mesh Topology During Simulation", 2004;
+//! M. Nesme et al., "Preserving Topology and Elasticity for Embedded Deformable Models", 2009). docs/METHOD.md has the proofs.
+
+mod adjacency;
+mod bending;
+mod branched_lattice;
+mod copies;
+mod cuts;
+mod disjoint_sets;
+mod inner_width;
+mod link;
+mod pieces;
+mod ray;
+mod rest_links;
+mod solid_links;
+mod support_box;
+mod terms;
+
+pub use branched_lattice::BranchedLattice;
+pub use inner_width::inner_widths;
+pub use link::{Link, LinkEnd, LinkKind};
+pub use rest_links::surface_links;
+pub use solid_links::{link_length, solid_links};
+
+use super::error::SolveError;
+use super::linalg::small_matrix::{dot, minus};
+use super::problem::{PointPin, Problem, Shape};
+use super::settings::{Settings, Topology};
+use crate::lattice::{Grid, Support};
+use adjacency::Adjacency;
+use copies::{Tie, copies, handles_of_cell};
+use cuts::{Cut, cuts};
+use pieces::Pieces;
+use std::ops::Range;
+
+/// How a shape splits the handles of a grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Branching<const D: usize> {
+    grid: Grid<D>,
+    /// Handles that have a weight at a coordinate.
+    width: usize,
+    /// Corners of all triangles at rest.
+    triangles: Vec<[[f64; D]; 3]>,
+    /// Triangle by triangle.
+    cuts: Vec<Cut<D>>,
+    /// The handle of each copy, ascending.
+    handles: Vec<usize>,
+    ties: Vec<Tie>,
+    pieces: Pieces,
+    /// The branch of each piece.
+    branch_of: Vec<usize>,
+    /// For every branch the copy of each handle.
+    branches: Vec<Vec<Option<usize>>>,
+}
+
+impl<const D: usize> Branching<D> {
+    /// The branching that a problem asks for; `None` where it asks for none, or where no handle has two copies: then the lattice is
+    /// the plain one.
+    ///
+    /// # Errors
+    /// [`SolveError::Invalid`] where a setting of the problem does not know branches.
+    pub(crate) fn of(problem: &Problem<D>) -> Result<Option<Self>, SolveError> {
+        let Problem { grid, shape, settings, .. } = *problem;
+        if settings.topology == Topology::Plain {
+            return Ok(None);
+        }
+        let width = checked_width(problem)?;
+        let branching = Self::split(grid, shape, width);
+        Ok(branching.handles.windows(2).any(|pair| pair[0] == pair[1]).then_some(branching))
+    }
+
+    /// Splits the handles of a grid by the connected pieces of a shape in their supports.
+    fn split(grid: &Grid<D>, shape: &Shape<D>, width: usize) -> Self {
+        let cuts = cuts(grid, shape);
+        let copies = copies(grid, width, &cuts, &Adjacency::of(shape));
+        let pieces = Pieces::of(grid, &cuts, &copies);
+        let (branch_of, branches) = pieces.branches(grid, width);
+        let corner = |&corner: &u32| shape.points[corner as usize];
+        Self {
+            grid: grid.clone(),
+            width,
+            triangles: shape.triangles.iter().map(|corners| corners.each_ref().map(corner)).collect(),
+            cuts,
+            handles: copies.handles,
+            ties: copies.ties,
+            pieces,
+            branch_of,
+            branches,
+        }
+    }
+
+    /// Number of copies: the unknowns of a solve.
+    pub(crate) fn count(&self) -> usize {
+        self.handles.len()
+    }
+
+    /// Where the copies are at rest.
+    pub(crate) fn rest(&self) -> Vec<[f64; D]> {
+        self.handles.iter().map(|&handle| self.grid.rest_handle(handle)).collect()
+    }
+
+    /// The point of the shape that a pin holds, and its piece. A pin beside the shape holds the nearest point, with the same
+    /// displacement.
+    pub(crate) fn held(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
+        let (at, piece) = match pin.triangle.map(|triangle| triangle as usize) {
+            Some(triangle) if triangle < self.triangles.len() => {
+                let at = nearest_of_triangle(&pin.at, &self.triangles[triangle]);
+                (at, self.piece_at(triangle..triangle + 1, &at))
+            }
+            _ => self.nearest(pin.at),
+        };
+        let target = std::array::from_fn(|d| pin.target[d] + at[d] - pin.at[d]);
+        (PointPin { at, target, ..*pin }, piece)
+    }
+
+    /// The branch of a piece.
+    pub(crate) fn branch_of(&self, piece: usize) -> usize {
+        self.branch_of[piece]
+    }
+
+    /// The piece of a run of triangles at a point of one of them.
+    pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
+        let first = self.cuts.partition_point(|cut| cut.triangle < triangles.start);
+        let cuts = self.cuts[first..].iter().take_while(|cut| cut.triangle < triangles.end).enumerate();
+        let beside = |cut: &Cut<D>| {
+            let place = self.grid.cell_coords(cut.cell);
+            let outside = (0..D).map(|axis| {
+                let low = self.grid.lo[axis] + place[axis] as f64 * self.grid.spacing(axis);
+                (low - point[axis]).max(point[axis] - low - self.grid.spacing(axis)).max(0.0)
+            });
+            outside.fold(0.0, f64::max)
+        };
+        let nearest = cuts.min_by(|a, b| beside(a.1).total_cmp(&beside(b.1))).map_or(0, |(place, _)| place);
+        self.pieces.of_cuts[first + nearest]
+    }
+
+    /// The point of the shape that is nearest to a point, and its piece.
+    fn nearest(&self, point: [f64; D]) -> ([f64; D], usize) {
+        let mut best = (f64::INFINITY, point, 0);
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            let on = nearest_of_triangle(&point, corners);
+            let square: f64 = (0..D).map(|d| (on[d] - point[d]).powi(2)).sum();
+            if square < best.0 {
+                best = (square, on, triangle);
+            }
+        }
+        let (_, on, triangle) = best;
+        (on, self.piece_at(triangle..triangle + 1, &on))
+    }
+}
+
+/// Spans of an axis at which a branching lattice is as stiff against bending as a plain one.
+const REFERENCE_SPANS: f64 = 7.0;
+
+/// The settings with discs of pins and bending in proportion to the spans of a grid. On a plain lattice both have one size for all
+/// grids; on fine branching ones they would be what keeps thin parts from turning about their joints.
+pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) -> Settings {
+    let finer = |axis: usize| REFERENCE_SPANS / grid.basis.spans(grid.dims[axis]) as f64;
+    let length = (0..D).map(finer).product::<f64>().powf(1.0 / D as f64).min(1.0);
+    let mut settings = settings.clone();
+    settings.disc.radius *= length;
+    settings.lambdas.regularizer *= length * length;
+    settings
+}
+
+/// Handles that have a weight at a coordinate.
+fn checked_width<const D: usize>(problem: &Problem<D>) -> Result<usize, SolveError> {
+    let Problem { grid, shape, pins, handles, settings } = *problem;
+    let refused = |what: &str, hint: &str| {
+        let what = format!("a branching lattice with {what}");
+        Err(SolveError::Invalid { what, hint: format!("{hint}, or set topology = \"plain\"") })
+    };
+    let Support::Tensor { width } = grid.basis.support() else {
+        return refused(&format!("the {} basis", grid.basis.label()), "use basis = \"bspline\" or \"bilinear\"");
+    };
+    if D != 2 {
+        return refused("space = \"world\"", "use space = \"screen\"");
+    }
+    if let Some([what, hint]) = settings.branching_fault() {
+        return refused(what, hint);
+    }
+    if !handles.is_empty() {
+        return refused("handles that are moved one by one", "use pins");
+    }
+    if pins.iter().any(|pin| pin.region.is_some()) {
+        return refused("a pin that has a radius", "take `radius` out");
+    }
+    if shape.triangles.is_empty() || !shape.strokes.is_empty() {
+        return refused("lines, or without triangles", "use a shape of triangles alone");
+    }
+    Ok(width)
+}
+
+/// The point of a triangle that is nearest to a point (C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).
+fn nearest_of_triangle<const D: usize>(point: &[f64; D], [a, b, c]: &[[f64; D]; 3]) -> [f64; D] {
+    let blend = |v: f64, w: f64| std::array::from_fn(|d| a[d] + v * (b[d] - a[d]) + w * (c[d] - a[d]));
+    let (ab, ac) = (minus(b, a), minus(c, a));
+    let [(d1, d2), (d3, d4), (d5, d6)] = [a, b, c].map(|corner| {
+        let gap = minus(point, corner);
+        (dot(&ab, &gap), dot(&ac, &gap))
+    });
+    let share = |part: f64, whole: f64| if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        *a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        *b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        *c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        blend(share(d1, d1 - d3), 0.0)
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        blend(0.0, share(d2, d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let w = share(d4 - d3, (d4 - d3) + (d5 - d6));
+        blend(1.0 - w, w)
+    } else {
+        let whole = va + vb + vc;
+        blend(share(vb, whole), share(vc, whole))
+    }
+}

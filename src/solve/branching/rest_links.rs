@@ -1,0 +1,97 @@
+//! The links of a shape at rest: triangles that share an edge, islands with what is nearest, so that eyes and buttons go along, and
+//! the two sides of a solid.
+//!
+//! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
+
+use super::disjoint_sets::DisjointSets;
+use super::link::{Link, LinkEnd, LinkKind};
+use crate::solve::merge_duplicates::merge_duplicates;
+use crate::solve::problem::Shape;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+/// Every round joins each island with its nearest one, so that their number is at least halved: enough for 2^20 islands.
+const ROUNDS: usize = 20;
+
+/// Edges and islands. Vertices at one place count as one, so that seams of textures do not separate what they join. Where more
+/// than two triangles meet at an edge, all of them hang together.
+#[must_use]
+pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]) -> Vec<Link> {
+    let welded = merge_duplicates(&Shape::of_triangles(points.to_vec(), triangles.to_vec()));
+    let mut sides: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * triangles.len());
+    for (number, &[a, b, c]) in welded.triangles.iter().enumerate() {
+        sides.extend([[a, b], [b, c], [c, a]].map(|[from, to]| ([from.min(to), from.max(to)], number)));
+    }
+    sides.sort_unstable();
+    let mut links = Vec::new();
+    for shared in sides.chunk_by(|a, b| a.0 == b.0) {
+        let end = |triangle: usize, vertex: u32| {
+            let corner = welded.triangles[triangle].iter().position(|&corner| corner == vertex);
+            LinkEnd::corner(triangle, corner.unwrap_or(0))
+        };
+        let [from, to] = shared[0].0;
+        let link = |pair: &[([u32; 2], usize)]| Link {
+            ends: [end(pair[0].1, from), end(pair[1].1, to)],
+            kind: LinkKind::Edge,
+        };
+        links.extend(shared.windows(2).map(link));
+    }
+    let bridges = bridges(&welded, &links);
+    links.extend(bridges);
+    links
+}
+
+/// A corner of the shape, with its number: three times the triangle's and the corner's.
+type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
+
+/// Joins every island to the one whose nearest corner is nearest, until all hang together (O. Borůvka, 1926).
+fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link]) -> Vec<Link> {
+    let mut islands = DisjointSets::of(shape.triangles.len());
+    links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
+    let mut bridges = Vec::new();
+    let corners = shape.triangles.iter().flatten().enumerate();
+    let corners = corners.map(|(number, &vertex)| Corner::new(shape.points[vertex as usize], number));
+    let tree = RTree::bulk_load(corners.collect());
+    for _ in 0..ROUNDS {
+        let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
+        let found = nearest_islands(shape, &tree, &roots);
+        if found.is_empty() {
+            break;
+        }
+        for (_, [from, to]) in found {
+            let ends = [from, to].map(|corner| LinkEnd::corner(corner / 3, corner % 3));
+            let pair = ends.map(|end| end.triangle as usize);
+            if islands.root(pair[0]) != islands.root(pair[1]) {
+                islands.join(pair);
+                bridges.push(Link { ends, kind: LinkKind::Across });
+            }
+        }
+    }
+    bridges
+}
+
+/// For every island but the largest the shortest way to another one, as two corners, shortest first.
+fn nearest_islands<const D: usize>(
+    shape: &Shape<D>,
+    tree: &RTree<Corner<D>>,
+    roots: &[usize],
+) -> Vec<(f64, [usize; 2])> {
+    let mut sizes = vec![0_usize; roots.len()];
+    roots.iter().for_each(|&root| sizes[root] += 1);
+    let largest = (0..roots.len()).max_by_key(|&root| (sizes[root], std::cmp::Reverse(root)));
+    let mut best: Vec<Option<(f64, [usize; 2])>> = vec![None; roots.len()];
+    let others = (0..3 * roots.len()).filter(|corner| Some(roots[corner / 3]) != largest);
+    for corner in others {
+        let (triangle, root) = (corner / 3, roots[corner / 3]);
+        let point = shape.points[shape.triangles[triangle][corner % 3] as usize];
+        let least = best[root].map_or(f64::INFINITY, |(square, _)| square);
+        let mut around = tree.nearest_neighbor_iter_with_distance_2(point);
+        let near = around.find(|(other, square)| *square >= least || roots[other.data / 3] != root);
+        if let Some((other, square)) = near.filter(|(_, square)| *square < least) {
+            best[root] = Some((square, [corner, other.data]));
+        }
+    }
+    let mut found: Vec<(f64, [usize; 2])> = best.into_iter().flatten().collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found
+}

@@ -1,0 +1,164 @@
+//! The two sides of a solid: front and back of a limb hang together through what is between them.
+//!
+//! In: a surface at rest in 3D. Out: a [`Link`] from points of each triangle, straight inwards, to where the solid ends. Open
+//! surfaces have no inside, and so no such links.
+
+use super::link::{Link, LinkEnd, LinkKind};
+use super::ray::Ray;
+use crate::solve::linalg::small_matrix::{distance, dot, minus};
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+/// Points of a triangle lie as near as this part of the shape's diagonal to each other.
+const PITCH: f64 = 1.0 / 48.0;
+
+/// Most points along a side of a triangle.
+const MOST_POINTS: usize = 16;
+
+/// Most rays in all; beyond, triangles have one each.
+const MOST_RAYS: usize = 400_000;
+
+/// Rays start and end this part of the diagonal off the surface.
+const OFF_SURFACE: f64 = 1e-7;
+
+/// A triangle's box, with its number.
+type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
+
+/// Links through the inside of closed surfaces.
+#[must_use]
+pub fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
+    let surface = Surface::of(points, triangles);
+    let pitch = PITCH * surface.diagonal;
+    let count = |corners: &[[f64; 3]; 3]| {
+        let longest = (0..3).map(|k| distance(&corners[k], &corners[(k + 1) % 3])).fold(0.0, f64::max);
+        ((longest / pitch).ceil() as usize).clamp(1, MOST_POINTS)
+    };
+    let rays: usize = surface.corners.iter().map(|corners| count(corners).pow(2)).sum();
+    let mut links = Vec::new();
+    for (number, corners) in surface.corners.iter().enumerate() {
+        let side = if rays > MOST_RAYS { 1 } else { count(corners) };
+        for from in centroids(side) {
+            let start = LinkEnd { triangle: number as u32, barycentric: from.map(|share| share as f32) };
+            links.extend(surface.exit(number, &from).map(|end| Link { ends: [start, end], kind: LinkKind::Across }));
+        }
+    }
+    links
+}
+
+/// How far a link reaches.
+#[must_use]
+pub fn link_length(link: &Link, points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
+    let [from, to] = link.ends.map(|end| end.point(points, triangles));
+    distance(&from, &to)
+}
+
+/// Barycentric coordinates of the centroids of the triangles into which one is cut, `side` to a side.
+fn centroids(side: usize) -> Vec<[f64; 3]> {
+    let unit = 1.0 / (3 * side) as f64;
+    let upright = (0..side).flat_map(|i| (0..side - i).map(move |j| [3 * i + 1, 3 * j + 1]));
+    let inverted = (0..side).flat_map(|i| (0..(side - i).saturating_sub(1)).map(move |j| [3 * i + 2, 3 * j + 2]));
+    let shares = upright.chain(inverted).map(|[a, b]| [a as f64 * unit, b as f64 * unit]);
+    shares.map(|[a, b]| [a, b, 1.0 - a - b]).collect()
+}
+
+/// Triangles that rays find.
+struct Surface {
+    corners: Vec<[[f64; 3]; 3]>,
+    diagonal: f64,
+    tree: RTree<Boxed>,
+}
+
+impl Surface {
+    fn of(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+        let corners: Vec<[[f64; 3]; 3]> =
+            triangles.iter().map(|corners| corners.map(|corner| points[corner as usize])).collect();
+        let bounds = AABB::from_points(corners.as_flattened().iter());
+        let diagonal = if corners.is_empty() { 0.0 } else { distance(&bounds.upper(), &bounds.lower()) };
+        let boxed = corners.iter().enumerate().map(|(number, corners)| {
+            let bounds = AABB::from_points(corners.iter());
+            Boxed::new(Rectangle::from_corners(bounds.lower(), bounds.upper()), number)
+        });
+        Self { tree: RTree::bulk_load(boxed.collect()), diagonal, corners }
+    }
+
+    /// Where a ray that enters the solid at a point of a triangle leaves it again; `None` where it meets another surface from
+    /// outside first, or nothing at all.
+    fn exit(&self, triangle: usize, from: &[f64; 3]) -> Option<LinkEnd> {
+        let corners = &self.corners[triangle];
+        let normal = unit(&normal(corners))?;
+        let off = OFF_SURFACE * self.diagonal;
+        let start = std::array::from_fn(|d| (0..3).map(|k| from[k] * corners[k][d]).sum::<f64>() - off * normal[d]);
+        let ray = Ray { start, direction: normal.map(|x| -x) };
+        let hits = self.tree.locate_with_selection_function(ray).filter(|boxed| boxed.data != triangle);
+        let hits = hits.filter_map(|boxed| {
+            let (t, barycentric) = ray.hit(&self.corners[boxed.data])?;
+            Some((t, boxed.data, barycentric))
+        });
+        let (_, number, barycentric) = hits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+        let outwards = dot(&self::normal(&self.corners[number]), &ray.direction);
+        (outwards > 0.0)
+            .then(|| LinkEnd { triangle: number as u32, barycentric: barycentric.map(|share| share as f32) })
+    }
+}
+
+impl Ray<3> {
+    /// Distance and barycentric coordinates where it meets a triangle (T. Möller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle
+    /// Intersection", 1997).
+    fn hit(&self, [a, b, c]: &[[f64; 3]; 3]) -> Option<(f64, [f64; 3])> {
+        let (ab, ac) = (minus(b, a), minus(c, a));
+        let p = cross(&self.direction, &ac);
+        let det = dot(&ab, &p);
+        if det == 0.0 {
+            return None;
+        }
+        let from_a = minus(&self.start, a);
+        let v = dot(&from_a, &p) / det;
+        let q = cross(&from_a, &ab);
+        let w = dot(&self.direction, &q) / det;
+        let t = dot(&ac, &q) / det;
+        (v >= 0.0 && w >= 0.0 && v + w <= 1.0 && t > 0.0).then_some((t, [1.0 - v - w, v, w]))
+    }
+}
+
+fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: &[f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(a, a).sqrt();
+    (length > 0.0).then(|| a.map(|x| x / length))
+}
+
+/// The normal of a triangle, counter-clockwise seen from outside; its length is twice the area.
+fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+    cross(&minus(b, a), &minus(c, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box with corners at 0 and `size`; opposite faces follow each other.
+    fn faces(size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1) * size[axis])).collect();
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        (points, faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+    }
+
+    #[test]
+    fn the_sides_of_a_box_hang_together_through_it_and_those_of_a_sheet_do_not() {
+        let size = [1.0, 2.0, 4.0];
+        let (points, triangles) = faces(size);
+        let links = solid_links(&points, &triangles);
+        assert!(links.len() > 100);
+        for link in &links {
+            let length = link_length(link, &points, &triangles);
+            assert!(size.iter().any(|side| (length - side).abs() < 1e-5), "{length}");
+            let [from, to] = link.ends.each_ref().map(|end| end.triangle / 2);
+            assert_eq!(from ^ 1, to, "opposite faces");
+        }
+        assert!(solid_links(&points, &triangles[..2]).is_empty());
+        let inside_out: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        assert!(solid_links(&points, &inside_out).is_empty(), "outwards there is nothing");
+    }
+}

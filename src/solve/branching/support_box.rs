@@ -1,0 +1,94 @@
+//! The box in which a handle has a weight, and how far a seam lies from it.
+//!
+//! In: a handle. Out: the cells of its support; distances in spans, negative inside.
+
+use super::adjacency::Seam;
+use super::link::LinkKind;
+use crate::lattice::Grid;
+
+/// The open support of a handle of a tensor basis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SupportBox<const D: usize> {
+    /// First and last cell of each axis.
+    pub(super) cells: [[usize; 2]; D],
+    /// Borders on each axis; infinite at the border of the grid, beyond which parts count for the nearest cell.
+    borders: [[f64; 2]; D],
+    spacing: [f64; D],
+}
+
+impl<const D: usize> SupportBox<D> {
+    /// `width`: handles that have a weight at a coordinate.
+    pub(super) fn of(grid: &Grid<D>, width: usize, handle: usize) -> Self {
+        let place = grid.handle_coords(handle);
+        let last = grid.dims.map(|count| grid.basis.spans(count) - 1);
+        let cells: [[usize; 2]; D] =
+            std::array::from_fn(|axis| [place[axis].saturating_sub(width - 1), place[axis].min(last[axis])]);
+        let border = |axis: usize, span: usize| grid.lo[axis] + span as f64 * grid.spacing(axis);
+        let borders = std::array::from_fn(|axis| {
+            let [low, high] = cells[axis];
+            [
+                if low == 0 { f64::NEG_INFINITY } else { border(axis, low) },
+                if high == last[axis] { f64::INFINITY } else { border(axis, high + 1) },
+            ]
+        });
+        Self { cells, borders, spacing: std::array::from_fn(|axis| grid.spacing(axis)) }
+    }
+
+    /// The cells and their neighbours.
+    pub(super) fn grown(&self, grid: &Grid<D>) -> [[usize; 2]; D] {
+        std::array::from_fn(|axis| {
+            let [low, high] = self.cells[axis];
+            [low.saturating_sub(1), (high + 1).min(grid.basis.spans(grid.dims[axis]) - 1)]
+        })
+    }
+
+    /// By how many spans the box would have to grow on all sides to join the triangles of a seam: below 0 where it does. An edge joins
+    /// them wherever the box meets it; across a gap or through a solid both ends have to be inside.
+    pub(super) fn growth_to(&self, seam: &Seam<D>) -> f64 {
+        match seam.kind {
+            LinkKind::Edge => self.growth(&seam.ends),
+            LinkKind::Across => {
+                let [from, to] = seam.ends.map(|end| self.growth(&[end, end]));
+                from.max(to)
+            }
+        }
+    }
+
+    /// By how many spans the box would have to grow on all sides to meet a segment: below 0 where it does.
+    fn growth(&self, ends: &[[f64; D]; 2]) -> f64 {
+        // The distance from a border is linear along the segment; the greatest of them is least at an end or where two are equal.
+        let mut lines = [[0.0; 2]; 6];
+        let mut count = 0;
+        for (axis, [low, high]) in self.borders.into_iter().enumerate() {
+            for (border, sign) in [(low, -1.0), (high, 1.0)] {
+                if border.is_finite() {
+                    lines[count] = [0, 1].map(|end| sign * (ends[end][axis] - border) / self.spacing[axis]);
+                    count += 1;
+                }
+            }
+        }
+        let lines = &lines[..count];
+        let greatest = |t: f64| lines.iter().map(|[a, b]| a + t * (b - a)).fold(f64::NEG_INFINITY, f64::max);
+        let mut least = greatest(0.0).min(greatest(1.0));
+        for (k, [a, b]) in lines.iter().enumerate() {
+            for [c, d] in &lines[k + 1..] {
+                let t = (c - a) / ((b - a) - (d - c));
+                if t > 0.0 && t < 1.0 {
+                    least = least.min(greatest(t));
+                }
+            }
+        }
+        least
+    }
+}
+
+/// Numbers of all cells between two, x fastest.
+pub(super) fn cells_between<const D: usize>(grid: &Grid<D>, ranges: [[usize; 2]; D]) -> Vec<usize> {
+    let mut cells = vec![0];
+    for axis in (0..D).rev() {
+        let spans = grid.basis.spans(grid.dims[axis]);
+        let [low, high] = ranges[axis];
+        cells = cells.iter().flat_map(|cell| (low..=high).map(move |place| cell * spans + place)).collect();
+    }
+    cells
+}

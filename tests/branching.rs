@@ -1,0 +1,235 @@
+//! Branching lattices against plain ones and against as-rigid-as-possible deformation of the mesh itself.
+
+#[path = "support/puppet.rs"]
+mod puppet;
+
+use pinwarp::lattice::{Basis, Grid};
+use pinwarp::solve::methods::Arap;
+use pinwarp::solve::{Energy, PointPin, Problem, Region, Settings, Shape, Solution, Topology, solve};
+use puppet::{Puppet, Random};
+
+/// Edges of the meshes: about 2,000 triangles.
+const SPACING: f64 = 0.0145;
+
+fn grid_over(shape: &Shape<2>, dims: [usize; 2]) -> Grid<2> {
+    let range = |axis: usize| {
+        let values = shape.points.iter().map(|point| point[axis]);
+        let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max));
+        let pad = 0.1 * (high - low);
+        [low - pad, high + pad]
+    };
+    let [x, y] = [range(0), range(1)];
+    Grid { dims, basis: Basis::Bspline, lo: [x[0], y[0]], hi: [x[1], y[1]] }
+}
+
+/// Mean angular and area distortion over the triangles of a mesh.
+fn distortion(shape: &Shape<2>, moved: impl Fn(usize, u32) -> [f64; 2]) -> [f64; 2] {
+    let (mut sums, mut total) = ([0.0; 2], 0.0);
+    for (number, corners) in shape.triangles.iter().enumerate() {
+        let [a, b, c] = corners.map(|corner| shape.points[corner as usize]);
+        let [p, q, r] = corners.map(|corner| moved(number, corner));
+        let sides = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| [b[0] - a[0], c[0] - a[0], b[1] - a[1], c[1] - a[1]];
+        let ([e, f, g, h], [k, l, m, n]) = (sides(a, b, c), sides(p, q, r));
+        let doubled = e * h - f * g;
+        let j = [
+            (k * h - l * g) / doubled,
+            (l * e - k * f) / doubled,
+            (m * h - n * g) / doubled,
+            (n * e - m * f) / doubled,
+        ];
+        let det = j[0] * j[3] - j[1] * j[2];
+        let volume = det.abs().max(1e-12);
+        let area = 0.5 * doubled.abs();
+        total += area;
+        sums[0] += area * (j.iter().map(|x| x * x).sum::<f64>() / volume - 2.0).max(0.0);
+        sums[1] += area * (volume + 1.0 / volume - 2.0);
+    }
+    sums.map(|sum| sum / total)
+}
+
+fn solved(shape: &Shape<2>, pins: &[PointPin<2>], dims: [usize; 2], topology: Topology) -> Solution<2> {
+    let (grid, settings) = (grid_over(shape, dims), Settings { topology, ..Settings::default() });
+    let problem = Problem { grid: &grid, shape, pins, handles: &[], settings: &settings };
+    solve(&problem).expect("a right problem")
+}
+
+/// Where a corner of a triangle goes.
+fn image(solution: &Solution<2>, shape: &Shape<2>, triangle: usize, corner: u32) -> [f64; 2] {
+    let point = shape.points[corner as usize];
+    match &solution.branches {
+        Some(branches) => branches.evaluate(triangle, point),
+        None => solution.lattice.evaluate(point),
+    }
+}
+
+fn of_lattice(shape: &Shape<2>, solution: &Solution<2>) -> [f64; 2] {
+    distortion(shape, |triangle, corner| image(solution, shape, triangle, corner))
+}
+
+fn of_mesh(shape: &Shape<2>, pins: &[PointPin<2>]) -> [f64; 2] {
+    let (moved, _) = Arap::default().deform(shape, pins).expect("solvable");
+    distortion(shape, |_, corner| moved[corner as usize])
+}
+
+/// The same pins, turned and shifted together.
+fn moved_together(pins: &[PointPin<2>]) -> Vec<PointPin<2>> {
+    pins.iter().map(|pin| PointPin { target: motion(pin.at), ..*pin }).collect()
+}
+
+fn motion([x, y]: [f64; 2]) -> [f64; 2] {
+    [0.6 * x - 0.8 * y + 0.3, 0.8 * x + 0.6 * y - 0.1]
+}
+
+fn gap(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+}
+
+#[test]
+fn a_rigid_motion_of_all_pins_is_one_of_all_branches() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(SPACING);
+    let solution = solved(&shape, &moved_together(&girl.pins()), [16, 20], Topology::Branching);
+    assert!(solution.branches.as_ref().is_some_and(|branches| branches.branch_count() > 4));
+    for (triangle, corner) in shape.triangles.iter().enumerate().flat_map(|(k, corners)| corners.map(|c| (k, c))) {
+        let (found, wanted) = (image(&solution, &shape, triangle, corner), motion(shape.points[corner as usize]));
+        assert!(gap(found, wanted) < 1e-6, "triangle {triangle}: {found:?} instead of {wanted:?}");
+    }
+}
+
+#[test]
+fn without_parts_that_are_apart_the_lattice_is_the_plain_one_to_the_bit() {
+    let side = 12_u32;
+    let points = (0..side * side).map(|k| [f64::from(k % side), f64::from(k / side)]).collect();
+    let cells = (0..side - 1).flat_map(|j| (0..side - 1).map(move |i| i + side * j));
+    let triangles = cells.flat_map(|k| [[k, k + 1, k + side], [k + 1, k + side + 1, k + side]]).collect();
+    let shape = Shape::of_triangles(points, triangles);
+    let pins = [PointPin::new([1.0, 1.0], [1.0, 1.0]), PointPin::new([10.0, 10.0], [12.0, 9.0])];
+    let [plain, branching] = [Topology::Plain, Topology::Branching].map(|kind| solved(&shape, &pins, [9, 9], kind));
+    assert!(branching.branches.is_none() && plain == branching);
+}
+
+#[test]
+fn the_warp_is_smooth_along_the_shape_where_branches_meet() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(SPACING);
+    let solution = solved(&shape, &girl.raised(), [24, 32], Topology::Branching);
+    let branches = solution.branches.as_ref().expect("parts are apart");
+    let mut met = 0;
+    for (triangle, corners) in shape.triangles.iter().enumerate() {
+        let ends = [corners[0], corners[1]].map(|corner| shape.points[corner as usize]);
+        let [from, to] = ends.map(|end| branches.branch_at(triangle, end));
+        if from == to {
+            continue;
+        }
+        // Where the side of the triangle leaves the first branch.
+        let along = |t: f64| [0, 1].map(|d| ends[0][d] + t * (ends[1][d] - ends[0][d]));
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = f64::midpoint(low, high);
+            if branches.branch_at(triangle, along(middle)) == from { low = middle } else { high = middle }
+        }
+        let other = branches.branch_at(triangle, along(high));
+        let [one, other] = [from, other].map(|branch| branches.lattice(branch).evaluate_with_gradient(along(low)));
+        assert!(gap(one.point, other.point) < 1e-9, "triangle {triangle}: {one:?} {other:?}");
+        let slopes = one.gradient.as_flattened().iter().zip(other.gradient.as_flattened());
+        assert!(
+            slopes.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-6,
+            "triangle {triangle}: {one:?} {other:?}"
+        );
+        met += 1;
+    }
+    assert!(met > 3, "branches meet in {met} triangles");
+}
+
+/// Ratios to as-rigid-as-possible deformation of the mesh with the same pins, by dims.
+#[test]
+fn a_raised_arm_leaves_the_body_alone() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(SPACING);
+    let pins = girl.raised();
+    let arap = of_mesh(&shape, &pins);
+    println!("{} triangles, ARAP {:.5} {:.5}", shape.triangles.len(), arap[0], arap[1]);
+    let ratios = |dims: [usize; 2]| {
+        [Topology::Plain, Topology::Branching].map(|topology| {
+            let solution = solved(&shape, &pins, dims, topology);
+            assert!(solution.report.pin_errors.iter().all(|&error| error < 1e-9), "{:?}", solution.report.pin_errors);
+            let found = of_lattice(&shape, &solution);
+            let [angle, area] = [found[0] / arap[0], found[1] / arap[1]];
+            println!("{dims:?} {topology:?}: angle {angle:.2}, area {area:.2}");
+            [angle, area]
+        })
+    };
+    for (dims, most) in
+        [([10, 10], f64::INFINITY), ([16, 20], 12.0), ([24, 32], 2.7), ([32, 42], 1.35), ([48, 62], 1.2)]
+    {
+        let [plain, branching] = ratios(dims);
+        assert!(
+            branching[0] < plain[0].min(most) && branching[1] < plain[1].min(most),
+            "{dims:?}: {plain:?} {branching:?}"
+        );
+    }
+}
+
+#[test]
+fn poses_of_other_figures_are_better_than_on_a_plain_lattice() {
+    for (dims, most) in [([10, 10], f64::INFINITY), ([24, 32], 1.8), ([48, 62], 1.05)] {
+        let mut ratios = [Vec::new(), Vec::new()];
+        for seed in 1..=10 {
+            let puppet = Puppet::random(seed);
+            let shape = puppet.mesh(SPACING);
+            let pins = puppet.posed(&mut Random(100 + seed));
+            let arap = of_mesh(&shape, &pins);
+            let [plain, branching] = [Topology::Plain, Topology::Branching]
+                .map(|topology| of_lattice(&shape, &solved(&shape, &pins, dims, topology)));
+            println!("{dims:?} seed {seed}: plain {plain:.4?}, branching {branching:.4?}, ARAP {arap:.4?}");
+            assert!(branching[0] < plain[0] && branching[1] < plain[1], "seed {seed}: {plain:?} {branching:?}");
+            (0..2).for_each(|k| ratios[k].push(branching[k] / arap[k]));
+        }
+        let medians = ratios.map(median);
+        println!("{dims:?}: median ratios {medians:.2?}");
+        assert!(medians.iter().all(|&ratio| ratio < most), "{medians:?}");
+    }
+}
+
+#[test]
+fn what_does_not_know_branches_is_refused() {
+    let girl = Puppet::girl();
+    let (shape, mut pins) = (girl.mesh(0.04), girl.pins());
+    let settings = Settings { topology: Topology::Branching, ..Settings::default() };
+    let fault = |basis: Basis, pins: &[PointPin<2>], settings: &Settings| {
+        let grid = Grid { basis, ..grid_over(&shape, [10, 10]) };
+        let problem = Problem { grid: &grid, shape: &shape, pins, handles: &[], settings };
+        solve(&problem).expect_err("a fault").to_string()
+    };
+    let edge = Settings { energy: Energy::Edge, ..settings.clone() };
+    let mut told = vec![fault(Basis::Bernstein, &pins, &settings), fault(Basis::Bspline, &pins, &edge)];
+    pins[0].region = Some(Region { radius: 0.1, rigidity: 1.0, stiffness: 1.0 });
+    told.push(fault(Basis::Bspline, &pins, &settings));
+    for (text, word) in told.iter().zip(["Bernstein", "`area`", "radius"]) {
+        assert!(text.contains(word) && text.contains("topology = \"plain\""), "{text}");
+    }
+}
+
+/// Eyes lie apart from the head, and go along with it.
+#[test]
+fn islands_go_along_with_what_is_nearest() {
+    let girl = Puppet::girl();
+    let mut shape = girl.mesh(SPACING);
+    // A button beside the chest, farther from the arm.
+    let button = shape.points.len() as u32;
+    shape.points.extend([[0.0, 0.605], [0.006, 0.605], [0.003, 0.61]]);
+    shape.triangles.push([button, button + 1, button + 2]);
+    let solution = solved(&shape, &moved_together(&girl.pins()), [24, 32], Topology::Branching);
+    let last = shape.triangles.len() - 1;
+    let found = image(&solution, &shape, last, button);
+    let wanted = motion(shape.points[button as usize]);
+    assert!(gap(found, wanted) < 1e-6, "{found:?} instead of {wanted:?}");
+    let raised = solved(&shape, &girl.raised(), [24, 32], Topology::Branching);
+    let (found, rest) = (image(&raised, &shape, last, button), shape.points[button as usize]);
+    assert!(gap(found, rest) < 0.02, "{found:?}, at rest {rest:?}");
+}

@@ -1,0 +1,138 @@
+//! Branching lattices over a model: legs that cross on the screen stay apart, steadily.
+
+use crate::assets::asset;
+use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample};
+use pinwarp::shot::Shot;
+use std::path::Path;
+
+/// A fox that walks: a front paw is pulled ahead, the other paws and the body are held. In frame 5 the front legs cross.
+fn walking_fox(scene: &Path, (dims, topology): ([usize; 2], &str), offset: [f64; 2]) -> PreparedShot {
+    let held = [[1.445, 0.184], [0.86, 0.13], [0.60, 0.14], [1.0, 0.62], [0.7, 0.65], [1.62, 0.7]];
+    let pin = |number: usize, [x, y]: [f64; 2], [dx, dy]: [f64; 2]| {
+        format!(
+            "[[layer.pin]]\nname = 'p{number}'\nanchor = {{ screen = [{x}, {y}], frame = 1 }}\n\
+             keys = [{{ frame = 1, offset = [{dx}, {dy}] }}]\n"
+        )
+    };
+    let pins: String = held.iter().enumerate().map(|(number, at)| pin(number + 1, *at, [0.0; 2])).collect();
+    let text = format!(
+        "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 1, last = 17, rate = 24, clip = 'Walk' }}\n\
+         size = [960, 540]\nshutter = {{ angle = 0 }}\n[[layer]]\nname = 'all'\n\
+         lattice = {{ dims = {dims:?}, topology = '{topology}' }}\n{}{pins}",
+        scene.display(),
+        pin(0, [1.037, 0.13], offset)
+    );
+    let shot = Shot::parse(&text, Path::new("/fox.toml")).expect("a right shot");
+    PreparedShot::new(shot).expect("the scene is there")
+}
+
+/// How far every vertex moves on the screen, frame heights. The camera sees all of the fox: its triangles are those of the shape.
+fn displacements(prepared: &PreparedShot, sample: &TimeSample) -> Vec<[f64; 2]> {
+    let mesh = sample.mesh();
+    let vertices = &mesh.parts[0].vertices;
+    let triangles = &prepared.scene.meshes[0].primitives[0].triangles;
+    let solution = sample.layers[0].solution.as_ref().expect("its pins act");
+    let mut moved = vec![[0.0; 2]; vertices.len()];
+    for (number, corners) in triangles.iter().enumerate() {
+        for &corner in corners {
+            let from = vertices[corner as usize].point();
+            let to = match &solution.branches {
+                Some(branches) => branches.warp(number..number + 1, from.0.to_array()),
+                None => solution.lattice.warp(from).0.to_array(),
+            };
+            moved[corner as usize] = [to[0] - from.0.x, to[1] - from.0.y];
+        }
+    }
+    moved
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}
+
+/// Vertices that a joint moves most.
+fn of_joints(prepared: &PreparedShot, wanted: &str) -> Vec<usize> {
+    let primitive = &prepared.scene.meshes[0].primitives[0];
+    let joints = &prepared.scene.skins[0].joints;
+    let name = |vertex: usize| {
+        let most = primitive.influences[vertex].iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
+        most.map_or("", |most| prepared.scene.nodes[joints[most.joint as usize]].name.as_str())
+    };
+    (0..primitive.influences.len()).filter(|&vertex| name(vertex) == wanted).collect()
+}
+
+/// Most that the front paw moves which the first pin does not hold, in a frame.
+fn other_paw(prepared: &PreparedShot, frame: f64) -> f64 {
+    let sample = prepared.sample_at(frame).expect("solvable");
+    let sides = ["b_RightHand_08", "b_LeftHand_011"].map(|name| of_joints(prepared, name));
+    let PinAnchor::Surface { corners, .. } = prepared.anchors_of(0)[0] else { panic!("it holds the paw") };
+    let other = usize::from(sides[0].contains(&(corners[0] as usize)));
+    assert!(sides[1 - other].contains(&(corners[0] as usize)) && !sides[other].is_empty());
+    let moved = displacements(prepared, &sample);
+    sides[other].iter().map(|&vertex| length(moved[vertex])).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_leg_that_another_crosses_stays() {
+    let Some(fox) = asset("gltf-samples/Fox.glb") else { return };
+    let [plain, branching] = ["plain", "branching"]
+        .map(|topology| 540.0 * other_paw(&walking_fox(&fox, ([40, 30], topology), [0.16, 0.10]), 5.0));
+    println!("the other front paw moves by {plain:.2} px on a plain lattice, by {branching:.2} px on a branching one");
+    assert!(branching < 15.0 && plain > 5.0 * branching, "plain {plain}, branching {branching}");
+}
+
+/// The greatest jump of a vertex from frame 3 to 7, bisected in time, in pixels, and when.
+fn greatest_jump(prepared: &PreparedShot) -> (f64, f64) {
+    let at = |time: f64| displacements(prepared, &prepared.sample_at(time).expect("solvable"));
+    let change = |a: &[[f64; 2]], b: &[[f64; 2]]| {
+        a.iter().zip(b).map(|(a, b)| length([a[0] - b[0], a[1] - b[1]])).fold(0.0, f64::max)
+    };
+    let mut greatest = (0.0_f64, 0.0);
+    let mut before = at(3.0);
+    for step in 1..=40 {
+        let (mut low, mut high) = (3.0 + 0.1 * f64::from(step - 1), 3.0 + 0.1 * f64::from(step));
+        let now = at(high);
+        let (mut from, mut to) = (before, now.clone());
+        before = now;
+        while change(&from, &to) > 0.2 / 540.0 && high - low > 1e-5 {
+            let middle = f64::midpoint(low, high);
+            let between = at(middle);
+            if change(&from, &between) > change(&between, &to) {
+                (high, to) = (middle, between);
+            } else {
+                (low, from) = (middle, between);
+            }
+        }
+        let jump = 540.0 * change(&from, &to);
+        if jump > greatest.0 {
+            greatest = (jump, low);
+        }
+    }
+    greatest
+}
+
+/// Pieces split and join as the box moves over the model: nothing jumps because of it.
+#[test]
+fn branches_are_steady_in_time() {
+    let Some(fox) = asset("gltf-samples/Fox.glb") else { return };
+    for dims in [[24, 18], [40, 30]] {
+        let [plain, branching] =
+            ["plain", "branching"].map(|topology| greatest_jump(&walking_fox(&fox, (dims, topology), [0.03, 0.01])));
+        println!("{dims:?}: greatest jump on a plain lattice {plain:.3?} px, on a branching one {branching:.3?} px");
+        assert!(branching.0 < 1.0, "{dims:?}: {branching:?}");
+    }
+}
+
+#[test]
+fn dims_fit_the_thin_parts_of_a_model() {
+    let Some(fox) = asset("gltf-samples/Fox.glb") else { return };
+    let text = format!(
+        "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 1, last = 17, rate = 24, clip = 'Walk' }}\nsize = [960, 540]\n[[layer]]\nlattice = {{ dims = 'auto', topology = 'branching' }}",
+        fox.display()
+    );
+    let prepared = PreparedShot::new(Shot::parse(&text, Path::new("/fox.toml")).expect("a right shot"));
+    let prepared = prepared.expect("the scene is there");
+    let [across, up, _] = prepared.shot.layers[0].space.dims();
+    assert!((24..=64).contains(&across) && (10..=64).contains(&up), "{across} x {up}");
+    assert!(prepared.notes.iter().any(|note| note.contains("thinnest parts")), "{:?}", prepared.notes);
+}

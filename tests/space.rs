@@ -1,0 +1,115 @@
+//! Lattices in space: Newton's method with conjugate gradients converges, where local-global steps would end, too.
+
+use pinwarp::lattice::{Basis, Grid};
+use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, solve};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// A ball of radius 1, or a tube of it along y: rings at heights and radii, closed by points at both ends.
+fn rings(profile: &[[f64; 2]], segments: usize) -> Shape<3> {
+    let mut points = Vec::new();
+    for &[height, radius] in profile {
+        for k in 0..segments {
+            let (sin, cos) = (k as f64 / segments as f64 * TAU).sin_cos();
+            points.push([radius * cos, height, radius * sin]);
+        }
+    }
+    let mut triangles = Vec::new();
+    for ring in 0..profile.len() - 1 {
+        for k in 0..segments {
+            let at = |ring: usize, k: usize| (ring * segments + k % segments) as u32;
+            let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
+            triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    Shape::of_triangles(points, triangles)
+}
+
+fn ball() -> Shape<3> {
+    let profile: Vec<[f64; 2]> = (0..=24).map(|k| (f64::from(k) / 24.0 * PI).sin_cos()).map(|(s, c)| [c, s]).collect();
+    rings(&profile, 48)
+}
+
+fn cube(count: usize) -> Grid<3> {
+    Grid { dims: [count; 3], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3] }
+}
+
+fn solved(grid: &Grid<3>, shape: &Shape<3>, pins: &[PointPin<3>], settings: &Settings) -> Solution<3> {
+    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
+}
+
+/// Four pins around the axis at each height, turned by an angle for each.
+fn turned(radius: f64, heights: impl Iterator<Item = (f64, f64)>) -> Vec<PointPin<3>> {
+    let of = |(height, angle): (f64, f64)| {
+        (0..4).map(move |k| {
+            let place = |angle: f64| [radius * angle.cos(), height, radius * angle.sin()];
+            let start = f64::from(k) * FRAC_PI_2;
+            PointPin::new(place(start), place(start + angle))
+        })
+    };
+    heights.flat_map(of).collect()
+}
+
+fn assert_converged(solution: &Solution<3>, grid: &Grid<3>, most: usize) {
+    let report = &solution.report;
+    assert!(report.is_converged && report.iterations <= most, "{} {:?}", report.iterations, report.warnings);
+    assert!(report.pin_errors.iter().all(|&error| error < 1e-9 * grid.diagonal()), "{:?}", report.pin_errors);
+}
+
+/// The farthest that a point of the shape lies from where another solution takes it.
+fn gap(a: &Solution<3>, b: &Solution<3>, shape: &Shape<3>) -> f64 {
+    let gaps = shape.points.iter().map(|&point| {
+        let (a, b) = (a.lattice.evaluate(point), b.lattice.evaluate(point));
+        (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+    });
+    gaps.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_ball_twisted_by_120_degrees_converges() {
+    let (grid, shape) = (cube(5), ball());
+    let pins = turned(0.6, [(-0.8, 0.0), (0.8, 120_f64.to_radians())].into_iter());
+    assert_converged(&solved(&grid, &shape, &pins, &Settings::default()), &grid, 40);
+}
+
+#[test]
+fn a_tube_twisted_by_a_full_turn_over_eight_spans_converges() {
+    let grid = Grid { dims: [5, 11, 5], basis: Basis::Bspline, lo: [-0.5, -2.1, -0.5], hi: [0.5, 2.1, 0.5] };
+    let shape = rings(&(0..=40).map(|k| [0.1 * f64::from(k) - 2.0, 0.4]).collect::<Vec<_>>(), 24);
+    // A ring of pins each quarter turn: an eighth would say more than the lattice has to find out.
+    let pins = turned(0.4, (0..=4).map(|k| (f64::from(k) - 2.0, f64::from(k) * FRAC_PI_2)));
+    let solution = solved(&grid, &shape, &pins, &Settings::default());
+    assert_converged(&solution, &grid, 60);
+    // Halfway between two rings of pins the tube has turned halfway.
+    let [x, _, z] = solution.lattice.evaluate([0.4, 0.5, 0.0]);
+    let angle = z.atan2(x).rem_euclid(TAU);
+    assert!((angle - 2.5 * FRAC_PI_2).abs() < 0.1, "{angle}");
+}
+
+#[test]
+fn newtons_method_ends_where_local_global_steps_do() {
+    let (grid, shape) = (cube(5), ball());
+    let mut pins = [[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]]
+        .map(|at| PointPin::new(at, at))
+        .to_vec();
+    pins[0].target = [1.3, 0.2, 0.1];
+    // One that turns the shape around it brings the response of its region in.
+    pins[2].region = Some(pinwarp::solve::Region { radius: 0.4, rigidity: 0.5, stiffness: 1.0 });
+    pins[2].target = [0.2, 1.1, 0.0];
+    let newton = solved(&grid, &shape, &pins, &Settings::default());
+    assert_converged(&newton, &grid, 30);
+    let plain = Settings { acceleration: 0, tolerance: 1e-9, iteration_limit: 20_000, ..Settings::default() };
+    let plain = solved(&grid, &shape, &pins, &plain);
+    assert!(plain.report.is_converged && plain.report.iterations > 60, "{}", plain.report.iterations);
+    assert!(gap(&newton, &plain, &shape) < 1e-5 * grid.diagonal(), "{}", gap(&newton, &plain, &shape));
+}
+
+#[test]
+fn solves_do_not_depend_on_the_number_of_threads() {
+    let (grid, shape) = (cube(8), ball());
+    let pins = turned(0.6, [(-0.8, 0.0), (0.8, 0.8)].into_iter());
+    let alone = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| solved(&grid, &shape, &pins, &Settings::default()).lattice)
+    };
+    assert_eq!(alone(1), alone(3));
+}
