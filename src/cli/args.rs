@@ -46,6 +46,11 @@ pub(super) enum Command {
         after_long_help = "Examples:\n  pinwarp warp beauty.####.exr --shot shot.toml -o warped.####.exr\n  pinwarp warp frame.png --lattice arm.lattice.json -o bent.png"
     )]
     Warp(Box<WarpArgs>),
+    /// Solve layers over time ahead of their frames, for farms.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp bake shot.toml\n  pinwarp bake shot.toml -o /farm/out/frame.####.exr --json"
+    )]
+    Bake(BakeArgs),
     /// Write a commented, working shot file for a scene or a picture.
     #[command(
         after_long_help = "Examples:\n  pinwarp new character.glb -o shot.toml\n  pinwarp new drawing.png -o shot.toml"
@@ -119,6 +124,24 @@ pub(super) struct RenderArgs {
     pub(super) shot: PathBuf,
     #[command(flatten)]
     pub(super) draw: DrawArgs,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct BakeArgs {
+    /// The shot file.
+    pub(super) shot: PathBuf,
+    /// Where the frames will go, instead of the shot's output: what is solved is kept in a folder beside them.
+    #[arg(short, long, value_name = "PATH")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) camera: CameraArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
+    /// Print one JSON event per line instead of words and a progress bar.
+    ///
+    /// Events are note, started, progress, layer_done, layer_failed and finished; the last holds the totals.
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 /// What is drawn of a shot, how, and where it goes.

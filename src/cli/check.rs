@@ -6,7 +6,7 @@ use super::args::CheckArgs;
 use super::outcome::Outcome;
 use super::warnings::Warnings;
 use crate::image::SequencePath;
-use crate::pipeline::{Jerk, JerkMeter, LayerReport, PreparedShot, report};
+use crate::pipeline::{Jerk, JerkMeter, Keeping, LayerReport, PreparedShot, report};
 use crate::spelling::counted;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -44,7 +44,8 @@ impl Peaks {
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut shot = args.outside.read(&args.shot)?;
     args.camera.choose(&mut shot);
-    let prepared = PreparedShot::new(shot)?;
+    let output = shot.output.path.clone();
+    let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Read);
     let shot = &prepared.shot;
     let frames = args.frames.clone().map_or_else(|| (shot.frames.first..=shot.frames.last).collect(), |list| list.0);
     let output = SequencePath::parse(&shot.output.path)?;

@@ -7,7 +7,7 @@ use super::outcome::{Outcome, OutputCutOff};
 use super::outputs;
 use crate::compare::{self, ColorRun, Entry, SheetModel};
 use crate::image::{FileKind, write_png};
-use crate::pipeline::{PreparedShot, input_files, layer_problem};
+use crate::pipeline::{Keeping, PreparedShot, input_files, layer_problem};
 use crate::solve::Problem;
 use crate::solve::methods::{self, Deformer};
 use crate::solve::problem_file::{self, Figures};
@@ -51,7 +51,8 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
         }
     };
     let title = names.get(layer).map(|name| titled(name, &format!("frame {frame}"))).unwrap_or_default();
-    let prepared = PreparedShot::new(shot)?;
+    let output = shot.output.path.clone();
+    let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Read);
     if let Some(path) = &args.output {
         input_files(&prepared)?.refuse(path)?;
     }

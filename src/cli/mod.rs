@@ -11,6 +11,7 @@ macro_rules! writeln {
 }
 
 mod args;
+mod bake;
 mod check;
 mod compare;
 mod devices;
@@ -67,6 +68,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Warp(args) => warp::run(&args),
+        Command::Bake(args) => bake::run(&args),
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),

@@ -4,8 +4,9 @@
 
 use super::outcome::OutputCutOff;
 use super::warnings::kind_of;
-use crate::pipeline::{Event, Summary, WarpEvent, WarpSummary};
+use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, Summary, WarpEvent, WarpSummary};
 use crate::plate::Holes;
+use crate::solve::Spread;
 use crate::spelling::counted;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -94,6 +95,48 @@ impl Teller {
         }
     }
 
+    /// Prints one event of a bake.
+    pub(super) fn tell_bake(&self, event: &BakeEvent) {
+        if self.is_json {
+            return self.print_json(event);
+        }
+        match event {
+            BakeEvent::Note { text } => self.line(&format!("note: {text}")),
+            BakeEvent::Started { layers: 0, .. } => {
+                self.line(
+                    "no layer is solved over time: there is nothing to bake (see `temporal` in the manual of shots)",
+                );
+            }
+            BakeEvent::Started { layers, solve_range: [first, last] } => {
+                self.bar.set_length(0);
+                self.bar.enable_steady_tick(Duration::from_millis(500));
+                self.line(&format!("{} over frames {first} to {last}", counted(*layers, "layer", "layers")));
+            }
+            BakeEvent::Progress { layer, done, of } => self.baking(layer, *done, *of),
+            BakeEvent::LayerDone(baked) => self.line(&baked_in_words(baked)),
+            BakeEvent::LayerFailed { layer, error } => self.line(&format!("error: layer '{layer}': {error}")),
+            BakeEvent::Finished(summary) => {
+                self.bar.finish_and_clear();
+                let BakeSummary { solved, kept, failed, is_cancelled, wall_secs } = summary;
+                let solved = counted(*solved, "layer", "layers");
+                let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
+                let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
+                let stopped = if *is_cancelled { "; stopped: go on with the same command" } else { "" };
+                self.line(&format!("{solved} solved in {wall_secs:.1} s{kept}{failed}{stopped}"));
+            }
+        }
+    }
+
+    /// Layers are solved side by side: the bar shows all of them.
+    fn baking(&self, layer: &str, done: usize, of: usize) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if !told.contains_key(layer) {
+            self.bar.inc_length(of as u64);
+        }
+        let before = told.insert(layer.to_owned(), done).unwrap_or_default();
+        self.bar.inc(done.saturating_sub(before) as u64);
+    }
+
     fn started(&self, frames: usize, place: &str, kept: usize) {
         self.bar.set_length(frames as u64);
         self.bar.enable_steady_tick(Duration::from_millis(500));
@@ -173,6 +216,19 @@ impl Teller {
             let _ = writeln!(io::stderr(), "{text}");
         });
     }
+}
+
+/// What became of a layer.
+fn baked_in_words(baked: &BakedLayer) -> String {
+    let BakedLayer { layer, path, is_kept, knots, spreads, wall_secs } = baked;
+    let times = counted(*knots, "time", "times");
+    let done = if *is_kept { "kept".to_owned() } else { format!("solved at {times} in {wall_secs:.1} s") };
+    let spread = |spread: &Spread| format!("{} to {}", spread.frames[0], spread.frames[1]);
+    let spreads: Vec<String> = spreads.iter().map(spread).collect();
+    let told =
+        if spreads.is_empty() { String::new() } else { format!("; snaps spread over frames {}", spreads.join(", ")) };
+    let path = path.as_ref().map(|path| format!(" -> {}", path.display())).unwrap_or_default();
+    format!("layer '{layer}' {done}{path}{told}")
 }
 
 /// The last line of a render or a warp.

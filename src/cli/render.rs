@@ -5,7 +5,7 @@
 use super::args::{DrawArgs, RenderArgs};
 use super::outcome::Outcome;
 use super::progress::Teller;
-use crate::pipeline::{self, PreparedShot, RenderOptions};
+use crate::pipeline::{self, Keeping, PreparedShot, RenderOptions};
 use crate::shot::Shot;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,6 +21,7 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
     args.camera.choose(&mut shot);
     shot = args.outside.allow(shot);
     shot.samples = args.samples.unwrap_or(shot.samples);
+    let own_output = shot.output.path.clone();
     if let Some(output) = &args.output {
         shot.output.path.clone_from(output);
     }
@@ -34,7 +35,9 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
         inputs,
     };
     let cancel = cancel_on_interrupt()?;
-    let prepared = PreparedShot::new(shot)?;
+    let outputs = [shot.output.path.clone(), own_output];
+    let outputs = outputs.iter().map(PathBuf::as_path);
+    let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
     let teller = Teller::new(args.json);
     let summary = pipeline::render(&prepared, &options, &cancel, &|event| teller.tell(&event))?;
     teller.end()?;

@@ -8,7 +8,7 @@ use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
 use crate::export::LatticeFile;
 use crate::image::{SequencePath, picture_size};
-use crate::pipeline::{self, PlateWarp, PreparedShot, WarpDirection, WarpJob};
+use crate::pipeline::{self, Keeping, PlateWarp, PreparedShot, WarpDirection, WarpJob};
 use crate::plate::{Holes, WarpSettings};
 use crate::shot::{Shot, Source};
 use anyhow::{Context, bail};
@@ -51,7 +51,8 @@ fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
         let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);
         shot.size = picture_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
     }
-    Ok(PreparedShot::new(shot)?)
+    let outputs = args.output.iter().chain([&shot.output.path]).cloned().collect::<Vec<_>>();
+    Ok(PreparedShot::new(shot)?.keeping_trajectories(outputs.iter().map(PathBuf::as_path), Keeping::Write))
 }
 
 /// What warps, where there is no shot.

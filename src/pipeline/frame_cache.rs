@@ -3,9 +3,9 @@
 
 use super::TimeSample;
 use super::followed_box::BoundsCache;
-use super::watched_trajectory::WatchedTrajectory;
-use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Mutex, PoisonError};
+use super::watched_trajectory::Trajectories;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Samples kept: a frame, its two neighbours, and the one before.
 const KEPT_SAMPLES: usize = 4;
@@ -18,8 +18,10 @@ pub(super) struct FrameCache {
     pub(super) screen_bounds: BoundsCache<2>,
     /// Of world layers.
     pub(super) world_bounds: BoundsCache<3>,
-    /// By layer, of those whose frames are solved together; each is computed once.
-    pub(super) trajectories: Mutex<HashMap<usize, Arc<WatchedTrajectory>>>,
+    /// Of layers on the screen whose frames are solved together.
+    pub(super) trajectories: Trajectories<2>,
+    /// What all trajectories follow from.
+    pub(super) trajectory_inputs: OnceLock<u128>,
 }
 
 impl FrameCache {

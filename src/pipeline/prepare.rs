@@ -75,6 +75,7 @@ impl PreparedShot {
             camera,
             clip,
             cache: FrameCache::default(),
+            trajectory_files: None,
         };
         let (_, camera) = prepared.view(f64::from(prepared.shot.frames.first));
         prepared.draw_inputs.rig = lighting::neutral_rig(&camera);

@@ -7,6 +7,7 @@ use super::layer_assignment::LayerAssignment;
 use super::passes::mid_shutter;
 use super::pictures::Gallery;
 use super::stiffness::{Painted, PartStiffness};
+use super::trajectory_files::TrajectoryFiles;
 use super::transfer::Loaded;
 use super::{PinAnchor, RestPoint};
 use crate::image::cryptomatte::MatteHeader;
@@ -42,6 +43,8 @@ pub struct PreparedShot {
     pub(super) clip: ClipChoice,
     /// What frames leave for their neighbours.
     pub(super) cache: FrameCache,
+    /// Where trajectories are kept.
+    pub(super) trajectory_files: Option<TrajectoryFiles>,
 }
 
 /// What layers are solved with, beside their keys.

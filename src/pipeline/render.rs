@@ -10,6 +10,7 @@ use super::geometry_thread::GeometryThread;
 use super::output::input_files;
 use super::pictures::{Wanted, render_pictures};
 use super::resume::{Todo, refuse_existing};
+use super::solve_ahead::solve_before_frames;
 use super::write::{Writer, preview_hash};
 use super::{Event, Existing, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
 use crate::image::{Depth, Expected, ImageError, PictureKind, Redo, SequencePath, check_kept};
@@ -126,6 +127,9 @@ impl<'a> Work<'a> {
     fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, prepared, options, output, digest, .. } = self;
         tell_notes(prepared, &todo, tell);
+        if !todo.frames.is_empty() {
+            solve_before_frames(prepared, cancel);
+        }
         let wanted = Wanted { options, output, digest, frames: todo.frames.clone(), kept: todo.kept };
         let summary = render_pictures(prepared, wanted, cancel, tell);
         finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, tell))
@@ -140,6 +144,9 @@ impl<'a> Work<'a> {
         let Self { begun, prepared, options, output, digest, .. } = self;
         tell_notes(prepared, &todo, tell);
         tell(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
+        if !todo.frames.is_empty() {
+            solve_before_frames(prepared, cancel);
+        }
         let mut writer = Writer::new(prepared, options, (output, digest), device.class());
         let tiles = tiles(prepared.shot.size.window(), device.max_side());
         let mut raster_ms = 0.0;

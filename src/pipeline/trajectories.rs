@@ -1,20 +1,19 @@
 //! Screen layers with a temporal weight: solved over a range of frames instead of frame by frame.
 //!
-//! In: a [`PreparedShot`], a layer. Out: its [`Trajectory`], computed once; the layer's state at any time. The range is the shot's own,
-//! so a frame depends on the shot and its number alone.
+//! In: a [`PreparedShot`], a layer. Out: its [`Trajectory`], solved once or read from its file; the layer's state at any time. The range is
+//! the shot's own, so a frame depends on the shot and its number alone.
 
 use super::layer_pins::fade;
-use super::screen_layer::{LayerSolver, LayerTask, border_rests, unfactored};
-use super::screen_shape::screen_shape;
-use super::watched_trajectory::WatchedTrajectory;
-use super::{LayerState, PinAnchor, PipelineError, PreparedShot, TimeSample};
-use crate::screen::primitive;
-use crate::shot::{Layer, LayerSpace, PinTargets};
-use crate::solve::{
-    Cancel, Coupling, Guard, Problem, Settings, SolveError, Solver, Spread, Targets, TimedProblem, Timeline, Trajectory,
-};
-use glam::DVec3;
-use std::sync::{Arc, PoisonError};
+use super::layer_timeline::{LayerTimeline, Watcher};
+use super::screen_layer::border_rests;
+use super::trajectory_files::{Keeping, TrajectoryFiles};
+use super::watched_points::watched_points;
+use super::watched_trajectory::{Outcome, WatchedTrajectory};
+use super::{LayerState, PipelineError, PreparedShot, TimeSample, screen_layer};
+use crate::shot::{BoxRule, LayerSpace};
+use crate::solve::{Cancel, Coupling, Guard, Problem, Settings, SolveError, Solver, Spread, Targets, Trajectory};
+use std::path::Path;
+use std::sync::Arc;
 
 /// Knots a frame.
 const KNOTS_PER_FRAME: u32 = 2;
@@ -22,8 +21,15 @@ const KNOTS_PER_FRAME: u32 = 2;
 /// A speed that needs no reason: a pixel of 1080 lines a frame, in frame heights.
 const LEAST_SPEED: f64 = 1.0 / 1080.0;
 
-/// Points of the model that a trajectory watches.
-const WATCHED_POINTS: usize = 256;
+impl PreparedShot {
+    /// The same, with trajectories kept in files beside the frames of `outputs` (path patterns): read from all of these places, and
+    /// where they may be written, written to the first.
+    #[must_use]
+    pub fn keeping_trajectories<'a>(mut self, outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
+        self.trajectory_files = Some(TrajectoryFiles::beside(outputs, keeping));
+        self
+    }
+}
 
 /// Whether the frames of a layer are solved together.
 pub(super) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
@@ -42,11 +48,29 @@ pub(super) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
         && !border_rests(&prepared.shot.source, layer)
 }
 
-/// The state of a layer whose frames are solved together.
-pub(super) fn solve(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Result<LayerState, PipelineError> {
+/// The state of a layer of the screen: from its trajectory, or of this time alone.
+pub(super) fn solve(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    index: usize,
+    bounds: BoxRule,
+) -> Result<LayerState, PipelineError> {
+    if has_trajectory(prepared, index)
+        && let Outcome::Solved(kept) = trajectory(prepared, index, Watcher::PATIENT)?
+    {
+        return solve_on(prepared, sample, index, &kept);
+    }
+    screen_layer::solve(prepared, sample, index, bounds)
+}
+
+fn solve_on(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    index: usize,
+    kept: &WatchedTrajectory<2>,
+) -> Result<LayerState, PipelineError> {
     let layer = &prepared.shot.layers[index];
-    let kept = trajectory(prepared, index)?;
-    let timeline = LayerTimeline { prepared, index, points: &kept.points };
+    let timeline = LayerTimeline { prepared, index, points: &kept.points, watcher: Watcher::PATIENT };
     let Some((solver, targets)) = timeline.unfactored(sample) else { return Ok(LayerState::default()) };
     let (states, goal) = solver.targets(layer, &targets);
     let Some(problem) = timeline.problem(sample, &solver, &targets) else { return Ok(LayerState::default()) };
@@ -64,144 +88,92 @@ pub(super) fn solve(prepared: &PreparedShot, sample: &TimeSample, index: usize) 
     Ok(LayerState { solution: Some(solution), pins: states, ..LayerState::default() })
 }
 
-/// A snap of a layer that is spread over a frame.
-pub(super) fn spread_at(prepared: &PreparedShot, index: usize, frame: i32) -> Result<Option<Spread>, PipelineError> {
+/// What the user should know of a layer that is solved over time.
+pub(super) enum Told {
+    /// A snap is spread over the frame.
+    Spread(Spread),
+    /// Why its frames are solved alone all the same.
+    Alone(Arc<str>),
+}
+
+/// What is to be told of a layer in a frame.
+pub(super) fn told_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<Told> {
     if !has_trajectory(prepared, index) {
-        return Ok(None);
+        return None;
     }
-    let kept = trajectory(prepared, index)?;
-    let holds = |spread: &&Spread| (spread.frames[0]..=spread.frames[1]).contains(&f64::from(frame));
-    Ok(kept.trajectory.spreads().iter().find(holds).copied())
+    match trajectory(prepared, index, Watcher::PATIENT).ok()? {
+        Outcome::Failed(why) => Some(Told::Alone(why)),
+        Outcome::Solved(kept) => {
+            let holds = |spread: &&Spread| (spread.frames[0]..=spread.frames[1]).contains(&f64::from(frame));
+            kept.trajectory.spreads().iter().find(holds).copied().map(Told::Spread)
+        }
+    }
 }
 
-fn trajectory(prepared: &PreparedShot, index: usize) -> Result<Arc<WatchedTrajectory>, PipelineError> {
-    let mut kept = prepared.cache.trajectories.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = kept.get(&index) {
-        return Ok(Arc::clone(known));
-    }
-    let layer = &prepared.shot.layers[index];
+/// The trajectory of a layer: known, read, or solved.
+///
+/// # Errors
+/// [`PipelineError::Solve`] where the watcher no longer wants it.
+pub(super) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher) -> Result<Outcome<2>, PipelineError> {
+    prepared.cache.trajectories.of(index, || {
+        let points = watched_points(prepared, index, f64::from(prepared.shot.solve_range[0]));
+        let solve =
+            || solve_apart(&LayerTimeline { prepared, index, points: &points, watcher }, coupling(prepared, index));
+        match kept_or(prepared, index, solve) {
+            Ok(Kept { trajectory, file, is_read }) => {
+                Ok(Outcome::Solved(Arc::new(WatchedTrajectory { trajectory, points, file, is_read })))
+            }
+            Err(source @ SolveError::Cancelled) => {
+                let (layer, frame) =
+                    (prepared.shot.layers[index].name.clone(), f64::from(prepared.shot.solve_range[0]));
+                Err(PipelineError::Solve { layer, frame, source })
+            }
+            Err(error) => Ok(Outcome::Failed(error.to_string().into())),
+        }
+    })
+}
+
+fn coupling(prepared: &PreparedShot, index: usize) -> Coupling {
     let [first, last] = prepared.shot.solve_range.map(f64::from);
-    let coupling = Coupling {
-        first,
-        last,
-        knots_per_frame: KNOTS_PER_FRAME,
-        weight: layer.settings.temporal,
-        least_speed: LEAST_SPEED,
-    };
-    let points = watched_points(prepared, index, first);
-    let timeline = LayerTimeline { prepared, index, points: &points };
-    let trajectory = Trajectory::solve(&timeline, coupling, &Cancel::never()).map_err(|fault| match fault {
-        Fault::Solve(source) => PipelineError::Solve { layer: layer.name.clone(), frame: first, source },
-        Fault::Pose(error) => error,
-    })?;
-    let solved = Arc::new(WatchedTrajectory { trajectory, points });
-    kept.insert(index, Arc::clone(&solved));
-    Ok(solved)
+    let weight = prepared.shot.layers[index].settings.temporal;
+    Coupling { first, last, knots_per_frame: KNOTS_PER_FRAME, weight, least_speed: LEAST_SPEED }
 }
 
-/// Points spread evenly over the area of a layer's triangles in a frame; of a layer of lines its vertices.
-fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinAnchor> {
-    let (pose, _) = prepared.view(frame);
-    let mut areas = Vec::new();
-    let mut total = 0.0;
-    for &part in &prepared.assignment.parts_of_layer[index] {
-        let positions = &pose.parts[part].positions;
-        let share = prepared.assignment.share(index, part);
-        for (triangle, corners) in primitive(&prepared.scene, &pose.parts[part]).triangles.iter().enumerate() {
-            let [a, b, c]: [DVec3; 3] = corners.map(|corner| positions[corner as usize].0.as_dvec3());
-            total += (b - a).cross(c - a).length() * share.of(corners);
-            areas.push((total, part, (triangle, *corners)));
-        }
-    }
-    if total > 0.0 {
-        let pick = |k: usize| {
-            let wanted = total * (k as f64 + 0.5) / WATCHED_POINTS as f64;
-            let (_, part, (triangle, corners)) =
-                areas[areas.partition_point(|area| area.0 < wanted).min(areas.len() - 1)];
-            PinAnchor::Surface { part, triangle, corners, barycentric: [1.0 / 3.0; 3] }
-        };
-        return (0..WATCHED_POINTS).map(pick).collect();
-    }
-    let vertices = prepared.assignment.parts_of_layer[index].iter().flat_map(|&part| {
-        let lines = &primitive(&prepared.scene, &pose.parts[part]).lines;
-        lines.iter().flatten().map(move |&vertex| (part, vertex))
-    });
-    let vertices: Vec<(usize, u32)> = vertices.collect();
-    let step = vertices.len().div_ceil(WATCHED_POINTS).max(1);
-    let pinned = |&(part, vertex): &(usize, u32)| PinAnchor::Surface {
-        part,
-        // A line has none.
-        triangle: usize::MAX,
-        corners: [vertex; 3],
-        barycentric: [1.0, 0.0, 0.0],
-    };
-    vertices.iter().step_by(step).map(pinned).collect()
+/// A trajectory and its file.
+struct Kept<const D: usize> {
+    trajectory: Trajectory<D>,
+    file: Option<std::path::PathBuf>,
+    is_read: bool,
 }
 
-/// A layer of the screen as a function of time.
-struct LayerTimeline<'a> {
-    prepared: &'a PreparedShot,
+/// The trajectory of a layer from its file, or else solved and written there.
+fn kept_or<const D: usize>(
+    prepared: &PreparedShot,
     index: usize,
-    points: &'a [PinAnchor],
+    solve: impl FnOnce() -> Result<Trajectory<D>, SolveError>,
+) -> Result<Kept<D>, SolveError> {
+    let Some(files) = &prepared.trajectory_files else {
+        return Ok(Kept { trajectory: solve()?, file: None, is_read: false });
+    };
+    let key = prepared.trajectory_key(index);
+    let read = files.read(&key).and_then(|(bytes, path)| Some((Trajectory::from_bytes(&bytes)?, path)));
+    if let Some((trajectory, path)) = read {
+        return Ok(Kept { trajectory, file: Some(path), is_read: true });
+    }
+    let trajectory = solve()?;
+    let file = files.write(&key, &trajectory.to_bytes());
+    Ok(Kept { trajectory, file, is_read: false })
 }
 
-/// What goes wrong at a knot.
-enum Fault {
-    Solve(SolveError),
-    Pose(PipelineError),
-}
-
-impl From<SolveError> for Fault {
-    fn from(source: SolveError) -> Self {
-        Self::Solve(source)
-    }
-}
-
-impl LayerTimeline<'_> {
-    fn layer(&self) -> &Layer {
-        &self.prepared.shot.layers[self.index]
-    }
-
-    /// The layer's box and pins at a time, and where they have to go.
-    fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
-        let layer = self.layer();
-        let task = LayerTask { index: self.index, layer, anchors: self.prepared.anchors_of(self.index), weights: &[] };
-        let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, sample.frame));
-        Some((unfactored(self.prepared, sample, &task)?, targets))
-    }
-
-    /// `None` where neither pins nor handles act. The first knot is solved alone: there the whole way of the pins counts.
-    fn problem(&self, sample: &TimeSample, solver: &LayerSolver, targets: &PinTargets) -> Option<TimedProblem<2>> {
-        let layer = self.layer();
-        let (_, goal) = solver.targets(layer, targets);
-        if goal.pins.is_empty() && goal.handles.is_empty() {
-            return None;
-        }
-        let shot = &self.prepared.shot;
-        let mut path = Vec::new();
-        if sample.frame <= f64::from(shot.solve_range[0]) {
-            let way = shot.pin_path(self.index, self.prepared.key_frame(layer, sample.frame));
-            path.extend(way.iter().map(|targets| solver.targets(layer, targets).1));
-        }
-        path.pop();
-        path.push(goal);
-        let mesh = sample.mesh();
-        let points = self.points.iter().map(|point| point.rest(&mesh, &sample.camera).point.0.to_array());
-        let (grid, shape) = (solver.grid().clone(), screen_shape(self.prepared, sample, self.index));
-        Some(TimedProblem { grid, shape, path, points: points.collect() })
-    }
-}
-
-impl Timeline<2> for LayerTimeline<'_> {
-    type Error = Fault;
-
-    fn settings(&self) -> &Settings {
-        &self.layer().settings
-    }
-
-    fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, Fault> {
-        let sample = self.prepared.unsolved_at(time).map_err(Fault::Pose)?;
-        let Some((solver, targets)) = self.unfactored(&sample) else { return Ok(None) };
-        Ok(self.problem(&sample, &solver, &targets))
-    }
+/// Solves on threads of its own. The caller may be one of a pool: waiting there it would take up other work, some of which waits for
+/// this very trajectory.
+fn solve_apart(timeline: &LayerTimeline, coupling: Coupling) -> Result<Trajectory<2>, SolveError> {
+    let solve = || Trajectory::solve(timeline, coupling, &Cancel::when(&|| (timeline.watcher.is_cancelled)()));
+    std::thread::scope(|scope| {
+        let own = scope.spawn(|| match rayon::ThreadPoolBuilder::new().build() {
+            Ok(pool) => pool.install(solve),
+            Err(_) => solve(),
+        });
+        own.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
 }

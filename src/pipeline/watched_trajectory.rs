@@ -1,11 +1,51 @@
-//! A trajectory and the points of the model that it watches.
+//! Trajectories of a shot's layers, each solved or read once, and the points of the model that they watch.
 
 use super::PinAnchor;
 use crate::solve::Trajectory;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// The trajectory of a layer on the screen.
+/// The trajectory of a layer.
 #[derive(Debug)]
-pub(super) struct WatchedTrajectory {
-    pub(super) trajectory: Trajectory<2>,
+pub(super) struct WatchedTrajectory<const D: usize> {
+    pub(super) trajectory: Trajectory<D>,
     pub(super) points: Vec<PinAnchor>,
+    /// The file that keeps it.
+    pub(super) file: Option<PathBuf>,
+    /// It was read from there.
+    pub(super) is_read: bool,
+}
+
+/// What became of the attempt to solve a layer over time.
+#[derive(Clone, Debug)]
+pub(super) enum Outcome<const D: usize> {
+    /// Its trajectory.
+    Solved(Arc<WatchedTrajectory<D>>),
+    /// Why there is none: each frame is solved alone.
+    Failed(Arc<str>),
+}
+
+/// Outcomes by layer. Who asks for one that is in the making waits for it; other layers do not wait.
+#[derive(Debug)]
+pub(super) struct Trajectories<const D: usize>(Mutex<HashMap<usize, Arc<Mutex<Option<Outcome<D>>>>>>);
+
+impl<const D: usize> Default for Trajectories<D> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<const D: usize> Trajectories<D> {
+    /// The outcome of a layer, made the first time; errors are not kept.
+    pub(super) fn of<E>(&self, layer: usize, make: impl FnOnce() -> Result<Outcome<D>, E>) -> Result<Outcome<D>, E> {
+        let own = Arc::clone(self.0.lock().unwrap_or_else(PoisonError::into_inner).entry(layer).or_default());
+        let mut own = own.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*own {
+            return Ok(known.clone());
+        }
+        let made = make()?;
+        *own = Some(made.clone());
+        Ok(made)
+    }
 }

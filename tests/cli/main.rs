@@ -5,6 +5,7 @@ mod python;
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+mod bake;
 mod compare;
 mod disks;
 mod existing;

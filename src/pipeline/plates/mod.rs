@@ -23,6 +23,7 @@ pub use silhouette::Silhouette;
 
 use super::PipelineError;
 use super::resume::Todo;
+use super::solve_ahead::solve_before_frames;
 use crate::plate::Warper;
 use crate::raster;
 use plan::Plan;
@@ -57,6 +58,11 @@ pub fn warp_frames(
     redone.iter().cloned().for_each(|redone| tell(WarpEvent::FrameRedone(redone)));
     let wanted = frames.len();
     tell(WarpEvent::Started { frames: wanted, kept: *kept });
+    if let PlateWarp::Shot(prepared) = &job.warp
+        && wanted > 0
+    {
+        solve_before_frames(prepared, cancel);
+    }
     let mut stage = Stage::of(job, &plan, warper);
     let mut writer = Writer::of(job, &plan);
     std::thread::scope(|scope| {

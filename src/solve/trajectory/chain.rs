@@ -70,9 +70,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         Self { knots, weights, weight, limits, is_convex, tolerance: TOLERANCE * diagonal, cancel }
     }
 
-    /// Solves all knots.
-    pub(crate) fn solve(&mut self) -> Result<(), SolveError> {
-        self.pass_forward()?;
+    /// Solves all knots; `passed` hears how many the pass forward has solved.
+    pub(crate) fn solve(&mut self, passed: &dyn Fn(usize)) -> Result<(), SolveError> {
+        self.pass_forward(passed)?;
         self.settle()?;
         for _ in 0..ROUNDS {
             if !self.tighten() {
@@ -84,8 +84,9 @@ impl<'a, const D: usize> Chain<'a, D> {
     }
 
     /// Every knot from the one before; the first, and one after a gap, alone.
-    fn pass_forward(&mut self) -> Result<(), SolveError> {
+    fn pass_forward(&mut self, passed: &dyn Fn(usize)) -> Result<(), SolveError> {
         for index in 0..self.knots.len() {
+            passed(index + 1);
             let weight = self.pull(index);
             let (before, rest) = self.knots.split_at_mut(index);
             let Some(knot) = &mut rest[0] else { continue };

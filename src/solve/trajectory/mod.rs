@@ -4,6 +4,7 @@
 //! R. Rossi, "Existence and uniqueness results for a class of rate-independent hysteresis problems", 2007 (vanishing viscosity);
 //! docs/METHOD.md, "Time", has the definition and what it guarantees.
 
+mod bits;
 mod chain;
 mod knot;
 mod timeline;
@@ -19,6 +20,7 @@ use super::targets::Targets;
 use chain::Chain;
 use knot::{Descent, Displacement, Knot};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nearer to a knot than this part of an interval, the state is the knot's.
 const AT_KNOT: f64 = 1e-7;
@@ -56,17 +58,26 @@ impl<const D: usize> Trajectory<D> {
         T: Timeline<D> + Sync,
         T::Error: Send,
     {
+        let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
+        let built = AtomicUsize::new(0);
         let build = |index: usize| -> Result<Option<Knot<D>>, T::Error> {
             let Some(problem) = timeline.at(coupling.knot_time(index))? else { return Ok(None) };
-            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
+            let knot = Knot::new(problem, timeline.settings(), &Cancel::never())?;
+            timeline.progress(1 + built.fetch_add(1, Ordering::Relaxed), 2 * count);
+            Ok(Some(knot))
         };
-        let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
         let knots: Result<Vec<_>, _> = (0..count).into_par_iter().map(build).collect();
         let mut chain = Chain::new(knots?, &coupling, cancel);
-        chain.solve()?;
+        chain.solve(&|passed| timeline.progress(count + passed, 2 * count))?;
         let spreads = spreads(&chain, &coupling);
         let (weights, weight) = (chain.weights.clone(), chain.weight);
         Ok(Self { coupling, states: chain.into_states(), weights, weight, spreads })
+    }
+
+    /// How many knots are solved.
+    #[must_use]
+    pub fn knot_count(&self) -> usize {
+        self.states.iter().flatten().count()
     }
 
     /// The snaps that were spread over time.

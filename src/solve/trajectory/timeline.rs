@@ -34,6 +34,9 @@ pub trait Timeline<const D: usize> {
     /// # Errors
     /// Those of the implementation.
     fn at(&self, time: f64) -> Result<Option<TimedProblem<D>>, Self::Error>;
+
+    /// Hears how far a [`Trajectory`](super::Trajectory) has been solved: parts done, of all. Of no consequence for the result.
+    fn progress(&self, _done: usize, _of: usize) {}
 }
 
 /// How the times of a trajectory hang together.

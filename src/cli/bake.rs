@@ -1,0 +1,24 @@
+//! `pinwarp bake`: solves layers over time ahead of their frames.
+//!
+//! In: a shot. Out: trajectories in a folder beside its frames; events as they happen.
+
+use super::args::BakeArgs;
+use super::outcome::Outcome;
+use super::progress::Teller;
+use super::render::cancel_on_interrupt;
+use crate::image::SequencePath;
+use crate::pipeline::{Keeping, PreparedShot, solve_ahead};
+
+pub(super) fn run(args: &BakeArgs) -> anyhow::Result<Outcome> {
+    let mut shot = args.outside.read(&args.shot)?;
+    args.camera.choose(&mut shot);
+    let output = args.output.clone().unwrap_or_else(|| shot.output.path.clone());
+    SequencePath::parse(&output)?;
+    let cancel = cancel_on_interrupt()?;
+    let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Write);
+    let teller = Teller::new(args.json);
+    let summary = solve_ahead(&prepared, &cancel, &|event| teller.tell_bake(&event));
+    teller.end()?;
+    let is_complete = summary.failed == 0 && !summary.is_cancelled;
+    Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
+}

@@ -1,0 +1,93 @@
+//! A layer of the screen as a function of time: what its trajectory is solved for.
+//!
+//! In: a [`PreparedShot`], a layer. Out: its problem at any time.
+
+use super::screen_layer::{LayerSolver, LayerTask, unfactored};
+use super::screen_shape::screen_shape;
+use super::{PinAnchor, PreparedShot, TimeSample};
+use crate::shot::{Layer, PinTargets};
+use crate::solve::{Settings, SolveError, TimedProblem, Timeline};
+
+/// Whoever waits for a trajectory.
+#[derive(Clone, Copy)]
+pub(super) struct Watcher<'a> {
+    /// It is no longer wanted.
+    pub(super) is_cancelled: &'a (dyn Fn() -> bool + Sync),
+    /// Hears parts done, of all.
+    pub(super) progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Watcher<'_> {
+    /// Waits to the end, and says nothing.
+    pub(super) const PATIENT: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
+}
+
+/// A layer of the screen as a function of time.
+pub(super) struct LayerTimeline<'a> {
+    pub(super) prepared: &'a PreparedShot,
+    pub(super) index: usize,
+    pub(super) points: &'a [PinAnchor],
+    pub(super) watcher: Watcher<'a>,
+}
+
+impl LayerTimeline<'_> {
+    fn layer(&self) -> &Layer {
+        &self.prepared.shot.layers[self.index]
+    }
+
+    /// The layer's box and pins at a time, and where they have to go.
+    pub(super) fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
+        let layer = self.layer();
+        let task = LayerTask { index: self.index, layer, anchors: self.prepared.anchors_of(self.index), weights: &[] };
+        let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, sample.frame));
+        Some((unfactored(self.prepared, sample, &task)?, targets))
+    }
+
+    /// `None` where neither pins nor handles act. The first knot is solved alone: there the whole way of the pins counts.
+    pub(super) fn problem(
+        &self,
+        sample: &TimeSample,
+        solver: &LayerSolver,
+        targets: &PinTargets,
+    ) -> Option<TimedProblem<2>> {
+        let layer = self.layer();
+        let (_, goal) = solver.targets(layer, targets);
+        if goal.pins.is_empty() && goal.handles.is_empty() {
+            return None;
+        }
+        let shot = &self.prepared.shot;
+        let mut path = Vec::new();
+        if sample.frame <= f64::from(shot.solve_range[0]) {
+            let way = shot.pin_path(self.index, self.prepared.key_frame(layer, sample.frame));
+            path.extend(way.iter().map(|targets| solver.targets(layer, targets).1));
+        }
+        path.pop();
+        path.push(goal);
+        let mesh = sample.mesh();
+        let points = self.points.iter().map(|point| point.rest(&mesh, &sample.camera).point.0.to_array());
+        let (grid, shape) = (solver.grid().clone(), screen_shape(self.prepared, sample, self.index));
+        Some(TimedProblem { grid, shape, path, points: points.collect() })
+    }
+}
+
+impl Timeline<2> for LayerTimeline<'_> {
+    type Error = SolveError;
+
+    fn settings(&self) -> &Settings {
+        &self.layer().settings
+    }
+
+    /// A time that cannot be posed is a gap: its own frame says why.
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
+        if (self.watcher.is_cancelled)() {
+            return Err(SolveError::Cancelled);
+        }
+        let Ok(sample) = self.prepared.unsolved_at(time) else { return Ok(None) };
+        let Some((solver, targets)) = self.unfactored(&sample) else { return Ok(None) };
+        Ok(self.problem(&sample, &solver, &targets))
+    }
+
+    fn progress(&self, done: usize, of: usize) {
+        (self.watcher.progress)(done, of);
+    }
+}

@@ -1,0 +1,177 @@
+//! Solves the layers of a shot over time before any frame is made, so that farms and restarted runs find their trajectories.
+//!
+//! In: a [`PreparedShot`] whose trajectories are kept in files. Out: those files; [`BakeEvent`]s on the way.
+
+use super::layer_timeline::Watcher;
+use super::trajectories::{has_trajectory, trajectory};
+use super::watched_trajectory::Outcome;
+use super::{PipelineError, PreparedShot};
+use crate::solve::{SolveError, Spread};
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Progress is told so many times a layer.
+const TOLD_STEPS: usize = 100;
+
+/// What a bake reports while it runs.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub enum BakeEvent {
+    /// It begins.
+    Started {
+        /// Layers that are solved over time.
+        layers: usize,
+        /// First and last frame over which they are.
+        solve_range: [i32; 2],
+    },
+    /// Something the user should know about the shot as a whole.
+    Note {
+        /// In words.
+        text: String,
+    },
+    /// How far a layer is.
+    Progress {
+        /// Its name.
+        layer: String,
+        /// Parts of the work that are done.
+        done: usize,
+        /// All parts.
+        of: usize,
+    },
+    /// The trajectory of a layer is on disk.
+    LayerDone(BakedLayer),
+    /// A layer could not be solved over time.
+    LayerFailed {
+        /// Its name.
+        layer: String,
+        /// Why.
+        error: String,
+    },
+    /// All layers were tried.
+    Finished(BakeSummary),
+}
+
+/// What became of a layer.
+#[derive(Clone, Debug, Serialize)]
+pub struct BakedLayer {
+    /// Its name.
+    pub layer: String,
+    /// The file that keeps its trajectory; `None`: it could not be written, which the log explains.
+    #[serde(serialize_with = "lossy")]
+    pub path: Option<PathBuf>,
+    /// It was there already, from the same shot and scene.
+    pub is_kept: bool,
+    /// Times at which it was solved together with its neighbours.
+    pub knots: usize,
+    /// Where a snap is spread over frames.
+    pub spreads: Vec<Spread>,
+    /// Wall time, seconds.
+    pub wall_secs: f64,
+}
+
+/// How a bake ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct BakeSummary {
+    /// Layers solved now.
+    pub solved: usize,
+    /// Layers whose trajectories were there.
+    pub kept: usize,
+    /// Layers that could not be solved or kept.
+    pub failed: usize,
+    /// It was cancelled.
+    pub is_cancelled: bool,
+    /// Wall time, seconds.
+    pub wall_secs: f64,
+}
+
+fn lossy<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error> {
+    path.as_ref().map(|path| path.to_string_lossy()).serialize(to)
+}
+
+/// Solves every layer with a temporal weight over the shot's range, or finds it solved. `tell` is called from several threads; `cancel`
+/// ends the bake within milliseconds, and what was solved stays.
+pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, tell: &(dyn Fn(BakeEvent) + Sync)) -> BakeSummary {
+    let begun = Instant::now();
+    let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(|&index| has_trajectory(prepared, index)).collect();
+    prepared.notes.iter().for_each(|text| tell(BakeEvent::Note { text: text.clone() }));
+    tell(BakeEvent::Started { layers: layers.len(), solve_range: prepared.shot.solve_range });
+    let next = AtomicUsize::new(0);
+    let summary = Mutex::new(BakeSummary::default());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(layers.len());
+    std::thread::scope(|scope| {
+        let work = || {
+            while let Some(&index) = layers.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let outcome = solve_layer(prepared, index, (cancel, tell));
+                let mut summary = summary.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                match outcome {
+                    Ended::Solved => summary.solved += 1,
+                    Ended::Kept => summary.kept += 1,
+                    Ended::Failed => summary.failed += 1,
+                    Ended::Cancelled => summary.is_cancelled = true,
+                }
+            }
+        };
+        (0..threads).for_each(|_| _ = scope.spawn(work));
+    });
+    let summary = summary.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let summary = BakeSummary { wall_secs: begun.elapsed().as_secs_f64(), ..summary };
+    tell(BakeEvent::Finished(summary));
+    summary
+}
+
+/// Solves all layers over time that are not solved yet, before the first frame asks for them; less is solved where a run is cancelled.
+pub(super) fn solve_before_frames(prepared: &PreparedShot, cancel: &AtomicBool) {
+    let has_any = (0..prepared.shot.layers.len()).any(|index| has_trajectory(prepared, index));
+    if has_any {
+        let BakeSummary { solved, kept, wall_secs, .. } = solve_ahead(prepared, cancel, &|_| ());
+        tracing::info!("layers over time: {solved} solved, {kept} read in {wall_secs:.1} s");
+    }
+}
+
+/// How a layer ended.
+enum Ended {
+    Solved,
+    Kept,
+    Failed,
+    Cancelled,
+}
+
+fn solve_layer(
+    prepared: &PreparedShot,
+    index: usize,
+    (cancel, tell): (&AtomicBool, &(dyn Fn(BakeEvent) + Sync)),
+) -> Ended {
+    let begun = Instant::now();
+    let layer = &prepared.shot.layers[index].name;
+    let told = AtomicUsize::new(0);
+    let progress = |done: usize, of: usize| {
+        let step = TOLD_STEPS * done / of.max(1);
+        if told.fetch_max(step, Ordering::Relaxed) < step {
+            tell(BakeEvent::Progress { layer: layer.clone(), done, of });
+        }
+    };
+    let is_cancelled = || cancel.load(Ordering::Relaxed);
+    let failed = |error: String| {
+        tell(BakeEvent::LayerFailed { layer: layer.clone(), error });
+        Ended::Failed
+    };
+    match trajectory(prepared, index, Watcher { is_cancelled: &is_cancelled, progress: &progress }) {
+        Ok(Outcome::Solved(kept)) => {
+            let (path, is_kept) = (kept.file.clone(), kept.is_read);
+            let (knots, spreads) = (kept.trajectory.knot_count(), kept.trajectory.spreads().to_vec());
+            let is_lost = path.is_none() && prepared.trajectory_files.is_some();
+            if is_lost {
+                return failed("its trajectory could not be written".to_owned());
+            }
+            let wall_secs = begun.elapsed().as_secs_f64();
+            tell(BakeEvent::LayerDone(BakedLayer { layer: layer.clone(), path, is_kept, knots, spreads, wall_secs }));
+            if is_kept { Ended::Kept } else { Ended::Solved }
+        }
+        Ok(Outcome::Failed(error)) => failed(error.to_string()),
+        Err(PipelineError::Solve { source: SolveError::Cancelled, .. }) => Ended::Cancelled,
+        Err(error) => failed(error.to_string()),
+    }
+}

@@ -1,0 +1,166 @@
+//! A trajectory as bytes and back, bit for bit.
+//!
+//! In: a [`Trajectory`]. Out: little-endian bytes: 64-bit counts, 64-bit floats by their bits; and the trajectory again. What is not
+//! such bytes is refused, never misread: a count is believed only where so many bytes follow.
+
+use super::knot::Displacement;
+use super::{Coupling, Spread, Trajectory};
+
+/// Marks a knot at which nothing is solved.
+const NOTHING: u64 = u64::MAX;
+
+impl<const D: usize> Trajectory<D> {
+    /// All of it as bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Bytes(Vec::new());
+        let Coupling { first, last, knots_per_frame, weight, least_speed } = self.coupling;
+        out.count(D);
+        out.floats(&[first, last, f64::from(knots_per_frame), weight, least_speed, self.weight]);
+        out.count(self.states.len());
+        for state in &self.states {
+            match state {
+                None => out.word(NOTHING),
+                Some(Displacement { handles, points }) => {
+                    out.count(handles.len());
+                    out.count(points.len());
+                    out.floats(handles.as_flattened());
+                    out.floats(points.as_flattened());
+                }
+            }
+        }
+        out.count(self.weights.len());
+        out.floats(&self.weights);
+        out.count(self.spreads.len());
+        self.spreads.iter().for_each(|spread| out.floats(&[spread.frames[0], spread.frames[1], spread.speed]));
+        out.0
+    }
+
+    /// The trajectory that [`Self::to_bytes`] wrote; `None` where the bytes are no such thing.
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let mut rest = Reader(bytes);
+        if rest.word()? != D as u64 {
+            return None;
+        }
+        let [first, last, knots_per_frame, coupling_weight, least_speed, weight] = rest.array()?;
+        if knots_per_frame.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&knots_per_frame) {
+            return None;
+        }
+        let knots_per_frame = knots_per_frame as u32;
+        let coupling = Coupling { first, last, knots_per_frame, weight: coupling_weight, least_speed };
+        let states: Option<Vec<_>> = (0..rest.count(1)?).map(|_| rest.state()).collect();
+        let states = states?;
+        let weights = rest.count(1)?;
+        let weights = rest.floats(weights)?;
+        let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
+        let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
+        is_whole.then_some(Self { coupling, states, weights, weight, spreads: spreads? })
+    }
+}
+
+struct Bytes(Vec<u8>);
+
+impl Bytes {
+    fn word(&mut self, word: u64) {
+        self.0.extend(word.to_le_bytes());
+    }
+
+    fn count(&mut self, count: usize) {
+        self.word(count as u64);
+    }
+
+    fn floats(&mut self, values: &[f64]) {
+        values.iter().for_each(|value| self.word(value.to_bits()));
+    }
+}
+
+/// The bytes that are left.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn word(&mut self) -> Option<u64> {
+        let (word, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(u64::from_le_bytes(*word))
+    }
+
+    /// A number of things of at least `words` words each.
+    fn count(&mut self, words: usize) -> Option<usize> {
+        let count = self.word()?;
+        self.fitting(count, words)
+    }
+
+    /// The count, where so much is left.
+    fn fitting(&self, count: u64, words: usize) -> Option<usize> {
+        let count = usize::try_from(count).ok()?;
+        (count.checked_mul(words)? <= self.0.len() / 8).then_some(count)
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<[f64; N]> {
+        self.floats(N)?.try_into().ok()
+    }
+
+    fn floats(&mut self, count: usize) -> Option<Vec<f64>> {
+        (0..count).map(|_| self.word().map(f64::from_bits)).collect()
+    }
+
+    fn places<const D: usize>(&mut self, count: usize) -> Option<Vec<[f64; D]>> {
+        (0..count).map(|_| self.array()).collect()
+    }
+
+    fn state<const D: usize>(&mut self) -> Option<Option<Displacement<D>>> {
+        let handles = self.word()?;
+        if handles == NOTHING {
+            return Some(None);
+        }
+        let handles = self.fitting(handles, D)?;
+        let points = self.count(D)?;
+        Some(Some(Displacement { handles: self.places(handles)?, points: self.places(points)? }))
+    }
+
+    fn spread(&mut self) -> Option<Spread> {
+        let [first, last, speed] = self.array()?;
+        Some(Spread { frames: [first, last], speed })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trajectory() -> Trajectory<2> {
+        let state = |x: f64| Displacement { handles: vec![[x, -0.0]; 3], points: vec![[f64::MIN_POSITIVE, x]; 2] };
+        Trajectory {
+            coupling: Coupling { first: -3.5, last: 9.0, knots_per_frame: 2, weight: 0.3, least_speed: 1e-3 },
+            states: vec![Some(state(1.0 / 3.0)), None, Some(state(-7e300)), Some(state(0.1))],
+            weights: vec![0.0, 0.0, 12.5],
+            weight: 0.6,
+            spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],
+        }
+    }
+
+    #[test]
+    fn every_bit_comes_back() {
+        let bytes = trajectory().to_bytes();
+        let read = Trajectory::<2>::from_bytes(&bytes).expect("it was written so");
+        assert_eq!(read, trajectory());
+        assert_eq!(read.to_bytes(), bytes, "also the sign of zero");
+    }
+
+    #[test]
+    fn what_is_cut_off_too_long_or_of_other_dimensions_is_refused() {
+        let bytes = trajectory().to_bytes();
+        for end in 0..bytes.len() {
+            assert_eq!(Trajectory::<2>::from_bytes(&bytes[..end]), None, "cut off after {end} bytes");
+        }
+        assert_eq!(Trajectory::<2>::from_bytes(&[&bytes[..], &[0; 8]].concat()), None);
+        assert_eq!(Trajectory::<3>::from_bytes(&bytes), None);
+        // Counts that no memory holds.
+        for place in (0..bytes.len()).step_by(8) {
+            let mut hostile = bytes.clone();
+            hostile[place..place + 8].copy_from_slice(&(u64::MAX - 1).to_le_bytes());
+            let _ = Trajectory::<2>::from_bytes(&hostile);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! `pinwarp bake`: trajectories solved ahead, kept beside the frames, the same as those solved on the spot.
+
+use crate::support::{Bench, HEAD, OUTPUT, PIN, PROGRAM, names_in};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+const FOLDER: &str = "out/.pinwarp-trajectories";
+
+/// A shot of nine frames whose layer is solved over time.
+fn timed() -> String {
+    let head =
+        HEAD.replace("last = 2", "last = 9").replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0.3 }");
+    format!("{head}{PIN}{OUTPUT}")
+}
+
+fn trajectories(bench: &Bench) -> Vec<PathBuf> {
+    let folder = bench.path(FOLDER);
+    names_in(&folder).into_iter().map(|name| folder.join(name)).collect()
+}
+
+/// The bytes of all frames.
+fn pictures(bench: &Bench) -> Vec<Vec<u8>> {
+    let frames = bench.frames().into_iter().filter(|name| name.ends_with(".exr"));
+    frames.map(|name| bench.read(&format!("out/{name}"))).collect()
+}
+
+#[test]
+fn a_bake_is_found_by_renders_and_changes_no_byte() {
+    let bench = Bench::with_shot(&timed());
+    let ended = bench
+        .run("bake shot.toml")
+        .says(0, &["1 layer over frames 1 to 9", "layer 'all' solved at 17 times", "1 layer solved in"]);
+    assert!(ended.stdout.is_empty(), "{}", ended.stdout);
+    let [file] = &trajectories(&bench)[..] else { panic!("one file: {:?}", trajectories(&bench)) };
+    let baked = std::fs::read(file).expect("it is there");
+    bench.run("bake shot.toml").says(0, &["layer 'all' kept", "0 layers solved", "1 kept"]);
+    bench.run("-v render shot.toml --device cpu").says(0, &["9 frames", "0 solved, 1 read"]);
+    let with = pictures(&bench);
+    assert_eq!(with.len(), 9);
+
+    // Solved on the spot, in two runs, backwards.
+    let other = Bench::with_shot(&timed());
+    other.run("-v render shot.toml --device cpu --frames 7,5,9,8,6").says(0, &["1 solved, 0 read"]);
+    std::fs::remove_dir_all(other.path(FOLDER)).expect("it was kept");
+    other.render("--frames 4,1,3,2").says(0, &["4 frames"]);
+    assert_eq!(pictures(&other), with);
+    let again = std::fs::read(&trajectories(&other)[0]).expect("kept again");
+    assert_eq!(again, baked, "another folder, another run: the same bytes");
+    assert_eq!(trajectories(&other)[0].file_name(), file.file_name());
+}
+
+#[test]
+fn a_damaged_file_is_noticed_and_made_again() {
+    let bench = Bench::with_shot(&timed());
+    bench.run("bake shot.toml").says(0, &[]);
+    let file = &trajectories(&bench)[0];
+    let whole = std::fs::read(file).expect("it is there");
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 2] ^= 1;
+    for damaged in [&whole[..whole.len() / 2], &flipped, b""] {
+        std::fs::write(file, damaged).expect("it can be written");
+        bench.run("bake shot.toml").says(0, &["is damaged", "1 layer solved"]);
+        assert_eq!(std::fs::read(file).expect("it is there"), whole);
+    }
+}
+
+#[test]
+fn two_writers_and_any_number_of_threads_write_the_same() {
+    let bench = Bench::with_shot(&timed());
+    let start = |threads: &str| {
+        let mut command = Command::new(PROGRAM);
+        command.current_dir(bench.path("")).args(["bake", "shot.toml"]).env("RAYON_NUM_THREADS", threads);
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+    };
+    let mut written = Vec::new();
+    for _ in 0..3 {
+        let runs = ["1", "3", "2"].map(start);
+        for mut run in runs {
+            assert!(run.wait().expect("an end").success());
+        }
+        let [file] = &trajectories(&bench)[..] else { panic!("one file: {:?}", trajectories(&bench)) };
+        written.push(std::fs::read(file).expect("it is there"));
+        std::fs::remove_file(file).expect("removed");
+    }
+    assert!(written.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+#[test]
+fn what_changes_the_shape_is_solved_again_and_a_trim_is_not() {
+    let ranged = timed().replace("samples = 1", "samples = 1\nsolve_range = [1, 9]");
+    let bench = Bench::with_shot(&ranged);
+    bench.run("bake shot.toml").says(0, &["1 layer solved"]);
+    for (from, to, says) in [
+        ("last = 9", "last = 5", "1 kept"),
+        ("samples = 1", "samples = 4", "1 kept"),
+        ("offset = [0.1, 0.05]", "offset = [0.1, 0.06]", "1 layer solved"),
+        ("temporal = 0.3", "temporal = 0.4", "1 layer solved"),
+        ("solve_range = [1, 9]", "solve_range = [1, 8]", "1 layer solved"),
+    ] {
+        assert!(ranged.contains(from), "{from}");
+        bench.write("shot.toml", ranged.replace(from, to).as_bytes());
+        bench.run("bake shot.toml").says(0, &[says]);
+    }
+    bench.write("shot.toml", ranged.as_bytes());
+    let scene = String::from_utf8(bench.read("tiny.gltf")).expect("JSON");
+    bench.write("tiny.gltf", scene.replace("\"Quad\"", "\"Quad\" ").as_bytes());
+    bench.run("bake shot.toml").says(0, &["1 layer solved"]);
+}
+
+#[test]
+fn events_in_json_and_shots_without_time() {
+    let bench = Bench::with_shot(&timed());
+    let events = bench.run("bake shot.toml --json -o elsewhere/f.####.exr").says(0, &[]).events();
+    let kinds: Vec<&str> = events.iter().filter_map(|event| event["event"].as_str()).collect();
+    assert!(
+        kinds.contains(&"started") && kinds.contains(&"progress") && kinds.last() == Some(&"finished"),
+        "{kinds:?}"
+    );
+    let done = events.iter().find(|event| event["event"] == "layer_done").expect("a layer is done");
+    let path = done["path"].as_str().expect("a path");
+    assert!(path.starts_with("elsewhere/.pinwarp-trajectories") && bench.path(path).is_file(), "{path}");
+    assert_eq!((done["knots"].as_u64(), done["is_kept"].as_bool()), (Some(17), Some(false)));
+    assert_eq!(events[events.len() - 1]["solved"], 1);
+
+    let alone = Bench::with_shot(&timed().replace("temporal = 0.3", "temporal = 0"));
+    alone.run("bake shot.toml").says(0, &["nothing to bake"]);
+    assert!(trajectories(&alone).is_empty());
+    alone.run("bake none.toml").says(2, &["none.toml"]);
+}
