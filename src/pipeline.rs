@@ -66,6 +66,7 @@ mod write;
 mod contents;
 mod error;
 mod events;
+mod frame_record;
 mod options;
 mod output;
 mod pictures;
@@ -73,6 +74,8 @@ mod plates;
 mod render;
 mod resume;
 mod run_lock;
+#[cfg(feature = "cli")]
+mod sequence_report;
 mod solve_ahead;
 
 // For other programs.
@@ -104,6 +107,8 @@ pub use report::report;
 pub(crate) use resume::{Todo, refuse_existing};
 pub use screen_layer::{LayerSolver, LayerTask};
 pub use selection::{LayerShare, SharedPart};
+#[cfg(feature = "cli")]
+pub(crate) use sequence_report::{LayerPeaks, Peak, SequenceReport};
 pub use solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
 pub(crate) use topology::check_plain;

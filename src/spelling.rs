@@ -58,6 +58,27 @@ pub(crate) fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, ma
     format!("{count} {words}")
 }
 
+/// Ranges shown in a message; more are left out.
+const SHOWN_RANGES: usize = 8;
+
+/// Frames in words: `1 to 4, 7`.
+pub(crate) fn ranges(frames: &[i32]) -> String {
+    let mut sorted = frames.to_vec();
+    sorted.sort_unstable();
+    let chunks = sorted.chunk_by(|a, b| a + 1 == *b);
+    let words = chunks.map(|chunk| match chunk {
+        [only] => only.to_string(),
+        [first, .., last] => format!("{first} to {last}"),
+        [] => String::new(),
+    });
+    let mut words: Vec<String> = words.collect();
+    if words.len() > SHOWN_RANGES {
+        words.truncate(SHOWN_RANGES);
+        words.push("...".to_owned());
+    }
+    words.join(", ")
+}
+
 /// Whether a name fits a pattern: `*` stands for any characters, `?` for one.
 ///
 /// In linear space: on a mismatch the last star takes one more character.
@@ -89,6 +110,12 @@ pub(crate) fn fits(pattern: &str, name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_in_words() {
+        assert_eq!(ranges(&[4, 1, 2, 3, 7, -1]), "-1, 1 to 4, 7");
+        assert!(ranges(&(0..100).map(|k| 2 * k).collect::<Vec<_>>()).ends_with("14, ..."));
+    }
 
     #[test]
     fn one_thing_is_not_told_as_many() {

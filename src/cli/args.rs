@@ -3,9 +3,10 @@
 //! In: words of the command line. Out: one struct of plain values for each command.
 
 use super::frames::{FrameList, Scale};
-use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
+use super::job::JobArgs;
+use super::report::ReportArgs;
+use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, OverwriteArg, ProgressArgs, device_parser};
 use super::warp_args::WarpArgs;
-use crate::image::Existing;
 use crate::lattice::Basis;
 use crate::memory::MemoryLimit;
 use crate::raster::DeviceChoice;
@@ -64,6 +65,16 @@ pub(super) enum Command {
         after_long_help = "Examples:\n  pinwarp pick shot.toml --at-px 960,540\n  pinwarp pick shot.toml --at 0.9,0.5 --write nose --layer head"
     )]
     Pick(PickArgs),
+    /// Tell the state of finished frames: missing and damaged ones, the worst figures; exit code 1 over limits.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp report out/ --sheet sheet.png\n  pinwarp report shot.toml --verify --max-pin-error 0.5 --max-folds 0"
+    )]
+    Report(ReportArgs),
+    /// Write a job for a render farm: an Open Job Description template, or a script for Slurm.
+    #[command(
+        after_long_help = "Examples:\n  pinwarp job shot.toml\n  pinwarp job shot.toml --to slurm --chunk 8 -- --device cpu"
+    )]
+    Job(JobArgs),
     /// Solve a bare lattice problem (JSON in, JSON out).
     #[command(after_long_help = "Examples:\n  pinwarp solve problem.json -o result.json")]
     Solve(SolveArgs),
@@ -137,11 +148,8 @@ pub(super) struct BakeArgs {
     pub(super) camera: CameraArg,
     #[command(flatten)]
     pub(super) outside: OutsideArg,
-    /// Print one JSON event per line instead of words and a progress bar.
-    ///
-    /// Events are note, started, progress, layer_done, layer_failed and finished; the last holds the totals.
-    #[arg(long)]
-    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) progress: ProgressArgs,
 }
 
 /// What is drawn of a shot, how, and where it goes.
@@ -183,11 +191,8 @@ pub(super) struct DrawArgs {
     /// nothing is seen.
     #[arg(long)]
     pub(super) overlay: bool,
-    /// Print one JSON event per line instead of words and a progress bar.
-    ///
-    /// Events are started, note, frame_redone, frame_done, frame_failed and finished; the last holds the totals.
-    #[arg(long)]
-    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) progress: ProgressArgs,
 }
 
 /// Which camera sees a shot.
@@ -205,20 +210,6 @@ impl CameraArg {
         if let Some(name) = &self.camera {
             shot.camera = CameraRule::Named(name.clone());
         }
-    }
-}
-
-/// What happens to a file that is already there.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct OverwriteArg {
-    /// Replace a file that is already there.
-    #[arg(long)]
-    overwrite: bool,
-}
-
-impl From<OverwriteArg> for Existing {
-    fn from(arg: OverwriteArg) -> Self {
-        if arg.overwrite { Self::Overwrite } else { Self::Refuse }
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) fn run(args: &BakeArgs) -> anyhow::Result<Outcome> {
     SequencePath::parse(&output)?;
     let cancel = cancel_on_interrupt()?;
     let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Write);
-    let teller = Teller::new(args.json);
+    let teller = Teller::new(args.progress.into());
     let summary = solve_ahead(&prepared, &cancel, &|event| teller.tell_bake(&event));
     teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;

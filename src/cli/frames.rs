@@ -3,7 +3,7 @@
 use crate::space::FrameSize;
 use std::str::FromStr;
 
-/// Frames in the order written, without repetition: `1-48x2,60`.
+/// Frames in the order written, without repetition: `1-48x2,60`; steps also as OpenJD writes them, `1-48:2`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct FrameList(pub(super) Vec<i32>);
 
@@ -31,9 +31,9 @@ impl FromStr for FrameList {
     }
 }
 
-/// First frame, last frame and step of `7`, `1-48`, `1-48x2`, `-5--1`.
+/// First frame, last frame and step of `7`, `1-48`, `1-48x2`, `1-48:2`, `-5--1`.
 fn range(item: &str) -> Option<(i32, i32, i32)> {
-    let (span, step) = match item.split_once('x') {
+    let (span, step) = match item.split_once(['x', ':']) {
         Some((span, step)) => (span, step.parse().ok()?),
         None => (item, 1),
     };
@@ -85,6 +85,7 @@ mod tests {
     fn lists_of_frames() {
         let list = |text: &str| text.parse::<FrameList>().map(|list| list.0);
         assert_eq!(list("1-7x2, 60,3"), Ok(vec![1, 3, 5, 7, 60]));
+        assert_eq!(list("1001-1003,1-5:2"), Ok(vec![1001, 1002, 1003, 1, 3, 5]));
         assert_eq!(list("-2-1"), Ok(vec![-2, -1, 0, 1]));
         assert_eq!(list("-3--2"), Ok(vec![-3, -2]));
         for wrong in ["", "a", "5-1", "1-5x0", "1-", "1,,2", "1-5x-1", "0-99999999", "2147483647", "-2147483648"] {

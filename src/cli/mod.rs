@@ -19,6 +19,7 @@ mod export;
 mod fit;
 mod frames;
 mod info;
+mod job;
 mod man;
 mod new;
 mod outcome;
@@ -26,6 +27,7 @@ mod outputs;
 mod pick;
 mod progress;
 mod render;
+mod report;
 mod resize;
 mod shared_args;
 mod solve;
@@ -72,6 +74,8 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Job(args) => job::run(&args),
         Command::Solve(args) => solve::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),

@@ -19,9 +19,20 @@ use std::time::{Duration, Instant};
 /// Warnings that every frame repeats are printed this often, then counted.
 const REPEATS_TOLD: usize = 1;
 
+/// What the user asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ProgressForm {
+    /// Words and a bar.
+    Words,
+    /// One JSON event a line, on standard output.
+    Json,
+    /// Words, and on standard output what a scheduler of the Open Job Description looks for (its wiki, "How Jobs Are Run").
+    OpenJd,
+}
+
 /// Prints events in the form the user asked for.
 pub(super) struct Teller {
-    is_json: bool,
+    form: ProgressForm,
     bar: ProgressBar,
     begun: Instant,
     /// Of a warp: what fills holes.
@@ -32,20 +43,17 @@ pub(super) struct Teller {
 }
 
 impl Teller {
-    pub(super) fn new(is_json: bool) -> Self {
-        let bar = if is_json || !io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    pub(super) fn new(form: ProgressForm) -> Self {
+        let bar = if form == ProgressForm::Json || !io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(0)
+        };
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} frames  {msg}  {eta} left");
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self {
-            is_json,
-            bar,
-            begun: Instant::now(),
-            holes: Holes::Leave,
-            told: Mutex::default(),
-            failed: Mutex::default(),
-        }
+        Self { form, bar, begun: Instant::now(), holes: Holes::Leave, told: Mutex::default(), failed: Mutex::default() }
     }
 
     /// The same for a warp whose holes something fills.
@@ -55,7 +63,7 @@ impl Teller {
 
     /// Prints one event of a render.
     pub(super) fn tell(&self, event: &Event) {
-        if self.is_json {
+        if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
         match event {
@@ -70,7 +78,7 @@ impl Teller {
 
     /// Prints one event of a warp.
     pub(super) fn tell_warp(&self, event: &WarpEvent) {
-        if self.is_json {
+        if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
         match event {
@@ -97,7 +105,7 @@ impl Teller {
 
     /// Prints one event of a bake.
     pub(super) fn tell_bake(&self, event: &BakeEvent) {
-        if self.is_json {
+        if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
         match event {
@@ -135,6 +143,8 @@ impl Teller {
         }
         let before = told.insert(layer.to_owned(), done).unwrap_or_default();
         self.bar.inc(done.saturating_sub(before) as u64);
+        drop(told);
+        self.tell_scheduler(&format!("layer '{layer}': {done} of {of}"));
     }
 
     fn started(&self, frames: usize, place: &str, kept: usize) {
@@ -142,11 +152,13 @@ impl Teller {
         self.bar.enable_steady_tick(Duration::from_millis(500));
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
         self.line(&format!("{}{place}{kept}", counted(frames, "frame", "frames")));
+        self.tell_scheduler(&format!("{} to make", counted(frames, "frame", "frames")));
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {
         self.bar.inc(1);
         self.line(&format!("error: frame {frame}: {error}"));
+        self.tell_scheduler(&format!("frame {frame} failed"));
     }
 
     fn frame_done(&self, frame: i32, path: &Path, warnings: &[String]) {
@@ -159,6 +171,7 @@ impl Teller {
         if self.bar.is_hidden() {
             self.line(&format!("frame {frame} -> {}", path.display()));
         }
+        self.tell_scheduler(&format!("frame {frame} is done"));
     }
 
     /// Frames often repeat a warning with other numbers: the kind is the text without them.
@@ -191,12 +204,32 @@ impl Teller {
         tracing::info!("busy: {}", busy.join(", "));
     }
 
-    /// One line. A reader that has gone away is no reason to stop, nor is a full disk: the frames are what counts.
     fn print_json(&self, event: &impl Serialize) {
-        let line = serde_json::to_string(event).map_err(io::Error::from);
-        let outcome = line.and_then(|line| io::stdout().lock().write_all((line + "\n").as_bytes()));
-        if let Err(error) = outcome {
-            self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        match serde_json::to_string(event) {
+            Ok(line) => self.print(&(line + "\n")),
+            Err(error) => self.tell_failure(error.into()),
+        }
+    }
+
+    /// Whole lines. A reader that has gone away is no reason to stop, nor is a full disk: the frames are what counts.
+    fn print(&self, lines: &str) {
+        let mut out = io::stdout().lock();
+        if let Err(error) = out.write_all(lines.as_bytes()).and_then(|()| out.flush()) {
+            self.tell_failure(error);
+        }
+    }
+
+    /// Keeps the first failure for the end.
+    fn tell_failure(&self, error: io::Error) {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    /// How far the run is, percent, and what it did last.
+    fn tell_scheduler(&self, status: &str) {
+        if self.form == ProgressForm::OpenJd {
+            let all = self.bar.length().unwrap_or_default();
+            let part = if all == 0 { 1.0 } else { self.bar.position() as f64 / all as f64 };
+            self.print(&format!("openjd_progress: {:.1}\nopenjd_status: {status}\n", 100.0 * part));
         }
     }
 

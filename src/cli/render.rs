@@ -38,7 +38,7 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
     let outputs = [shot.output.path.clone(), own_output];
     let outputs = outputs.iter().map(PathBuf::as_path);
     let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
-    let teller = Teller::new(args.json);
+    let teller = Teller::new(args.progress.into());
     let summary = pipeline::render(&prepared, &options, &cancel, &|event| teller.tell(&event))?;
     teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;

@@ -1,5 +1,6 @@
 //! Arguments that several commands take.
 
+use super::progress::ProgressForm;
 use crate::image::{Durability, Existing};
 use crate::raster::DeviceChoice;
 use crate::scene::FileAccess;
@@ -49,6 +50,20 @@ pub(super) struct ExistingArgs {
     overwrite: bool,
 }
 
+/// What happens to a file that is already there.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct OverwriteArg {
+    /// Replace a file that is already there.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl From<OverwriteArg> for Existing {
+    fn from(arg: OverwriteArg) -> Self {
+        if arg.overwrite { Self::Overwrite } else { Self::Refuse }
+    }
+}
+
 /// When a file counts as written.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct FsyncArg {
@@ -57,6 +72,30 @@ pub(super) struct FsyncArg {
     /// Frames then survive a power failure. Without this flag they survive the end of the program, however it ends.
     #[arg(long)]
     fsync: bool,
+}
+
+/// How progress is printed; without a flag as words and a bar.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct ProgressArgs {
+    /// Print one JSON event per line instead of words and a progress bar.
+    ///
+    /// Events of frames are started, note, frame_redone, frame_done, frame_failed and finished, of `bake` note, started, progress,
+    /// layer_done, layer_failed and finished; the last holds the totals.
+    #[arg(long, conflicts_with = "openjd")]
+    json: bool,
+    /// Print openjd_progress and openjd_status lines for a scheduler, beside the words.
+    #[arg(long)]
+    openjd: bool,
+}
+
+impl From<ProgressArgs> for ProgressForm {
+    fn from(args: ProgressArgs) -> Self {
+        match args {
+            ProgressArgs { json: true, .. } => Self::Json,
+            ProgressArgs { openjd: true, .. } => Self::OpenJd,
+            _ => Self::Words,
+        }
+    }
 }
 
 impl From<FsyncArg> for Durability {

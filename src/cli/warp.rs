@@ -35,7 +35,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         inputs: args.lattice.iter().cloned().collect(),
     };
     let cancel = cancel_on_interrupt()?;
-    let teller = Teller::new(args.json).of_holes(&job.settings.holes);
+    let teller = Teller::new(args.progress.into()).of_holes(&job.settings.holes);
     let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
     teller.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;

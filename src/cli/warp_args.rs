@@ -1,7 +1,7 @@
 //! Arguments of `pinwarp warp`.
 
 use super::frames::FrameList;
-use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, device_parser};
+use super::shared_args::{ExistingArgs, FsyncArg, OutsideArg, ProgressArgs, device_parser};
 use crate::plate::{Filter, Matte};
 use crate::raster::DeviceChoice;
 use std::path::PathBuf;
@@ -56,9 +56,8 @@ pub(super) struct WarpArgs {
     pub(super) existing: ExistingArgs,
     #[command(flatten)]
     pub(super) fsync: FsyncArg,
-    /// Print one JSON event a line instead of words and a progress bar.
-    #[arg(long)]
-    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) progress: ProgressArgs,
 }
 
 /// A filter by the name it has in shot files.

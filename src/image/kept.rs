@@ -2,6 +2,8 @@
 //!
 //! In: a path, and what the frame would say about itself if it were written now. Out: it is kept, or the reason why not.
 
+#[cfg(feature = "cli")]
+use super::FrameMetadata;
 use super::provenance::{self, Provenance};
 use super::{PictureKind, complete, exr_guard, exr_head, png_note};
 use crate::space::FrameSize;
@@ -80,6 +82,25 @@ impl fmt::Display for Redo {
     }
 }
 
+/// What a frame says about itself, once its file is known to be whole.
+///
+/// # Errors
+/// [`Redo::Missing`], [`Redo::Damaged`], [`Redo::Foreign`] or, where the pixels are read, [`Redo::Checksum`].
+#[cfg(feature = "cli")]
+pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Redo> {
+    if !path.is_file() {
+        return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
+    }
+    let (found, _) = match PictureKind::of(path) {
+        Some(PictureKind::Png) => png_fields(path)?,
+        _ => exr_fields(path)?,
+    };
+    if depth == Depth::Pixels && !has_right_pixels(path) {
+        return Err(Redo::Checksum);
+    }
+    Ok(FrameMetadata::from_provenance(found))
+}
+
 /// Whether a frame that is there is the one that would be written now.
 ///
 /// # Errors
@@ -88,16 +109,25 @@ pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Resu
     if !path.is_file() {
         return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
     }
-    match PictureKind::of(path) {
-        Some(PictureKind::Png) => {
-            let note = png_note::read(path).map_err(|_| Redo::Damaged)?;
-            expected.check(&note.fields.ok_or(Redo::Foreign)?, note.size)
-        }
-        _ => check_exr(path, expected, depth),
+    let (found, size) = match PictureKind::of(path) {
+        Some(PictureKind::Png) => png_fields(path)?,
+        _ => exr_fields(path)?,
+    };
+    expected.check(&found, size)?;
+    if depth == Depth::Pixels && !has_right_pixels(path) {
+        return Err(Redo::Checksum);
     }
+    Ok(())
 }
 
-fn check_exr(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo> {
+/// What a whole PNG file says, and its size in pixels.
+fn png_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
+    let note = png_note::read(path).map_err(|_| Redo::Damaged)?;
+    Ok((note.fields.ok_or(Redo::Foreign)?, note.size))
+}
+
+/// What a whole EXR file says, and the size of its display window in pixels.
+fn exr_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     if !complete::is_complete(path) {
         return Err(Redo::Damaged);
     }
@@ -105,11 +135,12 @@ fn check_exr(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo>
     let first = head.headers.first().ok_or(Redo::Damaged)?;
     let window = first.shared_attributes.display_window.size;
     let size = [window.width(), window.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    expected.check(&provenance::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size)?;
-    if depth == Depth::Pixels && !is_checksum_right(path).unwrap_or(false) {
-        return Err(Redo::Checksum);
-    }
-    Ok(())
+    Ok((provenance::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size))
+}
+
+/// Whether the pixels are those that were written. The checksums of a PNG file's chunks are read with its note.
+fn has_right_pixels(path: &Path) -> bool {
+    PictureKind::of(path) == Some(PictureKind::Png) || is_checksum_right(path).unwrap_or(false)
 }
 
 impl Expected<'_> {

@@ -11,6 +11,7 @@ use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::Vec2;
 use glam::{DMat4, DVec4};
+use serde_json::Value;
 
 /// What is written beside the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +28,8 @@ pub struct FrameMetadata {
     pub camera: Option<CameraMatrices>,
     /// Its Cryptomattes; not read back.
     pub mattes: Vec<MatteHeader>,
+    /// What is reported of the frame, as JSON; null: nothing.
+    pub report: Value,
 }
 
 /// The camera of a frame, as the renderer knows it.
@@ -64,6 +67,17 @@ impl FrameMetadata {
             shot_hash: self.shot_hash.clone(),
             device: self.device.clone(),
             version: provenance::VERSION.to_owned(),
+            report: self.report.clone(),
+        }
+    }
+
+    pub(super) fn from_provenance(provenance: Provenance) -> Self {
+        Self {
+            frame: provenance.frame,
+            shot_hash: provenance.shot_hash,
+            device: provenance.device,
+            report: provenance.report,
+            ..Self::default()
         }
     }
 
@@ -71,14 +85,7 @@ impl FrameMetadata {
     pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Self> {
         let provenance = provenance::from_layer(layer)?;
         let rate = layer.frames_per_second.map_or(0.0, |(count, secs)| f64::from(count) / f64::from(secs.max(1)));
-        Some(Self {
-            frame: provenance.frame,
-            frames_per_second: rate,
-            shot_hash: provenance.shot_hash,
-            device: provenance.device,
-            camera: None,
-            mattes: Vec::new(),
-        })
+        Some(Self { frames_per_second: rate, ..Self::from_provenance(provenance) })
     }
 }
 

@@ -7,6 +7,8 @@ mod atomic;
 mod channels;
 mod codes;
 mod complete;
+#[cfg(feature = "cli")]
+mod contact_sheet;
 pub mod cryptomatte;
 mod draw;
 mod error;
@@ -38,12 +40,16 @@ pub use atomic::{Destination, Durability, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};
 pub use codes::write_codes;
 pub use complete::is_complete;
+#[cfg(feature = "cli")]
+pub(crate) use contact_sheet::ContactSheet;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
 pub use guard::Existing;
 pub(crate) use guard::{Inputs, is_there};
+#[cfg(feature = "cli")]
+pub(crate) use kept::read_whole;
 pub(crate) use kept::{Depth, Expected, Redo, check_kept};
 pub use kind::{FileKind, PictureKind};
 pub use mask::PaintedMap;

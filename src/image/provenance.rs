@@ -1,4 +1,4 @@
-//! Provenance of a frame: what pinwarp notes in every file that it writes, for `--resume`.
+//! Provenance of a frame: what pinwarp notes in every file that it writes, for `--resume` and `pinwarp report`.
 //!
 //! In: [`Provenance`]. Out: one JSON text, kept as an attribute of EXR files and as a text chunk of PNG files, and back.
 
@@ -6,6 +6,7 @@ use super::exr_file::text;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The attribute, or the keyword of the text chunk, that holds [`Provenance`].
 pub(super) const NAME: &str = "pinwarp";
@@ -13,7 +14,7 @@ pub(super) const NAME: &str = "pinwarp";
 /// The version that writes.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Frame, shot, device and version, in the order in which they are written.
+/// Frame, shot, device, version and report, in the order in which they are written.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Provenance {
@@ -23,6 +24,9 @@ pub(super) struct Provenance {
     /// Empty in files from before it was written.
     #[serde(default)]
     pub(super) version: String,
+    /// What the maker of the frame reports of it; null where it reports nothing.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub(super) report: Value,
 }
 
 impl Provenance {

@@ -3,6 +3,10 @@
 //! In: `frame.####.exr`, `frame.%04d.exr`, or a plain path. Out: the path of each frame.
 
 use super::ImageError;
+#[cfg(feature = "cli")]
+use super::PictureKind;
+#[cfg(feature = "cli")]
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A path with at most one frame counter, which stands in the file name.
@@ -65,6 +69,12 @@ impl SequencePath {
         }
     }
 
+    /// The path with its counter, as it was given.
+    #[cfg(feature = "cli")]
+    pub(crate) fn pattern(&self) -> &Path {
+        &self.pattern
+    }
+
     /// Whether each frame has a file of its own.
     #[must_use]
     pub fn has_counter(&self) -> bool {
@@ -112,6 +122,36 @@ impl SequencePath {
         let mut frames: Vec<i32> = names.filter_map(|name| self.frame_named(name.to_str()?)).collect();
         frames.sort_unstable();
         Ok(Some(frames))
+    }
+
+    /// The sequences in a folder: names with the ending of a picture that differ in the last number before it, which is as wide as in
+    /// the shortest name. Previews (a PNG beside an EXR of the same name) are left out.
+    ///
+    /// # Errors
+    /// [`ImageError::Io`] where the folder cannot be listed.
+    #[cfg(feature = "cli")]
+    pub(crate) fn in_folder(folder: &Path) -> Result<Vec<Self>, ImageError> {
+        let entries = std::fs::read_dir(folder).map_err(|error| ImageError::reading(folder, error))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let names: BTreeSet<String> = names.collect();
+        let is_preview =
+            |name: &str| name.strip_suffix(".png").is_some_and(|stem| names.contains(&format!("{stem}.exr")));
+        let mut widths: BTreeMap<(String, String), usize> = BTreeMap::new();
+        for name in names.iter().filter(|name| PictureKind::of(Path::new(name)).is_some() && !is_preview(name)) {
+            let Some((stem, ending)) = name.rsplit_once('.') else { continue };
+            let before = stem.trim_end_matches(|letter: char| letter.is_ascii_digit());
+            let before = before.strip_suffix('-').filter(|before| before.ends_with(['.', '_'])).unwrap_or(before);
+            let digits = stem.len() - before.len();
+            if digits > 0 && !before.contains(['#', '%']) {
+                let width = widths.entry((before.to_owned(), ending.to_owned())).or_insert(digits);
+                *width = digits.min(*width);
+            }
+        }
+        let path = |((before, ending), width): ((String, String), usize)| {
+            let pattern = folder.join(format!("{before}{}.{ending}", "#".repeat(width)));
+            Self { pattern, name: Name::Counted { before, width, after: format!(".{ending}") } }
+        };
+        Ok(widths.into_iter().map(path).collect())
     }
 
     /// The frame whose file name this is; `None` for names that the pattern does not give, and for a path without a
@@ -220,6 +260,21 @@ mod tests {
         assert_eq!(on_disk("b.####.exr").expect("listed"), Some(vec![]));
         assert_eq!(on_disk("nowhere/a.####.exr").expect("listed"), Some(vec![]));
         assert_eq!(on_disk("a.0003.exr").expect("no counter"), None);
+    }
+
+    #[cfg(feature = "cli")]
+    #[test]
+    fn sequences_of_a_folder_are_those_of_their_names() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let names =
+            ["a.0003.exr", "a.-001.exr", "a.12345.exr", "a.0003.png", "b_7.png", "b_12.png", "still.exr", "c.0001.txt"];
+        names.iter().for_each(|name| std::fs::write(folder.path().join(name), "").expect("written"));
+        let found = SequencePath::in_folder(folder.path()).expect("listed");
+        let patterns: Vec<_> = found.iter().map(|path| path.pattern.strip_prefix(&folder).expect("in it")).collect();
+        assert_eq!(patterns, [Path::new("a.####.exr"), Path::new("b_#.png")]);
+        assert_eq!(found[0].frames_on_disk().expect("listed"), Some(vec![-1, 3, 12345]));
+        assert_eq!(found[1].frames_on_disk().expect("listed"), Some(vec![7, 12]));
+        assert!(SequencePath::in_folder(&folder.path().join("nowhere")).is_err());
     }
 
     #[test]

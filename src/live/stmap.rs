@@ -97,8 +97,7 @@ pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputG
         frames_per_second: file.rate,
         shot_hash: String::new(),
         device: "CPU".into(),
-        camera: None,
-        mattes: Default::default(),
+        ..FrameMetadata::default()
     };
     write_exr(file.path, &stmap_of(&map), &metadata, Compression::Zip)
 }

@@ -3,7 +3,7 @@
 //! In: frames as they are made. Out: events, reports and a summary, as they are printed with `--json`.
 
 use crate::solve::SolveReport;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
 /// What a render reports while it runs.
@@ -89,7 +89,7 @@ pub struct LayerReport {
 }
 
 /// |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, the greatest of all points, pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Jerk {
     /// Of the displacement that the warp makes.
     pub warp_px: f64,

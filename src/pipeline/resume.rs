@@ -6,7 +6,7 @@ use super::output::prepare_folder;
 use super::run_lock::RunLock;
 use super::{PipelineError, Redone};
 use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
-use crate::spelling::counted;
+use crate::spelling::{counted, ranges};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -84,35 +84,5 @@ pub(crate) fn refuse_existing(paths: impl IntoIterator<Item = PathBuf>) -> Resul
     match there.next() {
         None => Ok(()),
         Some(first) => Err(PipelineError::Exists { count: 1 + there.count(), first }),
-    }
-}
-
-/// Runs of ranges shown in a note; more are left out.
-const SHOWN_RANGES: usize = 8;
-
-/// `1-4, 7`.
-fn ranges(frames: &[i32]) -> String {
-    let mut sorted = frames.to_vec();
-    sorted.sort_unstable();
-    let chunks = sorted.chunk_by(|a, b| a + 1 == *b);
-    let words = chunks.map(|chunk| match chunk {
-        [only] => only.to_string(),
-        [first, .., last] => format!("{first} to {last}"),
-        [] => String::new(),
-    });
-    let mut words: Vec<String> = words.collect();
-    if words.len() > SHOWN_RANGES {
-        words.truncate(SHOWN_RANGES);
-        words.push("...".to_owned());
-    }
-    words.join(", ")
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn frames_in_words() {
-        assert_eq!(super::ranges(&[4, 1, 2, 3, 7, -1]), "-1, 1 to 4, 7");
-        assert!(super::ranges(&(0..100).map(|k| 2 * k).collect::<Vec<_>>()).ends_with("14, ..."));
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: [`Drawn`] frames. Out: files, events, counts.
 
+use super::frame_record::FrameRecord;
 use super::geometry_thread::FrameFacts;
 use super::{Event, PipelineError, PreparedShot, RenderOptions, Summary};
 use crate::image::{Destination, Frame, FrameMetadata, SequencePath, preview, write_exr, write_frame_preview};
@@ -69,6 +70,9 @@ impl<'a> Writer<'a> {
         report.path = self.output.path_of(report.frame);
         let has_mattes =
             self.prepared.gallery.is_none() && self.prepared.shot.output.channels.contains(&ChannelGroup::Cryptomatte);
+        if frame.data_window.area() == 0 {
+            report.warnings.push("the picture is empty: the camera sees nothing".into());
+        }
         let metadata = FrameMetadata {
             frame: report.frame,
             frames_per_second: self.prepared.shot.frames.rate,
@@ -76,10 +80,8 @@ impl<'a> Writer<'a> {
             device: self.device.to_string(),
             camera: Some(camera),
             mattes: if has_mattes { self.prepared.draw_inputs.mattes.clone() } else { Vec::new() },
+            report: FrameRecord::of_render(&report).to_json(),
         };
-        if frame.data_window.area() == 0 {
-            report.warnings.push("the picture is empty: the camera sees nothing".into());
-        }
         let to = |path| Destination { path, durability: self.options.durability };
         write_exr(to(&report.path), frame, &metadata, self.prepared.shot.output.compression)?;
         if self.options.has_preview || picture.is_some() {

@@ -10,6 +10,7 @@ mod compare;
 mod disks;
 mod existing;
 mod export;
+mod farm;
 mod fills;
 mod fit;
 mod guard;

@@ -55,6 +55,7 @@ pub(crate) fn metadata() -> FrameMetadata {
         shot_hash: "5f1d\"c0de".into(),
         device: "CPU (2 threads)".into(),
         mattes: Vec::new(),
+        report: serde_json::json!({"warnings": ["one"]}),
         camera: Some(CameraMatrices {
             camera_from_scene: DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)),
             screen_from_scene: DMat4::IDENTITY,

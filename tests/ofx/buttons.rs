@@ -98,14 +98,8 @@ fn over_a_shot(folder: &std::path::Path) -> (Host, crate::host::Node) {
     let channels = ["R", "G", "B", "A"].map(|name| (name, pinwarp::image::Storage::Float));
     let mut drawing = pinwarp::image::Frame::blank(window, window, &channels);
     drawing.channels.iter_mut().for_each(|channel| channel.samples.fill(1.0));
-    let metadata = pinwarp::image::FrameMetadata {
-        frame: 0,
-        frames_per_second: 24.0,
-        shot_hash: String::new(),
-        device: "CPU".into(),
-        camera: None,
-        mattes: Default::default(),
-    };
+    let metadata =
+        pinwarp::image::FrameMetadata { frame: 0, frames_per_second: 24.0, device: "CPU".into(), ..Default::default() };
     // Of the form of an STMap of this program: only the guard keeps it.
     let path = folder.join("drawing.0001.exr");
     pinwarp::image::write_exr(&path, &drawing, &metadata, pinwarp::image::Compression::Zip).expect("written");

@@ -103,14 +103,7 @@ fn files_that_do_not_fit_are_neither_read_nor_written() {
         let window = PixelRect { x: 0, y: 0, width: 1000, height: 1000 };
         let channels = ["R", "G", "B", "A"].map(|name| (name, Storage::Half));
         let frame = pinwarp::image::Frame::blank(window, window, &channels);
-        let metadata = FrameMetadata {
-            frame: 0,
-            frames_per_second: 24.0,
-            shot_hash: String::new(),
-            device: "CPU".into(),
-            camera: None,
-            mattes: Default::default(),
-        };
+        let metadata = FrameMetadata { frame: 0, frames_per_second: 24.0, device: "CPU".into(), ..Default::default() };
         let drawing = folder.path().join("drawing.exr");
         pinwarp::image::write_exr(&drawing, &frame, &metadata, Compression::Zip).expect("written");
         let shot = "version = 1\nimage = \"drawing.exr\"\nframes = { first = 0, last = 0 }\nsize = [160, 90]\n";

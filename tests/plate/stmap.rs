@@ -13,14 +13,7 @@ const FRAME: FrameSize = FrameSize { width: 320, height: 180, pixel_aspect: 1.0 
 const WINDOW: PixelRect = PixelRect { x: -16, y: -9, width: 352, height: 198 };
 
 fn metadata() -> FrameMetadata {
-    FrameMetadata {
-        frame: 1,
-        frames_per_second: 24.0,
-        shot_hash: String::new(),
-        device: "CPU".into(),
-        camera: None,
-        mattes: Vec::new(),
-    }
+    FrameMetadata { frame: 1, frames_per_second: 24.0, device: "CPU".into(), ..FrameMetadata::default() }
 }
 
 fn write(path: &Path, frame: &Frame) {

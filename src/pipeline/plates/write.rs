@@ -3,6 +3,7 @@
 //! In: [`Warped`] plates. Out: files, events, counts.
 
 use super::super::PipelineError;
+use super::super::frame_record::FrameRecord;
 use super::plan::Plan;
 use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary};
 use crate::image::{Destination, Durability, FrameMetadata, Plate, write_any};
@@ -93,6 +94,7 @@ impl<'a> Writer<'a> {
             frames_per_second: self.rate,
             shot_hash: self.plan.digests.of(report.frame),
             device: class_of(&report.device).to_string(),
+            report: FrameRecord::of_warp(&report).to_json(),
             ..FrameMetadata::default()
         });
         write_any(Destination { path: &report.path, durability: self.durability }, &plate)?;

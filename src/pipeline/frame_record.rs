@@ -1,0 +1,116 @@
+//! What a frame's file keeps of its report: figures and warnings, without paths and times, so that the same shot gives the same
+//! bytes on every machine.
+//!
+//! In: [`FrameReport`] or [`WarpReport`]. Out: [`FrameRecord`], as JSON in the file's metadata and back.
+
+use super::{FrameReport, Jerk, LayerReport, WarpReport};
+#[cfg(any(feature = "cli", test))]
+use crate::image::FrameMetadata;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// What is known of a frame that was written.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct FrameRecord {
+    /// One for each layer that was solved; none in frames warped by lattice files or STMaps.
+    pub(super) layers: Vec<LayerRecord>,
+    /// Pixels of a warped plate that a layer left and nothing covers; filled ones are counted, too.
+    pub(super) hole_pixels: usize,
+    /// Pixels of a warped plate where a layer lies over itself.
+    pub(super) folded_pixels: usize,
+    /// Samples of a plate's colour that were no number or infinite.
+    pub(super) contained_samples: usize,
+    /// What the user should know about the frame.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Figures of one layer in one frame. `None`: not measured, as in lattices from a file.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub(super) struct LayerRecord {
+    /// Layer name.
+    pub(super) layer: String,
+    /// Greatest distance of a pin from its target, pixels.
+    pub(super) pin_error_px: Option<f64>,
+    /// Smallest determinant of the warp's gradient over the cells that hold some of the model.
+    pub(super) min_det: Option<f64>,
+    /// Cells that hold some of the model and fold.
+    pub(super) folded_cells: usize,
+    /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.
+    pub(super) angular: Option<f64>,
+    /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
+    pub(super) area: Option<f64>,
+    /// How unevenly it moves.
+    pub(super) jerk: Option<Jerk>,
+    /// The last step of the solve was below the tolerance.
+    pub(super) is_converged: bool,
+}
+
+impl FrameRecord {
+    pub(super) fn of_render(report: &FrameReport) -> Self {
+        Self {
+            layers: report.layers.iter().map(LayerRecord::of).collect(),
+            warnings: report.warnings.clone(),
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn of_warp(report: &WarpReport) -> Self {
+        Self {
+            layers: Vec::new(),
+            hole_pixels: report.hole_pixels,
+            folded_pixels: report.folded_pixels,
+            contained_samples: report.contained_samples,
+            warnings: report.warnings.clone(),
+        }
+    }
+
+    /// As it stands in a file.
+    pub(super) fn to_json(&self) -> Value {
+        serde_json::to_value(self).expect("numbers, texts and lists are always JSON")
+    }
+
+    /// From a file; `None` where it reports nothing.
+    #[cfg(any(feature = "cli", test))]
+    pub(super) fn from_metadata(metadata: &FrameMetadata) -> Option<Self> {
+        serde_json::from_value(metadata.report.clone()).ok()
+    }
+}
+
+impl LayerRecord {
+    fn of(report: &LayerReport) -> Self {
+        let solve = &report.solve;
+        let measured = |value: f64| value.is_finite().then_some(value);
+        Self {
+            layer: report.layer.clone(),
+            pin_error_px: measured(report.pin_error_px),
+            min_det: measured(solve.min_cell_det),
+            folded_cells: solve.folded_model_cells,
+            angular: measured(solve.angular),
+            area: measured(solve.area),
+            jerk: report.jerk.filter(|jerk| jerk.warp_px.is_finite() && jerk.input_px.is_finite()),
+            is_converged: solve.is_converged,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::SolveReport;
+
+    #[test]
+    fn records_survive_a_file_without_times() {
+        let solve =
+            SolveReport { angular: f64::NAN, min_cell_det: -0.25, folded_model_cells: 2, ..SolveReport::default() };
+        let layer = LayerReport { layer: "arm".into(), pin_error_px: 0.1, solve, ..LayerReport::default() };
+        let report = FrameReport { layers: vec![layer], warnings: vec!["it folds".into()], ..FrameReport::default() };
+        let record = FrameRecord::of_render(&report);
+        let later = FrameReport { geometry_ms: 7.0, path: "elsewhere".into(), ..report };
+        assert_eq!(FrameRecord::of_render(&later), record);
+        let metadata = FrameMetadata { report: record.to_json(), ..FrameMetadata::default() };
+        assert_eq!(FrameRecord::from_metadata(&metadata), Some(record.clone()));
+        assert_eq!((record.layers[0].angular, record.layers[0].min_det), (None, Some(-0.25)));
+        assert_eq!(FrameRecord::from_metadata(&FrameMetadata::default()), None);
+    }
+}
