@@ -9,8 +9,8 @@ use crate::pipeline::PreparedShot;
 use crate::plate::WarpSettings;
 use crate::scene::{Picture, Scene, SceneError, frame_card, picture_cards};
 use crate::shot::{
-    BoxRule, CameraRule, FrameRange, KeyLines, Layer, LayerSpace, Output, Selection, Shot, Shutter, Source, Unmatted,
-    Visibility,
+    BoxRule, CameraRule, Connectivity, FrameRange, KeyLines, Layer, LayerSpace, Output, Selection, Shot, Shutter,
+    Source, Unmatted, Visibility,
 };
 use crate::solve::Settings;
 use crate::space::FrameSize;
@@ -125,7 +125,7 @@ fn layer(bounds: BoxRule) -> Layer {
         selection: Selection::default(),
         space: LayerSpace::Screen { dims, bounds },
         has_auto_dims: false,
-        cuts: Vec::new(),
+        connectivity: Connectivity::default(),
         basis,
         settings: Settings::default(),
         step: 1,

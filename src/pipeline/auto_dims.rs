@@ -87,8 +87,7 @@ fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64
 fn thickness(mesh: &RestMesh) -> Option<f64> {
     let links = solid_links(&mesh.points, &mesh.triangles);
     let widths: Vec<f64> = if links.is_empty() {
-        let flat: Vec<[f64; 2]> = mesh.points.iter().map(|&[x, y, _]| [x, y]).collect();
-        inner_widths(&flat, &mesh.triangles)
+        inner_widths(&mesh.flat(), &mesh.triangles)
     } else {
         links.iter().map(|link| link_length(link, &mesh.points, &mesh.triangles)).collect()
     };

@@ -4,7 +4,7 @@
 
 use super::PipelineError;
 use crate::image::FileKind;
-use crate::shot::{Shot, Source};
+use crate::shot::{Cut, Selection, Shot, Source};
 use crate::spelling;
 use std::path::Path;
 
@@ -15,10 +15,15 @@ pub(super) fn check(shot: &Shot) -> Result<(), PipelineError> {
         Source::Images(images) => images.iter().try_for_each(|image| check_file(shot, "image", image))?,
         Source::Frame => {}
     }
-    for (index, mask) in
-        shot.layers.iter().enumerate().filter_map(|(k, layer)| Some((k, layer.selection.mask.as_ref()?)))
-    {
-        check_file(shot, &format!("layer[{index}].select.mask.file"), &mask.file)?;
+    for (index, layer) in shot.layers.iter().enumerate() {
+        if let Some(mask) = &layer.selection.mask {
+            check_file(shot, &format!("layer[{index}].select.mask.file"), &mask.file)?;
+        }
+        for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
+            if let Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } = cut {
+                check_file(shot, &format!("layer[{index}].lattice.cuts[{number}].mask.file"), &mask.file)?;
+            }
+        }
     }
     for (index, transfer) in shot.layers.iter().enumerate().filter_map(|(k, layer)| Some((k, layer.transfer.as_ref()?)))
     {

@@ -1,19 +1,24 @@
 //! Which triangles of a layer hang together, for lattices that branch: as the scene stands at rest, not as the screen shows it.
 //!
-//! In: a scene, the parts of a layer, the strokes that cut its picture. Out: [`Link`]s between its triangles, those of all parts
+//! In: a scene, the parts of a layer, what the shot cuts and joins. Out: [`Link`]s between its triangles, those of all parts
 //! counted through.
 
 use super::PipelineError;
 use super::rest_mesh::{RestMesh, rest_pose};
+use super::selection::cut_off;
+use crate::pose::Pose;
 use crate::scene::Scene;
-use crate::shot::{Layer, Shot, Source};
-use crate::solve::{Link, LinkEnd, Topology, solid_links, surface_links};
+use crate::screen::primitive;
+use crate::shot::{Cut, Layer, Shot, Source};
+use crate::solve::{Link, LinkEnd, Topology, nearest_link, solid_links, surface_links};
+use crate::spelling;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// One a layer; `None`: its lattice does not branch, or it is a whole picture, which hangs together as it lies.
+/// One a layer; `None`: its lattice does not branch.
 ///
 /// # Errors
-/// [`PipelineError::Mismatch`] where a stroke cuts nothing.
+/// [`PipelineError::Mismatch`] where a cut separates nothing, or names what is not there.
 pub(super) fn rest_links(
     shot: &Shot,
     scene: &Scene,
@@ -22,21 +27,28 @@ pub(super) fn rest_links(
     let mut rest = None;
     let mut all = Vec::with_capacity(shot.layers.len());
     for (index, (layer, parts)) in shot.layers.iter().zip(parts_of_layer).enumerate() {
-        let is_solid = matches!(shot.source, Source::Scene(_));
-        if layer.settings.topology == Topology::Plain || !is_solid && layer.cuts.is_empty() {
+        if layer.settings.topology == Topology::Plain {
             all.push(None);
             continue;
         }
-        let mesh = RestMesh::of(scene, rest.get_or_insert_with(|| rest_pose(scene)), parts);
-        let links = if is_solid { links_of_solid(&mesh) } else { links_of_picture(shot, (index, layer), &mesh)? };
+        let rest = rest.get_or_insert_with(|| rest_pose(scene));
+        let mesh = RestMesh::of(scene, rest, parts);
+        let radius = layer.connectivity.island_radius * mesh.diagonal();
+        let mut links = match shot.source {
+            Source::Scene(_) => links_of_solid(&mesh, radius),
+            Source::Images(_) | Source::Frame => surface_links(&mesh.flat(), &mesh.triangles, radius),
+        };
+        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
+        layer.cut(&mut links)?;
+        layer.join(&mut links)?;
         all.push(Some(Arc::new(links)));
     }
     Ok(all)
 }
 
 /// Links along the surface and through the solid.
-fn links_of_solid(mesh: &RestMesh) -> Vec<Link> {
-    let mut links = surface_links(&mesh.points, &mesh.triangles);
+fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
+    let mut links = surface_links(&mesh.points, &mesh.triangles, radius);
     links.extend(solid_links(&mesh.points, &mesh.triangles));
     let in_own_order = |end: &mut LinkEnd| {
         if mesh.is_mirrored[end.triangle as usize] {
@@ -47,28 +59,105 @@ fn links_of_solid(mesh: &RestMesh) -> Vec<Link> {
     links
 }
 
-/// Links of a flat picture but those that strokes cut.
-fn links_of_picture(shot: &Shot, (index, layer): (usize, &Layer), mesh: &RestMesh) -> Result<Vec<Link>, PipelineError> {
-    // Cards lie flat: their x and y are those of the screen.
-    let points: Vec<[f64; 2]> = mesh.points.iter().map(|&[x, y, _]| [x, y]).collect();
-    let mut links = surface_links(&points, &mesh.triangles);
-    let middle = |end: &LinkEnd| -> [f64; 2] {
-        let corners = mesh.triangles[end.triangle as usize].map(|corner| points[corner as usize]);
-        [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
-    };
-    for (number, stroke) in layer.cuts.iter().enumerate() {
-        let before = links.len();
+/// What the shot says about the links of one layer.
+struct LayerLinks<'a> {
+    shot: &'a Shot,
+    scene: &'a Scene,
+    index: usize,
+    parts: &'a [usize],
+    rest: &'a Pose,
+    mesh: &'a RestMesh,
+}
+
+impl LayerLinks<'_> {
+    fn layer(&self) -> &Layer {
+        &self.shot.layers[self.index]
+    }
+
+    fn fault(&self, key: &str, what: &str, hint: &str) -> PipelineError {
+        let (index, name) = (self.index, &self.layer().name);
+        PipelineError::mismatch(
+            self.shot,
+            &format!("layer[{index}].lattice.{key}"),
+            format!("layer '{name}': {what}"),
+            hint,
+        )
+    }
+
+    /// Takes out what cuts separate.
+    fn cut(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+        for (number, cut) in self.layer().connectivity.cuts.iter().enumerate() {
+            let key = format!("cuts[{number}]");
+            let before = links.len();
+            match cut {
+                Cut::Stroke(stroke) => self.cut_along(stroke, links),
+                Cut::Part { nodes, selection } => {
+                    let parts = (self.rest.parts.as_slice(), self.parts);
+                    let is_in = cut_off((self.shot, self.scene), [self.index, number], (nodes, selection), parts)?;
+                    links.retain(|link| is_in[link.ends[0].triangle as usize] == is_in[link.ends[1].triangle as usize]);
+                    if links.len() == before {
+                        let count = is_in.iter().filter(|is_in| **is_in).count();
+                        let of = is_in.len();
+                        let what = format!("cut {number} separates nothing: it names {count} of {of} triangles");
+                        let hint =
+                            "name a part that hangs on the rest of the layer at rest; `pinwarp info` lists names";
+                        return Err(self.fault(&key, &what, hint));
+                    }
+                }
+            }
+            if links.len() == before {
+                let hint = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
+                return Err(self.fault(&key, &format!("stroke {number} cuts nothing"), hint));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes out the links that a stroke crosses; pictures lie flat: their x and y are those of the screen.
+    fn cut_along(&self, stroke: &[[f64; 2]], links: &mut Vec<Link>) {
+        let points = self.mesh.flat();
+        let middle = |end: &LinkEnd| -> [f64; 2] {
+            let corners = self.mesh.triangles[end.triangle as usize].map(|corner| points[corner as usize]);
+            [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
+        };
         links.retain(|link| {
             let way = link.ends.each_ref().map(middle);
             !stroke.windows(2).any(|segment| meet(way, [segment[0], segment[1]]))
         });
-        if links.len() == before {
-            let what = format!("layer '{}': stroke {number} cuts nothing", layer.name);
-            let hint = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
-            return Err(PipelineError::mismatch(shot, &format!("layer[{index}].lattice.cuts[{number}]"), what, hint));
-        }
     }
-    Ok(links)
+
+    /// Joins what the shot joins, where it is nearest.
+    fn join(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+        for (number, pair) in self.layer().connectivity.joins.iter().enumerate() {
+            let key = format!("joins[{number}]");
+            let [from, to] = pair.each_ref().map(|pattern| self.triangles_of(pattern));
+            let sides = [(from, &pair[0]), (to, &pair[1])];
+            if let Some((_, pattern)) = sides.iter().find(|(triangles, _)| triangles.is_empty()) {
+                let names = self.parts.iter().map(|&part| self.scene.nodes[self.rest.parts[part].node].name.as_str());
+                let what = format!("no node of the layer with a mesh matches '{pattern}'");
+                return Err(self.fault(&key, &what, &spelling::hint(pattern, names)));
+            }
+            let [(from, _), (to, _)] = sides;
+            links.extend(nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]));
+        }
+        Ok(())
+    }
+
+    /// The triangles of nodes that fit a pattern, and of those below them.
+    fn triangles_of(&self, pattern: &str) -> Vec<usize> {
+        let nodes: BTreeSet<usize> =
+            self.scene.matching(pattern).into_iter().flat_map(|node| self.scene.subtree(node)).collect();
+        let mut first = 0;
+        let mut found = Vec::new();
+        for part in self.parts.iter().map(|&part| &self.rest.parts[part]) {
+            let count = primitive(self.scene, part).triangles.len();
+            if nodes.contains(&part.node) {
+                found.extend(first..first + count);
+            }
+            first += count;
+        }
+        found
+    }
 }
 
 /// Whether two segments cross or touch.

@@ -23,6 +23,20 @@ pub(super) fn rest_pose(scene: &Scene) -> Pose {
 }
 
 impl RestMesh {
+    /// Length of the diagonal of its bounds, metres.
+    pub(super) fn diagonal(&self) -> f64 {
+        let side = |axis: usize| {
+            let values = || self.points.iter().map(|point| point[axis]);
+            (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)).max(0.0)
+        };
+        (0..3).map(|axis| side(axis).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The points of a picture, which lies flat.
+    pub(super) fn flat(&self) -> Vec<[f64; 2]> {
+        self.points.iter().map(|&[x, y, _]| [x, y]).collect()
+    }
+
     /// The triangles of `parts`.
     pub(super) fn of(scene: &Scene, rest: &Pose, parts: &[usize]) -> Self {
         let mut mesh = Self::default();

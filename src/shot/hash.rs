@@ -2,7 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
 
-use super::{KeyLines, Shot, Source};
+use super::{Cut, KeyLines, Layer, Shot, Source};
 use crate::plate::Holes;
 use std::path::{Path, PathBuf};
 
@@ -26,9 +26,12 @@ impl Shot {
         content.layers.iter_mut().filter_map(|layer| layer.transfer.as_mut()).for_each(|transfer| {
             transfer.file = portable(&transfer.file, folder);
         });
-        content.layers.iter_mut().filter_map(|layer| layer.selection.mask.as_mut()).for_each(|mask| {
-            mask.file = portable(&mask.file, folder);
-        });
+        for Layer { selection, connectivity, .. } in &mut content.layers {
+            let cuts = connectivity.cuts.iter_mut().filter_map(Cut::selection_mut);
+            for mask in cuts.chain([selection]).filter_map(|selection| selection.mask.as_mut()) {
+                mask.file = portable(&mask.file, folder);
+            }
+        }
         if let Holes::Plate(clean) = &mut content.warp.holes {
             *clean = portable(clean, folder);
         }

@@ -8,6 +8,7 @@
 
 mod camera;
 mod check;
+mod connectivity;
 mod document;
 mod ease;
 pub mod edit;
@@ -25,6 +26,7 @@ mod structure;
 pub mod template;
 
 pub use camera::*;
+pub use connectivity::{Connectivity, Cut};
 pub use error::ShotError;
 pub use hash::digest;
 pub use lines::KeyLines;

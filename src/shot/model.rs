@@ -2,7 +2,7 @@
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
-use super::{CameraRule, ColorChannel, KeyLines, Selection, Visibility};
+use super::{CameraRule, ColorChannel, Connectivity, KeyLines, Selection, Visibility};
 use crate::image::Compression;
 use crate::lattice::Basis;
 use crate::plate::{Matte, WarpSettings};
@@ -73,7 +73,8 @@ impl Shot {
             Source::Images(images) => images,
             Source::Frame => &[],
         };
-        let masks = self.layers.iter().filter_map(|layer| Some(&layer.selection.mask.as_ref()?.file));
+        let selections = self.layers.iter().flat_map(|layer| layer.connectivity.selections().chain([&layer.selection]));
+        let masks = selections.filter_map(|selection| Some(&selection.mask.as_ref()?.file));
         let lattices = self.layers.iter().filter_map(|layer| Some(&layer.transfer.as_ref()?.file));
         drawn.iter().chain(masks).chain(lattices)
     }
@@ -149,8 +150,8 @@ pub struct Layer {
     pub space: LayerSpace,
     /// The dims of `space` are chosen when the shot is prepared, from the thinnest parts of the layer and its nearest pins.
     pub has_auto_dims: bool,
-    /// Strokes that separate what touches in a picture, for lattices that branch: points in frame heights.
-    pub cuts: Vec<Vec<[f64; 2]>>,
+    /// What separates and joins its parts, for lattices that branch.
+    pub connectivity: Connectivity,
     /// Basis of the lattice.
     pub basis: Basis,
     /// The solver's settings.

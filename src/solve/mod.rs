@@ -47,7 +47,9 @@ mod yielding_rows;
 
 pub(crate) use active_cells::active_cells;
 
-pub use branching::{BranchedLattice, Link, LinkEnd, LinkKind, inner_widths, link_length, solid_links, surface_links};
+pub use branching::{
+    BranchedLattice, Link, LinkEnd, LinkKind, inner_widths, link_length, nearest_link, solid_links, surface_links,
+};
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;

@@ -11,6 +11,7 @@ mod tiny;
 mod boxes;
 mod branches;
 mod cameras;
+mod connectivity;
 mod data;
 mod faults;
 mod layers;

@@ -18,9 +18,9 @@ use super::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::Shot;
+use crate::shot::{Selection, Shot};
 use coverage::Coverage;
-use rules::Rules;
+use rules::{RuleKeys, Rules};
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
@@ -57,6 +57,29 @@ pub(super) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<
         Some(layer) => Err(left_with_nothing(shot, layer)),
         None => Ok(Selected { layers_of_part, joints }),
     }
+}
+
+/// Which triangles of a layer's parts a cut names, those of all parts counted through: where most of a triangle's corners are named.
+/// `keys`: index of the layer, number of the cut.
+pub(super) fn cut_off(
+    (shot, scene): (&Shot, &Scene),
+    keys: [usize; 2],
+    (nodes, selection): (&[String], &Selection),
+    (posed, parts): (&[PosedPart], &[usize]),
+) -> Result<Vec<bool>, PipelineError> {
+    let [layer, number] = keys;
+    let key = format!("lattice.cuts[{number}]");
+    let keys = RuleKeys { layer, nodes: format!("{key}.nodes"), select: key };
+    let own: Vec<PosedPart> = parts.iter().map(|&part| posed[part].clone()).collect();
+    let rules = Rules::find((nodes, selection), keys, (shot, scene, &own))?;
+    let of_part = |part: &PosedPart| {
+        let is_named = |&triangle: &[u32; 3]| {
+            let shares = triangle.map(|corner| rules.share(scene, part, corner as usize));
+            rules.nodes.contains(&part.node) && shares.iter().sum::<f32>() > 1.5
+        };
+        primitive(scene, part).triangles.iter().map(is_named).collect::<Vec<_>>()
+    };
+    Ok(own.iter().flat_map(of_part).collect())
 }
 
 impl PartLayers {

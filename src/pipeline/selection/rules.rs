@@ -7,7 +7,7 @@ use crate::image::PaintedMap;
 use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
-use crate::shot::{ColorChannel, PaintedMask, Shot};
+use crate::shot::{ColorChannel, PaintedMask, Selection, Shot};
 use crate::spelling;
 use std::collections::BTreeSet;
 
@@ -32,10 +32,19 @@ impl Rules {
     /// Finds everything that a layer names.
     pub(super) fn of(shot: &Shot, index: usize, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
         let layer = &shot.layers[index];
-        let search = Search { shot, index, scene, nodes: BTreeSet::new(), parts };
-        let nodes = search.nodes(&layer.nodes)?;
+        let keys = RuleKeys { layer: index, nodes: "nodes".to_owned(), select: "select".to_owned() };
+        Self::find((&layer.nodes, &layer.selection), keys, (shot, scene, parts))
+    }
+
+    /// Finds everything that a pair of node patterns and rules names; `keys`: where they stand in the shot.
+    pub(super) fn find(
+        (nodes, rule): (&[String], &Selection),
+        keys: RuleKeys,
+        (shot, scene, parts): (&Shot, &Scene, &[PosedPart]),
+    ) -> Result<Self, PipelineError> {
+        let search = Search { shot, keys, scene, nodes: BTreeSet::new(), parts };
+        let nodes = search.nodes(nodes)?;
         let search = Search { nodes, ..search };
-        let rule = &layer.selection;
         let is_given = |patterns: &[String]| !patterns.is_empty();
         Ok(Self {
             joints: is_given(&rule.joints).then(|| search.joints(&rule.joints)).transpose()?,
@@ -92,10 +101,21 @@ pub(in crate::pipeline) fn material_name(scene: &Scene, index: usize) -> String 
     if name.trim().is_empty() { format!("material_{index}") } else { name.clone() }
 }
 
+/// Where rules stand in a shot.
+#[derive(Clone, Debug)]
+pub(super) struct RuleKeys {
+    /// Index of the layer.
+    pub(super) layer: usize,
+    /// Key of the node patterns within the layer.
+    pub(super) nodes: String,
+    /// Key of the rules within the layer.
+    pub(super) select: String,
+}
+
 /// Looks names up for one layer.
 struct Search<'a> {
     shot: &'a Shot,
-    index: usize,
+    keys: RuleKeys,
     scene: &'a Scene,
     /// Nodes of the layer, once they are known.
     nodes: BTreeSet<usize>,
@@ -104,9 +124,14 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn fault(&self, key: &str, what: &str, hint: impl Into<String>) -> PipelineError {
-        let name = &self.shot.layers[self.index].name;
-        let key = format!("layer[{}].{key}", self.index);
+        let name = &self.shot.layers[self.keys.layer].name;
+        let key = format!("layer[{}].{key}", self.keys.layer);
         PipelineError::mismatch(self.shot, &key, format!("layer '{name}': {what}"), hint)
+    }
+
+    /// The key of a rule within the layer.
+    fn rule(&self, name: &str) -> String {
+        format!("{}.{name}", self.keys.select)
     }
 
     /// Parts of the layer's nodes.
@@ -121,7 +146,7 @@ impl Search<'_> {
             if matched.is_empty() {
                 let names = self.scene.nodes.iter().map(|node| node.name.as_str());
                 let what = format!("no node matches '{pattern}'");
-                return Err(self.fault("nodes", &what, spelling::hint(pattern, names)));
+                return Err(self.fault(&self.keys.nodes, &what, spelling::hint(pattern, names)));
             }
             Ok(matched.into_iter().flat_map(|node| self.scene.subtree(node)).collect())
         })
@@ -133,7 +158,7 @@ impl Search<'_> {
         let joints: BTreeSet<usize> = skins.iter().flat_map(|&skin| &self.scene.skins[skin].joints).copied().collect();
         if joints.is_empty() {
             let hint = "name materials, vertex_color or a mask instead, or nodes that have a skin";
-            return Err(self.fault("select.joints", "none of its meshes has a skin", hint));
+            return Err(self.fault(&self.rule("joints"), "none of its meshes has a skin", hint));
         }
         Self::chosen(patterns, (0..self.scene.nodes.len()).collect(), |pattern| {
             let matched = self.scene.matching(pattern);
@@ -141,7 +166,7 @@ impl Search<'_> {
             if below.is_disjoint(&joints) {
                 let names = joints.iter().map(|&joint| self.scene.nodes[joint].name.as_str());
                 let what = format!("no joint matches '{pattern}'");
-                return Err(self.fault("select.joints", &what, spelling::hint(pattern, names)));
+                return Err(self.fault(&self.rule("joints"), &what, spelling::hint(pattern, names)));
             }
             Ok(below)
         })
@@ -156,7 +181,7 @@ impl Search<'_> {
             if matched.is_empty() {
                 let what = format!("none of its meshes has a material that matches '{pattern}'");
                 let hint = spelling::hint(pattern, names.iter().map(|(_, name)| name.as_str()));
-                return Err(self.fault("select.materials", &what, hint));
+                return Err(self.fault(&self.rule("materials"), &what, hint));
             }
             Ok(matched)
         })
@@ -167,7 +192,7 @@ impl Search<'_> {
             return Ok(channel);
         }
         let hint = "export them with it (COLOR_0), or name joints, materials or a mask";
-        Err(self.fault("select.vertex_color", "none of its meshes has vertex colours", hint))
+        Err(self.fault(&self.rule("vertex_color"), "none of its meshes has vertex colours", hint))
     }
 
     fn mask(&self, mask: &PaintedMask) -> Result<(PaintedMap, usize), PipelineError> {
@@ -175,11 +200,11 @@ impl Search<'_> {
         if !self.own().any(|part| has_uvs(primitive(self.scene, part), set)) {
             let what = format!("none of its meshes has UVs (TEXCOORD_{set}) that a mask could lie on");
             let hint = "unwrap and export them, or name joints, materials or vertex_color";
-            return Err(self.fault("select.mask", &what, hint));
+            return Err(self.fault(&self.rule("mask"), &what, hint));
         }
         let read = PaintedMap::read(&mask.file, mask.channel.index());
         let map = read.map_err(|error| {
-            self.fault("select.mask.file", &error.to_string(), "give a PNG, JPEG or EXR file painted over the UVs")
+            self.fault(&self.rule("mask.file"), &error.to_string(), "give a PNG, JPEG or EXR file painted over the UVs")
         })?;
         self.check_shape(&map, set)?;
         Ok((map, set))
@@ -201,7 +226,7 @@ impl Search<'_> {
             let what =
                 format!("the mask has {width} x {height} pixels, the texture of '{node}' on the same UVs {w} x {h}");
             let hint = "paint it over the UVs as the texture is, in the same shape; other sizes of that shape will do";
-            return Err(self.fault("select.mask.file", &what, hint));
+            return Err(self.fault(&self.rule("mask.file"), &what, hint));
         }
         Ok(())
     }

@@ -48,7 +48,7 @@ impl Check<'_> {
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             space,
             has_auto_dims: self.has_auto_dims(&raw.lattice, !handles.is_empty(), &key),
-            cuts: self.cuts(&raw.lattice, &key, shot),
+            connectivity: self.connectivity(&raw.lattice, &key, shot),
             basis: raw.lattice.basis,
             settings,
             step: raw.step.unwrap_or(shot.step),
@@ -88,22 +88,6 @@ impl Check<'_> {
             self.fault(&format!("{key}.lattice.dims"), format!("dims = \"auto\" {what}"), "give numbers");
         }
         is_auto
-    }
-
-    /// Strokes that separate what touches.
-    fn cuts(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> Vec<Vec<[f64; 2]>> {
-        let key = format!("{key}.lattice.cuts");
-        if !raw.cuts.is_empty() && (raw.topology == Topology::Plain || shot.source != Kind::Images) {
-            let what = "cuts separate parts of a picture under a branching lattice";
-            self.fault(&key, what, "add topology = \"branching\" to `lattice`, and give an `image`");
-        }
-        for (number, stroke) in raw.cuts.iter().enumerate() {
-            if stroke.len() < 2 || !stroke.as_flattened().iter().all(|x| x.is_finite()) {
-                let what = "a stroke has at least two points, all of them numbers";
-                self.fault(&format!("{key}[{number}]"), what, "give [[x, y], [x, y], ..] in frame heights, y up");
-            }
-        }
-        raw.cuts.clone()
     }
 
     /// Handles along x, y and z; 1 for an axis that is not there.

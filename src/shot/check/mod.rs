@@ -3,6 +3,7 @@
 //! In: a [`Document`]. Out: a shot, or all faults of the file.
 
 mod camera;
+mod connectivity;
 mod image;
 mod layer;
 mod output;

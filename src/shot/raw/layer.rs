@@ -2,6 +2,7 @@
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
+use super::RawCut;
 use crate::lattice::Basis;
 use crate::shot::model::{Ease, OffsetUnit};
 use crate::shot::selection::ColorChannel;
@@ -146,9 +147,15 @@ pub(in crate::shot) struct RawLattice {
     pub(in crate::shot) basis: Basis,
     /// Which parts of a drawing or model share handles.
     pub(in crate::shot) topology: Topology,
-    /// Strokes across a picture that separate what touches, for branching lattices: points in frame heights.
-    #[schemars(inner(length(min = 2)), example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]))]
-    pub(in crate::shot) cuts: Vec<Vec<[f64; 2]>>,
+    /// What separates parts that touch, for branching lattices: strokes across a picture, points in frame heights, or parts of a scene.
+    #[schemars(example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]), example = serde_json::json!([{ "joints": ["LeftArm*"] }]))]
+    pub(in crate::shot) cuts: Vec<RawCut>,
+    /// What is joined by hand, for branching lattices of scenes: pairs of patterns of node names.
+    #[schemars(inner(inner(length(min = 1))), example = serde_json::json!([["Sword", "Hand*"]]))]
+    pub(in crate::shot) joins: Vec<[String; 2]>,
+    /// How far islands (eyes, buttons, hair cards) may lie from what carries them, diagonals of the layer at rest; default: 0.1.
+    #[schemars(range(min = 0.0, max = 10.0), example = 0.1)]
+    pub(in crate::shot) island_radius: Option<f64>,
     /// Where the box of the grid comes from.
     #[serde(rename = "box")]
     pub(in crate::shot) bounds: RawBox,
@@ -359,6 +366,8 @@ impl Default for RawLattice {
             basis: Basis::default(),
             topology: Topology::default(),
             cuts: Vec::new(),
+            joins: Vec::new(),
+            island_radius: None,
             bounds: RawBox::Follow,
         }
     }

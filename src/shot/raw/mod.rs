@@ -4,12 +4,14 @@
 //! The descriptions below are what the published schema says about each key.
 
 mod camera;
+mod connectivity;
 mod image;
 mod layer;
 mod plate;
 mod select;
 
 pub(super) use camera::*;
+pub(super) use connectivity::*;
 pub(super) use image::*;
 pub(super) use layer::*;
 pub(super) use plate::*;

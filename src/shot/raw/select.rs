@@ -39,7 +39,7 @@ impl JsonSchema for RawNamedNodes {
 }
 
 /// The part of the meshes of its nodes that a layer takes; where several keys are given, only what all of them name.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawSelect {
     /// Patterns of joint names: what a skin ties to these joints and those below them, by weight; a `!` before it takes out.

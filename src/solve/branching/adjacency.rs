@@ -30,7 +30,7 @@ impl<const D: usize> Adjacency<D> {
     pub(super) fn of(shape: &Shape<D>) -> Self {
         let links = match &shape.links {
             Some(links) => Cow::Borrowed(links.as_slice()),
-            None => Cow::Owned(surface_links(&shape.points, &shape.triangles)),
+            None => Cow::Owned(surface_links(&shape.points, &shape.triangles, f64::INFINITY)),
         };
         let seam = |link: &super::Link| {
             let [a, b] = link.ends.map(|end| end.triangle as usize);

@@ -24,7 +24,7 @@ mod terms;
 pub use branched_lattice::BranchedLattice;
 pub use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
-pub use rest_links::surface_links;
+pub use rest_links::{nearest_link, surface_links};
 pub use solid_links::{link_length, solid_links};
 
 use super::error::SolveError;

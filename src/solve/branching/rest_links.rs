@@ -14,9 +14,9 @@ use rstar::primitives::GeomWithData;
 const ROUNDS: usize = 20;
 
 /// Edges and islands. Vertices at one place count as one, so that seams of textures do not separate what they join. Where more
-/// than two triangles meet at an edge, all of them hang together.
+/// than two triangles meet at an edge, all of them hang together. Islands hang on what is nearest, but no farther than `radius`.
 #[must_use]
-pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]) -> Vec<Link> {
+pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], radius: f64) -> Vec<Link> {
     let welded = merge_duplicates(&Shape::of_triangles(points.to_vec(), triangles.to_vec()));
     let mut sides: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * triangles.len());
     for (number, &[a, b, c]) in welded.triangles.iter().enumerate() {
@@ -36,7 +36,7 @@ pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]
         };
         links.extend(shared.windows(2).map(link));
     }
-    let bridges = bridges(&welded, &links);
+    let bridges = bridges(&welded, &links, radius);
     links.extend(bridges);
     links
 }
@@ -44,8 +44,24 @@ pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]
 /// A corner of the shape, with its number: three times the triangle's and the corner's.
 type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
 
+/// Joins two parts of a shape where their corners are nearest; `None` where one of them has no triangles.
+#[must_use]
+pub fn nearest_link<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], sides: [&[usize]; 2]) -> Option<Link> {
+    let corners = |side: &[usize]| -> Vec<Corner<D>> {
+        let corner = |number: usize| Corner::new(points[triangles[number / 3][number % 3] as usize], number);
+        side.iter().flat_map(|&triangle| 3 * triangle..3 * triangle + 3).map(corner).collect()
+    };
+    let tree = RTree::bulk_load(corners(sides[0]));
+    let nearest = corners(sides[1]).into_iter().filter_map(|to| {
+        let (from, square) = tree.nearest_neighbor_iter_with_distance_2(*to.geom()).next()?;
+        Some((square, [from.data, to.data]))
+    });
+    let (_, pair) = nearest.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+    Some(Link { ends: pair.map(|corner| LinkEnd::corner(corner / 3, corner % 3)), kind: LinkKind::Across })
+}
+
 /// Joins every island to the one whose nearest corner is nearest, until all hang together (O. Borůvka, 1926).
-fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link]) -> Vec<Link> {
+fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec<Link> {
     let mut islands = DisjointSets::of(shape.triangles.len());
     links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
     let mut bridges = Vec::new();
@@ -54,7 +70,8 @@ fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link]) -> Vec<Link> {
     let tree = RTree::bulk_load(corners.collect());
     for _ in 0..ROUNDS {
         let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
-        let found = nearest_islands(shape, &tree, &roots);
+        let mut found = nearest_islands(shape, &tree, &roots);
+        found.retain(|(square, _)| *square <= radius * radius);
         if found.is_empty() {
             break;
         }

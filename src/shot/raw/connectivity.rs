@@ -1,0 +1,48 @@
+//! What separates and joins the parts of a layer, as written.
+//!
+//! In: checked TOML. Out: raw values; see [`super`].
+
+use super::select::{RawMask, RawSelect};
+use crate::shot::selection::ColorChannel;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Where a layer comes apart.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawCut {
+    /// A stroke across a picture: points in frame heights.
+    Stroke(#[schemars(length(min = 2))] Vec<[f64; 2]>),
+    /// A part of a scene, which then hangs on nothing else.
+    Part(RawPartCut),
+}
+
+/// A part of a scene by names; where several keys are given, only what all of them name.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawPartCut {
+    /// Patterns of node names, with their subtrees; a `!` before one takes it out.
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Arm*"]))]
+    pub(in crate::shot) nodes: Option<Vec<String>>,
+    /// Patterns of joint names: what a skin ties to these joints and those below them.
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["LeftArm*"]))]
+    pub(in crate::shot) joints: Option<Vec<String>>,
+    /// Patterns of material names.
+    #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Sleeve*"]))]
+    pub(in crate::shot) materials: Option<Vec<String>>,
+    /// Channel of the vertex colours: where it is above a half.
+    #[schemars(example = &"r")]
+    pub(in crate::shot) vertex_color: Option<ColorChannel>,
+    /// A picture painted over the UVs of the meshes: where it is above a half.
+    #[schemars(example = serde_json::json!({ "file": "arm.png" }))]
+    pub(in crate::shot) mask: Option<RawMask>,
+}
+
+impl RawPartCut {
+    /// Its rules as those of `select`.
+    pub(in crate::shot) fn select(&self) -> RawSelect {
+        let Self { joints, materials, vertex_color, mask, .. } = self.clone();
+        RawSelect { joints, materials, vertex_color, mask, feather: None }
+    }
+}

@@ -1,0 +1,91 @@
+//! What a shot cuts and joins of a scene under a branching lattice.
+
+use crate::tiny::{Tiny, grid};
+use pinwarp::pipeline::PreparedShot;
+use pinwarp::shot::Shot;
+use pinwarp::space::ScreenPoint;
+
+/// A body and an arm beside it, with `gap` metres between them; the arm has the second material.
+fn prepared(gap: f32, lattice: &str) -> Result<PreparedShot, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let parts = vec![grid("Body", [-0.3, -0.45, 0.0, 0.45], 12), grid("Arm", [gap, -0.45, gap + 0.12, 0.3], 12)];
+    let mut scene = Tiny::of(parts).json();
+    for (material, name) in ["Coat", "Sleeve"].iter().enumerate() {
+        scene["materials"][material]["name"] = (*name).into();
+    }
+    std::fs::write(folder.path().join("tiny.gltf"), scene.to_string()).expect("written");
+    // Screen points are 0.5 above and right of those of the scene.
+    let pin = |[x, y]: [f64; 2], [dx, dy]: [f64; 2]| {
+        format!(
+            "[[layer.pin]]\nanchor = {{ screen = [{x}, {y}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{dx}, {dy}] }}]\n"
+        )
+    };
+    let held = [[0.25, 0.1], [0.25, 0.9], [0.45, 0.9], [0.45, 0.1]].map(|at| pin(at, [0.0; 2])).concat();
+    let pulled = pin([f64::from(gap) + 0.56, 0.15], [0.15, 0.05]);
+    let text = format!(
+        "version = 1\nscene = 'tiny.gltf'\nframes = {{ first = 1, last = 2, rate = 24 }}\nsize = [256, 256]\n[[layer]]\n\
+         lattice = {{ dims = [20, 20], topology = 'branching', {lattice} }}\n{held}{pulled}"
+    );
+    let shot = Shot::parse(&text, &folder.path().join("shot.toml")).map_err(|error| error.to_string())?;
+    PreparedShot::new(shot).map_err(|error| error.to_string())
+}
+
+/// How far the border of the body moves that the arm is beside, pixels.
+fn body_moves(gap: f32, lattice: &str) -> f64 {
+    let prepared = prepared(gap, lattice).expect("a right shot");
+    let sample = prepared.sample_at(1.0).expect("solvable");
+    let solution = sample.layers[0].solution.as_ref().expect("its pins act");
+    let triangles = prepared.scene.meshes[0].primitives[0].triangles.len();
+    let moved = |y: f64| {
+        let at = ScreenPoint::new(0.4999, y);
+        let to = match &solution.branches {
+            // The triangle does not matter for a point of a piece: all of them belong to the body.
+            Some(branches) => branches.warp(0..triangles, at.0.to_array()),
+            None => solution.lattice.warp(at).0.to_array(),
+        };
+        (to[0] - at.0.x).hypot(to[1] - at.0.y) * 256.0
+    };
+    (1..8).map(|k| moved(0.1 + 0.1 * f64::from(k))).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_part_that_touches_is_cut_off_by_its_name() {
+    let whole = body_moves(0.0, "cuts = []");
+    let cuts = ["{ nodes = ['Arm'] }", "{ materials = ['Sleeve'] }", "{ nodes = ['Arm'], materials = ['Slee*'] }"];
+    for cut in cuts {
+        let apart = body_moves(0.0, &format!("cuts = [{cut}]"));
+        println!("the body moves by {whole:.2} px as one piece, by {apart:.2} px with {cut}");
+        assert!(apart < 0.5 && whole > 10.0 * apart, "{cut}: {whole} as one piece, {apart} apart");
+    }
+}
+
+#[test]
+fn islands_hang_on_what_is_near_and_on_what_they_are_joined_to() {
+    let [near, far, joined] =
+        ["island_radius = 0.1", "island_radius = 0.01", "island_radius = 0.01, joins = [['Arm', 'Bod*']]"]
+            .map(|lattice| body_moves(0.03, lattice));
+    println!(
+        "the body moves by {near:.2} px beside an island, {far:.2} px beside one too far, {joined:.2} px joined by hand"
+    );
+    assert!(far < 0.5 && near > 2.0 * far && (joined - near).abs() < 1e-6, "{near} {far} {joined}");
+}
+
+#[test]
+fn cuts_and_joins_that_do_nothing_are_told() {
+    for (lattice, parts) in [
+        ("cuts = [{ nodes = ['Leg'] }]", ["no node matches 'Leg'", "cuts[0].nodes"]),
+        ("cuts = [{ nodes = ['*'] }]", ["separates nothing", "cuts[0]"]),
+        ("cuts = [{ joints = ['Hand'] }]", ["skin", "cuts[0].joints"]),
+        ("cuts = [{ materials = ['Slieve'] }]", ["did you mean", "cuts[0].materials"]),
+        ("cuts = [{ mask = { file = 'no.png' } }]", ["there is no file", "cuts[0].mask.file"]),
+        ("cuts = [{}]", ["separates nothing", "cuts[0]"]),
+        ("cuts = [[[0, 0], [1, 1]]]", ["strokes cut pictures only", "cuts[0]"]),
+        ("joins = [['Arm', 'Bdy']]", ["no node of the layer", "joins[0]"]),
+        ("island_radius = -1.0", ["island_radius", "-1"]),
+    ] {
+        let told = prepared(0.0, lattice).map(|_| String::new()).unwrap_or_else(|error| error);
+        assert!(parts.iter().all(|part| told.contains(part)), "{lattice}: {told}");
+    }
+    let plain = prepared(0.0, "cuts = []").expect("right");
+    assert_eq!(plain.shot.layers[0].connectivity.island_radius, 0.1);
+}
