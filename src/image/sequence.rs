@@ -125,7 +125,7 @@ impl SequencePath {
     }
 
     /// The sequences in a folder: names with the ending of a picture that differ in the last number before it, which is as wide as in
-    /// the shortest name. Previews (a PNG beside an EXR of the same name) are left out.
+    /// the shortest name. Previews (PNG files beside EXR files of the same name) are left out.
     ///
     /// # Errors
     /// [`ImageError::Io`] where the folder cannot be listed.
@@ -134,10 +134,8 @@ impl SequencePath {
         let entries = std::fs::read_dir(folder).map_err(|error| ImageError::reading(folder, error))?;
         let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
         let names: BTreeSet<String> = names.collect();
-        let is_preview =
-            |name: &str| name.strip_suffix(".png").is_some_and(|stem| names.contains(&format!("{stem}.exr")));
         let mut widths: BTreeMap<(String, String), usize> = BTreeMap::new();
-        for name in names.iter().filter(|name| PictureKind::of(Path::new(name)).is_some() && !is_preview(name)) {
+        for name in names.iter().filter(|name| PictureKind::of(Path::new(name)).is_some()) {
             let Some((stem, ending)) = name.rsplit_once('.') else { continue };
             let before = stem.trim_end_matches(|letter: char| letter.is_ascii_digit());
             let before = before.strip_suffix('-').filter(|before| before.ends_with(['.', '_'])).unwrap_or(before);
@@ -147,11 +145,15 @@ impl SequencePath {
                 *width = digits.min(*width);
             }
         }
-        let path = |((before, ending), width): ((String, String), usize)| {
-            let pattern = folder.join(format!("{before}{}.{ending}", "#".repeat(width)));
-            Self { pattern, name: Name::Counted { before, width, after: format!(".{ending}") } }
+        let is_preview = |(before, ending): &(String, String)| {
+            ending == "png" && widths.contains_key(&(before.clone(), "exr".to_owned()))
         };
-        Ok(widths.into_iter().map(path).collect())
+        let found = widths.iter().filter(|(name, _)| !is_preview(name));
+        let path = |((before, ending), &width): (&(String, String), &usize)| {
+            let pattern = folder.join(format!("{before}{}.{ending}", "#".repeat(width)));
+            Self { pattern, name: Name::Counted { before: before.clone(), width, after: format!(".{ending}") } }
+        };
+        Ok(found.map(path).collect())
     }
 
     /// The frame whose file name this is; `None` for names that the pattern does not give, and for a path without a
