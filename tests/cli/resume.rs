@@ -192,8 +192,8 @@ fn a_changed_byte_is_found_on_request() {
         let bench = &kind.bench;
         bench.run(kind.run).says(0, &[]);
         let good = bench.read(kind.frames[1]);
-        // Bytes of pixels, at the end, in the middle and just behind the head.
-        for place in [good.len() - 20, good.len() - 60, good.len() * 3 / 4] {
+        // Bytes of pixels: the head is most of so small a file.
+        for place in [good.len() - 20, good.len() - 60, good.len() - 120] {
             let mut bytes = good.clone();
             bytes[place] ^= 0x10;
             bench.write(kind.frames[1], &bytes);
