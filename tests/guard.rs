@@ -1,4 +1,4 @@
-//! The guard against folds, and parts that are wound up: what stops where, and which way things turn.
+//! The guard against folds, and parts that are wound up: what gives way, and which way things turn.
 
 #[path = "support/figure.rs"]
 mod figure;
@@ -29,94 +29,83 @@ fn squashed(down: f64) -> Vec<PointPin<2>> {
 }
 
 #[test]
-fn a_head_pushed_through_the_body_stops_before_anything_folds() {
+fn a_head_pushed_through_the_body_folds_nothing() {
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
-    let pins = squashed(0.9);
-    let free = run(&grid, &shape, &pins, &Settings::default());
-    assert!(free.report.folded_model_cells > 0 && free.report.min_cell_det <= 0.0, "{:?}", free.report);
-    assert!(free.report.stopped_at.is_none());
-    let held = run(&grid, &shape, &pins, &limit());
-    assert_eq!(held.report.folded_model_cells, 0, "{:?}", held.report);
-    assert!(held.report.min_cell_det >= 0.0099 && held.report.min_det > 0.0, "{:?}", held.report);
-    let share = held.report.stopped_at.expect("it was stopped");
-    assert!(share > 0.2 && share < 1.0, "{share}");
-    // The report says how far each pin is from its target, and why.
-    for (pin, error) in pins.iter().zip(&held.report.pin_errors) {
-        assert!((distance(held.lattice.evaluate(pin.at), pin.target) - error).abs() < 1e-12);
+    for down in [0.5, 0.9, 1.6] {
+        let pins = squashed(down);
+        let free = run(&grid, &shape, &pins, &Settings { guard: Guard::Report, ..Settings::default() });
+        assert!(free.report.folded_model_cells > 0 && free.report.min_cell_det <= 0.0, "{:?}", free.report);
+        assert!(!free.report.is_held_back);
+        let held = run(&grid, &shape, &pins, &limit());
+        eprintln!("{down}: {:?}", held.report);
+        assert!(held.report.is_converged && held.report.folded_model_cells == 0, "{:?}", held.report);
+        assert!(held.report.min_cell_det > 0.0 && held.report.min_det > 0.0, "{:?}", held.report);
+        // The report says how far each pin is from its target, and why.
+        for (pin, error) in pins.iter().zip(&held.report.pin_errors) {
+            assert!((distance(held.lattice.evaluate(pin.at), pin.target) - error).abs() < 1e-12);
+        }
+        assert!(held.report.pin_residuals.iter().all(|miss| miss.reason == ResidualReason::Guard));
+        assert_eq!(held.report.is_held_back, !held.report.pin_residuals.is_empty());
+        // Pins that have nothing to do with it hold.
+        assert!(held.report.pin_errors[..4].iter().all(|&error| error < 1e-4), "{:?}", held.report);
     }
-    assert!(held.report.pin_errors[4] > 0.05);
-    assert!(held.report.pin_residuals.iter().all(|miss| miss.reason == ResidualReason::Guard));
-    // A little farther it would fold: little is given away.
-    assert!(held.report.min_cell_det < 0.1, "{:?}", held.report);
 }
 
 #[test]
 fn what_does_not_fold_is_left_alone() {
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
-    let pins = posed(Pose { limbs: [0.6, -0.3, 0.2, 0.0], shift: [0.1, 0.0] });
-    assert_eq!(run(&grid, &shape, &pins, &limit()), run(&grid, &shape, &pins, &Settings::default()));
+    let pins = posed(Pose { limbs: [0.2, -0.1, 0.1, 0.0], shift: [0.1, 0.0] });
+    let free = run(&grid, &shape, &pins, &Settings { guard: Guard::Report, ..Settings::default() });
+    assert!(free.report.min_cell_det > 0.2, "{:?}", free.report);
+    assert_eq!(run(&grid, &shape, &pins, &limit()), free);
 }
 
 #[test]
 fn the_guard_gives_way_bit_by_bit() {
-    // Pushing on and on moves the result less and less, without a jump where the guard takes over.
+    // Pushing on and on moves the result without a jump where the barrier begins to act, and where pins begin to give way.
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
-    let heads: Vec<f64> = (0..30)
-        .map(|k| run(&grid, &shape, &squashed(0.03 * f64::from(k)), &limit()).lattice.evaluate([0.0, 0.75])[1])
-        .collect();
-    let steps: Vec<f64> = heads.windows(2).map(|pair| (pair[0] - pair[1]).abs()).collect();
-    assert!(steps.iter().all(|&step| step < 0.033), "{steps:?}");
-    assert!(steps[29 - 1] < 0.02, "{steps:?}");
+    let solutions: Vec<_> = (0..50).map(|k| run(&grid, &shape, &squashed(0.015 * f64::from(k)), &limit())).collect();
+    assert!(solutions[0].report.min_cell_det > 0.2 && solutions[49].report.min_cell_det < 0.1);
+    let moved = |a: &Lattice<2>, b: &Lattice<2>| {
+        let moves = shape.points.iter().map(|&point| distance(a.evaluate(point), b.evaluate(point)));
+        moves.fold(0.0, f64::max)
+    };
+    let steps: Vec<f64> = solutions.windows(2).map(|pair| moved(&pair[0].lattice, &pair[1].lattice)).collect();
+    eprintln!("{steps:.4?}");
+    assert!(steps.iter().all(|&step| step < 0.03), "{steps:?}");
 }
 
 #[test]
-fn a_half_turn_and_a_crossing_are_walked_back_from_the_rigid_fit() {
+fn the_guard_knows_no_direction() {
     let (grid, shape) = (around(8, Basis::Bspline), figure(0.1));
-    let settings = limit();
-    for degrees in [100.0_f64, 135.0, 180.0, 225.0] {
+    let turned = |degrees: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
         let mut pins = squashed(0.9);
         pins.iter_mut().for_each(|pin| pin.target = turned(pin.target));
         pins[0].gradient = Some([turned([1.0, 0.0]), turned([0.0, 1.0])]);
-        let held = run(&grid, &shape, &pins, &settings);
-        assert!(held.report.folded_model_cells == 0 && held.report.min_cell_det > 0.0, "{:?}", held.report);
-        // The same as without the turn.
-        let share = held.report.stopped_at.expect("it was stopped");
-        assert!((0.1..1.0).contains(&share), "{degrees} {share}");
+        run(&grid, &shape, &pins, &limit()).report
+    };
+    let straight = turned(0.0);
+    for degrees in [100.0, 135.0, 180.0, 225.0] {
+        let report = turned(degrees);
+        assert!(report.folded_model_cells == 0 && report.min_cell_det > 0.0, "{report:?}");
+        let errors = report.pin_errors.iter().zip(&straight.pin_errors);
+        assert!(errors.map(|(a, b)| (a - b).abs()).all(|gap| gap < 1e-5), "{degrees}: {report:?} {straight:?}");
     }
 }
 
 #[test]
-fn a_first_key_that_folds_is_walked_back_to_where_nothing_does() {
-    let (grid, shape) = (around(8, Basis::Bspline), figure(0.1));
-    let settings = limit();
-    // An arm turned by 90 degrees, the head pushed in.
-    let mut pins = posed(Pose { limbs: [std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0], ..Pose::default() });
-    pins[4].target[1] -= 0.9;
-    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
-    let solver = Solver::new(&problem).expect("a valid problem");
-    let key = Targets { pins: pins.clone(), handles: Vec::new() };
-    let free = run(&grid, &shape, &pins, &Settings::default());
-    assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
-    for keys in [1, 2, 3] {
-        let held = solver.follow(&vec![key.clone(); keys]).expect("a valid path");
-        assert!(held.report.folded_model_cells == 0 && held.report.min_cell_det > 0.0, "{keys}: {:?}", held.report);
-        let share = held.report.stopped_at.expect("it was stopped");
-        assert!(share > 0.1 && share < 1.0 && held.report.pin_errors[4] > 0.05, "{keys}: {:?}", held.report);
-    }
-}
-
-#[test]
-fn handles_are_walked_back_too() {
+fn moved_handles_hold_while_nothing_folds_and_give_way_else() {
     let (grid, shape, settings) = (around(6, Basis::Bspline), figure(0.1), limit());
-    let handle = HandlePin { index: 2 + 6 * 2, target: [1.1, 0.9] };
     let pins = posed(Pose::default());
-    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
-    let held = solve(&problem).expect("a valid problem");
-    assert_eq!(held.report.folded_model_cells, 0);
-    assert!(held.report.stopped_at.is_some() && held.report.handle_errors[0] > 0.05, "{:?}", held.report);
-    assert!(held.report.handle_errors[0] < distance(grid.rest_handle(14), handle.target));
+    for (target, is_held_back) in [([1.1, 0.9], false), ([6.0, 5.3], true)] {
+        let handle = HandlePin { index: 2 + 6 * 2, target };
+        let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
+        let Solution { report, .. } = solve(&problem).expect("a valid problem");
+        assert!(report.folded_model_cells == 0 && report.is_held_back == is_held_back, "{report:?}");
+        assert_eq!(report.handle_errors[0] > 1e-6, is_held_back, "{report:?}");
+    }
 }
 
 #[test]
@@ -128,11 +117,12 @@ fn a_box_of_space_is_guarded() {
         .iter()
         .map(|pin| PointPin::new([pin.at[0], pin.at[1], 0.0], [pin.target[0], pin.target[1], 0.0]))
         .collect();
-    let [free, held] = [Settings::default(), limit()].map(|settings| {
+    let [free, held] = [Guard::Report, Guard::Limit].map(|guard| {
+        let settings = Settings { guard, ..Settings::default() };
         solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings }).expect("valid")
     });
     assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
-    assert!(held.report.folded_model_cells == 0 && held.report.stopped_at.is_some(), "{:?}", held.report);
+    assert!(held.report.folded_model_cells == 0, "{:?}", held.report);
 }
 
 /// The figure stands, head and hands wind about the neck.
@@ -174,7 +164,7 @@ fn a_head_winds_past_half_a_turn_without_a_jump() {
 }
 
 #[test]
-fn the_guard_stops_a_winding_on_its_way() {
+fn nothing_folds_on_the_way_of_a_winding() {
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
     let settings = limit();
     let path: Vec<_> = (0..=25).map(|k| wound(10.0 * f64::from(k))).collect();
@@ -182,9 +172,9 @@ fn the_guard_stops_a_winding_on_its_way() {
     let solver = Solver::new(&problem).expect("a valid problem");
     let solutions: Vec<_> = (1..=path.len()).map(|end| solver.follow(&path[..end]).expect("valid")).collect();
     assert!(solutions.iter().all(|solution| solution.report.folded_model_cells == 0));
-    assert!(solutions[20].report.stopped_at.is_some());
     let moves = solutions.windows(2).map(|pair| largest_move(&pair[0].lattice, &pair[1].lattice, &grid));
     let moves: Vec<f64> = moves.collect();
-    // 0.4 a step as long as nothing stops; as the neck snaps and the guard takes over, not much more.
-    assert!(moves.iter().all(|&step| step < 1.5), "{moves:?}");
+    eprintln!("{moves:.3?}");
+    // Handles far from the neck that is wound up swing out, but nothing snaps.
+    assert!(moves.iter().all(|&step| step < 5.0), "{moves:?}");
 }

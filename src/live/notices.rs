@@ -73,7 +73,9 @@ impl Warp {
             let reason = worst.reason.words(|pin| self.name_of(pin, wording));
             let text = match (worst.reason, names.len()) {
                 (ResidualReason::Guard, _) => {
-                    format!("pins stop before the picture folds over: pin {who} is {by} short of its target")
+                    format!(
+                        "pins stop before the picture folds over: pin {who} gives way and is {by} short of its target"
+                    )
                 }
                 (_, 1) => format!("pin {who} misses its target by {by}: {reason}"),
                 (_, _) => {

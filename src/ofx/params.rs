@@ -125,7 +125,7 @@ const ROWS: &[Row] = &[
     ("lattice", "holdBorder", "Hold the border", ParamKind::Toggle(1),
      "The border of the frame stays where it is, so that a background neither slides nor tears; nothing folds, whatever the pins ask for. It gives way only to pins that are dragged to it or past it, with a message. Off: everything is free, for elements with alpha. With the shape from the source's alpha nothing is held."),
     ("lattice", "guard", "Stop before folds", ParamKind::Toggle(0),
-     "Pins stop on their way before the picture folds over. Off: folds are warned of; with a shot file, as its layer says."),
+     "The picture does not fold over: it bends around the place, and pins that would need too much force give way. Off: folds are warned of; with a shot file, as its layer says."),
     ("lattice", "filter", "Filter", ParamKind::Choice(&words(&FILTERS)),
      "How colour is sampled. Cubic is sharp and quick. EWA neither rings nor flickers where the warp shrinks, and takes three times as long. Nearest keeps exact values."),
     ("", "pins", "Pins", ParamKind::Group(1), "Points of the picture and where they go."),

@@ -118,9 +118,9 @@ fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<Str
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
 }
 
-/// Moved handles that the guard stopped.
+/// Moved handles that gave way to the guard.
 fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<String> {
-    if solve.stopped_at.is_none() {
+    if !solve.is_held_back {
         return Vec::new();
     }
     let told = |(index, error): (&[usize; 3], f64)| match layer.space {
@@ -138,26 +138,26 @@ fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<St
     handles.zip(solve.handle_errors.iter().copied()).filter_map(told).collect()
 }
 
-/// Folds that show: the model lies over itself there. The guard's own warnings name them already.
+/// Folds that show: the model lies over itself there.
 fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
-    if solve.folded_model_cells == 0 || solve.stopped_at.is_some() {
+    if solve.folded_model_cells == 0 {
         return None;
     }
     let cells = counted(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
     Some(format!(
         "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
-         lies between, or let `solve = {{ guard = \"limit\" }}` stop them before (--overlay shows the cells in red)",
+         lies between, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
         layer.name
     ))
 }
 
-/// What the guard held back, and how far from its target.
+/// What gave way to the guard, and how far from its target it is.
 fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> String {
     let why = if solve.folded_model_cells == 0 {
         "nothing folds".to_owned()
     } else {
         let folded = counted(solve.folded_model_cells, "cell folds", "cells fold");
-        format!("{folded} all the same, even where pins and handles only move rigidly")
+        format!("{folded} all the same")
     };
-    format!("layer '{}': guard: {what} stops {distance} before its target, {why}", layer.name)
+    format!("layer '{}': guard: {what} gives way {distance} before its target, {why}", layer.name)
 }

@@ -176,7 +176,7 @@ name    = \"all\"
 # nodes = [{node}]
 ##        names with * and ?, each with what hangs below it; default: everything
 # solve = {{ preset = \"paper\" }}          # default: energy = \"area\", regularizer = \"bend\"
-##        guard = \"limit\" in it stops pins before anything folds
+##        guard = \"limit\" in it keeps anything from folding
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}

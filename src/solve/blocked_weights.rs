@@ -98,6 +98,40 @@ impl<const C: usize> BlockedWeights<C> {
         self.blocks.push(Block { handles, packets: first..self.order.len(), start });
     }
 
+    /// The matrix over the same places of several cells of a grid whose basis functions are the same in all cells; `places` are 0 to 1
+    /// within a cell. Each cell has a block, and all share their coefficients.
+    pub(crate) fn in_cells<const D: usize>(
+        grid: &Grid<D>,
+        cells: &[usize],
+        places: &[[f64; D]],
+        coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
+        cancel: &Cancel,
+    ) -> Self {
+        let points_of = |cell: usize| {
+            let corner = grid.cell_coords(cell);
+            let point = move |place: &[f64; D]| {
+                std::array::from_fn(|axis| grid.lo[axis] + (corner[axis] as f64 + place[axis]) * grid.spacing(axis))
+            };
+            places.iter().map(point).collect::<Vec<[f64; D]>>()
+        };
+        let Some((&first, rest)) = cells.split_first() else {
+            return Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
+        };
+        let mut matrix = Self::new(grid, &points_of(first), coefficients, cancel);
+        let Some(block) = matrix.blocks.first().cloned() else { return matrix };
+        let order = matrix.order.clone();
+        let origin = block.handles[0];
+        for &cell in rest {
+            let mut start = usize::MAX;
+            grid.for_each_weight(points_of(cell)[0], |term| start = start.min(term.handle));
+            let handles = block.handles.iter().map(|handle| handle - origin + start).collect();
+            let packets = matrix.order.len()..matrix.order.len() + order.len();
+            matrix.order.extend_from_slice(&order);
+            matrix.blocks.push(Block { handles, packets, start: block.start });
+        }
+        matrix
+    }
+
     /// Replaces handles by other unknowns, in the same order.
     pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
         let handles = self.blocks.iter_mut().flat_map(|block| &mut block.handles);

@@ -10,7 +10,7 @@ use super::minimization::{FinalPhase, Minimization};
 use super::newton::CachedFactor;
 use super::problem::{HandlePin, PointPin};
 use super::report::Solution;
-use super::settings::{Guard, Settings};
+use super::settings::Settings;
 use super::solver::{CancellableSolver, Solver};
 use super::targets::Targets;
 use crate::lattice::Lattice;
@@ -110,9 +110,9 @@ impl<const D: usize> Drag<'_, D> {
         let limit = settings.iteration_limit;
         let run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
-        if is_held && (settings.guard == Guard::Report || self.solver.system().is_safe(&self.handles)) {
+        if is_held {
             let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
-            return Ok(self.solver.system().finish(&goal, run, None));
+            return Ok(self.solver.system().finish(&goal, run));
         }
         let never = Cancel::never();
         let solution = self.solver.with_cancel(self.cancel.unwrap_or(&never)).update(pins, handles)?;

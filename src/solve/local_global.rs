@@ -19,6 +19,20 @@ impl<const D: usize> Minimization<'_, D> {
         &self,
         mut observe: Option<&mut dyn FnMut(Energies)>,
     ) -> Result<MinimizationResult<D>, Cancelled> {
+        let free = match &mut observe {
+            Some(observe) => self.run_freely(Some(&mut **observe))?,
+            None => self.run_freely(None)?,
+        };
+        let iterations = free.iterations;
+        let result = self.kept_clear(free, self.initial)?;
+        if let Some(observe) = observe.filter(|_| result.iterations > iterations) {
+            observe(self.energies(&result.handles, &result.handles));
+        }
+        Ok(result)
+    }
+
+    /// As [`Self::run`], without the barrier.
+    fn run_freely(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Result<MinimizationResult<D>, Cancelled> {
         let mut notify = |handles: &[[f64; D]], rotations_at: &[[f64; D]]| {
             if let Some(observe) = &mut observe {
                 observe(self.energies(handles, rotations_at));
@@ -59,7 +73,12 @@ impl<const D: usize> Minimization<'_, D> {
                 }
             }
             if step <= self.settings.tolerance * self.diagonal {
-                return Ok(MinimizationResult { handles: next, iterations: iteration, is_converged: true });
+                return Ok(MinimizationResult {
+                    handles: next,
+                    iterations: iteration,
+                    is_converged: true,
+                    has_given_way: false,
+                });
             }
             if self.settings.acceleration > 0 {
                 plain = Some(next.clone());
@@ -69,6 +88,11 @@ impl<const D: usize> Minimization<'_, D> {
         }
         // An accelerated state whose energy was not checked is not returned.
         let handles = plain.unwrap_or(state);
-        Ok(MinimizationResult { handles, iterations: self.settings.iteration_limit, is_converged: false })
+        Ok(MinimizationResult {
+            handles,
+            iterations: self.settings.iteration_limit,
+            is_converged: false,
+            has_given_way: false,
+        })
     }
 }

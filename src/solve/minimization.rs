@@ -2,6 +2,7 @@
 //!
 //! In: a prefactored system and targets. Out: energies, right sides, and how a minimisation ended.
 
+use super::barrier::Barrier;
 use super::cancel::Cancel;
 use super::constraints::Constraints;
 use super::energy::Distortion;
@@ -39,6 +40,8 @@ pub(crate) struct Minimization<'a, const D: usize> {
     /// Initial handles instead of `start`.
     pub(crate) initial: Option<&'a [[f64; D]]>,
     pub(crate) final_phase: FinalPhase,
+    /// What keeps cells from folding; `None`: nothing does.
+    pub(crate) barrier: Option<&'a Barrier<D>>,
     pub(crate) cancel: &'a Cancel<'a>,
 }
 
@@ -48,6 +51,8 @@ pub(crate) struct MinimizationResult<const D: usize> {
     pub(crate) handles: Vec<[f64; D]>,
     pub(crate) iterations: usize,
     pub(crate) is_converged: bool,
+    /// Some pins gave way to the barrier.
+    pub(crate) has_given_way: bool,
 }
 
 /// Unweighted terms and their weighted sum.
@@ -81,7 +86,7 @@ impl<const D: usize> Minimization<'_, D> {
     /// Local step: adds its right side and gives the total energy at `state`.
     pub(crate) fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
         let ml = self.distortion.local_step(state, self.scales.shape, right_side, self.cancel);
-        if self.settings.acceleration == 0 {
+        if self.settings.acceleration == 0 && self.barrier.is_none() {
             return 0.0;
         }
         self.scales.shape * ml

@@ -4,6 +4,7 @@
 
 mod active_cells;
 mod anderson;
+mod barrier;
 mod blocked_weights;
 mod branching;
 mod cancel;

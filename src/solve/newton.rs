@@ -138,7 +138,7 @@ impl<const D: usize> Minimization<'_, D> {
         let mut handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         notify(&handles);
-        Ok(MinimizationResult { handles, iterations, is_converged })
+        Ok(MinimizationResult { handles, iterations, is_converged, has_given_way: false })
     }
 
     /// Newton's method is available and cheap.
@@ -154,11 +154,17 @@ impl<const D: usize> Minimization<'_, D> {
         cached: &mut CachedFactor,
         factors: usize,
     ) -> Result<MinimizationResult<D>, Cancelled> {
+        let before = handles.clone();
+        if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
+            let reached = MinimizationResult { handles, iterations: 0, is_converged: false, has_given_way: false };
+            return self.kept_clear(reached, Some(&before));
+        }
         let mut residuals = Vec::new();
         self.constraints.enforce(self.terms, &mut residuals, &mut handles);
         let mut descent = Descent::new(self, handles, std::mem::take(cached))?;
         descent.factors_left = factors;
-        let mut run = MinimizationResult { handles: Vec::new(), iterations: 0, is_converged: false };
+        let mut run =
+            MinimizationResult { handles: Vec::new(), iterations: 0, is_converged: false, has_given_way: false };
         while !run.is_converged && run.iterations < self.settings.iteration_limit {
             run.iterations += 1;
             run.is_converged = descent.step()? == StepOutcome::Converged;
@@ -169,7 +175,7 @@ impl<const D: usize> Minimization<'_, D> {
         *cached = descent.cached;
         run.handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut residuals, &mut run.handles);
-        Ok(run)
+        self.kept_clear(run, Some(&before))
     }
 
     fn iterate(&self, handles: Vec<[f64; D]>, constant: &[[f64; D]]) -> Result<NewtonIterate<D>, Cancelled> {

@@ -38,7 +38,7 @@ pub enum ResidualReason {
     Fading,
     /// Pins are soft in these settings: the shape pulls it back.
     Soft,
-    /// The guard stopped it on its path, because the lattice would fold.
+    /// It gave way to the barrier, because the lattice would fold.
     Guard,
     /// The iteration ended before it reached its target.
     Unconverged,
@@ -79,7 +79,7 @@ impl ResidualReason {
             }
             Self::Fading => "it is fading out near the camera".into(),
             Self::Soft => "pins are soft in these settings; use hard pins or a larger weight".into(),
-            Self::Guard => "the guard stopped it before the lattice folds".into(),
+            Self::Guard => "it gives way where the lattice would fold; move it less, move the pins near it along, or use more handles".into(),
             Self::Unconverged => "the solve ended before it reached its target; allow more iterations".into(),
         }
     }
@@ -92,6 +92,8 @@ pub(crate) struct Evidence<'a, const D: usize> {
     pub(crate) constraints: &'a Constraints,
     /// Pairs of pins that give way.
     pub(crate) yielding: &'a [YieldingPair],
+    /// Some pins gave way to the barrier.
+    pub(crate) is_held_back: bool,
     /// Corners of the box.
     pub(crate) bounds: [[f64; D]; 2],
     /// The box diagonal.
@@ -122,6 +124,7 @@ impl<const D: usize> Evidence<'_, D> {
             Some(rival) => ResidualReason::Conflict(rival),
             None if let Some(rival) = self.yields_to(index) => ResidualReason::Yielding(ConstraintOwner::Pin(rival)),
             None if pin.weight < 1.0 => ResidualReason::Fading,
+            None if self.is_held_back => ResidualReason::Guard,
             None if self.settings.pin_hold == PinHold::Soft => ResidualReason::Soft,
             None => ResidualReason::Unconverged,
         }

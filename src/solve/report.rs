@@ -25,8 +25,8 @@ pub struct SolveReport {
     pub angular: f64,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
     pub area: f64,
-    /// Where the guard stopped pins and handles, as a fraction of the (uneven) steps of their path; `None`: they reached its end.
-    pub stopped_at: Option<f64>,
+    /// Pins or moved handles gave way where the lattice would fold ([`super::Guard::Limit`]).
+    pub is_held_back: bool,
     /// Distance of each moved handle from its target, in units of the space.
     pub handle_errors: Vec<f64>,
     /// Linear solves: local-global and Newton steps, including rejected ones and those along a path.

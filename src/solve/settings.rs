@@ -128,7 +128,8 @@ pub enum Guard {
     /// Folds are reported.
     #[default]
     Report,
-    /// Pins and handles stop on their path before an active cell folds.
+    /// Cells that hold some of the shape do not fold: a barrier keeps det J above 0 there, and pins that would need more force than it has
+    /// give way (docs/METHOD.md, "Barrier").
     Limit,
 }
 

@@ -8,7 +8,6 @@ use super::minimization::Energies;
 use super::prefactored::TargetTerms;
 use super::problem::{HandlePin, PointPin, Problem};
 use super::report::Solution;
-use super::settings::Guard;
 use super::system::{Parts, System};
 use super::targets::Targets;
 use crate::lattice::{Folds, Lattice};
@@ -93,8 +92,7 @@ impl<const D: usize> Solver<D> {
 
     /// Solves for the last targets of a path. Where pins and handles wind parts of the shape up on the way (in the plane,
     /// pairs of them against each other by more than 150 degrees), the path decides in which direction and how often:
-    /// every step is solved from the last. Elsewhere this is [`Self::update`], and the path does not matter. With the
-    /// guard the path begins at the rigid fit of the first targets, where nothing folds.
+    /// every step is solved from the last. Elsewhere this is [`Self::update`], and the path does not matter.
     ///
     /// # Errors
     /// As [`Self::update`], for any targets of the path.
@@ -146,7 +144,7 @@ impl<const D: usize> CancellableSolver<'_, D> {
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         let Some(goal) = path.last() else { return self.solve() };
         match self.solver.system.follow_winding(path, self.cancel)? {
-            Some((result, stopped_at)) => Ok(self.solver.system.finish(goal, result, stopped_at)),
+            Some(result) => Ok(self.solver.system.finish(goal, result)),
             None => self.update(&goal.pins, &goal.handles),
         }
     }
@@ -164,10 +162,6 @@ impl<const D: usize> CancellableSolver<'_, D> {
         let result = system.minimization(targets, self.cancel).run(observe)?;
         self.cancel.check()?;
         let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
-        if system.settings().guard == Guard::Limit && !system.is_safe(&result.handles) {
-            let (result, stopped_at) = system.follow_straight(&goal, self.cancel)?;
-            return Ok(system.finish(&goal, result, stopped_at));
-        }
-        Ok(system.finish(&goal, result, None))
+        Ok(system.finish(&goal, result))
     }
 }

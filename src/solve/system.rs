@@ -3,6 +3,7 @@
 //! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and the reports of their results.
 
 use super::active_cells::active_cells;
+use super::barrier::{Barrier, BarrierPart};
 use super::branching::{BranchedLattice, Branching, settings_for};
 use super::cancel::Cancel;
 use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
@@ -12,13 +13,13 @@ use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
 use super::linalg::small_matrix::distance;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult};
-use super::pin_residuals::{Evidence, ResidualReason};
+use super::pin_residuals::Evidence;
 use super::pins::RigidMotion;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, PointPin, Problem};
 use super::regularizer::RegularizerTerm;
 use super::report::{Solution, SolveReport};
-use super::settings::{Scaling, Settings, Start};
+use super::settings::{Guard, Scaling, Settings, Start};
 use super::targets::Targets;
 use super::terms::{Scales, Terms};
 use super::yielding::{YieldingPair, yielding_pairs};
@@ -49,6 +50,8 @@ pub(crate) struct System<const D: usize> {
     branching: Option<Arc<Branching<D>>>,
     /// Which cells hold some of the shape.
     is_active: Vec<bool>,
+    /// What keeps them from folding, where the settings ask for it.
+    barrier: Option<Barrier<D>>,
     /// Warnings about the shape.
     warnings: Vec<String>,
 }
@@ -66,9 +69,6 @@ pub(crate) struct Parts<const D: usize> {
 /// Part of the mean diagonal of shape and regulariser that draws handles to the rigid fit (Tikhonov regularisation): it
 /// determines what nothing else constrains, and changes the rest by less than the tolerance.
 const TIKHONOV: f64 = 1e-9;
-
-/// Smallest determinant that the guard allows: cells compressed to a hundredth count as folded.
-const MIN_GUARDED_DET: f64 = 0.01;
 
 impl<const D: usize> System<D> {
     /// Samples the shape and factors the matrix.
@@ -142,6 +142,17 @@ impl<const D: usize> System<D> {
         terms.pins.add_normal(scales.pins, &mut normal, cancel);
         terms.handles.add_normal(scales.handles, &mut normal, cancel);
         let constant = if terms.proximal.len() > 0 { normal.clone() } else { NormalMatrix::zero(0, 0) };
+        let is_active = active_cells(grid, problem.shape);
+        let barrier = match (settings.guard, &branching) {
+            (Guard::Report, _) => None,
+            (Guard::Limit, Some(branching)) => Some(branching.barrier(cancel)),
+            (Guard::Limit, None) => {
+                let cells = is_active.iter().enumerate().filter_map(|(cell, is_active)| is_active.then_some(cell));
+                let part = BarrierPart { cells: cells.collect(), unknowns: None };
+                Some(Barrier::new(grid, vec![part], cancel))
+            }
+        };
+        cancel.check()?;
         let mut system = Self {
             grid: grid.clone(),
             settings: settings.clone(),
@@ -154,7 +165,8 @@ impl<const D: usize> System<D> {
             handles: problem.handles.to_vec(),
             terms,
             branching: branching.map(Arc::new),
-            is_active: active_cells(grid, problem.shape),
+            is_active,
+            barrier,
             warnings,
         };
         system.let_yield(cancel)?;
@@ -311,6 +323,7 @@ impl<const D: usize> System<D> {
             start,
             initial: None,
             final_phase: FinalPhase::Newton,
+            barrier: self.barrier.as_ref(),
             cancel,
         }
     }
@@ -320,42 +333,24 @@ impl<const D: usize> System<D> {
         lattice.folds(&self.is_active)
     }
 
-    /// No active cell folds, or nearly folds.
-    pub(crate) fn is_safe(&self, handles: &[[f64; D]]) -> bool {
-        let folds = match self.branches(handles) {
-            Some(branches) => branches.folds(),
-            None => self.folds(&Lattice { grid: self.grid.clone(), handles: handles.to_vec() }),
-        };
-        folds.min_det >= MIN_GUARDED_DET
-    }
-
     /// The solution without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
-        let result = MinimizationResult { handles: self.rest(), iterations: 0, is_converged: true };
+        let result =
+            MinimizationResult { handles: self.rest(), iterations: 0, is_converged: true, has_given_way: false };
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 
     /// The solution and report of a minimisation for `goal`.
-    pub(crate) fn finish(
-        &self,
-        goal: &Targets<D>,
-        result: MinimizationResult<D>,
-        stopped_at: Option<f64>,
-    ) -> Solution<D> {
+    pub(crate) fn finish(&self, goal: &Targets<D>, result: MinimizationResult<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
         if !result.is_converged && self.settings.tolerance > 0.0 {
             let spent = counted(result.iterations, "iteration", "iterations");
             warnings.push(format!("not converged after {spent}; the result may still move"));
         }
-        let mut solution = self.report(goal, result, warnings);
-        solution.report.stopped_at = stopped_at;
-        if stopped_at.is_some() {
-            solution.report.pin_residuals.iter_mut().for_each(|residual| residual.reason = ResidualReason::Guard);
-        }
-        solution
+        self.report(goal, result, warnings)
     }
 
     fn report(&self, goal: &Targets<D>, run: MinimizationResult<D>, warnings: Vec<String>) -> Solution<D> {
@@ -372,6 +367,7 @@ impl<const D: usize> System<D> {
             settings: &self.settings,
             constraints: &self.prefactored.constraints,
             yielding: &self.yielding_pairs(pins, handles),
+            is_held_back: run.has_given_way,
             bounds: [self.grid.lo, self.grid.hi],
             diagonal: self.grid.diagonal(),
         };
@@ -386,7 +382,7 @@ impl<const D: usize> System<D> {
             angular: metrics.angular(),
             area: metrics.area(),
             handle_errors: handles.iter().map(|held| distance(&lattice.handles[held.index], &held.target)).collect(),
-            stopped_at: None,
+            is_held_back: run.has_given_way,
             iterations: run.iterations,
             is_converged: run.is_converged,
             conflicts: pins::conflicts(&self.grid, pins),

@@ -199,8 +199,8 @@ pub(in crate::shot) struct RawSolve {
     pub(in crate::shot) regularizer: Option<Regularizer>,
     /// Weights of the edges, with energy = "edge" or "vertex"; default: uniform.
     pub(in crate::shot) weights: Option<EdgeWeights>,
-    /// What happens where the lattice would fold: "report" tells, "limit" stops pins and handles on their way before
-    /// anything of the layer folds; default: report.
+    /// What happens where the lattice would fold: "report" tells, "limit" keeps what holds some of the layer from
+    /// folding, and lets pins give way where that needs too much force; default: report.
     #[schemars(example = &"limit")]
     pub(in crate::shot) guard: Option<Guard>,
     /// Stretch up to which pins nearer than a span of the lattice hold exactly; where they ask for more they give way smoothly, and

@@ -4,6 +4,7 @@
 
 use super::{Branching, handles_of_cell};
 use crate::lattice::Support;
+use crate::solve::barrier::{Barrier, BarrierPart};
 use crate::solve::cancel::Cancel;
 use crate::solve::energy::{Area, Distortion, WithPinNeighbourhoods};
 use crate::solve::least_squares::LeastSquaresRows;
@@ -59,6 +60,16 @@ impl<const D: usize> Branching<D> {
         let points: Vec<PointPin<D>> = held.iter().map(|(pin, _)| *pin).collect();
         let relabel = |pin: usize, rows: &LeastSquaresRows<D>| self.rows_around(held[pin].1, rows);
         WithPinNeighbourhoods::with_rows(shape, &self.grid, &points, settings, (&relabel, self.tie_rows()))
+    }
+
+    /// The barrier over the pieces of all branches.
+    pub(crate) fn barrier(&self, cancel: &Cancel) -> Barrier<D> {
+        let of = |branch: usize| {
+            let own = self.pieces.list.iter().zip(&self.branch_of).filter(|(_, of)| **of == branch);
+            let cells: BTreeSet<usize> = own.map(|(piece, _)| piece.cell).collect();
+            BarrierPart { cells: cells.into_iter().collect(), unknowns: Some(self.branches[branch].clone()) }
+        };
+        Barrier::new(&self.grid, (0..self.branches.len()).map(of).collect(), cancel)
     }
 
     /// Rows of the pins over copies.

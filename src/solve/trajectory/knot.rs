@@ -95,7 +95,7 @@ impl<const D: usize> Knot<D> {
     pub(crate) fn solve_alone(&mut self, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
         self.system.draw_points([], 0.0, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
-            Some((result, _)) => result,
+            Some(result) => result,
             None => self.system.minimization(&self.system.own_targets(), cancel).run(None)?,
         };
         self.take(&result.handles);

@@ -100,7 +100,7 @@ impl<const D: usize> Trajectory<D> {
         let mut knot = Knot::new(problem, settings, cancel)?;
         let result = self.solve_knot(&mut knot, time, cancel)?;
         let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
-        Ok(knot.system.finish(&goal, result, None))
+        Ok(knot.system.finish(&goal, result))
     }
 
     /// The state of a knot where the time is one, else the proximal step between its neighbours.
@@ -109,7 +109,12 @@ impl<const D: usize> Trajectory<D> {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::At(state) => {
                 knot.displacement = state.clone();
-                Ok(MinimizationResult { handles: knot.handles(), iterations: 0, is_converged: true })
+                Ok(MinimizationResult {
+                    handles: knot.handles(),
+                    iterations: 0,
+                    is_converged: true,
+                    has_given_way: false,
+                })
             }
             Neighbourhood::Near(state, weight) => {
                 knot.displacement = state;

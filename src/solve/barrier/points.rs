@@ -1,0 +1,233 @@
+//! The points of a barrier: its energy and derivatives.
+//!
+//! In: a grid, cells, how many points they have. Out: the mean over the cells of the means of the potential over their points.
+
+use super::curvature::{cofactors, curves};
+use super::potential::{CLEAR, potential};
+use crate::lattice::{Grid, Support};
+use crate::solve::blocked_weights::{BlockedWeights, gather, local_handles};
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::linalg::simd::{LANES, Lanes, dispatch, store};
+use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
+use pulp::{Simd, WithSimd};
+use std::collections::BTreeMap;
+
+/// Points of a cell along an axis, in the plane and in space.
+pub(super) const FINE: [usize; 2] = [10, 6];
+
+/// Cells over which a barrier is, and the unknown of each handle there; `None`: the handles are the unknowns.
+#[derive(Clone, Debug)]
+pub(crate) struct BarrierPart {
+    pub(crate) cells: Vec<usize>,
+    pub(crate) unknowns: Option<Vec<Option<usize>>>,
+}
+
+/// Number of a part, and of a cell.
+pub(super) type CellOfPart = [usize; 2];
+
+/// Points of some cells.
+#[derive(Clone, Debug)]
+pub(super) struct BarrierPoints<const D: usize> {
+    /// Rows of ∇W.
+    weights: BlockedWeights<D>,
+    /// The weight of a point of each block.
+    shares: Vec<f64>,
+}
+
+/// A point whose determinant is below [`CLEAR`].
+pub(super) struct NarrowPoint<const D: usize> {
+    /// Its packet and lane, and the block of both.
+    place: [usize; 3],
+    gradient: SquareMatrix<D>,
+    det: f64,
+}
+
+impl<const D: usize> BarrierPoints<D> {
+    /// Evenly spaced points of some cells, so many along an axis as `side` says.
+    pub(super) fn new(
+        grid: &Grid<D>,
+        parts: &[BarrierPart],
+        side: impl Fn(CellOfPart) -> usize,
+        cancel: &Cancel,
+    ) -> Self {
+        let count: usize = parts.iter().map(|part| part.cells.len()).sum();
+        let mut points: Option<Self> = None;
+        for (number, part) in parts.iter().enumerate() {
+            let mut by_side: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+            part.cells.iter().for_each(|&cell| by_side.entry(side([number, cell])).or_default().push(cell));
+            for (side, cells) in by_side {
+                let mut weights = in_cells(grid, &cells, side, cancel);
+                if let Some(unknowns) = &part.unknowns {
+                    // Every handle that acts on a cell of a branch has a copy there.
+                    weights.relabel(|handle| unknowns[handle].unwrap_or(0));
+                }
+                // Cells with more points have a stronger barrier.
+                let share = 1.0 / (count * FINE[usize::from(D > 2)].min(side).pow(D as u32)) as f64;
+                let shares = weights.blocks.iter().map(|block| {
+                    // Where cells have several blocks, or one has all cells, points count alike all the same.
+                    if block.packets.is_empty() { 0.0 } else { share }
+                });
+                let shares: Vec<f64> = shares.collect();
+                match &mut points {
+                    None => points = Some(Self { weights, shares }),
+                    Some(points) => {
+                        points.weights.append(weights);
+                        points.shares.extend(shares);
+                    }
+                }
+            }
+        }
+        points.unwrap_or_else(|| Self { weights: in_cells(grid, &[], 1, cancel), shares: Vec::new() })
+    }
+
+    /// Largest difference of handle indices that meet in the matrix.
+    pub(super) fn bandwidth(&self) -> usize {
+        self.weights.bandwidth()
+    }
+
+    /// The least determinant of all points.
+    pub(super) fn least_det(&self, handles: &[[f64; D]]) -> f64 {
+        let gradients = self.gradients_at(handles);
+        let mut least = f64::INFINITY;
+        self.for_each_point(|[_, packet, lane]| {
+            let det = determinant(&lane_of(&gradients[packet], lane));
+            least = if det >= least { least } else { det };
+        });
+        if least.is_nan() { f64::NEG_INFINITY } else { least }
+    }
+
+    /// The narrow points of a state.
+    pub(super) fn narrow_points(&self, handles: &[[f64; D]]) -> Vec<NarrowPoint<D>> {
+        let gradients = self.gradients_at(handles);
+        let mut narrow = Vec::new();
+        self.for_each_point(|place| {
+            let gradient = lane_of(&gradients[place[1]], place[2]);
+            let det = determinant(&gradient);
+            // A NaN is not clear, either.
+            if !(det >= CLEAR) {
+                narrow.push(NarrowPoint { place, gradient, det });
+            }
+        });
+        narrow
+    }
+
+    /// The mean of the potential, and the narrow points.
+    pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<NarrowPoint<D>>) {
+        let narrow = self.narrow_points(handles);
+        let sum: f64 = narrow.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
+        (sum, narrow)
+    }
+
+    /// Subtracts half of the derivative of the energy times a scale from a right side.
+    pub(super) fn subtract_derivative(&self, scale: f64, narrow: &[NarrowPoint<D>], right_side: &mut [[f64; D]]) {
+        for point in narrow {
+            let factor = -0.5 * scale * self.shares[point.place[0]] * potential(point.det)[1];
+            let by = cofactors(&point.gradient).map(|row| row.map(|x| factor * x));
+            for (handle, slope) in self.row(point) {
+                for (slot, row) in right_side[handle].iter_mut().zip(&by) {
+                    *slot += (0..D).map(|axis| row[axis] * slope[axis]).sum::<f64>();
+                }
+            }
+        }
+    }
+
+    /// Adds half of the second derivative of the energy times a scale to the matrix of all coordinates (rows D·handle + coordinate).
+    pub(super) fn add_curvature(
+        &self,
+        scale: f64,
+        narrow: &[NarrowPoint<D>],
+        is_convex: bool,
+        normal: &mut NormalMatrix,
+    ) {
+        let mut row: Vec<(usize, f64)> = Vec::new();
+        for point in narrow {
+            let [_, slope, bend] = potential(point.det);
+            for (value, along) in curves(&point.gradient, [slope, bend], is_convex) {
+                row.clear();
+                for (handle, gradient) in self.row(point) {
+                    row.extend(
+                        (0..D)
+                            .map(|d| (D * handle + d, (0..D).map(|axis| along[d][axis] * gradient[axis]).sum::<f64>())),
+                    );
+                }
+                normal.add_row(0.5 * scale * self.shares[point.place[0]] * value, &row);
+            }
+        }
+    }
+
+    /// Handles and ∇W of a point.
+    fn row(&self, point: &NarrowPoint<D>) -> impl Iterator<Item = (usize, [f64; D])> {
+        let [block, packet, lane] = point.place;
+        let block = &self.weights.blocks[block];
+        let coefficients = self.weights.packet(block, packet);
+        block.handles.iter().zip(coefficients).map(move |(&handle, lanes)| (handle, lanes.map(|x| x[lane])))
+    }
+
+    /// Calls `visit` with block, packet and lane of every point.
+    pub(super) fn for_each_point(&self, mut visit: impl FnMut([usize; 3])) {
+        for (number, block) in self.weights.blocks.iter().enumerate() {
+            for packet in block.packets.clone() {
+                let lanes = (0..LANES).filter(|&lane| self.weights.order[packet][lane] != usize::MAX);
+                lanes.for_each(|lane| visit([number, packet, lane]));
+            }
+        }
+    }
+
+    /// J at all points, packet by packet: [row][column][lane].
+    pub(super) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
+        dispatch(Gradients { weights: &self.weights, handles })
+    }
+}
+
+/// One of four matrices.
+pub(super) fn lane_of<const D: usize>(lanes: &[[Lanes; D]; D], lane: usize) -> SquareMatrix<D> {
+    lanes.map(|row| row.map(|x| x[lane]))
+}
+
+/// Kernel of [`BarrierPoints::gradients_at`].
+struct Gradients<'a, const D: usize> {
+    weights: &'a BlockedWeights<D>,
+    handles: &'a [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for Gradients<'_, D> {
+    type Output = Vec<[[Lanes; D]; D]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut gradients = Vec::with_capacity(self.weights.order.len());
+        let mut local = Vec::new();
+        for block in &self.weights.blocks {
+            local_handles(block, self.handles, &mut local);
+            for coefficients in self.weights.packets(block) {
+                gradients.push(gather(simd, coefficients, &local).map(|row| row.map(|x| store::<S>(x))));
+            }
+        }
+        gradients
+    }
+}
+
+/// Points on the border of a cell lie this far inside, in spans: what is beside it belongs to other handles.
+const INSIDE: f64 = 1e-6;
+
+/// ∇W at evenly spaced points of cells, up to their borders: beside a cell that holds nothing det J falls steeply.
+fn in_cells<const D: usize>(grid: &Grid<D>, cells: &[usize], side: usize, cancel: &Cancel) -> BlockedWeights<D> {
+    let place = |number: usize| -> [f64; D] {
+        let even = |axis: usize| (number / side.pow(axis as u32) % side) as f64 / side.max(2).saturating_sub(1) as f64;
+        std::array::from_fn(|axis| even(axis).clamp(INSIDE, 1.0 - INSIDE))
+    };
+    let places: Vec<[f64; D]> = (0..side.pow(D as u32)).map(place).collect();
+    if matches!(grid.basis.support(), Support::Tensor { .. }) {
+        return BlockedWeights::in_cells(grid, cells, &places, |_, gradient| *gradient, cancel);
+    }
+    let point = |corner: [usize; D], place: &[f64; D]| -> [f64; D] {
+        std::array::from_fn(|axis| grid.lo[axis] + (corner[axis] as f64 + place[axis]) * grid.spacing(axis))
+    };
+    let points: Vec<[f64; D]> = cells
+        .iter()
+        .map(|&cell| grid.cell_coords(cell))
+        .flat_map(|corner| places.iter().map(move |place| point(corner, place)))
+        .collect();
+    BlockedWeights::new(grid, &points, |_, gradient| *gradient, cancel)
+}

@@ -1,0 +1,148 @@
+//! Pins beside the barrier: they hold with a limited force, and give way where the barrier would need more.
+//!
+//! In: rows of pins and moved handles, multipliers λ. Out: an energy in place of w‖C P − d‖², its derivatives. A row acts as
+//! w‖s‖², s = C P − d + λ/w, up to the force w‖s‖ = L, and as 2 L‖s‖ − L²/w beyond (P. Huber, "Robust Estimation of a Location
+//! Parameter", 1964). With λ ← the force, limited to L, this is the method of multipliers for L‖C P − d‖ (R. T. Rockafellar,
+//! "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976), which holds exactly with
+//! any force below L. Derivatives are halved, as in the matrices.
+
+use crate::solve::least_squares::LeastSquaresRows;
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::minimization::Minimization;
+
+/// Greatest force of a row, in units of the shape's stiffness over the box diagonal.
+const FORCE: f64 = 10.0;
+
+/// A row with its multiplier.
+#[derive(Clone, Debug)]
+struct Reaction<const D: usize> {
+    /// Row of the pins, then of the handles.
+    row: usize,
+    /// w, of this row.
+    weight: f64,
+    multiplier: [f64; D],
+    limit: f64,
+}
+
+/// All rows of pins and moved handles.
+#[derive(Clone)]
+pub(super) struct Reactions<'a, const D: usize> {
+    rows: [&'a LeastSquaresRows<D>; 2],
+    list: Vec<Reaction<D>>,
+}
+
+impl<'a, const D: usize> Reactions<'a, D> {
+    pub(super) fn new(problem: &'a Minimization<D>) -> Self {
+        let rows = [problem.terms.acting_pins(), &problem.terms.handles];
+        let most = FORCE * problem.stiffness() / problem.diagonal;
+        let scales = [problem.scales.pins, problem.scales.handles];
+        let list = (0..rows[0].len() + rows[1].len()).map(|row| {
+            let (set, place) = place(rows, row);
+            let share = set.weight(place);
+            let weight = share * scales[usize::from(row >= rows[0].len())];
+            Reaction { row, weight, multiplier: [0.0; D], limit: most * share.min(1.0) }
+        });
+        let list = list.filter(|reaction| reaction.weight > 0.0).collect();
+        Self { rows, list }
+    }
+
+    /// Sets the multipliers to the forces at a state without them: close to those of a minimum without the barrier. A share of these forces
+    /// is added to the limits.
+    pub(super) fn start_from(&mut self, handles: &[[f64; D]], share: f64) {
+        let rows = self.rows;
+        for reaction in &mut self.list {
+            reaction.multiplier = [0.0; D];
+            reaction.limit += share * norm(&reaction.force(rows, handles));
+        }
+        self.advance(handles);
+    }
+
+    /// Sets the multipliers to the forces at a state. Returns the farthest that a row is off which does not give way.
+    pub(super) fn advance(&mut self, handles: &[[f64; D]]) -> f64 {
+        let (rows, mut farthest) = (self.rows, 0.0_f64);
+        for reaction in &mut self.list {
+            let force = reaction.force(rows, handles);
+            let size = norm(&force);
+            if size <= reaction.limit {
+                let (set, place) = place(rows, reaction.row);
+                farthest = farthest.max(norm(&set.miss(place, handles)));
+            }
+            let share = if size > reaction.limit { reaction.limit / size } else { 1.0 };
+            reaction.multiplier = force.map(|x| share * x);
+        }
+        farthest
+    }
+
+    /// Some row gives way.
+    pub(super) fn give_way(&self, handles: &[[f64; D]]) -> bool {
+        self.list.iter().any(|reaction| norm(&reaction.force(self.rows, handles)) > reaction.limit)
+    }
+
+    /// What replaces w‖C P − d‖² by the energy of the reactions: added to the energy, and to the right side.
+    pub(super) fn correct(&self, handles: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
+        let mut energy = 0.0;
+        for reaction in &self.list {
+            let (set, place) = place(self.rows, reaction.row);
+            let miss = set.miss(place, handles);
+            let force = reaction.force(self.rows, handles);
+            let size = norm(&force);
+            let is_held = size <= reaction.limit;
+            let acting = if is_held { force } else { force.map(|x| x * reaction.limit / size) };
+            energy -= reaction.weight * miss.iter().map(|x| x * x).sum::<f64>();
+            energy += if is_held {
+                size * size / reaction.weight
+            } else {
+                (2.0 * size - reaction.limit) * reaction.limit / reaction.weight
+            };
+            let excess: [f64; D] = std::array::from_fn(|d| acting[d] - reaction.weight * miss[d]);
+            for &(handle, coefficient) in set.row(place) {
+                (0..D).for_each(|d| right_side[handle][d] -= coefficient * excess[d]);
+            }
+        }
+        energy
+    }
+
+    /// The same for the matrix of all coordinates. A convex one leads rows that give way to their targets, the true one lets them be.
+    pub(super) fn correct_curvature(&self, handles: &[[f64; D]], is_convex: bool, normal: &mut NormalMatrix) {
+        for reaction in &self.list {
+            let force = reaction.force(self.rows, handles);
+            let size = norm(&force);
+            if size <= reaction.limit {
+                continue;
+            }
+            let (set, place) = place(self.rows, reaction.row);
+            let row = set.row(place);
+            let across = reaction.weight * reaction.limit / size;
+            for d in 0..D {
+                let entries: Vec<(usize, f64)> = row.iter().map(|&(handle, c)| (D * handle + d, c)).collect();
+                normal.add_row(across - reaction.weight, &entries);
+            }
+            if !is_convex {
+                let entries =
+                    row.iter().flat_map(|&(handle, c)| (0..D).map(move |d| (D * handle + d, c * force[d] / size)));
+                normal.add_row(-across, &entries.collect::<Vec<_>>());
+            }
+        }
+    }
+}
+
+impl<const D: usize> Reaction<D> {
+    /// w s = w (C P − d) + λ.
+    fn force(&self, rows: [&LeastSquaresRows<D>; 2], handles: &[[f64; D]]) -> [f64; D] {
+        let (set, place) = place(rows, self.row);
+        let miss = set.miss(place, handles);
+        std::array::from_fn(|d| self.weight * miss[d] + self.multiplier[d])
+    }
+}
+
+/// The rows that a row is one of, and its number there.
+fn place<'a, const D: usize>(
+    [pins, handles]: [&'a LeastSquaresRows<D>; 2],
+    row: usize,
+) -> (&'a LeastSquaresRows<D>, usize) {
+    if row < pins.len() { (pins, row) } else { (handles, row - pins.len()) }
+}
+
+fn norm<const D: usize>(x: &[f64; D]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
