@@ -63,6 +63,7 @@ mod shared_cells;
 mod write;
 
 // Runs over frames: of a scene, of pictures, of plates.
+mod branches;
 mod contents;
 mod error;
 mod events;
@@ -87,6 +88,7 @@ mod registration;
 
 pub use anchors::{PinAnchor, RestPoint};
 pub use bake::BakeTimes;
+pub(crate) use branches::{BranchPart, Exposure, fields_of, lattices_of_file, parts_of_file};
 #[cfg(feature = "cli")]
 pub(crate) use contents::digest_with;
 pub use error::PipelineError;

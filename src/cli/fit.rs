@@ -49,8 +49,8 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or_default())?;
     tell(&landmarks, &found, subject.size)?;
     let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
-    let (placements, wholes) = (BTreeMap::new(), BTreeMap::new());
-    let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements, wholes };
+    let (placements, branches, wholes) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+    let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements, branches, wholes };
     let file = LatticeFile { frame_aspect: subject.size.aspect(), rate: subject.rate, layers: vec![track] };
     file.write(&args.output)?;
     let output = args.output.display();

@@ -5,8 +5,9 @@
 use super::args::ResizeArgs;
 use super::outcome::Outcome;
 use super::outputs;
-use crate::export::{LatticeFile, Track};
+use crate::export::{LatticeBranches, LatticeFile, Track};
 use crate::lattice::{Basis, Lattice};
+use crate::pipeline::lattices_of_file;
 use crate::spelling::counted;
 use anyhow::{Context, anyhow};
 use std::collections::BTreeMap;
@@ -17,7 +18,11 @@ pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
     let mut file = LatticeFile::read(&args.lattices)?;
     for layer in &mut file.layers {
         let error = match &mut layer.track {
-            Track::Screen(lattices) => resize(lattices, args).map(|error| (error, "frame heights")),
+            Track::Screen(lattices) => {
+                let of_branches = resize_branches(lattices, &mut layer.branches, args);
+                let resized = of_branches.and_then(|branches| Ok(resize(lattices, args)?.max(branches)));
+                resized.map(|error| (error, "frame heights"))
+            }
             Track::World(lattices) => resize(lattices, args).map(|error| (error, "scene units")),
         };
         let (error, unit) = error.with_context(|| format!("layer '{}'", layer.name))?;
@@ -26,6 +31,23 @@ pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
     file.write(&args.output)?;
     writeln!(io::stdout(), "wrote {}", args.output.display())?;
     Ok(Outcome::Complete)
+}
+
+/// Resizes the branches of all frames, which keep their regions; gives the greatest error. The lattices are those before.
+fn resize_branches(
+    lattices: &BTreeMap<i32, Lattice<2>>,
+    branches: &mut BTreeMap<i32, LatticeBranches>,
+    args: &ResizeArgs,
+) -> anyhow::Result<f64> {
+    let mut worst = 0.0_f64;
+    for (frame, branches) in branches {
+        // A branch stands in for a frame: all are resized alike.
+        let mut alone: BTreeMap<i32, Lattice<2>> =
+            (0..).zip(lattices_of_file(branches, &lattices[frame].grid)).collect();
+        worst = worst.max(resize(&mut alone, args)?);
+        *branches = branches.with_lattices(alone.into_values().collect());
+    }
+    Ok(worst)
 }
 
 /// Resizes all frames; gives the greatest error.

@@ -3,7 +3,8 @@
 //! In: a file. Out: lattices, checked; or the other way round. docs/LATTICE.md describes the format.
 
 use super::ExportError;
-use super::raw::{RawFile, RawFrame, RawSpace, RawTrack};
+use super::raw::{RawBranch, RawBranches, RawFile, RawFrame, RawSpace, RawTrack};
+use super::{LatticeBranch, LatticeBranches};
 use crate::files::{LATTICE_BYTES, read_text};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
@@ -13,8 +14,11 @@ use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Version that is written.
-const VERSION: u32 = 1;
+/// The latest version, which is written where a lattice branches.
+const VERSION: u32 = 2;
+
+/// What is written where nothing branches, so that programs of the first version can read it.
+const PLAIN_VERSION: u32 = 1;
 
 /// Frames lie between minus this and this, as in shots.
 const MAX_FRAME: i32 = 1_000_000;
@@ -39,8 +43,21 @@ pub struct LatticeTrack {
     pub track: Track,
     /// Tracks in the scene: the rigid frame that box and handles of a frame stand in; left out: the scene's own.
     pub placements: BTreeMap<i32, BoxFrame>,
+    /// Tracks of the screen whose lattice branches: the branches of a frame; the lattice is that of the largest.
+    pub branches: BTreeMap<i32, LatticeBranches>,
     /// Tracks of whole pictures whose border rests: the warps that the lattices are part of. Files do not hold them.
     pub wholes: BTreeMap<i32, WholeWarp>,
+}
+
+impl LatticeTrack {
+    /// The branches at a frame, and the frame that lists them: the nearest in which the track is listed, of two the earlier one; `None`:
+    /// nothing branches there.
+    #[must_use]
+    pub fn branches_at(&self, frame: i32) -> Option<(i32, &LatticeBranches)> {
+        let Track::Screen(lattices) = &self.track else { return None };
+        let nearest = lattices.keys().copied().min_by_key(|listed| (i64::from(*listed) - i64::from(frame)).abs())?;
+        Some((nearest, self.branches.get(&nearest)?))
+    }
 }
 
 /// Lattices by frame, all with the same dims and basis.
@@ -64,6 +81,12 @@ impl LatticeFile {
         check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
     }
 
+    /// Some lattice branches.
+    #[must_use]
+    pub fn has_branches(&self) -> bool {
+        self.layers.iter().any(|layer| !layer.branches.is_empty())
+    }
+
     /// The same of some frames only; `None` where no layer has any of them.
     #[must_use]
     pub fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
@@ -73,6 +96,7 @@ impl LatticeFile {
                 Track::World(lattices) => lattices.retain(|frame, _| frames.contains(frame)),
             }
             layer.placements.retain(|frame, _| frames.contains(frame));
+            layer.branches.retain(|frame, _| frames.contains(frame));
         }
         self.layers.retain(|layer| match &layer.track {
             Track::Screen(lattices) => !lattices.is_empty(),
@@ -91,7 +115,7 @@ impl LatticeFile {
             Track::World(lattices) => raw_track(layer, RawSpace::World, lattices),
         });
         let raw = RawFile {
-            pinwarp_lattice: VERSION,
+            pinwarp_lattice: if self.has_branches() { VERSION } else { PLAIN_VERSION },
             frame_aspect: self.frame_aspect,
             rate: self.rate,
             layers: layers.collect(),
@@ -124,10 +148,11 @@ fn fault(key: impl Into<String>, what: impl Into<String>, hint: impl Into<String
 }
 
 fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
-    if raw.pinwarp_lattice != VERSION {
-        let what = format!("the version is {}, this program reads {VERSION}", raw.pinwarp_lattice);
+    if !(PLAIN_VERSION..=VERSION).contains(&raw.pinwarp_lattice) {
+        let what = format!("the version is {}, this program reads 1 to {VERSION}", raw.pinwarp_lattice);
         return Err(fault("pinwarp_lattice", what, "export it again with this version"));
     }
+    let is_plain = raw.pinwarp_lattice == PLAIN_VERSION;
     let positive = [("frame_aspect", raw.frame_aspect), ("rate", raw.rate)];
     if let Some((key, value)) = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
         return Err(fault(key, format!("is {value}"), "give a number above 0"));
@@ -143,7 +168,8 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
             RawSpace::World => Track::World(lattices(&layer, &key)?),
         };
         let placements = placements(&layer, &key)?;
-        layers.push(LatticeTrack { placements, wholes: BTreeMap::new(), name: layer.name, track });
+        let branches = branches(&layer, &key, is_plain)?;
+        layers.push(LatticeTrack { placements, branches, wholes: BTreeMap::new(), name: layer.name, track });
     }
     if layers.is_empty() {
         return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
@@ -200,6 +226,70 @@ fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Faul
     frames.collect()
 }
 
+/// The branches of a track.
+fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, LatticeBranches>, Fault> {
+    let mut found = BTreeMap::new();
+    for (number, frame) in raw.frames.iter().enumerate() {
+        let key = |own: &str| format!("{key}.frames[{number}].{own}");
+        if let Some(angle) = frame.angle.filter(|angle| *angle != 0.0) {
+            return Err(fault(key("angle"), format!("is {angle}"), "this program knows no boxes that are turned"));
+        }
+        let Some(branches) = &frame.branches else { continue };
+        if is_plain || raw.space == RawSpace::World {
+            let hint = "lattices of the screen branch, in files of version 2";
+            return Err(fault(key("branches"), "stands in a plain lattice", hint));
+        }
+        found.insert(frame.frame, checked_branches(branches, frame.handles.len(), key)?);
+    }
+    Ok(found)
+}
+
+fn checked_branches(
+    raw: &RawBranches,
+    handle_count: usize,
+    key: impl Fn(&str) -> String,
+) -> Result<LatticeBranches, Fault> {
+    let points = raw.points.iter().enumerate();
+    let points =
+        points.map(|(k, place)| point(place, || key(&format!("branches.points[{k}]")))).collect::<Result<_, _>>()?;
+    let mut list = Vec::with_capacity(raw.list.len());
+    for (index, branch) in raw.list.iter().enumerate() {
+        let own = |what: &str| key(&format!("branches.list[{index}].{what}"));
+        let mut handles = vec![None; handle_count];
+        for &(handle, x, y) in &branch.handles {
+            let Some(place) = handles.get_mut(handle as usize) else {
+                let what = format!("has handle {handle}, there are {handle_count}");
+                return Err(fault(own("handles"), what, "count from 0, x fastest"));
+            };
+            *place = Some(point(&[x, y], || own("handles"))?);
+        }
+        if handles.iter().all(Option::is_none) {
+            return Err(fault(own("handles"), "is empty", "list the handles that act on it"));
+        }
+        let is_wrong =
+            |polygon: &Vec<u32>| polygon.len() < 3 || polygon.iter().any(|&corner| corner as usize >= raw.points.len());
+        if let Some(place) = branch.region.iter().position(is_wrong) {
+            let hint = "give three corners or more, as indices of `points`";
+            return Err(fault(own(&format!("region[{place}]")), "is no polygon".to_owned(), hint));
+        }
+        list.push(LatticeBranch { handles, region: branch.region.clone() });
+    }
+    if list.is_empty() {
+        return Err(fault(key("branches.list"), "is empty", "leave `branches` out"));
+    }
+    Ok(LatticeBranches { points, list })
+}
+
+fn raw_branches(branches: &LatticeBranches) -> RawBranches {
+    let acting = |branch: &LatticeBranch| {
+        let handles = (0..).zip(&branch.handles);
+        handles.filter_map(|(index, place)| place.map(|[x, y]| (index, x, y))).collect()
+    };
+    let list = branches.list.iter();
+    let list = list.map(|branch| RawBranch { handles: acting(branch), region: branch.region.clone() });
+    RawBranches { points: branches.points.clone(), list: list.collect() }
+}
+
 fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], Fault> {
     match <[f64; D]>::try_from(values) {
         Ok(point) if point.iter().all(|x| x.is_finite()) => Ok(point),
@@ -215,7 +305,9 @@ fn raw_track<const D: usize>(layer: &LatticeTrack, space: RawSpace, lattices: &B
             let DMat3 { x_axis, y_axis, z_axis } = placed.axes();
             [x_axis, y_axis, z_axis, placed.origin()].map(|column| column.to_array())
         }),
+        angle: None,
         handles: lattice.handles.iter().map(|handle| handle.to_vec()).collect(),
+        branches: layer.branches.get(&frame).map(raw_branches),
     });
     let first = lattices.values().next().expect("a track has frames");
     RawTrack {
@@ -244,6 +336,7 @@ mod tests {
             name: name.to_owned(),
             track,
             placements: BTreeMap::new(),
+            branches: BTreeMap::new(),
             wholes: BTreeMap::new(),
         };
         let mut layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];
@@ -258,6 +351,39 @@ mod tests {
         let path = folder.path().join("a.lattice.json");
         file().write(&path).expect("written");
         assert_eq!(LatticeFile::read(&path).expect("read"), file());
+    }
+
+    #[test]
+    fn branches_come_back_to_the_last_bit_and_plain_files_stay_of_the_first_version() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.lattice.json");
+        let mut file = file();
+        file.write(&path).expect("written");
+        assert!(std::fs::read_to_string(&path).expect("read").contains("\"pinwarp_lattice\":1,"));
+        let handles =
+            |moved: f64| (0..16).map(|k| (k != 5).then_some([moved + 0.1 * f64::from(k), 1.0 / 3.0])).collect();
+        let corners = [[0.1, 0.2], [0.7, 0.1 + 0.2], [0.3, 0.9]];
+        let square = [[0.7, 0.1 + 0.2], [0.8, 0.3], [0.8, 0.5], [0.3, 0.9]];
+        let branches = vec![(handles(0.0), vec![corners.to_vec()]), (handles(0.5), vec![square.to_vec()])];
+        let branches = LatticeBranches::of(branches);
+        assert_eq!((branches.points.len(), branches.list[1].region[0].clone()), (5, vec![1, 3, 4, 2]));
+        file.layers[0].branches.insert(3, branches);
+        file.write(&path).expect("written");
+        let text = std::fs::read_to_string(&path).expect("read");
+        assert_eq!(LatticeFile::read(&path).expect("read"), file);
+        let changes = [
+            ("\"pinwarp_lattice\":2", "\"pinwarp_lattice\":1", "layers[0].frames[1].branches: stands in a plain"),
+            ("[[0,0.0,", "[[16,0.0,", "branches.list[0].handles: has handle 16"),
+            ("[1,3,4,2]", "[1,3,5,2]", "branches.list[1].region[0]"),
+            ("[1,3,4,2]", "[1,3]", "branches.list[1].region[0]"),
+            ("\"frame\":3,", "\"frame\":3,\"angle\":30.0,", "layers[0].frames[1].angle"),
+        ];
+        for (from, to, wanted) in changes {
+            assert!(text.contains(from), "{from} in {text}");
+            std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+            let error = LatticeFile::read(&path).expect_err("a fault").to_string();
+            assert!(error.contains(wanted), "{error}");
+        }
     }
 
     #[test]

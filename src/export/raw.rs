@@ -57,6 +57,32 @@ pub(super) struct RawFrame {
     /// In the world: x, y and z axis and origin of the box's own frame, scene units; left out: the scene's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) placement: Option<[[f64; 3]; 4]>,
+    /// Angle by which the box is turned about its middle, counter-clockwise, degrees; kept free for boxes that turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) angle: Option<f64>,
     /// Moved handles, x fastest.
     pub(super) handles: Vec<Vec<f64>>,
+    /// On the screen: the branches of the lattice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) branches: Option<RawBranches>,
+}
+
+/// The branches of a lattice.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBranches {
+    /// Corners of the regions.
+    pub(super) points: Vec<[f64; 2]>,
+    /// From back to front.
+    pub(super) list: Vec<RawBranch>,
+}
+
+/// A branch.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBranch {
+    /// The handles that act on it: index, x, y.
+    pub(super) handles: Vec<(u32, f64, f64)>,
+    /// Convex polygons, as indices of points.
+    pub(super) region: Vec<Vec<u32>>,
 }

@@ -3,13 +3,13 @@
 //! In: a [`PreparedShot`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
 //! reason why there is none.
 
-use super::topology::check_plain;
 use super::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
 use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive};
 use crate::shot::LayerSpace;
+use crate::solve::Topology;
 use crate::space::ScreenVector;
 use glam::{DMat4, DVec3};
 
@@ -31,7 +31,6 @@ impl PreparedShot {
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
     pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
-        check_plain(self, "a scene for Blender")?;
         let name = self.shot.layers[index].name.clone();
         let way = match self.lattice_object(index, frames)? {
             Ok(lattice) => BlenderWay::Lattice(lattice),
@@ -51,6 +50,9 @@ impl PreparedShot {
             return Ok(Err(
                 "it shares a mesh with another layer or with what rests, and moves its vertices by weights".into(),
             ));
+        }
+        if self.shot.layers[index].settings.topology == Topology::Branching {
+            return Ok(Err("its lattice branches, and lattice objects do not".into()));
         }
         let mut poses = Poses::new();
         let mut built = None;

@@ -2,9 +2,8 @@
 //!
 //! In: a [`PreparedShot`] and frames. Out: a [`LatticeFile`].
 
-use super::topology::check_plain;
 use super::{LayerState, PipelineError, PreparedShot};
-use crate::export::{LatticeFile, LatticeTrack, Track};
+use crate::export::{LatticeBranches, LatticeFile, LatticeTrack, Track};
 use crate::lattice::{BoxFrame, Lattice};
 use crate::plate::WholeWarp;
 use std::collections::BTreeMap;
@@ -15,11 +14,13 @@ struct Solved {
     screen: BTreeMap<i32, Lattice<2>>,
     world: BTreeMap<i32, Lattice<3>>,
     placements: BTreeMap<i32, BoxFrame>,
+    branches: BTreeMap<i32, LatticeBranches>,
     wholes: BTreeMap<i32, WholeWarp>,
 }
 
 impl Solved {
-    fn add(&mut self, frame: i32, state: &LayerState) {
+    fn add(&mut self, frame: i32, (state, branches): (&LayerState, Option<LatticeBranches>)) {
+        self.branches.extend(branches.map(|branches| (frame, branches)));
         self.screen.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
         self.wholes.extend(state.whole.as_ref().map(|whole| (frame, whole.clone())));
         let world = state.world.as_ref().map(|world| &world.lattice);
@@ -29,13 +30,13 @@ impl Solved {
 
     /// `None` where the layer is never warped.
     fn track(self, name: &str) -> Option<LatticeTrack> {
-        let Self { screen, world, placements, wholes } = self;
+        let Self { screen, world, placements, branches, wholes } = self;
         let track = match (screen.is_empty(), world.is_empty()) {
             (true, true) => return None,
             (_, true) => Track::Screen(screen),
             (_, false) => Track::World(world),
         };
-        Some(LatticeTrack { name: name.to_owned(), track, placements, wholes })
+        Some(LatticeTrack { name: name.to_owned(), track, placements, branches, wholes })
     }
 }
 
@@ -49,14 +50,13 @@ pub fn lattices(
     frames: &[i32],
     mut tell: impl FnMut(i32),
 ) -> Result<LatticeFile, PipelineError> {
-    check_plain(prepared, "a lattice file")?;
     let shot = &prepared.shot;
     let mut solved = vec![Solved::default(); shot.layers.len()];
     for &frame in frames {
         // Not in the middle of its exposure: whoever lays a lattice over a sample asks for the time of that sample.
         let sample = prepared.sample_at(f64::from(frame))?;
-        for (solved, state) in solved.iter_mut().zip(&sample.layers) {
-            solved.add(frame, state);
+        for (layer, (solved, state)) in solved.iter_mut().zip(&sample.layers).enumerate() {
+            solved.add(frame, (state, prepared.file_branches(layer, &sample)));
         }
         tell(frame);
     }

@@ -50,6 +50,12 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
             return Err(PipelineError::mismatch(shot, &key, what, hint));
         }
     };
+    if !file.layers[place].branches.is_empty() {
+        let what = format!("the lattice '{}' of {} branches", names[place], transfer.file.display());
+        let hint = "warp the rendered frames of the new subject with it (`pinwarp warp --lattice`), or export it with \
+                    topology = \"plain\"";
+        return Err(PipelineError::mismatch(shot, &key, what, hint));
+    }
     let Track::Screen(lattices) = file.layers.swap_remove(place).track else {
         let what = format!("'{}' is a lattice of the world, this layer is warped on the screen", names[place]);
         return Err(PipelineError::mismatch(shot, &key, what, "take a layer that was solved on the screen"));

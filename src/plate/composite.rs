@@ -7,7 +7,9 @@ use super::channel_table::ChannelEntry;
 use super::matte::MatteCoverage;
 use super::warp_map::nearest_source;
 use crate::space::PixelRect;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Coverage that counts, as a hole or where mattes overlap: half a step of an 8-bit picture.
@@ -18,8 +20,12 @@ pub(super) const LEAST_VISIBLE: f32 = 0.5 / 255.0;
 pub(super) struct WarpedLayer {
     /// Index among the moving layers; 0 is the background.
     pub(super) moving_layer: usize,
+    /// Parts of one layer, which follow each other, share what it moves: they lie over what is behind as one. `None`: it is no part.
+    pub(super) group: Option<usize>,
     /// The part of the source that it moves.
     pub(super) matte: MatteCoverage,
+    /// The pixels of the source that hold some of it, and one around them.
+    pub(super) reach: PixelRect,
     /// The pixels it may appear in.
     pub(super) window: PixelRect,
     /// Where the pixels of that window come from; `None`: nothing moves.
@@ -43,6 +49,16 @@ pub(super) struct Composite<'a> {
     pub(super) overlap: Option<String>,
 }
 
+impl WarpedLayer {
+    /// The pixels of a plane of the source that hold some of the layer.
+    pub(super) fn reached<'a>(&self, composite: &Composite, plane: &'a [f32]) -> Cow<'a, [f32]> {
+        if self.reach == composite.source {
+            return Cow::Borrowed(plane);
+        }
+        Cow::Owned(composite.source.over(plane, self.reach, 0.0))
+    }
+}
+
 impl Composite<'_> {
     /// The front of the background; it is as large as the window.
     pub(super) fn background(&self) -> &WarpedLayer {
@@ -58,6 +74,25 @@ impl Composite<'_> {
     /// The layers with a matte, from back to front.
     pub(super) fn matted_layers(&self) -> &[WarpedLayer] {
         &self.layers[self.background_folds().len() + 1..]
+    }
+
+    /// Layers from an index on that lie over what is behind as one: the parts of a layer together, others alone.
+    pub(super) fn runs_from(&self, first: usize) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for index in first..self.layers.len() {
+            let group = self.layers[index].group;
+            match runs.last_mut() {
+                Some(run) if group.is_some() && self.layers[run.start].group == group => run.end = index + 1,
+                _ => runs.push(index..index + 1),
+            }
+        }
+        runs
+    }
+
+    /// The pixels of the source that hold some of a moving layer.
+    pub(super) fn reach(&self, moving_layer: usize) -> PixelRect {
+        let own = self.layers.iter().filter(|layer| layer.moving_layer == moving_layer);
+        own.map(|layer| layer.reach).reduce(PixelRect::union).unwrap_or_default()
     }
 
     /// Index into the source of the sample nearest to where a pixel of a layer comes from.
@@ -79,16 +114,20 @@ impl Composite<'_> {
         held_out.is_some_and(|(holdout, index)| holdout[index] > 0.0)
     }
 
-    /// Pixels, as indices into the window, at which a moving layer folds over itself and something of it is visible.
-    /// `alpha`: #pixels of the source.
+    /// Pixels, as indices into the window, at which a moving layer folds over itself and something of it is visible; of a part, which
+    /// is continued beyond what it moves, two of its surfaces. `alpha`: #pixels of the source.
     pub(super) fn folded_pixels(&self, moving_layer: usize, alpha: Option<&[f32]>) -> BTreeSet<usize> {
+        let surfaces: Vec<&WarpedLayer> =
+            self.layers.iter().filter(|layer| layer.moving_layer == moving_layer).collect();
         let of_layer = |layer: &WarpedLayer| -> Vec<usize> {
             let folded = layer.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
             let pixels = folded.map(|index| layer.window.pixel_at(index));
-            let shown = pixels.filter(|&pixel| self.is_visible(layer, pixel, alpha));
+            let least = if layer.group.is_some() { 2 } else { 1 };
+            let seen = |pixel: [i32; 2]| surfaces.iter().filter(|own| self.is_visible(own, pixel, alpha)).count();
+            let shown = pixels.filter(|&pixel| self.is_visible(layer, pixel, alpha) && seen(pixel) >= least);
             shown.filter_map(|pixel| self.window.place_of(pixel)).collect()
         };
-        self.layers.iter().filter(|layer| layer.moving_layer == moving_layer).flat_map(of_layer).collect()
+        surfaces.iter().copied().flat_map(of_layer).collect()
     }
 
     /// Whether a layer shows something of the picture at a pixel.

@@ -46,17 +46,32 @@ pub(super) fn assign_coverage(
         let matte = moving_layer.matte.expect("only the background has no matte");
         mattes.push(matte_coverage(table, (moving_layer.name, matte), region)?);
     }
-    composite.holdout = holdout(&mattes[1..]);
+    let is_all = |layer: &MovingLayer| layer.matte.is_some_and(Matte::is_all);
+    let taken = mattes.iter().zip(moving_layers).skip(1).filter(|(_, layer)| !is_all(layer));
+    composite.holdout = holdout(taken.map(|(matte, _)| matte));
     composite.overlap = overlap(&mattes, moving_layers, composite.source);
-    let is_all_moved = moving_layers.iter().skip(1).any(|layer| matches!(layer.matte, Some(Matte::Alpha)));
+    let is_all_moved = moving_layers.iter().any(is_all);
     mattes[0].coverage = match &composite.holdout {
         _ if is_all_moved => Some(vec![0.0; composite.source.area()]),
         Some(holdout) => Some(holdout.iter().map(|held_out| 1.0 - held_out).collect()),
         None => None,
     };
-    let layer = |(moving_layer, matte)| WarpedLayer { moving_layer, matte, window: composite.source, map: None };
+    let source = composite.source;
+    let layer = |(moving_layer, matte): (usize, MatteCoverage)| {
+        let covered = matte.coverage.as_ref().filter(|_| moving_layer > 0);
+        let reach = covered.map_or(source, |coverage| bounds(coverage, source).grown(1).intersection(source));
+        let group = group_of(moving_layers, moving_layer);
+        WarpedLayer { moving_layer, group, matte, reach, window: source, map: None }
+    };
     composite.layers = mattes.into_iter().enumerate().map(layer).collect();
     Ok(())
+}
+
+/// The first of the parts of the same layer.
+fn group_of(moving_layers: &[MovingLayer], index: usize) -> Option<usize> {
+    let is_part = |layer: &MovingLayer| matches!(layer.matte, Some(Matte::Part { .. }));
+    let own = moving_layers.get(index).filter(|layer| is_part(layer))?;
+    moving_layers.iter().position(|layer| is_part(layer) && layer.name == own.name)
 }
 
 /// The data window after a map: all pixels that show something of the source. A plate that fills its frame keeps its
@@ -159,8 +174,8 @@ pub(super) fn assign_map(composites: &mut [Composite], moving_layer: usize, map:
 }
 
 /// The summed coverage of layers with a matte, at most 1: mattes of one picture share its pixels among them.
-fn holdout(mattes: &[MatteCoverage]) -> Option<Vec<f32>> {
-    let mut coverages = mattes.iter().filter_map(|matte| matte.coverage.as_ref());
+fn holdout<'a>(mattes: impl Iterator<Item = &'a MatteCoverage>) -> Option<Vec<f32>> {
+    let mut coverages = mattes.filter_map(|matte| matte.coverage.as_ref());
     let mut sum = coverages.next()?.clone();
     for coverage in coverages {
         sum.iter_mut().zip(coverage).for_each(|(sum, coverage)| *sum = (*sum + coverage).min(1.0));

@@ -27,6 +27,14 @@ impl Coverage {
         self.window.place_of(own).map_or(0.0, |place| self.samples[place])
     }
 
+    /// As much of it as other coverage of the same frame holds.
+    #[must_use]
+    pub fn within(&self, other: &Self) -> Self {
+        let samples = self.samples.iter().enumerate();
+        let samples = samples.map(|(place, sample)| sample * other.at(self.window.pixel_at(place), self.frame));
+        Self { samples: samples.collect(), ..self.clone() }
+    }
+
     /// The same over a window of a picture of that size, #pixels. A pixel outside the frame has what the nearest one inside has.
     #[must_use]
     pub fn over(&self, window: PixelRect, size: FrameSize) -> Vec<f32> {

@@ -6,7 +6,7 @@
 //! layer over layer as colour (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters).
 
 use super::composite::{Composite, WarpedLayer};
-use super::disjoint_over::Occlusion;
+use super::disjoint_over::{Occlusion, Run};
 use super::filter::{BAND, bands, footprint_bounds, footprint_taps};
 use super::resampler::ResampleContext;
 use super::uniform_regions::UniformRegions;
@@ -75,27 +75,35 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
     scratch.ranks.clear();
     scratch.ranks.resize(2 * matte.ranks.len(), 0.0);
     scratch.coverage.clear();
+    let own = composite.window.place_of(at).expect("pixels of the composite lie in its window");
     let mut visible = 1.0;
-    for (layer, transmittance) in composite.layers.iter().zip(&occlusion.transmittance).rev() {
-        let Some(place) = layer.window.place_of(at) else { continue };
-        find_taps(composite, (from.uniform, layer), (place, at), &mut scratch.taps);
-        if let [(index, 1.0)] = scratch.taps[..]
-            && composite.layers.len() == 1
-        {
-            matte.copy(index, &mut scratch.ranks);
-            return;
+    for Run { layers, transmittance: of_all } in occlusion.runs.iter().rev() {
+        let of_parts = of_all.as_ref().map(|factors| visible * factors[own]);
+        for index in layers.clone().rev() {
+            let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
+            let Some(place) = layer.window.place_of(at) else { continue };
+            find_taps(composite, (from.uniform, layer), (place, at), &mut scratch.taps);
+            if let [(index, 1.0)] = scratch.taps[..]
+                && composite.layers.len() == 1
+            {
+                matte.copy(index, &mut scratch.ranks);
+                return;
+            }
+            for &(index, weight) in &scratch.taps {
+                matte.add(composite, layer, (index, weight * visible), &mut scratch.coverage);
+            }
+            visible *= transmittance.get(place).copied().unwrap_or(0.0);
+            if visible <= 0.0 {
+                break;
+            }
         }
-        for &(index, weight) in &scratch.taps {
-            matte.add(composite, layer, (index, weight * visible), &mut scratch.coverage);
-        }
-        visible *= transmittance.get(place).copied().unwrap_or(0.0);
+        visible = of_parts.unwrap_or(visible);
         if visible <= 0.0 {
             break;
         }
     }
     if let Some(holes) = &occlusion.holes {
-        let place = composite.window.place_of(at).expect("pixels of the composite lie in its window");
-        matte.fill(place, holes[place], &mut scratch.coverage);
+        matte.fill(own, holes[own], &mut scratch.coverage);
     }
     scratch.coverage.write(&mut scratch.ranks);
     limit(&mut scratch.ranks);
@@ -139,12 +147,13 @@ impl CryptomatteRanks<'_> {
         let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
         for [ids, coverages] in &self.ranks {
             let id = MatteId::from_sample(ids[index]);
-            let part = self.part_by_id(composite, layer, id).unwrap_or(of_layer);
+            let share = layer.matte.share.as_ref().map_or(1.0, |share| share[index]);
+            let part = self.part_by_id(composite, layer, id).map_or(of_layer, |part| part * share);
             coverage.add(id, coverages[index] * weight * part);
         }
     }
 
-    /// Whether a layer has an id, 1 or 0: known where its matte is selected from this very Cryptomatte.
+    /// Whether a layer, with all of its parts, has an id, 1 or 0: known where its matte is selected from this very Cryptomatte.
     fn part_by_id(&self, composite: &Composite, layer: &WarpedLayer, id: MatteId) -> Option<f32> {
         let holds = |layer: &WarpedLayer| {
             let (name, ids) = layer.matte.selection.as_ref()?;

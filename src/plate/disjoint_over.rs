@@ -11,6 +11,7 @@ use super::composite::{Composite, WarpedLayer};
 use super::resampler::Resampling;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Pixels that a task takes.
 pub(super) const BATCH: usize = 1 << 14;
@@ -24,10 +25,22 @@ const GROUP: usize = 8;
 /// What layers hide of each other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Occlusion {
-    /// A layer each: #pixels of the layer's window, the factor for everything below it; empty for the lowest.
+    /// A layer each: #pixels of the layer's window, the factor for everything below it, of a part for the parts below it; empty for the
+    /// lowest.
     pub(super) transmittance: Vec<Vec<f32>>,
+    /// The layers that lie over what is behind as one, from back to front.
+    pub(super) runs: Vec<Run>,
     /// #pixels of the composite: how much of a pixel nothing covers though something was there; `None`: no layer left.
     pub(super) holes: Option<Vec<f32>>,
+}
+
+/// One layer, or the parts of one.
+#[derive(Clone, Debug)]
+pub(super) struct Run {
+    /// Indices of the layers.
+    pub(super) layers: Range<usize>,
+    /// Of parts: #pixels of the composite, the factor for everything below them; `None`: that of the only layer counts.
+    pub(super) transmittance: Option<Vec<f32>>,
 }
 
 /// What a layer shows of itself: #pixels of its window each, 0 to 1.
@@ -40,53 +53,109 @@ struct Shown {
 
 /// Occlusion in a composite. `alpha`: #pixels of the source, the coverage of its colour; `None`: it is 1.
 pub(super) fn occlusion(composite: &Composite, alpha: Option<&[f32]>, by: Resampling) -> Occlusion {
-    let Some(holdout) = &composite.holdout else {
-        return occlusion_without_holdout(composite, alpha, by);
-    };
-    let held_out = resampled(composite, composite.background(), &[Cow::Borrowed(holdout)], by).swap_remove(0);
-    let mut filled: Vec<f32> = held_out.par_iter().map(|held_out| 1.0 - held_out.clamp(0.0, 1.0)).collect();
-    let mut factors = vec![Vec::new()];
-    for (index, layer) in composite.background_folds().iter().enumerate() {
-        let Shown { mut coverage, opacity } = shown(composite, layer, alpha, by);
-        each_pixel(composite, layer, &mut filled, &mut coverage, |_, filled, coverage| {
-            *filled = (*filled + *coverage).min(1.0);
-        });
-        factors.extend((index > 0).then(|| transmitted(opacity)));
+    let mut filled = composite.holdout.as_ref().map(|holdout| not_held_out(composite, holdout, by));
+    let mut transmittance = background(composite, (alpha, by), filled.as_mut());
+    let matted = composite.runs_from(transmittance.len());
+    let alone = |index: usize| Run { layers: index..index + 1, transmittance: None };
+    let mut runs: Vec<Run> = (0..transmittance.len()).map(alone).collect();
+    for layers in matted {
+        if composite.layers[layers.start].group.is_some() {
+            let (factors, of_all) = parts(composite, layers.clone(), (alpha, by));
+            transmittance.extend(factors);
+            let factor = over_all(of_all, filled.as_mut());
+            runs.push(Run { layers, transmittance: Some(factor) });
+        } else {
+            let layer = &composite.layers[layers.start];
+            let shown = shown(composite, layer, alpha, by);
+            transmittance.push(match &mut filled {
+                None => transmitted(shown.opacity),
+                Some(filled) => over_filled(composite, layer, &shown, filled),
+            });
+            runs.push(Run { layers, transmittance: None });
+        }
     }
-    if factors.len() <= composite.background_folds().len() {
-        factors.push(transmitted(shown(composite, composite.background(), alpha, by).opacity));
-    }
-    factors.extend(composite.matted_layers().iter().map(|layer| {
-        let Shown { coverage, opacity } = shown(composite, layer, alpha, by);
-        let mut factors = vec![1.0; layer.window.area()];
-        each_pixel(composite, layer, &mut filled, &mut factors, |at, filled, factor| {
-            *factor = transmittance(*filled, coverage[at], opacity[at]);
-            *filled = (*filled + coverage[at]).min(1.0);
-        });
-        factors
-    }));
-    let holes = filled.iter().map(|filled| 1.0 - filled).collect();
-    Occlusion { transmittance: factors, holes: Some(holes) }
+    let holes = filled.map(|filled| filled.iter().map(|filled| 1.0 - filled).collect());
+    Occlusion { transmittance, runs, holes }
 }
 
-fn occlusion_without_holdout(composite: &Composite, alpha: Option<&[f32]>, by: Resampling) -> Occlusion {
-    let above = composite.layers.iter().skip(1);
+/// The factors of the background and its folds; `filled` becomes what they cover.
+fn background(
+    composite: &Composite,
+    (alpha, by): (Option<&[f32]>, Resampling),
+    filled: Option<&mut Vec<f32>>,
+) -> Vec<Vec<f32>> {
+    let folds = composite.background_folds();
+    if let Some(filled) = filled {
+        for layer in folds {
+            let mut coverage = shown(composite, layer, alpha, by).coverage;
+            each_pixel(composite, layer, filled, &mut coverage, |_, filled, coverage| {
+                *filled = (*filled + *coverage).min(1.0);
+            });
+        }
+    }
+    let above = composite.layers[..=folds.len()].iter().skip(1);
     let factors = above.map(|layer| transmitted(shown(composite, layer, alpha, by).opacity));
-    Occlusion { transmittance: std::iter::once(Vec::new()).chain(factors).collect(), holes: None }
+    std::iter::once(Vec::new()).chain(factors).collect()
+}
+
+/// The factor of a layer over what is filled below it, which it fills too.
+fn over_filled(composite: &Composite, layer: &WarpedLayer, shown: &Shown, filled: &mut [f32]) -> Vec<f32> {
+    let Shown { coverage, opacity } = shown;
+    let mut factors = vec![1.0; layer.window.area()];
+    each_pixel(composite, layer, filled, &mut factors, |at, filled, factor| {
+        *factor = transmittance(*filled, coverage[at], opacity[at]);
+        *filled = (*filled + coverage[at]).min(1.0);
+    });
+    factors
+}
+
+/// The factors of parts among themselves, and what they show together: #pixels of the composite.
+fn parts(
+    composite: &Composite,
+    layers: Range<usize>,
+    (alpha, by): (Option<&[f32]>, Resampling),
+) -> (Vec<Vec<f32>>, Shown) {
+    let empty = || vec![0.0; composite.window.area()];
+    let mut all = Shown { coverage: empty(), opacity: empty() };
+    let mut factor = |layer: &WarpedLayer| {
+        let mut own = shown(composite, layer, alpha, by);
+        let factors = over_filled(composite, layer, &own, &mut all.coverage);
+        each_pixel(composite, layer, &mut all.opacity, &mut own.opacity, |at, all, own| {
+            *all = *all * factors[at] + *own;
+        });
+        factors
+    };
+    (composite.layers[layers].iter().map(&mut factor).collect(), all)
+}
+
+/// The factor of parts together.
+fn over_all(Shown { coverage, opacity }: Shown, filled: Option<&mut Vec<f32>>) -> Vec<f32> {
+    let Some(filled) = filled else { return transmitted(opacity) };
+    let pixels = filled.par_iter_mut().zip(coverage).zip(opacity).with_min_len(BATCH);
+    let factor = |((filled, coverage), opacity): ((&mut f32, f32), f32)| {
+        let factor = transmittance(*filled, coverage, opacity);
+        *filled = (*filled + coverage).min(1.0);
+        factor
+    };
+    pixels.map(factor).collect()
+}
+
+/// How much of every pixel the background has, before layers come in front of it.
+fn not_held_out(composite: &Composite, holdout: &[f32], by: Resampling) -> Vec<f32> {
+    let source = Planes { window: composite.source, planes: vec![holdout] };
+    let held_out = resampled(composite.background(), &source, by).swap_remove(0);
+    held_out.par_iter().map(|held_out| 1.0 - held_out.clamp(0.0, 1.0)).collect()
 }
 
 fn shown(composite: &Composite, layer: &WarpedLayer, alpha: Option<&[f32]>, by: Resampling) -> Shown {
-    let ones;
     let coverage = match &layer.matte.coverage {
-        Some(coverage) => coverage,
-        None => {
-            ones = vec![1.0; composite.source.area()];
-            &ones
-        }
+        Some(coverage) => layer.reached(composite, coverage),
+        None => Cow::Owned(vec![1.0; layer.reach.area()]),
     };
     let mut planes = vec![Cow::Borrowed(&coverage[..])];
-    planes.extend(alpha.map(|alpha| Cow::Owned(weighted(alpha, coverage))));
-    let mut seen = resampled(composite, layer, &planes, by);
+    planes.extend(alpha.map(|alpha| Cow::Owned(weighted(&layer.reached(composite, alpha), &coverage))));
+    let source = Planes { window: layer.reach, planes: planes.iter().map(|plane| &plane[..]).collect() };
+    let mut seen = resampled(layer, &source, by);
     seen.iter_mut().for_each(|plane| plane.iter_mut().for_each(|sample| *sample = sample.clamp(0.0, 1.0)));
     let opacity = if alpha.is_some() { seen.swap_remove(1) } else { seen[0].clone() };
     Shown { coverage: seen.swap_remove(0), opacity }
@@ -105,36 +174,65 @@ pub(super) fn colors(
 
 fn color_group(composite: &Composite, planes: &[Cow<[f32]>], occlusion: &Occlusion, by: Resampling) -> Vec<Vec<f32>> {
     let mut result: Option<Vec<Vec<f32>>> = None;
-    for (layer, transmittance) in composite.layers.iter().zip(&occlusion.transmittance) {
-        let covered: Vec<Cow<[f32]>> = match &layer.matte.coverage {
-            Some(coverage) => planes.iter().map(|plane| Cow::Owned(weighted(plane, coverage))).collect(),
-            None => planes.iter().map(|plane| Cow::Borrowed(&plane[..])).collect(),
+    for Run { layers, transmittance: of_all } in &occlusion.runs {
+        let Some(of_all) = of_all else {
+            lay(composite, (layers.start, planes), occlusion, by, &mut result);
+            continue;
         };
-        let seen = resampled(composite, layer, &covered, by);
-        match &mut result {
-            None if layer.window == composite.window => result = Some(seen),
-            None => {
-                let spread = |plane: &Vec<f32>| layer.window.over(plane, composite.window, 0.0);
-                result = Some(seen.iter().map(spread).collect());
-            }
-            Some(result) => {
-                for (plane, mut seen) in result.iter_mut().zip(seen) {
-                    each_pixel(composite, layer, plane, &mut seen, |at, below, above| {
-                        *below = over(*above, *below, transmittance[at]);
-                    });
-                }
-            }
+        let mut own = Some(vec![vec![0.0; composite.window.area()]; planes.len()]);
+        layers.clone().for_each(|index| lay(composite, (index, planes), occlusion, by, &mut own));
+        let Some(result) = &mut result else {
+            result = own;
+            continue;
+        };
+        for (below, above) in result.iter_mut().zip(own.into_iter().flatten()) {
+            let pixels = below.par_iter_mut().zip(above).zip(of_all).with_min_len(BATCH);
+            pixels.for_each(|((below, above), transmittance)| *below = over(above, *below, *transmittance));
         }
     }
     result.unwrap_or_default()
 }
 
+/// Lays a layer over what is there.
+fn lay(
+    composite: &Composite,
+    (index, planes): (usize, &[Cow<[f32]>]),
+    occlusion: &Occlusion,
+    by: Resampling,
+    result: &mut Option<Vec<Vec<f32>>>,
+) {
+    let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
+    let reached = planes.iter().map(|plane| layer.reached(composite, plane));
+    let covered: Vec<Cow<[f32]>> = match &layer.matte.coverage {
+        Some(coverage) => {
+            let coverage = layer.reached(composite, coverage);
+            reached.map(|plane| Cow::Owned(weighted(&plane, &coverage))).collect()
+        }
+        None => reached.collect(),
+    };
+    let source = Planes { window: layer.reach, planes: covered.iter().map(|plane| &plane[..]).collect() };
+    let seen = resampled(layer, &source, by);
+    match result {
+        None if layer.window == composite.window => *result = Some(seen),
+        None => {
+            let spread = |plane: &Vec<f32>| layer.window.over(plane, composite.window, 0.0);
+            *result = Some(seen.iter().map(spread).collect());
+        }
+        Some(result) => {
+            for (plane, mut seen) in result.iter_mut().zip(seen) {
+                each_pixel(composite, layer, plane, &mut seen, |at, below, above| {
+                    *below = over(*above, *below, transmittance[at]);
+                });
+            }
+        }
+    }
+}
+
 /// Planes of the source in a layer's window.
-fn resampled(composite: &Composite, layer: &WarpedLayer, planes: &[Cow<[f32]>], by: Resampling) -> Vec<Vec<f32>> {
-    let source = Planes { window: composite.source, planes: planes.iter().map(|plane| &plane[..]).collect() };
+fn resampled(layer: &WarpedLayer, source: &Planes, by: Resampling) -> Vec<Vec<f32>> {
     match &layer.map {
-        Some(map) => by.seen(map, &source),
-        None => planes.iter().map(|plane| composite.source.over(plane, layer.window, 0.0)).collect(),
+        Some(map) => by.seen(map, source),
+        None => source.planes.iter().map(|plane| source.window.over(plane, layer.window, 0.0)).collect(),
     }
 }
 

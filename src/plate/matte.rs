@@ -25,6 +25,8 @@ pub(super) struct MatteRegion<'a> {
 pub(super) struct MatteCoverage {
     /// #pixels of the window, 0 to 1; `None`: everything.
     pub(super) coverage: Option<Vec<f32>>,
+    /// The share of it that a part of a layer has, #pixels of the window; `None`: all.
+    pub(super) share: Option<Vec<f32>>,
     /// Where names of a Cryptomatte select it: the Cryptomatte's name, and the ids.
     pub(super) selection: Option<(String, BTreeSet<MatteId>)>,
     /// Names that the plate does not know beside others that it knows; in words.
@@ -61,6 +63,15 @@ pub(super) fn matte_coverage(
         Matte::Cryptomatte { layer: wanted, names } => {
             return cryptomatte_coverage(table, layer, (wanted.as_deref(), names), region);
         }
+        Matte::Part { of, share } => {
+            let whole = matte_coverage(table, (layer, of), region)?;
+            let share = share.over(region.window, table.plate.frame_size());
+            let coverage = match whole.coverage {
+                Some(coverage) => coverage.iter().zip(&share).map(|(coverage, share)| coverage * share).collect(),
+                None => share.clone(),
+            };
+            return Ok(MatteCoverage { coverage: Some(coverage), share: Some(share), ..whole });
+        }
     };
     Ok(MatteCoverage { coverage: Some(coverage), ..MatteCoverage::default() })
 }
@@ -89,6 +100,7 @@ pub(super) fn check_matte(table: &ChannelTable, layer: &str, matte: &Matte) -> R
     let view = table.entries.first().and_then(|entry| entry.name.view.as_deref());
     match matte {
         Matte::Alpha | Matte::Drawn(_) => Ok(()),
+        Matte::Part { of, .. } => check_matte(table, layer, of),
         Matte::Channel(channel) | Matte::Id { channel, .. } => find(table, layer, channel, view).map(drop),
         Matte::Cryptomatte { layer: wanted, names } => select(table, layer, (wanted.as_deref(), names), view).map(drop),
     }
@@ -116,6 +128,7 @@ fn cryptomatte_coverage(
     let missing = format!("layer \"{layer}\": not in {}: {}", matte.name, unknown.join("; "));
     Ok(MatteCoverage {
         coverage: Some(of_picture(table, summed_coverage(table, &matte, &ids, region.window), region)),
+        share: None,
         selection: Some((matte.name, ids)),
         warning: (!unknown.is_empty()).then_some(missing),
     })

@@ -39,8 +39,11 @@ pub(super) fn warped_motion(
     (visible, moving_layers): (&[VisibleSample], &[MovingLayer]),
     frame: FrameSize,
 ) -> [Vec<f32>; 2] {
-    let of_layer = |layer| Displacements::of(layer, vectors.semantic, (frame, composite.source));
-    let displacements: Vec<Displacements> = moving_layers.iter().map(of_layer).collect();
+    let of_layer = |(index, layer)| {
+        let window = composite.reach(index);
+        Displacements::of(layer, vectors.semantic, (frame, window))
+    };
+    let displacements: Vec<Displacements> = moving_layers.iter().enumerate().map(of_layer).collect();
     let warped = |seen: &VisibleSample| -> (f32, f32) {
         match *seen {
             VisibleSample::Sample { layer, index } => {
@@ -96,7 +99,7 @@ impl MotionVectors<'_> {
             return stored;
         }
         let there = DVec2::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y);
-        let change = displacements.there(there) - displacements.here(index);
+        let change = displacements.there(there) - displacements.here([x, y]);
         if !change.is_finite() || change.length() < LEAST {
             return stored;
         }
@@ -128,8 +131,8 @@ impl<'a> Displacements<'a> {
     }
 
     /// At the centre of a pixel, in this frame.
-    fn here(&self, index: usize) -> DVec2 {
-        offset(&self.now, index)
+    fn here(&self, pixel: [i32; 2]) -> DVec2 {
+        self.now.window.place_of(pixel).map_or(DVec2::NAN, |index| offset(&self.now, index))
     }
 
     /// At any place, in the other frame: Catmull-Rom between pixels, the field itself around the picture.

@@ -133,9 +133,26 @@ pub enum Matte {
     },
     /// Coverage that was drawn for this frame.
     Drawn(Arc<Coverage>),
+    /// The share that one of several parts, which move by themselves, has of what a layer moves. Those of all parts of a layer sum to 1.
+    Part {
+        /// What the layer moves: [`Self::Alpha`]: all that is there.
+        of: Box<Matte>,
+        /// The part's share of every pixel.
+        share: Arc<Coverage>,
+    },
 }
 
 impl Matte {
+    /// Nothing of the picture stays behind.
+    #[must_use]
+    pub fn is_all(&self) -> bool {
+        match self {
+            Self::Alpha => true,
+            Self::Part { of, .. } => of.is_all(),
+            _ => false,
+        }
+    }
+
     /// Whether both take the same pixels of any plate, in whatever order they list ids or names.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {

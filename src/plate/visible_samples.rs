@@ -83,11 +83,27 @@ fn visible_at(composite: &Composite, at: [i32; 2], alpha: Option<&[f32]>) -> Vis
     }
     let mut sum = 0.0;
     let (mut best, mut background): (Option<Candidate>, Option<VisibleSample>) = (None, None);
+    // What the parts of one layer show together, and the first that shows most of it.
+    let mut parts: Option<(usize, f32, f32, VisibleSample)> = None;
     // From the front to the back.
     for (index, layer) in composite.layers.iter().enumerate().rev() {
         let Some(candidate) = candidate(composite, (index, layer), at, alpha) else { continue };
         if candidate.opacity >= HALF {
             return candidate.sample;
+        }
+        if let Some(group) = layer.group {
+            parts = Some(match parts {
+                Some((own, all, most, seen)) if own == group && candidate.opacity <= most => {
+                    (own, all + candidate.opacity, most, seen)
+                }
+                Some((own, all, _, _)) if own == group => {
+                    (own, all + candidate.opacity, candidate.opacity, candidate.sample)
+                }
+                _ => (group, candidate.opacity, candidate.opacity, candidate.sample),
+            });
+            if let Some((.., seen)) = parts.filter(|(_, all, ..)| *all >= HALF) {
+                return seen;
+            }
         }
         // The background needs no alpha: its samples say what is there where nothing is.
         if layer.moving_layer == 0 && candidate.coverage >= HALF {

@@ -17,7 +17,7 @@ use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
 /// Frame in which spout and handle are pulled the most, and one on the way there.
-const FRAMES: [i32; 2] = [8, 12];
+pub(super) const FRAMES: [i32; 2] = [8, 12];
 
 /// How much a group of channels may differ inside of things.
 struct Limits {
@@ -45,13 +45,13 @@ fn teapot() -> Shot {
 }
 
 /// As it is, but nothing moves.
-fn still(shot: &Shot) -> Shot {
+pub(super) fn still(shot: &Shot) -> Shot {
     let mut still = shot.clone();
     still.layers.iter_mut().for_each(|layer| layer.strength = 0.0);
     still
 }
 
-fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
+pub(super) fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
     shot.output.path = folder.join("f.####.exr");
     let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
     let options = RenderOptions { frames: FRAMES.into(), device: DeviceChoice::Cpu, ..RenderOptions::default() };
@@ -60,13 +60,13 @@ fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
     frames(folder, "f")
 }
 
-fn frames(folder: &Path, name: &str) -> Vec<Frame> {
+pub(super) fn frames(folder: &Path, name: &str) -> Vec<Frame> {
     let path = |frame: i32| folder.join(format!("{name}.{frame:04}.exr"));
     FRAMES.iter().map(|&frame| read_exr(&path(frame)).expect("a frame")).collect()
 }
 
 /// The plates of a folder, warped by a shot.
-fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
+pub(super) fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
     let settings =
         WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), holes, ..WarpSettings::default() };
     let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
@@ -94,7 +94,7 @@ fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
 }
 
 /// A sample by its place in the display window; `None` outside the data window.
-fn at(frame: &Frame, channel: &str, x: i32, y: i32) -> Option<f32> {
+pub(super) fn at(frame: &Frame, channel: &str, x: i32, y: i32) -> Option<f32> {
     let window = frame.data_window;
     let (column, row) = (u32::try_from(x - window.x).ok()?, u32::try_from(y - window.y).ok()?);
     let is_inside = column < window.width && row < window.height;

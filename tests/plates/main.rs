@@ -4,4 +4,5 @@
 mod assets;
 
 mod agreement;
+mod branches;
 mod real;

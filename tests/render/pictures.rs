@@ -353,8 +353,8 @@ fn where_branches_cannot_be_carried_they_are_refused() {
     let wall = Wall::new();
     let prepared =
         PreparedShot::new(arm_shot(&wall, "branching", [0.1, 0.0], [0.0; 2])).expect("the pictures are there");
-    let told =
-        pinwarp::pipeline::lattices(&prepared, &[1], |_| ()).expect_err("a lattice file has no branches").to_string();
+    let told = pinwarp::pipeline::layer_problem(&prepared, 0, 1.0).expect_err("other methods know no branches");
+    let told = told.to_string();
     assert!(told.contains("branches") && told.contains("topology = \"plain\""), "{told}");
     wall.hang("two.exr", SIZE, drawn(SIZE, "", disc(70.0, 40.0, 9.0)));
     let both = "version = 1\nimage = [\"arm.exr\", \"two.exr\"]\n[[layer]]\nlattice.topology = \"branching\"";

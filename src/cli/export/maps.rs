@@ -7,8 +7,10 @@ use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
-use crate::pipeline::{PreparedShot, Silhouette, Todo, digest_with, refuse_existing};
-use crate::plate::{Field, WarpMap};
+use crate::pipeline::{
+    PreparedShot, Silhouette, Todo, digest_with, fields_of, lattices_of_file, parts_of_file, refuse_existing,
+};
+use crate::plate::{Coverage, Field, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
 use crate::spelling::counted;
@@ -124,7 +126,9 @@ impl Maps {
     pub(super) fn digest(&self, frame: i32) -> String {
         let Self { lattices, size, window, direction, reach, parts, contents, inputs: _ } = self;
         let of_frame = |layer: &LatticeTrack| {
-            format!("{} {:?} {:?}", layer.name, screen(layer).map(|track| track.get(&frame)), layer.wholes.get(&frame))
+            let (own, whole) = (screen(layer).map(|track| track.get(&frame)), layer.wholes.get(&frame));
+            let branches = layer.branches_at(frame).map(|branches| format!("{branches:?}")).unwrap_or_default();
+            format!("{} {own:?} {whole:?}{branches}", layer.name)
         };
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
         digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?} {parts:?}")), contents)
@@ -144,6 +148,9 @@ impl Maps {
     /// The map of a frame: all layers, one after the other as they lie over each other in the shot. Where it folds, what the
     /// silhouette does not have hides nothing that it has.
     pub(super) fn map(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+        if self.lattices.layers.iter().any(|layer| layer.branches_at(frame).is_some()) {
+            return self.map_of_branches(frame, silhouette);
+        }
         if let (Some(layers), Some(silhouette)) = (&self.parts, silhouette.as_deref_mut())
             && let Some(coverage) = silhouette.of_layers(frame, layers)?
         {
@@ -179,6 +186,41 @@ impl Maps {
         Ok(WarpMap::backward_showing(&field, (self.size, self.window), covered))
     }
 
+    /// As [`Self::map`], where lattices branch: every pixel goes with the branch that has most of it.
+    fn map_of_branches(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+        let layers = &self.lattices.layers;
+        let covered = match (&self.parts, silhouette.as_deref_mut()) {
+            (Some(layers), Some(silhouette)) => silhouette.of_layers(frame, layers)?,
+            _ => None,
+        };
+        if covered.is_none() && layers.len() > 1 {
+            bail!("of several layers some branch, and nothing says what each moves; export one at a time (--layer)");
+        }
+        let mut parts = Vec::new();
+        for (index, layer) in layers.iter().enumerate() {
+            let mut own = match silhouette.as_deref() {
+                Some(silhouette) => silhouette.branches(frame, (&layer.name, self.size))?,
+                None => branches_of_track(layer, frame, self.size),
+            };
+            let own = own.take().unwrap_or_else(|| {
+                let lattice = screen(layer).and_then(|track| track.get(&frame)).cloned();
+                let window = self.size.window();
+                let all = Coverage { frame: self.size, window, samples: vec![1.0; window.area()] };
+                vec![(lattice.map_or_else(Field::identity, Field::of_layer), all)]
+            });
+            let covered = covered.as_ref().map(|covered| &covered[index]);
+            parts.extend(own.into_iter().map(|(field, share)| match covered {
+                Some(covered) => (field, share.within(covered)),
+                None => (field, share),
+            }));
+        }
+        let place = (self.size, self.window);
+        Ok(match self.direction {
+            Direction::Backward => WarpMap::backward_of_parts(&parts, place),
+            Direction::Forward => WarpMap::forward_of_parts(&parts, place),
+        })
+    }
+
     /// What of the shot's picture can be seen before the warp: of one layer alone where the maps are of one.
     pub(super) fn silhouette<'a>(&self, prepared: &'a PreparedShot) -> Silhouette<'a> {
         let only = match (self.reach, &self.lattices.layers[..]) {
@@ -211,7 +253,15 @@ fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize
     let index = |track: &LatticeTrack| prepared.shot.layers.iter().position(|layer| layer.name == track.name);
     let of_track = |track: &LatticeTrack| index(track).filter(|&layer| prepared.moves_own_nodes(layer));
     let layers: Option<Vec<usize>> = lattices.layers.iter().map(of_track).collect();
-    layers.filter(|layers| layers.len() > 1)
+    let has_branches = lattices.has_branches();
+    layers.filter(|layers| layers.len() > 1 || has_branches)
+}
+
+/// The branches of a track of a file, where nothing else is known.
+fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<Vec<(Field, Coverage)>> {
+    let (listed, branches) = track.branches_at(frame)?;
+    let lattices = lattices_of_file(branches, &screen(track)?.get(&listed)?.grid);
+    Some(fields_of(parts_of_file(branches, lattices, None, size)))
 }
 
 fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {

@@ -23,6 +23,10 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let written = stmap::write(args, (&maps, prepared.as_deref()), &pattern)?;
     replace_text(&output, &text)?;
     stmap::told(&pattern, &written)?;
+    for layer in maps.lattices.layers.iter().filter(|layer| !layer.branches.is_empty()) {
+        let text = "branches: its grid holds the largest branch only, the STMap all of them";
+        writeln!(io::stderr(), "note: layer '{}' {text}", layer.name)?;
+    }
     let grids = counted(maps.lattices.layers.len(), "grid", "grids");
     writeln!(io::stdout(), "wrote {}: an STMap and {grids} (GridWarp3, not verified in Nuke)", output.display())?;
     Ok(Outcome::Complete)

@@ -84,8 +84,13 @@ mod tests {
     fn the_map_is_read_relative_to_the_script_and_the_plate_is_the_first_input() {
         let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
         let track = Track::Screen(BTreeMap::from([(7, grid.at_rest())]));
-        let layers =
-            vec![LatticeTrack { name: "left arm".into(), track, placements: BTreeMap::new(), wholes: BTreeMap::new() }];
+        let layers = vec![LatticeTrack {
+            name: "left arm".into(),
+            track,
+            placements: BTreeMap::new(),
+            branches: BTreeMap::new(),
+            wholes: BTreeMap::new(),
+        }];
         let lattices = &LatticeFile { frame_aspect: 2.0, rate: 24.0, layers };
         let stmap = "a.stmap.####.exr".to_owned();
         let text = script(&NukeScene { lattices, stmap, frames: [7, 7], size: FrameSize::new(200, 100) });

@@ -10,6 +10,7 @@ use crate::image::cryptomatte::clean_name;
 use crate::plate::{Matte, WarpSettings, coverage_of, mattes_of_names};
 use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
 use crate::shot::{LayerSpace, Source, Unmatted};
+use crate::solve::Topology;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -36,7 +37,7 @@ pub(super) struct FoundMattes {
 
 impl PreparedShot {
     /// Whether a layer that names no matte takes its own nodes out of a plate: something moves it, and the shot has a scene with
-    /// more in it than they.
+    /// more in it than they. A lattice that branches would tear what surrounds the model, so its layer always does.
     pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
         let settings = &self.shot.layers[layer];
         let is_moved = !settings.pins.is_empty() || !settings.handles.is_empty() || settings.transfer.is_some();
@@ -45,7 +46,8 @@ impl PreparedShot {
             && matches!(settings.space, LayerSpace::Screen { .. })
             && settings.matte.is_none()
             && settings.unmatted == Unmatted::OwnNodes
-            && (self.assignment.is_sharing[layer]
+            && (settings.settings.topology == Topology::Branching
+                || self.assignment.is_sharing[layer]
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }
 

@@ -41,9 +41,6 @@ impl Plan {
     pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
         let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
-        if let PlateWarp::Shot(prepared) = &job.warp {
-            check_plain(prepared, "a warp of finished frames")?;
-        }
         let sequence = |path: &PathBuf| SequencePath::parse(path);
         let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
         let clean = if let Holes::Plate(clean) = &job.settings.holes { Some(sequence(clean)?) } else { None };
@@ -222,6 +219,9 @@ fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineEr
 
 /// What mattes took apart cannot be put together again, since what lay behind is gone.
 fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
+    if let (PlateWarp::Shot(prepared), WarpDirection::Inverse) = (&job.warp, job.direction) {
+        check_plain(prepared, "a warp that is undone")?;
+    }
     let is_matted = match &job.warp {
         PlateWarp::Shot(prepared) => {
             layers.iter().any(|&layer| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer))

@@ -2,10 +2,10 @@
 //!
 //! In: a [`PreparedShot`]. Out: the [`Coverage`] of a frame: the model of a scene, the alpha of pictures or of a plate.
 
-use super::super::{PipelineError, PreparedShot};
+use super::super::{Exposure, PipelineError, PreparedShot, fields_of};
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
-use crate::plate::{Coverage, color_layers};
+use crate::plate::{Coverage, Field, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
 use crate::space::FrameSize;
 
@@ -57,6 +57,22 @@ impl<'a> Silhouette<'a> {
         let Some(scene) = &mut self.scene else { return Ok(None) };
         let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
         Ok(layers.iter().map(|&layer| of_render(&drawn, size, Some(layer))).collect())
+    }
+
+    /// The branches of a layer at a frame's own time, from back to front: where each goes and what it has of the unwarped picture, which
+    /// they share among them; `None` where its lattice has none.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    pub fn branches(
+        &self,
+        frame: i32,
+        (layer, size): (&str, FrameSize),
+    ) -> Result<Option<Vec<(Field, Coverage)>>, PipelineError> {
+        let Some(index) = self.prepared.shot.layers.iter().position(|own| own.name == layer) else { return Ok(None) };
+        let sample = self.prepared.sample_at(f64::from(frame))?;
+        let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));
+        Ok(parts.map(fields_of))
     }
 
     /// The alpha of the shot's plate, where that is there and has one.

@@ -2,8 +2,8 @@
 //!
 //! In: [`Loaded`] frames. Out: [`Warped`] ones.
 
-use super::super::PipelineError;
 use super::super::time_sample::ScreenWarp;
+use super::super::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
 use super::heads::check_shape;
@@ -11,9 +11,11 @@ use super::plan::Plan;
 use super::read::{Loaded, Pictures};
 use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
-use crate::export::{Track, lattice_at};
+use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
-use crate::plate::{Field, Holes, LayerJob, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
+use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
+use crate::solve::Solution;
+use crate::space::FrameSize;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -39,6 +41,29 @@ impl MovedLayer {
     fn is_still(&self) -> bool {
         self.now.is_none() && self.around.iter().flatten().all(Option::is_none)
     }
+}
+
+/// The parts that the branches of a track cut out of a plate; `None`: its lattice has none in that frame. In neighbouring frames that
+/// have other branches parts count as in this one.
+fn file_parts(
+    track: &LatticeTrack,
+    (frame, has_around): (i32, bool),
+    strength: f64,
+    size: FrameSize,
+) -> Option<Vec<BranchPart>> {
+    let Track::Screen(lattices) = &track.track else { return None };
+    let of_frame = |frame: i32| {
+        let (frame, branches) = track.branches_at(frame)?;
+        let lattices = lattices_of_file(branches, &lattices.get(&frame)?.grid);
+        Some((branches, lattices.iter().map(|lattice| lattice.with_strength(strength)).collect::<Vec<_>>()))
+    };
+    let (branches, lattices) = of_frame(frame)?;
+    let beside = |frame: i32| {
+        let other = of_frame(frame).filter(|(other, _)| other.list.len() == branches.list.len());
+        other.map_or_else(|| lattices.clone(), |(_, lattices)| lattices)
+    };
+    let around = has_around.then(|| [beside(frame - 1), beside(frame + 1)]);
+    Some(parts_of_file(branches, lattices, around, size))
 }
 
 impl<'a> Stage<'a> {
@@ -108,7 +133,13 @@ impl<'a> Stage<'a> {
             Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &settings))?,
             _ => FoundMattes::default(),
         };
-        let layers = moved.into_iter().map(|moved| self.layer_job(moved, &found)).collect();
+        let mut layers = Vec::with_capacity(moved.len());
+        for moved in moved {
+            match self.parts(frame, &moved, size)? {
+                Some(parts) => layers.extend(self.part_jobs(moved.layer, parts, &found)),
+                None => layers.push(self.layer_job(moved, &found)),
+            }
+        }
         if self.job.direction == WarpDirection::Inverse {
             let job = PlateJob { layers, settings: &settings, fill: None };
             let (warped, report) = self.warper.undo(plate, &job, plate.reach())?;
@@ -133,6 +164,42 @@ impl<'a> Stage<'a> {
             MovedLayer { layer, now, around }
         });
         Ok(layers.filter(|layer| !layer.is_still()).collect())
+    }
+
+    /// The parts of a layer whose lattice branches in a frame.
+    fn parts(&self, frame: i32, moved: &MovedLayer, size: FrameSize) -> Result<Option<Vec<BranchPart>>, PipelineError> {
+        let prepared = match &self.job.warp {
+            PlateWarp::Shot(prepared) => prepared,
+            PlateWarp::Lattices { file, strength, .. } => {
+                return Ok(file_parts(&file.layers[moved.layer], (frame, moved.around.is_some()), *strength, size));
+            }
+            PlateWarp::Maps(_) => return Ok(None),
+        };
+        let now = prepared.mid_exposure(frame)?;
+        let has_branches = |solution: &Solution<2>| solution.branches.is_some();
+        if !now.layers[moved.layer].solution.as_ref().is_some_and(has_branches) {
+            return Ok(None);
+        }
+        let around = match &moved.around {
+            Some(_) => Some([prepared.mid_exposure(frame - 1)?, prepared.mid_exposure(frame + 1)?]),
+            None => None,
+        };
+        let around = around.as_ref().map(|around| around.each_ref().map(|sample| &**sample));
+        Ok(prepared.branch_parts(moved.layer, (&now, around), (size, Exposure::Shutter)))
+    }
+
+    /// What warps a plate for the parts of a layer, from back to front.
+    fn part_jobs(&self, layer: usize, parts: Vec<BranchPart>, found: &FoundMattes) -> Vec<LayerJob> {
+        let (name, matte) = self.job.warp.layer(layer);
+        let whole = matte.or_else(|| found.mattes.get(&layer)).unwrap_or(&Matte::Alpha);
+        let job = |BranchPart { lattice, around, share }: BranchPart| {
+            let around =
+                around.map(|around| around.map(|lattice| Some(lattice.map_or_else(Field::identity, Field::of_layer))));
+            let [previous, next] = around.unwrap_or_default();
+            let matte = Some(Matte::Part { of: Box::new(whole.clone()), share });
+            LayerJob { name: name.to_owned(), field: Field::of_layer(lattice), previous, next, matte }
+        };
+        parts.into_iter().map(job).collect()
     }
 
     /// What warps a plate for a layer.

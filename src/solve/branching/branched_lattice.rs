@@ -2,19 +2,12 @@
 //!
 //! In: a [`Branching`] and moved copies. Out: places of points of the shape, lattices to draw with.
 
+use super::continuation::continued;
 use super::{Branching, handles_of_cell};
 use crate::lattice::{Folds, Grid, Lattice};
-use crate::solve::cancel::Cancel;
-use crate::solve::linalg::factorization::Factorization;
-use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::problem::PointPin;
-use crate::solve::second_differences::bend;
-use crate::solve::settings::Scaling;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Weight of known handles beside second differences, where unknown ones are extrapolated.
-const KNOWN: f64 = 1e6;
 
 /// A solved lattice with branches, the largest first.
 #[derive(Clone, Debug)]
@@ -63,6 +56,12 @@ impl<const D: usize> BranchedLattice<D> {
         cuts.iter().zip(&pieces.of_cuts).map(move |(cut, &piece)| (branch_of[piece], cut.polygon.corners()))
     }
 
+    /// The same, each with the index of the triangle that it is a part of.
+    pub fn pieces_of_triangles(&self) -> impl Iterator<Item = (usize, usize, &[[f64; D]])> {
+        let triangles = self.branching.cuts.iter().map(|cut| cut.triangle);
+        triangles.zip(self.pieces()).map(|(triangle, (branch, corners))| (triangle, branch, corners))
+    }
+
     /// The branch of a triangle of the shape at a point of it.
     ///
     /// # Panics
@@ -86,23 +85,30 @@ impl<const D: usize> BranchedLattice<D> {
     /// The lattice of a branch; handles that do not act on it continue it smoothly (least second differences).
     #[must_use]
     pub fn extended_lattice(&self, branch: usize) -> Lattice<D> {
-        let mut lattice = self.lattice(branch);
-        let rows = bend(&lattice.grid, Scaling::Plain);
-        let mut normal = NormalMatrix::zero(lattice.handles.len(), rows.bandwidth());
-        rows.add_normal(1.0, &mut normal, &Cancel::never());
-        let mut extended = vec![[0.0; D]; lattice.handles.len()];
-        let known = self.branching.branches[branch].iter().map(Option::is_some).enumerate();
-        for (handle, _) in known.clone().filter(|(_, is_known)| *is_known) {
-            normal.add(handle, handle, KNOWN);
-            extended[handle] = lattice.handles[handle].map(|x| KNOWN * x);
-        }
-        if let Some(factor) = Factorization::new(&normal, &Cancel::never()) {
-            factor.solve(&mut extended);
-            for (handle, _) in known.filter(|(_, is_known)| !is_known) {
-                lattice.handles[handle] = extended[handle];
+        continued(&self.branching.grid, &self.handles_of(branch))
+    }
+
+    /// The handles that act on a branch, #handles; `None`: one that does not.
+    #[must_use]
+    pub fn handles_of(&self, branch: usize) -> Vec<Option<[f64; D]>> {
+        self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
+    }
+
+    /// The part of the shape at rest that belongs to each branch, as convex polygons: triangles, and pieces of those that belong to
+    /// several.
+    #[must_use]
+    pub fn regions(&self) -> Vec<Vec<Vec<[f64; D]>>> {
+        let mut regions = vec![Vec::new(); self.branch_count()];
+        let pieces: Vec<_> = self.pieces_of_triangles().collect();
+        for own in pieces.chunk_by(|one, other| one.0 == other.0) {
+            let (triangle, branch, _) = own[0];
+            if own.iter().all(|piece| piece.1 == branch) {
+                regions[branch].push(self.branching.triangles[triangle].to_vec());
+            } else {
+                own.iter().for_each(|&(_, branch, corners)| regions[branch].push(corners.to_vec()));
             }
         }
-        lattice
+        regions
     }
 
     /// Where a point goes that lies on a triangle of the shape.
@@ -111,14 +117,23 @@ impl<const D: usize> BranchedLattice<D> {
         self.evaluate_in(self.branch_at(triangle, point), point)
     }
 
-    /// Where a point goes that lies on one of a run of triangles of the shape; points outside the box go with the nearest box point.
+    /// The branch at a point that lies on one of a run of triangles of the shape.
     ///
     /// # Panics
     /// Where the run is empty, or the shape does not have all of it.
     #[must_use]
-    pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
+    pub fn branch_within(&self, triangles: Range<usize>, point: [f64; D]) -> usize {
         assert!(triangles.start < triangles.end && triangles.end <= self.branching.triangles.len(), "{triangles:?}");
-        self.evaluate_in(self.branching.branch_of(self.branching.piece_at(triangles, &point)), point)
+        self.branching.branch_of(self.branching.piece_at(triangles, &point))
+    }
+
+    /// Where a point goes that lies on one of a run of triangles of the shape; points outside the box go with the nearest box point.
+    ///
+    /// # Panics
+    /// As [`Self::branch_within`].
+    #[must_use]
+    pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
+        self.evaluate_in(self.branch_within(triangles, point), point)
     }
 
     /// The same lattice with every copy a share of its way from rest: 0 is the lattice at rest.

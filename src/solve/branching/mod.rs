@@ -9,6 +9,7 @@
 mod adjacency;
 mod bending;
 mod branched_lattice;
+mod continuation;
 mod copies;
 mod cuts;
 mod disjoint_sets;
@@ -22,6 +23,7 @@ mod support_box;
 mod terms;
 
 pub use branched_lattice::BranchedLattice;
+pub use continuation::continued;
 pub use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
 pub use rest_links::{nearest_link, surface_links};

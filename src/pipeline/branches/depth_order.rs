@@ -1,0 +1,103 @@
+//! Which parts lie in front of which after the warp.
+//!
+//! In: the lattice of each label, what every pixel shows before the warp. Out: labels from back to front.
+
+use super::drawn_pieces::{Front, NOTHING};
+use crate::lattice::ScreenLattice;
+use crate::space::{FrameSize, ImagePoint, PixelRect};
+use std::collections::HashMap;
+
+/// About as many pixels are followed.
+const FOLLOWED: f64 = 250_000.0;
+
+/// Surfaces whose pixels are this near each other before the warp, in cells, hang together: which is in front says nothing.
+const BESIDE: i32 = 4;
+
+/// Surfaces whose nearness differs by less than this share lie at one distance, as those of a drawing do.
+const SAME: f64 = 1e-5;
+
+/// Those that are in front in more places where both land come later; of such as never meet, the one with the smaller index is behind.
+pub(super) fn from_back_to_front(
+    lattices: &[ScreenLattice],
+    (front, window, frame): (&[Front], PixelRect, FrameSize),
+) -> Vec<usize> {
+    let wins = wins(lattices, (front, window, frame));
+    let mut left: Vec<usize> = (0..lattices.len()).collect();
+    let mut order = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        // How much of the others it would wrongly lie behind.
+        let wrong = |&label: &usize| -> i64 {
+            let net = |&other: &usize| wins.get(&[label, other]).copied().unwrap_or(0).max(0);
+            left.iter().map(net).sum()
+        };
+        let place = (0..left.len()).min_by_key(|&place| wrong(&left[place])).unwrap_or(0);
+        order.push(left.remove(place));
+    }
+    order
+}
+
+/// In how many more cells the first of two labels is in front of the second.
+fn wins(
+    lattices: &[ScreenLattice],
+    (front, window, frame): (&[Front], PixelRect, FrameSize),
+) -> HashMap<[usize; 2], i64> {
+    let step = (front.len() as f64 / FOLLOWED).sqrt().ceil().max(1.0) as usize;
+    let width = window.width as usize;
+    let cell = 2.0 * step as f64;
+    let mut cells: HashMap<[i32; 2], Vec<(Front, [i32; 2])>> = HashMap::new();
+    let rows = (0..front.len() / width.max(1)).step_by(step);
+    for place in rows.flat_map(|row| (0..width).step_by(step).map(move |column| row * width + column)) {
+        let seen = front[place];
+        if seen.label == NOTHING {
+            continue;
+        }
+        let [x, y] = window.pixel_at(place);
+        let from = frame.screen_from_image(ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
+        let to = frame.image_from_screen(lattices[seen.label as usize].warp(from)).0;
+        if to.is_finite() {
+            let [column, row] = [to.x, to.y].map(|x| (x / cell).floor() as i32);
+            cells.entry([column, row]).or_default().push((seen, [x, y].map(|x| x / cell as i32)));
+        }
+    }
+    let mut wins: HashMap<[usize; 2], i64> = HashMap::new();
+    for landed in cells.values() {
+        for (index, (one, from)) in landed.iter().enumerate() {
+            for (other, there) in &landed[index + 1..] {
+                let apart = (from[0] - there[0]).abs().max((from[1] - there[1]).abs());
+                let gap = (one.nearness - other.nearness).abs();
+                let is_level = gap <= SAME * one.nearness.abs().max(other.nearness.abs());
+                if one.label == other.label || is_level || apart <= BESIDE {
+                    continue;
+                }
+                let (near, far) = if one.nearness > other.nearness { (one, other) } else { (other, one) };
+                let [near, far] = [near, far].map(|seen| seen.label as usize);
+                *wins.entry([near, far]).or_default() += 1;
+                *wins.entry([far, near]).or_default() -= 1;
+            }
+        }
+    }
+    wins
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::{Basis, Grid};
+
+    /// A row of eight pixels of two labels; the second moves over the first.
+    #[test]
+    fn what_is_nearer_is_in_front_and_of_equals_the_first_is_behind() {
+        let frame = FrameSize::new(64, 64);
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+        let mut moved = grid.at_rest();
+        moved.handles.iter_mut().for_each(|handle| handle[0] -= 0.5);
+        let lattices = [grid.at_rest(), moved];
+        let order = |nearness: [f64; 2]| {
+            let label = |place: usize| usize::from(place % 64 >= 32);
+            let front = |place: usize| Front { label: label(place) as u32, nearness: nearness[label(place)] };
+            let front: Vec<Front> = (0..64 * 64).map(front).collect();
+            from_back_to_front(&lattices, (&front, frame.window(), frame))
+        };
+        assert_eq!([order([1.0, 2.0]), order([2.0, 1.0]), order([1.0 + 1e-9, 1.0])], [[0, 1], [1, 0], [0, 1]]);
+    }
+}

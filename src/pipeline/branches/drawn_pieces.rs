@@ -1,0 +1,169 @@
+//! Draws the pieces of a layer: which one each pixel of the unwarped picture shows.
+//!
+//! In: [`LabelledPiece`]s, a time. Out: labels, and how near what they show is. What is transparent counts as opaque.
+
+use super::super::{PreparedShot, TimeSample};
+use super::labels::{LabelledPiece, mixed};
+use crate::screen::{primitive, project};
+use crate::space::{FrameSize, PixelRect, ScreenPoint};
+use glam::Vec2;
+
+/// No piece is seen.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Front {
+    /// [`NOTHING`], or a place in the list of labels.
+    pub(super) label: u32,
+    /// Greater is nearer; linear on the screen.
+    pub(super) nearness: f64,
+}
+
+/// The pieces of a layer, and the scene that they are of.
+pub(super) struct DrawnPieces<'a> {
+    pub(super) prepared: &'a PreparedShot,
+    pub(super) now: &'a TimeSample,
+    pub(super) pieces: &'a [LabelledPiece],
+    pub(super) size: FrameSize,
+}
+
+/// A convex polygon in pixels of the frame.
+struct Polygon {
+    label: u32,
+    /// x to the right, y down, nearness.
+    corners: Vec<[f64; 3]>,
+}
+
+/// The pieces at a time.
+pub(super) struct PlacedPieces {
+    time: f64,
+    polygons: Vec<Polygon>,
+}
+
+impl DrawnPieces<'_> {
+    /// Where they lie at a time, in front of the near plane and facing the camera.
+    pub(super) fn at(&self, time: f64) -> PlacedPieces {
+        let (pose, camera) = self.prepared.view(time);
+        let mesh = project(&pose, &camera);
+        let near = camera.near();
+        let polygon = |piece: &LabelledPiece| {
+            let vertices = &mesh.parts[piece.part].vertices;
+            let ends = piece.corners.map(|corner| vertices[corner as usize]);
+            let places: Vec<_> = piece.outline.iter().map(|&weights| mixed(&ends, weights)).collect();
+            let is_seen =
+                places.iter().all(|place| place.w > 0.0 && place.depth >= near * 0.999 && place.h.is_finite());
+            if !is_seen {
+                return None;
+            }
+            let posed = &self.now.pose.parts[piece.part];
+            let source = primitive(&self.prepared.scene, posed);
+            let [a, b, c] = ends.map(|end| end.point().0);
+            let is_front = ((b - a).perp_dot(c - a) > 0.0) != posed.is_mirrored;
+            let all_seen = ends.iter().all(|end| end.w > 0.0);
+            if all_seen && !is_front && !self.prepared.scene.materials[source.material].double_sided {
+                return None;
+            }
+            let corner = |place: &crate::screen::Projected| {
+                let at = self.size.image_from_screen(place.point()).0;
+                let nearness = if camera.is_parallel() { -place.depth } else { 1.0 / place.w };
+                [at.x, at.y, nearness]
+            };
+            Some(Polygon { label: piece.label, corners: places.iter().map(corner).collect() })
+        };
+        PlacedPieces { time, polygons: self.pieces.iter().filter_map(polygon).collect() }
+    }
+}
+
+impl PlacedPieces {
+    /// Of polygons of the screen: label, nearness, corners.
+    pub(super) fn of_screen(polygons: impl Iterator<Item = (u32, f64, Vec<[f64; 2]>)>, size: FrameSize) -> Self {
+        let polygon = |(label, nearness, corners): (u32, f64, Vec<[f64; 2]>)| {
+            let corner = |[x, y]: [f64; 2]| {
+                let at = size.image_from_screen(ScreenPoint::new(x, y)).0;
+                [at.x, at.y, nearness]
+            };
+            Polygon { label, corners: corners.into_iter().map(corner).collect() }
+        };
+        Self { time: 0.0, polygons: polygons.map(polygon).collect() }
+    }
+
+    pub(super) const fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The pixels that they may cover, with some around for what is shifted.
+    pub(super) fn window(&self) -> PixelRect {
+        let corners = self.polygons.iter().flat_map(|polygon| &polygon.corners);
+        let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let (low, high) = corners.fold(start, |(low, high), corner| {
+            (std::array::from_fn(|d| low[d].min(corner[d])), std::array::from_fn(|d| high[d].max(corner[d])))
+        });
+        if low[0] > high[0] {
+            return PixelRect::default();
+        }
+        let limit = |x: f64| x.clamp(-1e6, 1e6);
+        let (low, high) = (low.map(|x| limit(x.floor() - 2.0) as i32), high.map(|x| limit(x.ceil() + 2.0) as i32));
+        PixelRect { x: low[0], y: low[1], width: (high[0] - low[0]) as u32, height: (high[1] - low[1]) as u32 }
+    }
+
+    /// The label of every pixel of a window, the picture shifted by some pixels.
+    pub(super) fn labels(&self, window: PixelRect, shift: Vec2) -> Vec<u32> {
+        self.front(window, shift).into_iter().map(|front| front.label).collect()
+    }
+
+    /// What every pixel of a window shows at its centre, the picture shifted by some pixels, x right, y down.
+    pub(super) fn front(&self, window: PixelRect, shift: Vec2) -> Vec<Front> {
+        let mut seen = vec![Front { label: NOTHING, nearness: f64::NEG_INFINITY }; window.area()];
+        let origin = [f64::from(window.x) + 0.5 - f64::from(shift.x), f64::from(window.y) + 0.5 - f64::from(shift.y)];
+        let (width, height) = (window.width as usize, window.height as usize);
+        for Polygon { label, corners } in &self.polygons {
+            let corners: Vec<[f64; 3]> = corners.iter().map(|&[x, y, z]| [x - origin[0], y - origin[1], z]).collect();
+            let Some(plane) = plane(&corners) else { continue };
+            for row in within(corners.iter().map(|corner| corner[1]), height) {
+                let y = row as f64;
+                let sides = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
+                for column in within(sides.flat_map(|side| crossings(side, y)), width) {
+                    let nearness = plane[0] + plane[1] * column as f64 + plane[2] * y;
+                    let seen = &mut seen[row * width + column];
+                    if nearness > seen.nearness {
+                        *seen = Front { label: *label, nearness };
+                    }
+                }
+            }
+        }
+        seen
+    }
+}
+
+/// Constant and slopes of the nearness over a polygon, from the largest triangle of its fan.
+fn plane(corners: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let first = corners.first()?;
+    let fan = corners.windows(2).skip(1).map(|pair| {
+        let [[ax, ay, az], [bx, by, bz]] =
+            [pair[0], pair[1]].map(|corner| std::array::from_fn(|d| corner[d] - first[d]));
+        let area: f64 = ax * by - ay * bx;
+        (area, [(az * by - bz * ay) / area, (bz * ax - az * bx) / area])
+    });
+    let (area, [across, down]) = fan.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    (area != 0.0).then(|| [first[2] - across * first[0] - down * first[1], across, down])
+}
+
+/// Whole numbers from 0 to below `count` that lie between the least and the greatest of some values.
+fn within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let start = low.ceil().clamp(0.0, count as f64) as usize;
+    start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
+}
+
+/// Where a side meets the line at a height: nowhere, once, or, along the line, at both ends.
+fn crossings([[ax, ay, _], [bx, by, _]]: [[f64; 3]; 2], y: f64) -> impl Iterator<Item = f64> {
+    let both = if y < ay.min(by) || y > ay.max(by) {
+        [None; 2]
+    } else if ay == by {
+        [Some(ax), Some(bx)]
+    } else {
+        [Some(ax + (y - ay) / (by - ay) * (bx - ax)), None]
+    };
+    both.into_iter().flatten()
+}

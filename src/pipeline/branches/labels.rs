@@ -1,0 +1,172 @@
+//! Pieces of the shape of a branching layer, tied to the model, with the branch that each belongs to.
+//!
+//! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
+
+use super::super::part_starts::PartStarts;
+use super::super::{PreparedShot, TimeSample};
+use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
+use crate::solve::BranchedLattice;
+use std::collections::BTreeMap;
+
+/// What moves as one in a frame, and in the frames around where those count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Label {
+    /// The branch now.
+    pub(super) now: usize,
+    /// In the frames before and after; `None`: nothing branches there, or it does not count.
+    pub(super) around: [Option<usize>; 2],
+}
+
+/// A convex piece of a triangle of the model.
+#[derive(Clone, Debug)]
+pub(super) struct LabelledPiece {
+    /// Place in the list of labels.
+    pub(super) label: u32,
+    /// Index into the pose's parts.
+    pub(super) part: usize,
+    /// Vertices of the triangle.
+    pub(super) corners: [u32; 3],
+    /// Barycentric coordinates of the corners of the piece.
+    pub(super) outline: Vec<[f64; 3]>,
+}
+
+/// The pieces of a layer.
+pub(super) struct LabelledPieces {
+    /// Every label that occurs, by branch: the largest branch first.
+    pub(super) labels: Vec<Label>,
+    pub(super) pieces: Vec<LabelledPiece>,
+}
+
+/// What is left of a triangle of the model.
+struct CutTriangle {
+    part: usize,
+    /// Its number in the part.
+    number: usize,
+    corners: [u32; 3],
+    /// The corners of what is left, as barycentric coordinates, and their homogeneous w.
+    weights: [[f64; 3]; 3],
+    w: [f64; 3],
+    at: [[f64; 2]; 3],
+}
+
+impl LabelledPieces {
+    pub(super) fn of(
+        prepared: &PreparedShot,
+        layer: usize,
+        (now, branches): (&TimeSample, &BranchedLattice<2>),
+        around: Option<[&TimeSample; 2]>,
+    ) -> Self {
+        let triangles = cut_triangles(prepared, now, &now.layers[layer].starts);
+        let others = around.map(|samples| samples.map(|sample| Other::of(sample, layer)));
+        let mut list: BTreeMap<Label, u32> = BTreeMap::new();
+        let mut found = Vec::new();
+        for (triangle, branch, corners) in branches.pieces_of_triangles() {
+            let Some(source) = triangles.get(&triangle) else { continue };
+            let Some(outline) = corners.iter().map(|&corner| source.barycentric(corner)).collect::<Option<Vec<_>>>()
+            else {
+                continue;
+            };
+            let count = outline.len() as f64;
+            let middle = std::array::from_fn(|k| outline.iter().map(|weights| weights[k]).sum::<f64>() / count);
+            let branch_in = |other: &Option<Other>| other.as_ref().and_then(|other| other.branch(source, middle));
+            let label = Label {
+                now: branch,
+                around: others.as_ref().map_or([None; 2], |others| others.each_ref().map(branch_in)),
+            };
+            list.insert(label, 0);
+            found.push((label, source, outline));
+        }
+        (0..).zip(list.values_mut()).for_each(|(number, place)| *place = number);
+        let piece = |(label, source, outline): (Label, &CutTriangle, Vec<[f64; 3]>)| LabelledPiece {
+            label: list[&label],
+            part: source.part,
+            corners: source.corners,
+            outline,
+        };
+        let pieces = found.into_iter().map(piece).collect();
+        Self { labels: list.into_keys().collect(), pieces }
+    }
+}
+
+/// Where the triangles of a layer's shape come from, by their index.
+fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts]) -> BTreeMap<usize, CutTriangle> {
+    let (mesh, near) = (now.mesh(), now.camera.near());
+    let mut all = BTreeMap::new();
+    for PartStarts { part, starts } in starts {
+        let source = primitive(&prepared.scene, &now.pose.parts[*part]);
+        let vertices = &mesh.parts[*part].vertices;
+        for (number, (&corners, run)) in source.triangles.iter().zip(starts.windows(2)).enumerate() {
+            if run[0] == run[1] {
+                continue;
+            }
+            let ends: [Projected; 3] = corners.map(|corner| vertices[corner as usize]);
+            let (cut, count) = clip_near(ends, near);
+            for (index, cut) in (run[0]..run[1]).zip(&cut[..count]) {
+                let weights = cut.map(|corner| corner.barycentric());
+                let places = weights.map(|weights| mixed(&ends, weights));
+                let triangle = CutTriangle {
+                    part: *part,
+                    number,
+                    corners,
+                    weights,
+                    w: places.map(|place| place.w),
+                    at: places.map(|place| place.point().0.to_array()),
+                };
+                all.insert(index as usize, triangle);
+            }
+        }
+    }
+    all
+}
+
+/// A point of a triangle, by its barycentric coordinates.
+pub(super) fn mixed(ends: &[Projected; 3], weights: [f64; 3]) -> Projected {
+    let sum = |of: fn(&Projected) -> f64| (0..3).map(|k| weights[k] * of(&ends[k])).sum::<f64>();
+    Projected { h: (0..3).map(|k| ends[k].h * weights[k]).sum(), w: sum(|end| end.w), depth: sum(|end| end.depth) }
+}
+
+impl CutTriangle {
+    /// Barycentric coordinates, in the triangle of the model, of a point of the screen; `None` where the triangle has no area there.
+    fn barycentric(&self, [x, y]: [f64; 2]) -> Option<[f64; 3]> {
+        let [a, b, c] = self.at;
+        let cross =
+            |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        let whole = cross(a, b, c);
+        if whole == 0.0 {
+            return None;
+        }
+        let point = [x, y];
+        // On the screen; in space each counts less the farther it is.
+        let shares = [cross(point, b, c) / whole, cross(a, point, c) / whole, cross(a, b, point) / whole];
+        let shares: [f64; 3] = std::array::from_fn(|k| shares[k] / self.w[k]);
+        let sum: f64 = shares.iter().sum();
+        let weights = std::array::from_fn(|k| (0..3).map(|j| shares[j] / sum * self.weights[j][k]).sum());
+        (sum != 0.0).then_some(weights)
+    }
+}
+
+/// The branches of a neighbouring frame.
+struct Other<'a> {
+    branches: &'a BranchedLattice<2>,
+    starts: &'a [PartStarts],
+    mesh: std::borrow::Cow<'a, ScreenMesh>,
+}
+
+impl<'a> Other<'a> {
+    /// `None` where nothing branches.
+    fn of(sample: &'a TimeSample, layer: usize) -> Option<Self> {
+        let state = &sample.layers[layer];
+        let branches = state.solution.as_ref()?.branches.as_ref()?;
+        Some(Self { branches, starts: &state.starts, mesh: sample.mesh() })
+    }
+
+    /// The branch of a point of a triangle; `None` where the camera does not see it.
+    fn branch(&self, triangle: &CutTriangle, weights: [f64; 3]) -> Option<usize> {
+        let starts = &self.starts.iter().find(|own| own.part == triangle.part)?.starts;
+        let [start, end] =
+            [triangle.number, triangle.number + 1].map(|k| starts.get(k).map_or(0, |&start| start as usize));
+        let vertices = &self.mesh.parts[triangle.part].vertices;
+        let place = mixed(&triangle.corners.map(|corner| vertices[corner as usize]), weights);
+        (start < end && place.w > 0.0).then(|| self.branches.branch_within(start..end, place.point().0.to_array()))
+    }
+}

@@ -1,0 +1,197 @@
+//! The branches of a layer as parts of a picture: where each goes, how much it has of every pixel, and which lies in front.
+//!
+//! In: a [`PreparedShot`], a solved [`TimeSample`], a layer whose lattice branches. Out: [`BranchPart`]s from back to front. What a
+//! pixel of the unwarped picture shows is found by drawing the pieces of the branches, with the samples and the shutter of a render; a
+//! pixel beside the shape goes with the nearest one inside.
+
+mod depth_order;
+mod drawn_pieces;
+mod labels;
+mod shares;
+
+use super::passes::{PassPlan, mid_shutter, plan_passes};
+use super::{PreparedShot, TimeSample};
+use crate::export::LatticeBranches;
+use crate::lattice::{Grid, ScreenLattice};
+use crate::plate::{Coverage, Field};
+use crate::raster::PassRole;
+use crate::shot::Shutter;
+use crate::solve::{Solution, continued};
+use crate::space::{FrameSize, PixelRect};
+use depth_order::from_back_to_front;
+use drawn_pieces::{DrawnPieces, PlacedPieces};
+use labels::{Label, LabelledPieces};
+use rayon::prelude::*;
+use shares::Shares;
+use std::sync::Arc;
+
+/// A branch, or what of it also hangs together in the frames around.
+#[derive(Clone, Debug)]
+pub(crate) struct BranchPart {
+    /// Where it goes; handles that do not act on it continue it smoothly.
+    pub(crate) lattice: ScreenLattice,
+    /// Where it goes in the frames before and after; `None` where it rests.
+    pub(crate) around: Option<[Option<ScreenLattice>; 2]>,
+    /// Its share of every pixel of the frame; those of all parts sum to 1.
+    pub(crate) share: Arc<Coverage>,
+}
+
+/// When a picture was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exposure {
+    /// One sample of every pixel, at the time of the sample of the scene.
+    Instant,
+    /// With the samples and the shutter of the shot, around the time of the sample.
+    Shutter,
+}
+
+/// What the pieces of a layer show, seen in one picture.
+struct Seen {
+    labels: Vec<Label>,
+    /// One a label.
+    lattices: Vec<ScreenLattice>,
+    /// Labels from back to front.
+    order: Vec<usize>,
+    /// One a label; `None`: nothing of it is seen.
+    shares: Vec<Option<Coverage>>,
+}
+
+impl PreparedShot {
+    /// The parts of a layer in a picture of that size of the unwarped scene, from back to front; `None` where its lattice has no
+    /// branches at that time. `around`: the samples of the frames before and after, where motion is wanted: then a part hangs together
+    /// in all three.
+    pub(crate) fn branch_parts(
+        &self,
+        layer: usize,
+        (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
+        picture: (FrameSize, Exposure),
+    ) -> Option<Vec<BranchPart>> {
+        let Seen { labels, lattices, order, mut shares } = self.seen(layer, (now, around), picture)?;
+        let around =
+            around.map(|samples| samples.map(|sample| sample.layers[layer].solution.as_ref().map(lattices_of)));
+        let lattice_around = |label: &Label| {
+            let lattice = |side: usize, of_side: &Option<Vec<ScreenLattice>>| {
+                of_side.as_ref().map(|lattices| lattices[label.around[side].unwrap_or(0)].clone())
+            };
+            around.as_ref().map(|[before, after]| [lattice(0, before), lattice(1, after)])
+        };
+        let part = |label: usize| {
+            let share = Arc::new(shares[label].take()?);
+            Some(BranchPart { lattice: lattices[label].clone(), around: lattice_around(&labels[label]), share })
+        };
+        Some(order.into_iter().filter_map(part).collect())
+    }
+
+    /// The branches of a layer as a lattice file holds them; `None` where its lattice has none.
+    pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
+        let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
+        let mut regions = branches.regions();
+        let seen = self.seen(layer, (now, None), (self.shot.size, Exposure::Instant));
+        let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
+        // Nothing of it is in the frame: then the largest is behind.
+        let order: Vec<usize> = order.unwrap_or_else(|| (0..branches.branch_count()).collect());
+        let branch = |branch: usize| (branches.handles_of(branch), std::mem::take(&mut regions[branch]));
+        Some(LatticeBranches::of(order.into_iter().map(branch).collect()))
+    }
+
+    fn seen(
+        &self,
+        layer: usize,
+        (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
+        (size, exposure): (FrameSize, Exposure),
+    ) -> Option<Seen> {
+        let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
+        let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, (now, branches), around);
+        let (begin, plan) = self.passes_of(now, exposure);
+        let pieces = DrawnPieces { prepared: self, now, pieces: &pieces, size };
+        // All passes at one time show the same.
+        let mut placed: Vec<PlacedPieces> = Vec::new();
+        let place = |time: f64, placed: &mut Vec<PlacedPieces>| {
+            placed.iter().position(|pieces| pieces.time() == time).unwrap_or_else(|| {
+                placed.push(pieces.at(time));
+                placed.len() - 1
+            })
+        };
+        let planned: Vec<_> = plan.iter().map(|pass| (*pass, place(begin + pass.time_frames, &mut placed))).collect();
+        let of_branches = lattices_of(now.layers[layer].solution.as_ref()?);
+        let lattices: Vec<ScreenLattice> = labels.iter().map(|label| of_branches[label.now].clone()).collect();
+        let (order, shares) = drawn((&placed, &planned), &lattices, size)?;
+        Some(Seen { labels, lattices, order, shares })
+    }
+
+    /// The passes that a picture is made of, and the time that theirs are counted from.
+    fn passes_of(&self, now: &TimeSample, exposure: Exposure) -> (f64, Vec<PassPlan>) {
+        match exposure {
+            Exposure::Instant => (now.frame, plan_passes(1, CLOSED)),
+            Exposure::Shutter => {
+                let shutter = self.shot.shutter;
+                (now.frame - mid_shutter(shutter), plan_passes(self.shot.samples, shutter))
+            }
+        }
+    }
+}
+
+/// The lattices of the branches of a lattice file, over the grid of their frame.
+pub(crate) fn lattices_of_file(branches: &LatticeBranches, grid: &Grid<2>) -> Vec<ScreenLattice> {
+    branches.list.par_iter().map(|branch| continued(grid, &branch.handles)).collect()
+}
+
+/// The parts of a picture that the branches of a lattice file cut out of it, from back to front. `around`: where they go in the frames
+/// before and after.
+pub(crate) fn parts_of_file(
+    branches: &LatticeBranches,
+    lattices: Vec<ScreenLattice>,
+    around: Option<[Vec<ScreenLattice>; 2]>,
+    size: FrameSize,
+) -> Vec<BranchPart> {
+    let polygons = (0..branches.list.len()).flat_map(|branch| {
+        let nearness = branch as f64;
+        branches.polygons(branch).map(move |corners| (branch as u32, nearness, corners))
+    });
+    let placed = [PlacedPieces::of_screen(polygons, size)];
+    let planned: Vec<_> = plan_passes(FILE_SAMPLES, CLOSED).into_iter().map(|pass| (pass, 0)).collect();
+    let Some((_, shares)) = drawn((&placed, &planned), &lattices, size) else { return Vec::new() };
+    let part = |(branch, (lattice, share)): (usize, (ScreenLattice, Option<Coverage>))| {
+        let around = around.as_ref().map(|around| around.each_ref().map(|lattices| lattices.get(branch).cloned()));
+        Some(BranchPart { lattice, around, share: Arc::new(share?) })
+    };
+    lattices.into_iter().zip(shares).enumerate().filter_map(part).collect()
+}
+
+/// Where parts go, and what they have of the picture.
+pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Vec<(Field, Coverage)> {
+    let field = |part: BranchPart| (Field::of_layer(part.lattice), Arc::unwrap_or_clone(part.share));
+    parts.into_iter().map(field).collect()
+}
+
+/// Samples of a pixel where nothing says how many.
+const FILE_SAMPLES: u32 = 16;
+
+const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
+
+/// Labels from back to front, and what each has of every pixel; `None`: nothing is in the frame. `planned`: the moment of each pass.
+fn drawn(
+    (placed, planned): (&[PlacedPieces], &[(PassPlan, usize)]),
+    lattices: &[ScreenLattice],
+    size: FrameSize,
+) -> Option<(Vec<usize>, Vec<Option<Coverage>>)> {
+    let window = placed.iter().map(PlacedPieces::window).reduce(PixelRect::union)?.intersection(size.window());
+    if window.area() == 0 {
+        return None;
+    }
+    let beauty = planned.par_iter().filter(|(pass, _)| pass.role != PassRole::Data);
+    let seen = beauty.map(|(pass, place)| placed[*place].labels(window, pass.jitter_px)).collect::<Vec<_>>();
+    let data = planned.iter().find(|(pass, _)| pass.role != PassRole::Beauty);
+    let front = data.map(|(pass, place)| placed[*place].front(window, pass.jitter_px)).unwrap_or_default();
+    let shares = Shares::of(&seen, (window, size), lattices.len());
+    let order = from_back_to_front(lattices, (&front, window, size));
+    Some((order, (0..lattices.len()).map(|label| shares.of_label(label as u32)).collect()))
+}
+
+/// The lattices of all branches, or the only one.
+fn lattices_of(solution: &Solution<2>) -> Vec<ScreenLattice> {
+    match &solution.branches {
+        Some(branches) => (0..branches.branch_count()).into_par_iter().map(|k| branches.extended_lattice(k)).collect(),
+        None => vec![solution.lattice.clone()],
+    }
+}
