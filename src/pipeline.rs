@@ -56,6 +56,7 @@ mod draw;
 mod geometry_thread;
 mod jerk;
 mod overlay;
+mod overlay_branches;
 mod overlay_legend;
 mod passes;
 mod report;

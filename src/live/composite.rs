@@ -4,11 +4,13 @@
 //! factors are those of plates (`src/plate/disjoint_over.rs`): a sheet covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
+use super::regions::{reach, rect};
 use super::{Render, Warp, take_planes};
-use crate::plate::{Filter, Planes, WarpMap, over, resample_part, transmittance};
+use crate::plate::{Coverage, Field, Filter, Planes, WarpMap, over, resample_part, transmittance};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Samples that a task takes.
 const BATCH: usize = 1 << 12;
@@ -33,15 +35,18 @@ pub(super) struct Compositor<'a> {
     is_straight: bool,
     /// The alpha of the source is not 0 everywhere: then it says what is transparent.
     has_coverage: bool,
+    /// What parts of the picture have of every pixel, from back to front; empty where it moves as one.
+    parts: &'a [(Field, Coverage)],
 }
 
 impl<'a> Compositor<'a> {
     /// `None`: nothing moves, and nothing lies behind.
-    pub(super) fn of(warp: &Warp, job: &'a Render<'a>) -> Option<Self> {
+    pub(super) fn of(warp: &'a Warp, job: &'a Render<'a>) -> Option<Self> {
         if warp.is_identity() && job.background.is_none() {
             return None;
         }
-        let is_blended = job.filter != Filter::Nearest || job.mask.is_some() || job.background.is_some();
+        let is_one = job.mask.is_none() && job.background.is_none() && warp.parts.is_empty();
+        let is_blended = job.filter != Filter::Nearest || !is_one;
         let is_straight = job.source.alpha == Alpha::Straight && is_blended;
         let plain = || job.source.planes.iter().map(|plane| Cow::Borrowed(*plane)).collect();
         let window = job.source.window;
@@ -72,18 +77,17 @@ impl<'a> Compositor<'a> {
         let background = job.background.map(|background| background.associated());
         let alpha = job.source.coverage().map(|alpha| job.source.planes[alpha]);
         let has_coverage = alpha.is_some_and(|alpha| alpha.iter().any(|alpha| *alpha > 0.0));
-        Some(Self { job, source, moved, share, background, is_straight, has_coverage })
+        Some(Self { job, source, moved, share, background, is_straight, has_coverage, parts: &warp.parts })
     }
 
-    /// The pixels of a window within a tile, whose maps are given, front first. Where the warp folds, what is transparent in
+    /// The pixels of a window within a tile, whose maps are given, of each part front first. Where the warp folds, what is transparent in
     /// front does not hide what lies behind. First as many planes as the source has, each
     /// `window.area()` samples, then some that helped to make them.
-    pub(super) fn draw(&self, maps: &[WarpMap], window: PixelRect) -> Vec<Vec<f32>> {
-        let mut maps = maps.iter().map(|map| self.resampled(map, window));
-        let mut drawn = maps.next().unwrap_or_default();
-        if let Some(alpha) = self.job.source.coverage().filter(|_| self.has_coverage) {
-            maps.for_each(|behind| self.put_behind(&mut drawn, &behind, alpha));
-        }
+    pub(super) fn draw(&self, maps: &[Arc<Vec<WarpMap>>], window: PixelRect) -> Vec<Vec<f32>> {
+        let mut drawn = match (self.parts, maps) {
+            ([], [only]) => self.whole(only, window),
+            _ => self.of_parts(maps, window),
+        };
         let (seen, others) = drawn.split_at_mut(self.job.source.planes.len());
         let hidden = match &self.share {
             Some(share) => {
@@ -98,6 +102,72 @@ impl<'a> Compositor<'a> {
             self.divide(seen, hidden, window);
         }
         drawn
+    }
+
+    /// What moves as one.
+    fn whole(&self, maps: &[WarpMap], window: PixelRect) -> Vec<Vec<f32>> {
+        let mut maps = maps.iter().map(|map| self.resampled(map, window));
+        let mut drawn = maps.next().unwrap_or_default();
+        if let Some(alpha) = self.job.source.coverage().filter(|_| self.has_coverage) {
+            maps.for_each(|behind| self.put_behind(&mut drawn, &behind, alpha));
+        }
+        drawn
+    }
+
+    /// The parts of what moves, each over those behind it. Where they hang together their shares sum to 1, and no seam shows.
+    fn of_parts(&self, maps: &[Arc<Vec<WarpMap>>], window: PixelRect) -> Vec<Vec<f32>> {
+        let mut drawn = vec![vec![0.0; window.area()]; self.moved.len()];
+        let mut filled = vec![0.0; window.area()];
+        for ((_, share), maps) in self.parts.iter().zip(maps) {
+            for map in maps.iter().rev() {
+                self.lay_part(share, (map, window), &mut drawn, &mut filled);
+            }
+        }
+        drawn
+    }
+
+    /// Lays what a map shows of a part over what is there.
+    fn lay_part(
+        &self,
+        share: &Coverage,
+        (map, window): (&WarpMap, PixelRect),
+        drawn: &mut [Vec<f32>],
+        filled: &mut [f32],
+    ) {
+        let Some(read) = reach(map, window, self.job.filter) else { return };
+        let read = rect(read).intersection(self.source.window);
+        if read.area() == 0 {
+            return;
+        }
+        let share = share.over(read, self.job.frame);
+        if share.iter().all(|share| *share == 0.0) {
+            return;
+        }
+        let part = |plane: &[f32]| products(&self.source.window.over(plane, read, 0.0), &share);
+        let mut planes: Vec<Vec<f32>> = self.moved.iter().map(|plane| part(plane)).collect();
+        let count = self.job.source.planes.len();
+        planes.push(if self.share.is_some() { planes[count].clone() } else { share.clone() });
+        let mut seen = take_planes(planes.len(), window.area());
+        let planes = Planes { window: read, planes: planes.iter().map(|plane| &plane[..]).collect() };
+        resample_part(map, window, &planes, self.job.filter, &mut seen);
+        let alpha = self.job.source.coverage().filter(|_| self.has_coverage);
+        let is_associated = self.is_straight || self.job.source.alpha == Alpha::Premultiplied;
+        let Some(landed) = seen.pop() else { return };
+        let opacity = alpha.filter(|_| is_associated).map_or(&landed, |alpha| &seen[alpha]);
+        let below: Vec<f32> = (filled.iter().zip(&landed).zip(opacity))
+            .map(|((filled, landed), opacity)| transmittance(*filled, landed.clamp(0.0, 1.0), opacity.clamp(0.0, 1.0)))
+            .collect();
+        for (index, (behind, front)) in drawn.iter_mut().zip(&seen).enumerate() {
+            // The share of what moves is how much it covers, whatever lies below it.
+            let is_share = self.share.is_some() && index == count;
+            for ((behind, front), below) in behind.iter_mut().zip(front).zip(&below) {
+                *behind = if is_share { (*behind + front).min(1.0) } else { over(*front, *behind, *below) };
+            }
+        }
+        filled
+            .iter_mut()
+            .zip(&landed)
+            .for_each(|(filled, landed)| *filled = (*filled + landed.clamp(0.0, 1.0)).min(1.0));
     }
 
     /// What moves, where a map leads it.

@@ -19,7 +19,10 @@ pub(super) enum Goals {
 /// A layer with everything that the controls say; their pins come after its own, and first of all in time.
 pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (OwnPins, f64), goals: Goals) -> Layer {
     let mut layer = layer.clone();
-    if let LayerSpace::Screen { bounds, .. } = layer.space {
+    // A shot that asks for `dims = "auto"` knows better than a parameter.
+    if let LayerSpace::Screen { bounds, .. } = layer.space
+        && !layer.has_auto_dims
+    {
         layer.space = LayerSpace::Screen { dims: controls.dims, bounds };
     }
     layer.basis = controls.basis;

@@ -6,7 +6,7 @@
 use super::key::{Key, KeyWriter};
 use super::process_cache::CACHE;
 use super::{LiveError, Warp};
-use crate::plate::WarpMap;
+use crate::plate::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use std::sync::Arc;
 
@@ -48,14 +48,33 @@ impl MapTile {
         PixelRect { x: column * width as i32, y: row * height as i32, width, height }
     }
 
+    /// The maps of all parts of the picture, from back to front; of one that has none its own.
+    pub(super) fn maps_of_parts(self, warp: &Warp, frame: FrameSize) -> Vec<Arc<Vec<WarpMap>>> {
+        if warp.parts.is_empty() {
+            return vec![self.maps(warp, frame)];
+        }
+        let windows = warp.part_windows(frame);
+        let part = |(index, ((field, _), seen)): (usize, (&(Field, Coverage), &PixelRect))| {
+            if seen.intersection(self.window().grown(RIM)).area() == 0 {
+                return Arc::new(Vec::new());
+            }
+            self.computed((field, KeyWriter::after(warp.key).word(1 + index as u64).finish()), frame)
+        };
+        warp.parts.iter().zip(windows.iter()).enumerate().map(part).collect()
+    }
+
     /// Where its pixels come from, and those of a rim around it: in front, then what lies behind where the warp folds
     /// ([`WarpMap::backward_preimages`]).
     pub(super) fn maps(self, warp: &Warp, frame: FrameSize) -> Arc<Vec<WarpMap>> {
+        self.computed((&warp.field, warp.key), frame)
+    }
+
+    fn computed(self, (field, key): (&Field, Key), frame: FrameSize) -> Arc<Vec<WarpMap>> {
         let window = self.window().grown(RIM);
-        let compute = || Ok::<_, LiveError>(WarpMap::backward_preimages(&warp.field, frame, window));
+        let compute = || Ok::<_, LiveError>(WarpMap::backward_preimages(field, frame, window));
         CACHE
             .maps
-            .get(self.key(warp.key, frame), compute)
+            .get(self.key(key, frame), compute)
             .unwrap_or_else(|_| Arc::new(vec![WarpMap::identity(frame, window)]))
     }
 

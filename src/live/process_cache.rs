@@ -24,7 +24,7 @@ const SCENES: usize = 8;
 pub(super) const SOLVER_BYTES: usize = 1 << 27;
 /// Sets of pins that were cast onto a surface.
 const CASTS: usize = 256;
-/// Solved warps: a few KB each.
+/// Solved warps: a few KB each; those with parts weigh more.
 const WARPS: usize = 4096;
 /// Last warps over alphas.
 const SHOWN_WARPS: usize = 64;
@@ -32,6 +32,8 @@ const SHOWN_WARPS: usize = 64;
 const MAP_BYTES: usize = 1 << 27;
 /// Regions: hosts ask for the same one many times.
 const REGIONS: usize = 4096;
+/// Warps with parts.
+const PART_WINDOWS: usize = 256;
 
 /// What is kept.
 pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(|| ProcessCache {
@@ -40,10 +42,11 @@ pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(|| ProcessCache 
     scenes: Cache::new(SCENES, |_| 1),
     solvers: Cache::new(SOLVER_BYTES, PreparedSolver::bytes),
     casts: Cache::new(CASTS, |_| 1),
-    warps: Cache::new(WARPS, |_| 1),
+    warps: Cache::new(WARPS, Warp::weight),
     shown_warps: Cache::new(SHOWN_WARPS, |_| 1),
     maps: Cache::new(MAP_BYTES, |maps: &Vec<WarpMap>| bytes_of_maps(maps)),
     regions: Cache::new(REGIONS, |_| 1),
+    part_windows: Cache::new(PART_WINDOWS, |_| 1),
 });
 
 /// The caches, in the order in which a frame asks for them.
@@ -66,12 +69,15 @@ pub(super) struct ProcessCache {
     pub(super) maps: Cache<Vec<WarpMap>>,
     /// Regions of definition and interest.
     pub(super) regions: Cache<PixelRect>,
+    /// Where the parts of a picture can be seen.
+    pub(super) part_windows: Cache<Vec<PixelRect>>,
 }
 
 impl ProcessCache {
     /// Lets go of all but the few warps that handles are drawn with: without a render they cannot be computed again.
     pub(super) fn purge(&self) {
-        let Self { shots, files_beside, scenes, solvers, casts, warps, shown_warps: _, maps, regions } = self;
+        let Self { shots, files_beside, scenes, solvers, casts, warps, shown_warps: _, maps, regions, part_windows } =
+            self;
         shots.clear();
         files_beside.clear();
         scenes.clear();
@@ -80,6 +86,7 @@ impl ProcessCache {
         warps.clear();
         maps.clear();
         regions.clear();
+        part_windows.clear();
     }
 }
 

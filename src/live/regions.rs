@@ -6,15 +6,19 @@ use super::key::{Key, KeyWriter};
 use super::map_tiles::MapTile;
 use super::process_cache::CACHE;
 use super::{LiveError, Warp};
-use crate::plate::{Filter, WarpMap};
+use crate::plate::{Coverage, Field, Filter, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Samples around a picture's edge that its filter may spread to, in pixels of the result.
 pub(super) const SOFT_EDGE: u32 = 3;
 
 /// Samples on each side that a filter reads where little is squeezed.
 const WIDEST: u32 = 8;
+
+/// What parts can show is no question of a host.
+const PARTS: u64 = u64::MAX;
 
 /// Where pixels are looked at one by one: the frame and as much again on every side. Hosts ask for "everywhere", too.
 pub(super) fn around(frame: FrameSize) -> PixelRect {
@@ -32,7 +36,8 @@ impl Warp {
         let key = self.region_key((0, frame), window);
         let found = CACHE.regions.get(key, || {
             let near = window.intersection(around(frame));
-            let seen = if near.area() == 0 { near } else { self.field.warped_window(frame, near) };
+            let windows = self.fields().map(|field| field.warped_window(frame, near));
+            let seen = if near.area() == 0 { near } else { windows.reduce(PixelRect::union).unwrap_or(near) };
             let seen = if seen.area() == 0 { seen } else { seen.grown(SOFT_EDGE) };
             Ok::<_, LiveError>(if near == window { seen } else { seen.union(self.carried(frame, window)) })
         });
@@ -50,7 +55,8 @@ impl Warp {
             let near = window.intersection(around(frame));
             let reaches = MapTile::all_of(frame, near).into_iter().filter_map(|tile| {
                 let window = tile.window().intersection(near);
-                tile.maps(self, frame).iter().filter_map(|map| reach(map, window, filter)).reduce(union)
+                let maps = tile.maps_of_parts(self, frame);
+                maps.iter().flat_map(|maps| maps.iter()).filter_map(|map| reach(map, window, filter)).reduce(union)
             });
             let read = reaches.reduce(union).map_or(PixelRect { width: 0, height: 0, ..window }, rect);
             Ok::<_, LiveError>(if near == window { read } else { read.union(self.carried(frame, window)) })
@@ -58,9 +64,40 @@ impl Warp {
         found.map_or(window, |found| *found)
     }
 
+    /// The pixels that each part can show something in, from back to front.
+    pub(super) fn part_windows(&self, frame: FrameSize) -> Arc<Vec<PixelRect>> {
+        let key = self.region_key((PARTS, frame), PixelRect::default());
+        let found = CACHE.part_windows.get(key, || {
+            let seen = |(field, share): &(Field, Coverage)| {
+                let scale = [
+                    f64::from(frame.width) / f64::from(share.frame.width),
+                    f64::from(frame.height) / f64::from(share.frame.height),
+                ];
+                let own = share.window;
+                // What lies beyond the frame goes with the nearest part.
+                let is_at_edge = own.grown(1).intersection(share.frame.window()) != own.grown(1);
+                let start = [own.x, own.y].map(f64::from);
+                let end = [start[0] + f64::from(own.width), start[1] + f64::from(own.height)];
+                let low = [0, 1].map(|axis| (start[axis] * scale[axis]).floor() as i32 - 1);
+                let high = [0, 1].map(|axis| (end[axis] * scale[axis]).ceil() as i32 + 1);
+                let window = PixelRect {
+                    x: low[0],
+                    y: low[1],
+                    width: (high[0] - low[0]) as u32,
+                    height: (high[1] - low[1]) as u32,
+                };
+                let window = if is_at_edge { around(frame) } else { window };
+                field.warped_window(frame, window).grown(SOFT_EDGE)
+            };
+            Ok::<_, LiveError>(self.parts.iter().map(seen).collect())
+        });
+        found.unwrap_or_default()
+    }
+
     /// A window and all around it that a pixel can go: far from the frame nobody looks closer.
     fn carried(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
-        let most = self.field.max_displacement() * f64::from(frame.height) / frame.pixel_aspect.min(1.0);
+        let most = self.fields().map(Field::max_displacement).fold(0.0, f64::max) * f64::from(frame.height)
+            / frame.pixel_aspect.min(1.0);
         window.grown((most.ceil().clamp(0.0, 1e5) as u32).saturating_add(WIDEST))
     }
 
@@ -72,14 +109,14 @@ impl Warp {
 }
 
 /// Left, top, right and bottom of what is read, in pixels.
-type Reach = [f32; 4];
+pub(super) type Reach = [f32; 4];
 
-fn union(a: Reach, b: Reach) -> Reach {
+pub(super) fn union(a: Reach, b: Reach) -> Reach {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 /// What the pixels of a window within a map read; `None`: nothing.
-fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
+pub(super) fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
     let rows = (window.y..window.y + window.height as i32).into_par_iter();
     let of_row = |y: i32| {
         let first = map.window.place_of([window.x, y])?;
@@ -113,7 +150,7 @@ fn footprint(map: &WarpMap, index: usize, filter: Filter) -> [f32; 2] {
 }
 
 /// The pixels around a reach of places; a sample beside the last for rounding.
-fn rect([left, top, right, bottom]: Reach) -> PixelRect {
+pub(super) fn rect([left, top, right, bottom]: Reach) -> PixelRect {
     let (x, y) = (left.floor() as i32 - 1, top.floor() as i32 - 1);
     let size = |from: i32, to: f32| (to.ceil() as i32 + 2).saturating_sub(from).max(0) as u32;
     PixelRect { x, y, width: size(x, right), height: size(y, bottom) }

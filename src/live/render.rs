@@ -86,7 +86,8 @@ pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync)
             return Err(LiveError::Aborted);
         }
         // Threads that draw parts of the same tiles wait here for each other's maps.
-        let maps: Vec<_> = tiles.iter().map(|tile| compositor.is_some().then(|| tile.maps(warp, job.frame))).collect();
+        let maps: Vec<_> =
+            tiles.iter().map(|tile| compositor.is_some().then(|| tile.maps_of_parts(warp, job.frame))).collect();
         tiles.par_iter().zip(maps).for_each(|(tile, maps)| {
             let window = tile.window().intersection(job.window);
             let mut planes = match (&compositor, maps) {

@@ -13,7 +13,8 @@ use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::lattice::Support;
 use crate::memory;
-use crate::pipeline::{LayerTask, PinAnchor, PipelineError, PreparedShot, check_plain};
+use crate::pipeline::{Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, fields_of};
+use crate::plate::{Coverage, Field};
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
@@ -58,7 +59,7 @@ pub fn warp_until(
         let Some(prepared) = &base.prepared else {
             return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
         };
-        let task = Task { prepared, index: base.layer, controls, shape };
+        let task = Task { prepared, index: base.layer, controls, shape, size: frame };
         let ready = CACHE.solvers.get_until(solver_key, &given_up, || task.prepare(base_key, &cancel))?;
         given_up().map_or(Ok(()), Err)?;
         task.solve(&ready, key, &cancel)
@@ -136,12 +137,17 @@ fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
     Err(LiveError::Aspect { path: shape.path.clone(), wanted, found: frame.aspect(), hint })
 }
 
+/// The parts of a picture, and what their shape covers of it.
+type Shares = (Vec<(Field, Coverage)>, Coverage);
+
 /// One layer, driven by controls.
 struct Task<'a> {
     prepared: &'a PreparedShot,
     index: usize,
     controls: &'a Controls,
     shape: &'a ShapeSource<'a>,
+    /// Of the picture.
+    size: FrameSize,
 }
 
 impl Task<'_> {
@@ -169,7 +175,6 @@ impl Task<'_> {
     }
 
     fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
-        check_plain(self.prepared, "a plugin")?;
         let layer = self.layer(Goals::AtRest);
         self.check_handles(&layer)?;
         self.check_memory()?;
@@ -241,6 +246,8 @@ impl Task<'_> {
             (Moved::Picture, ShapeSource::Frame | ShapeSource::Shot(_), None)
         );
         let field = state.field(is_whole).unwrap_or_default();
+        let (parts, state) = self.parts(state)?;
+        let (parts, covered) = parts.map_or_else(Default::default, |(parts, covered)| (parts, Some(covered)));
         let given_way = state.whole.iter().flat_map(|whole| whole.given_way.iter().copied()).collect::<Vec<_>>();
         let (lattice, report) = match state.solution {
             Some(solution) => (solution.lattice, Some(solution.report)),
@@ -248,14 +255,15 @@ impl Task<'_> {
         };
         let own = layer.pins.len() - self.controls.pins.len();
         let rests = &layer_solver.rests()[own..];
+        let warp = Warp { field, parts, covered, lattice: Some(lattice), report, ..Warp::nothing("", key) };
         let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
             rest: rest.point,
             target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),
-            moved: field.carry(rest.point),
+            moved: warp.carry(rest.point, self.size),
             presence: rest.presence,
         });
         let mut warnings = ready.warnings.clone();
-        warnings.extend(report.iter().flat_map(|report| report.warnings.iter().cloned().map(Warning::Text)));
+        warnings.extend(warp.report.iter().flat_map(|report| report.warnings.iter().cloned().map(Warning::Text)));
         warnings.extend(given_way.into_iter().map(|(pin, by)| Warning::BorderGivesWay { pin, by }));
         let acting = state.pins.iter().map(|pin| match pin.pin.checked_sub(own) {
             Some(index) => ActingPin::OfControls(index),
@@ -263,7 +271,18 @@ impl Task<'_> {
         });
         let acting = acting.collect();
         let pins = pins.collect();
-        Ok(Warp { field, lattice: Some(lattice), pins, report, warnings, acting, key })
+        Ok(Warp { pins, warnings, acting, ..warp })
+    }
+
+    /// The parts of the picture, where the lattice branches; the state comes back.
+    fn parts(&self, state: LayerState) -> Result<(Option<Shares>, LayerState), LiveError> {
+        if state.solution.as_ref().is_none_or(|solution| solution.branches.is_none()) {
+            return Ok((None, state));
+        }
+        let mut sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(self.frame()))?;
+        sample.layers[self.index] = state;
+        let parts = self.prepared.branch_parts(self.index, (&sample, None), (self.size, Exposure::Shutter));
+        Ok((parts.and_then(fields_of), std::mem::take(&mut sample.layers[self.index])))
     }
 }
 
@@ -282,7 +301,7 @@ mod tests {
             let controls = Controls { dims, basis, pins: vec![pin], ..Controls::default() };
             let base = load_scene(&ShapeSource::Frame, frame).expect("a card");
             let prepared = base.prepared.as_ref().expect("a card");
-            let task = Task { prepared, index: 0, controls: &controls, shape: &ShapeSource::Frame };
+            let task = Task { prepared, index: 0, controls: &controls, shape: &ShapeSource::Frame, size: frame };
             task.prepare(KeyWriter::new().finish(), &Cancel::never()).expect("fits").bytes()
         };
         let small = weight([10, 10], Basis::Bspline);

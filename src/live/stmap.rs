@@ -91,7 +91,8 @@ fn is_own_stmap(head: &Plate) -> bool {
 /// [`ImageError`] as [`check_stmap_path`] gives, and where the file cannot be written.
 pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
     check_stmap_path(file.path, guard)?;
-    let map = WarpMap::backward(&warp.field, size, size.window());
+    let map = warp.map_of_parts((size, size.window()));
+    let map = map.unwrap_or_else(|| WarpMap::backward(&warp.field, size, size.window()));
     let metadata = FrameMetadata {
         frame: file.frame,
         frames_per_second: file.rate,
@@ -107,6 +108,9 @@ fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
     let mut whole = WarpMap::identity(frame, window);
     if warp.is_identity() {
         return whole;
+    }
+    if let Some(map) = warp.map_of_parts((frame, window)) {
+        return map;
     }
     for tile in MapTile::all_of(frame, window) {
         let maps = tile.maps(warp, frame);

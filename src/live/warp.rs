@@ -4,15 +4,20 @@
 
 use super::key::Key;
 use crate::lattice::ScreenLattice;
-use crate::plate::Field;
+use crate::plate::{Coverage, Field, WarpMap};
 use crate::solve::SolveReport;
-use crate::space::ScreenPoint;
+use crate::space::{FrameSize, PixelRect, ScreenPoint};
 
 /// The warp of a picture at one moment.
 #[derive(Clone, Debug)]
 pub struct Warp {
-    /// Where every point of the screen goes.
+    /// Where every point of the screen goes; where the picture has parts, those of the largest.
     pub field: Field,
+    /// The parts of a picture whose lattice branches, from back to front: where each goes, and what it has of every pixel (all together
+    /// have all); empty where the picture moves as one.
+    pub parts: Vec<(Field, Coverage)>,
+    /// How much of every pixel the shape of the parts covers; `None` where there are none.
+    pub covered: Option<Coverage>,
     /// The lattice behind it, at rest where nothing moves; `None`: there is nothing to lay one over.
     pub lattice: Option<ScreenLattice>,
     /// One a pin of the controls, in their order.
@@ -81,18 +86,59 @@ pub struct GridLine {
     pub moved: Vec<ScreenPoint>,
 }
 
+/// Pixels of shares that weigh as much as a warp without parts.
+const PIXELS_A_WEIGHT: usize = 1 << 14;
+
 impl Warp {
     /// A warp that moves nothing, and why.
     pub(super) fn nothing(why: &str, key: Key) -> Self {
         let warnings = vec![Warning::Text(why.to_owned())];
         let field = Field::identity();
-        Self { field, lattice: None, pins: Vec::new(), report: None, warnings, acting: Vec::new(), key }
+        Self {
+            field,
+            parts: Vec::new(),
+            covered: None,
+            lattice: None,
+            pins: Vec::new(),
+            report: None,
+            warnings,
+            acting: Vec::new(),
+            key,
+        }
     }
 
     /// Nothing moves anywhere (by more than 1e-8 frame heights).
     #[must_use]
     pub fn is_identity(&self) -> bool {
-        self.field.is_identity()
+        self.field.is_identity() && self.parts.iter().all(|(field, _)| field.is_identity())
+    }
+
+    /// The fields of all parts, or the only one.
+    pub(super) fn fields(&self) -> impl Iterator<Item = &Field> {
+        let only = self.parts.is_empty().then_some(&self.field);
+        only.into_iter().chain(self.parts.iter().map(|(field, _)| field))
+    }
+
+    /// Where a point goes, with the part that has most of it in a frame of that size.
+    pub(super) fn carry(&self, point: ScreenPoint, size: FrameSize) -> ScreenPoint {
+        let at = size.image_from_screen(point).0.floor();
+        let last = [size.width, size.height].map(|side| side as i32 - 1);
+        let pixel = [(at.x as i32).clamp(0, last[0]), (at.y as i32).clamp(0, last[1])];
+        let share = |(_, share): &(Field, Coverage)| share.at(pixel, size);
+        let part = self.parts.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        part.map_or(&self.field, |(field, _)| field).carry(point)
+    }
+
+    /// Where the pixels of a window come from, where the picture has parts.
+    pub(super) fn map_of_parts(&self, (frame, window): (FrameSize, PixelRect)) -> Option<WarpMap> {
+        let covered = self.covered.as_ref().filter(|_| !self.parts.is_empty())?;
+        Some(WarpMap::backward_of_shares(&self.parts, covered, (frame, window)))
+    }
+
+    /// What it weighs in a cache: 1, and more where its parts have pixels.
+    pub(super) fn weight(&self) -> usize {
+        let shares = self.parts.iter().map(|(_, share)| share).chain(&self.covered);
+        1 + shares.map(|share| share.samples.len()).sum::<usize>() / PIXELS_A_WEIGHT
     }
 
     /// The greatest distance of a pin from its target, frame heights; 0 without pins.

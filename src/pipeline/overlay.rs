@@ -3,6 +3,7 @@
 //! In: a solved [`TimeSample`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
 use super::layer_pins::region;
+use super::overlay_branches::BranchPicture;
 use super::overlay_legend::{self, FOLDED, FOLDED_EMPTY, GRID, HANDLE, Mark, NAME, REGION, REST, TARGET, outline};
 use super::screen_shape::screen_shape;
 use super::{LayerState, PinState, PreparedShot, TimeSample};
@@ -52,19 +53,19 @@ struct PinPicture {
 #[derive(Clone, Debug)]
 enum SolvedLattice {
     Screen(ScreenLattice),
+    /// The largest branch, and all of them.
+    Branches(ScreenLattice, Vec<BranchPicture>),
     World(SceneLattice),
 }
 
 impl SolvedLattice {
     fn of(state: &LayerState) -> Option<Self> {
-        let screen = state.solution.as_ref().map(|solution| Self::Screen(solution.lattice.clone()));
+        let screen = state.solution.as_ref().map(|solution| match &solution.branches {
+            Some(branches) => Self::Branches(solution.lattice.clone(), BranchPicture::all_of(branches)),
+            None => Self::Screen(solution.lattice.clone()),
+        });
         screen.or_else(|| state.world.as_ref().map(|world| Self::World(world.lattice.clone())))
     }
-}
-
-/// The lattice has branches: the picture shows the largest, whose cells do not hold all of the model.
-fn has_branches(state: &LayerState) -> bool {
-    state.solution.as_ref().is_some_and(|solution| solution.branches.is_some())
 }
 
 impl Picture {
@@ -82,10 +83,8 @@ impl Picture {
                 };
                 let seen = state.pins.iter().filter(|pin| pin.is_in_view);
                 let folds = match &lattice {
-                    SolvedLattice::Screen(lattice) if !has_branches(state) => {
-                        folds(lattice, || screen_shape(prepared, sample, index))
-                    }
-                    SolvedLattice::Screen(_) | SolvedLattice::World(_) => Vec::new(),
+                    SolvedLattice::Screen(lattice) => folds(lattice, || screen_shape(prepared, sample, index)),
+                    SolvedLattice::Branches(..) | SolvedLattice::World(_) => Vec::new(),
                 };
                 Some(LayerPicture { lattice, folds, pins: seen.map(named).collect() })
             });
@@ -100,10 +99,20 @@ impl Picture {
         for layer in &self.layers {
             match &layer.lattice {
                 SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, (lattice, &layer.folds), unit_px),
+                SolvedLattice::Branches(_, branches) => {
+                    let place = (self.frame, unit_px);
+                    // From the smallest: the largest lies on top, as its lines do on the model.
+                    let numbered = branches.iter().enumerate().rev();
+                    numbered.for_each(|(number, branch)| branch.draw(&mut canvas, number, place));
+                }
                 SolvedLattice::World(lattice) => self.draw_scene_lattice(&mut canvas, lattice, unit_px),
             }
             for pin in &layer.pins {
-                if let (SolvedLattice::Screen(lattice), Some(radius)) = (&layer.lattice, pin.radius) {
+                let lattice = match &layer.lattice {
+                    SolvedLattice::Screen(lattice) | SolvedLattice::Branches(lattice, _) => Some(lattice),
+                    SolvedLattice::World(_) => None,
+                };
+                if let (Some(lattice), Some(radius)) = (lattice, pin.radius) {
                     self.draw_region(&mut canvas, lattice, (pin.state.rest, radius), unit_px);
                 }
                 self.draw_pin(&mut canvas, (&pin.state, &pin.name), unit_px);
@@ -114,7 +123,14 @@ impl Picture {
 
     /// The marks that are in the picture.
     fn marks(&self) -> Vec<Mark> {
-        let has_fold = |fold: Fold| self.layers.iter().any(|layer| layer.folds.iter().any(|(_, other)| *other == fold));
+        let of_branches = |layer: &LayerPicture| match &layer.lattice {
+            SolvedLattice::Branches(_, branches) => branches.iter().any(BranchPicture::has_folds),
+            SolvedLattice::Screen(_) | SolvedLattice::World(_) => false,
+        };
+        let has_fold = |fold: Fold| {
+            let in_branch = fold == Fold::Model && self.layers.iter().any(of_branches);
+            in_branch || self.layers.iter().any(|layer| layer.folds.iter().any(|(_, other)| *other == fold))
+        };
         let has_pin =
             |is_wanted: fn(&PinPicture) -> bool| self.layers.iter().any(|layer| layer.pins.iter().any(is_wanted));
         let marks = [

@@ -37,6 +37,41 @@ impl WarpMap {
         map
     }
 
+    /// For every pixel of a warped picture that parts share among them, so that nothing of it stays: where it came from. Each takes the
+    /// pixels along of which it has half or more. What is `covered` by half hides what lies behind; the rest, which may be transparent, is
+    /// seen where nothing else is.
+    #[must_use]
+    pub fn backward_of_shares(
+        parts: &[(Field, Coverage)],
+        covered: &Coverage,
+        (frame, window): (FrameSize, PixelRect),
+    ) -> Self {
+        let mut map = Self { offsets: vec![[f32::NAN; 2]; window.area()], ..Self::identity(frame, window) };
+        let mut is_covered = vec![false; window.area()];
+        let mut folded = BTreeSet::new();
+        for (field, share) in parts {
+            let bound = |pixel| if covered.at(pixel, frame) >= HALF { 1.0 } else { 0.5 * HALF };
+            let part = Self::backward_showing(field, (frame, window), |pixel| share.at(pixel, frame) * bound(pixel));
+            let folds: BTreeSet<u32> = part.folded_pixels.iter().copied().collect();
+            for index in 0..window.area() {
+                let Some(source) = nearest_source(window.pixel_at(index), part.offsets[index]) else { continue };
+                let is_front = covered.at(source, frame) >= HALF;
+                if share.at(source, frame) < HALF || is_covered[index] && !is_front {
+                    continue;
+                }
+                map.offsets[index] = part.offsets[index];
+                is_covered[index] |= is_front;
+                let _ = if is_front && folds.contains(&(index as u32)) {
+                    folded.insert(index as u32)
+                } else {
+                    folded.remove(&(index as u32))
+                };
+            }
+        }
+        map.folded_pixels = folded.into_iter().collect();
+        map
+    }
+
     /// For every pixel of a picture: where its centre goes with the part that covers it by half; the rest stays.
     #[must_use]
     pub fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
@@ -74,6 +109,25 @@ mod tests {
     fn columns(range: std::ops::Range<i32>) -> Coverage {
         let samples = (0..800).map(|index| f32::from(u8::from(range.contains(&(index % 40))))).collect();
         Coverage { frame: FRAME, window: FRAME.window(), samples }
+    }
+
+    #[test]
+    fn what_is_transparent_hides_nothing() {
+        // The front part has all to the right of column 12, but shows only columns 20 to 24.
+        let parts = [(shift(0.0), columns(0..12)), (shift(-14.0), columns(12..40))];
+        let shown = columns(0..24);
+        let mut covered = shown.clone();
+        (0..800).filter(|index| (12..20).contains(&(index % 40))).for_each(|index| covered.samples[index] = 0.0);
+        let map = WarpMap::backward_of_shares(&parts, &covered, (FRAME, FRAME.window()));
+        let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
+        let expected = |x: i32| match x {
+            // What is shown of it lies over the first part; its transparent rest does not.
+            6..10 => Some(x + 14),
+            0..12 => Some(x),
+            12..26 => Some(x + 14),
+            _ => None,
+        };
+        (0..40).for_each(|x| assert_eq!(source(x), expected(x), "{x}"));
     }
 
     #[test]

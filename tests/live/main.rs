@@ -1,6 +1,7 @@
 //! The host-neutral core: warps of one moment, their caches, pixels and shot files.
 
 mod alpha_regions;
+mod branches;
 mod files;
 mod pixels;
 mod polls;

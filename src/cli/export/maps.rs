@@ -197,24 +197,29 @@ impl Maps {
             bail!("of several layers some branch, and nothing says what each moves; export one at a time (--layer)");
         }
         let mut parts = Vec::new();
+        let place = (self.size, self.window);
         for (index, layer) in layers.iter().enumerate() {
-            let mut own = match silhouette.as_deref() {
+            let own = match silhouette.as_deref() {
                 Some(silhouette) => silhouette.branches(frame, (&layer.name, self.size))?,
                 None => branches_of_track(layer, frame, self.size),
             };
-            let own = own.take().unwrap_or_else(|| {
-                let lattice = screen(layer).and_then(|track| track.get(&frame)).cloned();
-                let window = self.size.window();
-                let all = Coverage { frame: self.size, window, samples: vec![1.0; window.area()] };
-                vec![(lattice.map_or_else(Field::identity, Field::of_layer), all)]
-            });
-            let covered = covered.as_ref().map(|covered| &covered[index]);
-            parts.extend(own.into_iter().map(|(field, share)| match covered {
-                Some(covered) => (field, share.within(covered)),
-                None => (field, share),
-            }));
+            match (own, &covered) {
+                (Some((own, shape)), None) => {
+                    return Ok(match self.direction {
+                        Direction::Backward => WarpMap::backward_of_shares(&own, &shape, place),
+                        Direction::Forward => WarpMap::forward_of_parts(&own, place),
+                    });
+                }
+                (Some((own, _)), Some(covered)) => {
+                    parts.extend(own.into_iter().map(|(field, share)| (field, share.within(&covered[index]))));
+                }
+                (None, covered) => {
+                    let lattice = screen(layer).and_then(|track| track.get(&frame)).cloned();
+                    let field = lattice.map_or_else(Field::identity, Field::of_layer);
+                    parts.extend(covered.as_ref().map(|covered| (field, covered[index].clone())));
+                }
+            }
         }
-        let place = (self.size, self.window);
         Ok(match self.direction {
             Direction::Backward => WarpMap::backward_of_parts(&parts, place),
             Direction::Forward => WarpMap::forward_of_parts(&parts, place),
@@ -258,10 +263,10 @@ fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize
 }
 
 /// The branches of a track of a file, where nothing else is known.
-fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<Vec<(Field, Coverage)>> {
+fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<(Vec<(Field, Coverage)>, Coverage)> {
     let (listed, branches) = track.branches_at(frame)?;
     let lattices = lattices_of_file(branches, &screen(track)?.get(&listed)?.grid);
-    Some(fields_of(parts_of_file(branches, lattices, None, size)))
+    fields_of(parts_of_file(branches, lattices, None, size))
 }
 
 fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {

@@ -34,6 +34,8 @@ pub(crate) struct BranchPart {
     pub(crate) around: Option<[Option<ScreenLattice>; 2]>,
     /// Its share of every pixel of the frame; those of all parts sum to 1.
     pub(crate) share: Arc<Coverage>,
+    /// How much of every pixel the shape covers; the same for all parts.
+    pub(crate) covered: Arc<Coverage>,
 }
 
 /// When a picture was taken.
@@ -54,6 +56,8 @@ struct Seen {
     order: Vec<usize>,
     /// One a label; `None`: nothing of it is seen.
     shares: Vec<Option<Coverage>>,
+    /// Of all together.
+    covered: Coverage,
 }
 
 impl PreparedShot {
@@ -66,7 +70,8 @@ impl PreparedShot {
         (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
         picture: (FrameSize, Exposure),
     ) -> Option<Vec<BranchPart>> {
-        let Seen { labels, lattices, order, mut shares } = self.seen(layer, (now, around), picture)?;
+        let Seen { labels, lattices, order, mut shares, covered } = self.seen(layer, (now, around), picture)?;
+        let covered = Arc::new(covered);
         let around =
             around.map(|samples| samples.map(|sample| sample.layers[layer].solution.as_ref().map(lattices_of)));
         let lattice_around = |label: &Label| {
@@ -77,7 +82,8 @@ impl PreparedShot {
         };
         let part = |label: usize| {
             let share = Arc::new(shares[label].take()?);
-            Some(BranchPart { lattice: lattices[label].clone(), around: lattice_around(&labels[label]), share })
+            let around = lattice_around(&labels[label]);
+            Some(BranchPart { lattice: lattices[label].clone(), around, share, covered: Arc::clone(&covered) })
         };
         Some(order.into_iter().filter_map(part).collect())
     }
@@ -115,8 +121,8 @@ impl PreparedShot {
         let planned: Vec<_> = plan.iter().map(|pass| (*pass, place(begin + pass.time_frames, &mut placed))).collect();
         let of_branches = lattices_of(now.layers[layer].solution.as_ref()?);
         let lattices: Vec<ScreenLattice> = labels.iter().map(|label| of_branches[label.now].clone()).collect();
-        let (order, shares) = drawn((&placed, &planned), &lattices, size)?;
-        Some(Seen { labels, lattices, order, shares })
+        let (order, shares, covered) = drawn((&placed, &planned), &lattices, size)?;
+        Some(Seen { labels, lattices, order, shares, covered })
     }
 
     /// The passes that a picture is made of, and the time that theirs are counted from.
@@ -150,18 +156,20 @@ pub(crate) fn parts_of_file(
     });
     let placed = [PlacedPieces::of_screen(polygons, size)];
     let planned: Vec<_> = plan_passes(FILE_SAMPLES, CLOSED).into_iter().map(|pass| (pass, 0)).collect();
-    let Some((_, shares)) = drawn((&placed, &planned), &lattices, size) else { return Vec::new() };
+    let Some((_, shares, covered)) = drawn((&placed, &planned), &lattices, size) else { return Vec::new() };
+    let covered = Arc::new(covered);
     let part = |(branch, (lattice, share)): (usize, (ScreenLattice, Option<Coverage>))| {
         let around = around.as_ref().map(|around| around.each_ref().map(|lattices| lattices.get(branch).cloned()));
-        Some(BranchPart { lattice, around, share: Arc::new(share?) })
+        Some(BranchPart { lattice, around, share: Arc::new(share?), covered: Arc::clone(&covered) })
     };
     lattices.into_iter().zip(shares).enumerate().filter_map(part).collect()
 }
 
-/// Where parts go, and what they have of the picture.
-pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Vec<(Field, Coverage)> {
+/// Where parts go and what they have of the picture, and what the shape covers of it; `None`: there are none.
+pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<(Vec<(Field, Coverage)>, Coverage)> {
+    let covered = (*parts.first()?.covered).clone();
     let field = |part: BranchPart| (Field::of_layer(part.lattice), Arc::unwrap_or_clone(part.share));
-    parts.into_iter().map(field).collect()
+    Some((parts.into_iter().map(field).collect(), covered))
 }
 
 /// Samples of a pixel where nothing says how many.
@@ -169,12 +177,12 @@ const FILE_SAMPLES: u32 = 16;
 
 const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 
-/// Labels from back to front, and what each has of every pixel; `None`: nothing is in the frame. `planned`: the moment of each pass.
+/// Labels from back to front, what each has of every pixel, and how much all cover; `None`: nothing is in the frame. `planned`: the moment of each pass.
 fn drawn(
     (placed, planned): (&[PlacedPieces], &[(PassPlan, usize)]),
     lattices: &[ScreenLattice],
     size: FrameSize,
-) -> Option<(Vec<usize>, Vec<Option<Coverage>>)> {
+) -> Option<(Vec<usize>, Vec<Option<Coverage>>, Coverage)> {
     let window = placed.iter().map(PlacedPieces::window).reduce(PixelRect::union)?.intersection(size.window());
     if window.area() == 0 {
         return None;
@@ -185,7 +193,8 @@ fn drawn(
     let front = data.map(|(pass, place)| placed[*place].front(window, pass.jitter_px)).unwrap_or_default();
     let shares = Shares::of(&seen, (window, size), lattices.len());
     let order = from_back_to_front(lattices, (&front, window, size));
-    Some((order, (0..lattices.len()).map(|label| shares.of_label(label as u32)).collect()))
+    let of_labels = (0..lattices.len()).map(|label| shares.of_label(label as u32)).collect();
+    Some((order, of_labels, shares.covered()))
 }
 
 /// The lattices of all branches, or the only one.

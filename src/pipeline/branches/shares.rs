@@ -47,6 +47,13 @@ impl<'a> Shares<'a> {
         Some(Coverage { frame: self.frame, window, samples })
     }
 
+    /// How much of every pixel they cover.
+    pub(super) fn covered(&self) -> Coverage {
+        let count = self.seen.len().max(1) as f32;
+        let shown = |place: usize| self.seen.iter().filter(|labels| labels[place] != NOTHING).count() as f32 / count;
+        Coverage { frame: self.frame, window: self.window, samples: (0..self.window.area()).map(shown).collect() }
+    }
+
     fn share(&self, pixel: [i32; 2], label: u32) -> f32 {
         let covered = self.window.place_of(pixel).map(|place| {
             let shown = self.seen.iter().map(|labels| labels[place]).filter(|&shown| shown != NOTHING);

@@ -60,7 +60,7 @@ impl<'a> Silhouette<'a> {
     }
 
     /// The branches of a layer at a frame's own time, from back to front: where each goes and what it has of the unwarped picture, which
-    /// they share among them; `None` where its lattice has none.
+    /// they share among them; and what the layer covers of it. `None` where its lattice has none.
     ///
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
@@ -68,11 +68,11 @@ impl<'a> Silhouette<'a> {
         &self,
         frame: i32,
         (layer, size): (&str, FrameSize),
-    ) -> Result<Option<Vec<(Field, Coverage)>>, PipelineError> {
+    ) -> Result<Option<(Vec<(Field, Coverage)>, Coverage)>, PipelineError> {
         let Some(index) = self.prepared.shot.layers.iter().position(|own| own.name == layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
         let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));
-        Ok(parts.map(fields_of))
+        Ok(parts.and_then(fields_of))
     }
 
     /// The alpha of the shot's plate, where that is there and has one.

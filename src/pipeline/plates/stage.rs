@@ -192,7 +192,7 @@ impl<'a> Stage<'a> {
     fn part_jobs(&self, layer: usize, parts: Vec<BranchPart>, found: &FoundMattes) -> Vec<LayerJob> {
         let (name, matte) = self.job.warp.layer(layer);
         let whole = matte.or_else(|| found.mattes.get(&layer)).unwrap_or(&Matte::Alpha);
-        let job = |BranchPart { lattice, around, share }: BranchPart| {
+        let job = |BranchPart { lattice, around, share, .. }: BranchPart| {
             let around =
                 around.map(|around| around.map(|lattice| Some(lattice.map_or_else(Field::identity, Field::of_layer))));
             let [previous, next] = around.unwrap_or_default();

@@ -94,6 +94,12 @@ impl<const D: usize> BranchedLattice<D> {
         self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
     }
 
+    /// The cells that hold some of a branch, by column and row.
+    #[must_use]
+    pub fn cells(&self, branch: usize) -> Vec<[usize; D]> {
+        self.cells_of(branch).map(|(cell, _)| self.branching.grid.cell_coords(cell)).collect()
+    }
+
     /// The part of the shape at rest that belongs to each branch, as convex polygons: triangles, and pieces of those that belong to
     /// several.
     #[must_use]
