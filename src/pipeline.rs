@@ -117,5 +117,4 @@ pub use selection::{LayerShare, SharedPart};
 pub(crate) use sequence_report::{LayerPeaks, Peak, SequenceReport};
 pub use solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
-pub(crate) use topology::check_plain;
 pub use trajectory_files::Keeping;

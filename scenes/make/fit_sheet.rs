@@ -94,7 +94,13 @@ fn fit(picture: &Path, file: &Path) -> anyhow::Result<()> {
     let pairs: Vec<_> = PAIRS.iter().map(|&(_, from, to)| [place(from), place(to)]).collect();
     let found = register(&shape, &pairs, [10, 10], Basis::Bspline)?;
     let track = Track::Screen(BTreeMap::from([(1, found.lattice)]));
-    let layer = LatticeTrack { name: "cat".into(), track, placements: BTreeMap::new(), wholes: BTreeMap::new() };
+    let layer = LatticeTrack {
+        name: "cat".into(),
+        track,
+        placements: BTreeMap::new(),
+        wholes: BTreeMap::new(),
+        branches: BTreeMap::new(),
+    };
     Ok(LatticeFile { frame_aspect: size.aspect(), rate: 24.0, layers: vec![layer] }.write(file)?)
 }
 

@@ -49,7 +49,8 @@ mod yielding_rows;
 pub(crate) use active_cells::active_cells;
 
 pub use branching::{
-    BranchedLattice, Link, LinkEnd, LinkKind, continued, inner_widths, link_length, nearest_link, solid_links, surface_links,
+    BranchedLattice, Link, LinkEnd, LinkKind, continued, inner_widths, link_length, nearest_link, solid_links,
+    surface_links,
 };
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;

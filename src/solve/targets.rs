@@ -3,7 +3,6 @@
 //! In: targets of the same pins and handles. Out: targets between them.
 
 use super::linalg::small_matrix::{SquareMatrix, best_rotation, rotation_part, times, transpose};
-use super::pins::RigidMotion;
 use super::problem::{HandlePin, PointPin};
 use crate::lattice::Grid;
 
@@ -17,20 +16,6 @@ pub struct Targets<const D: usize> {
 }
 
 impl<const D: usize> Targets<D> {
-    /// The images under the best-fitting rigid motion.
-    pub(crate) fn rigid(&self, grid: &Grid<D>) -> Self {
-        let rigid = RigidMotion::fit(grid, &self.pins, &self.handles);
-        let turned = transpose(&rigid.rotation());
-        let pins = self.pins.iter().map(|pin| PointPin {
-            target: rigid.image(&pin.at),
-            gradient: pin.gradient.map(|_| turned),
-            ..*pin
-        });
-        let target = |handle: &HandlePin<D>| rigid.image(&grid.rest_handle(handle.index));
-        let handles = self.handles.iter().map(|handle| HandlePin { target: target(handle), ..*handle });
-        Self { pins: pins.collect(), handles: handles.collect() }
-    }
-
     /// Interpolation to other targets: positions linearly, gradients by rotation and stretch.
     pub(crate) fn interpolated(&self, to: &Self, t: f64) -> Self {
         let mix = |a: [f64; D], b: [f64; D]| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t);
