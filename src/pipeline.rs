@@ -42,6 +42,8 @@ mod part_starts;
 mod screen_layer;
 mod screen_shape;
 mod time_sample;
+mod timed_layer;
+mod timed_world;
 mod topology;
 mod trajectories;
 mod trajectory_files;
@@ -50,6 +52,7 @@ mod watched_points;
 mod watched_trajectory;
 mod whole_layer;
 mod world_layer;
+mod world_timeline;
 
 // Once a frame.
 mod draw;

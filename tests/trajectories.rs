@@ -15,7 +15,7 @@ const LAST: f64 = 12.0;
 const WEIGHT: f64 = 0.3;
 
 fn coupling(weight: f64) -> Coupling {
-    Coupling { first: 0.0, last: LAST, knots_per_frame: 2, weight, least_speed: PIXEL }
+    Coupling { first: 0.0, last: LAST, knots_per_frame: 1, weight, least_speed: PIXEL }
 }
 
 /// A motion that is looked at: the shape's points at any time.
@@ -218,6 +218,29 @@ fn an_elbow_and_a_turned_arm_do_not_snap() {
     }
     let trajectory = Trajectory::solve(&elbow(), coupling(WEIGHT), &Cancel::never()).expect("solved");
     assert!(!trajectory.spreads().is_empty(), "the elbow's snap is told");
+}
+
+#[test]
+fn long_animations_are_solved_in_windows_that_look_ahead() {
+    for seed in 0..3 {
+        let mut limb = Limb::random(seed, 0.3, 48.0);
+        let coupling = Coupling { last: 48.0, ..coupling(WEIGHT) };
+        let solve = |limb: &Limb| Trajectory::solve(limb, coupling, &Cancel::never()).expect("solved");
+        let whole = solve(&limb);
+        limb.window = 16;
+        let windows = solve(&limb);
+        assert_eq!(windows.knot_count(), 49);
+        let mut jump: f64 = 0.0;
+        for step in 0..96 {
+            let times = [0.5 * f64::from(step), 0.5 * f64::from(step) + 0.5];
+            let motion = Motion { limb: &limb, trajectory: Some(windows.clone()) };
+            let [from, to] = times.map(|time| motion.points(time));
+            jump = jump.max(motion.jump((times[0], &from), (times[1], &to)));
+        }
+        assert!(jump <= 1.0, "seed {seed}: {jump} px");
+        let first = [&whole, &windows].map(|found| at(&limb, found, 0.0).lattice);
+        assert_eq!(first[0], first[1], "the first knot is solved alone");
+    }
 }
 
 #[test]

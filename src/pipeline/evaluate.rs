@@ -4,7 +4,7 @@
 //! is projected.
 
 use super::passes::mid_shutter;
-use super::{PipelineError, PreparedShot, TimeSample, trajectories};
+use super::{PipelineError, PreparedShot, TimeSample, timed_layer};
 use crate::shot::LayerSpace;
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ impl PreparedShot {
         let mut sample = self.unsolved_at(frame)?;
         for (index, layer) in self.shot.layers.iter().enumerate() {
             if let LayerSpace::Screen { bounds, .. } = layer.space {
-                sample.layers[index] = trajectories::solve(self, &sample, index, bounds)?;
+                sample.layers[index] = timed_layer::solve(self, &sample, index, bounds)?;
             }
         }
         sample.mesh = None;

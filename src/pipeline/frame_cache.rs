@@ -20,6 +20,8 @@ pub(super) struct FrameCache {
     pub(super) world_bounds: BoundsCache<3>,
     /// Of layers on the screen whose frames are solved together.
     pub(super) trajectories: Trajectories<2>,
+    /// Of such layers in the scene.
+    pub(super) world_trajectories: Trajectories<3>,
     /// What all trajectories follow from.
     pub(super) trajectory_inputs: OnceLock<u128>,
 }

@@ -5,8 +5,15 @@
 use super::screen_layer::{LayerSolver, LayerTask, unfactored};
 use super::screen_shape::screen_shape;
 use super::{PinAnchor, PreparedShot, TimeSample};
-use crate::shot::{Layer, PinTargets};
-use crate::solve::{Settings, SolveError, TimedProblem, Timeline};
+use crate::lattice::Grid;
+use crate::shot::{Layer, LayerSpace, PinTargets};
+use crate::solve::{Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
+
+/// Time of the first knot of a layer. Drawings on twos change half a frame from the middles of exposures, which are their knots.
+pub(super) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
+    let first = f64::from(prepared.shot.solve_range[0]);
+    if prepared.shot.layers[index].step > 1 { prepared.mid_exposure_time(first) } else { first }
+}
 
 /// Whoever waits for a trajectory.
 #[derive(Clone, Copy)]
@@ -57,7 +64,7 @@ impl LayerTimeline<'_> {
         }
         let shot = &self.prepared.shot;
         let mut path = Vec::new();
-        if sample.frame <= f64::from(shot.solve_range[0]) {
+        if sample.frame <= first_knot(self.prepared, self.index) {
             let way = shot.pin_path(self.index, self.prepared.key_frame(layer, sample.frame));
             path.extend(way.iter().map(|targets| solver.targets(layer, targets).1));
         }
@@ -66,7 +73,8 @@ impl LayerTimeline<'_> {
         let mesh = sample.mesh();
         let points = self.points.iter().map(|point| point.rest(&mesh, &sample.camera).point.0.to_array());
         let (grid, shape) = (solver.grid().clone(), screen_shape(self.prepared, sample, self.index));
-        Some(TimedProblem { grid, shape, path, points: points.collect() })
+        let drawing = shot.drawing(self.index, self.prepared.key_frame(layer, sample.frame));
+        Some(TimedProblem { grid, shape, path, points: points.collect(), drawing })
     }
 }
 
@@ -85,6 +93,15 @@ impl Timeline<2> for LayerTimeline<'_> {
         let Ok(sample) = self.prepared.unsolved_at(time) else { return Ok(None) };
         let Some((solver, targets)) = self.unfactored(&sample) else { return Ok(None) };
         Ok(self.problem(&sample, &solver, &targets))
+    }
+
+    fn window(&self) -> usize {
+        match self.layer().space {
+            LayerSpace::Screen { dims, .. } => {
+                knots_per_gib(&Grid { dims, basis: self.layer().basis, lo: [0.0; 2], hi: [1.0; 2] })
+            }
+            LayerSpace::World { .. } => usize::MAX,
+        }
     }
 
     fn progress(&self, done: usize, of: usize) {

@@ -18,12 +18,15 @@ use super::{
 use crate::pose::{ClipChoice, Pose, PosedPart, pose};
 use crate::scene::{self, FileAccess, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
-use crate::shot::{Anchor, CameraRule, ClipName, Layer, Shot, Source};
+use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
 use crate::spelling;
 use std::collections::HashMap;
 
 /// The greatest number of pixels of a frame: 16384 x 16384.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// Handles along an axis from which on a basis without local support is told to be costly.
+const MANY_GLOBAL_HANDLES: usize = 24;
 
 /// A pin is told of where its layer moves less of the mesh than this.
 const FULL_SHARE: f64 = 0.99;
@@ -85,6 +88,7 @@ impl PreparedShot {
         tie_pins(&mut prepared, &first)?;
         auto_dims::choose(&mut prepared);
         note_unwarped(&mut prepared);
+        note_costly(&mut prepared);
         let coarse = coarse_meshes(&prepared, &first);
         prepared.notes.extend(coarse);
         Ok(prepared)
@@ -173,6 +177,29 @@ fn note_unwarped(prepared: &mut PreparedShot) {
     prepared
         .notes
         .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
+}
+
+/// Says which lattices are costly: every handle of a global basis acts everywhere, so their matrices are full.
+fn note_costly(prepared: &mut PreparedShot) {
+    let note = |layer: &Layer| {
+        let dims = match &layer.space {
+            LayerSpace::Screen { dims, .. } => &dims[..],
+            LayerSpace::World { dims, .. } => &dims[..],
+        };
+        let is_costly = !layer.basis.is_local() && dims.iter().any(|&count| count > MANY_GLOBAL_HANDLES);
+        is_costly.then(|| {
+            let dims: Vec<String> = dims.iter().map(ToString::to_string).collect();
+            format!(
+                "layer '{}': each of its {} handles acts everywhere, which takes time and memory: twice as many along every axis take up \
+                 to {} times as long; basis = \"bspline\" does not, or use {MANY_GLOBAL_HANDLES} handles an axis or less",
+                layer.name,
+                dims.join(" x "),
+                8_u32.pow(dims.len() as u32)
+            )
+        })
+    };
+    let notes: Vec<String> = prepared.shot.layers.iter().filter_map(note).collect();
+    prepared.notes.extend(notes);
 }
 
 /// Whether light makes a difference to a part.

@@ -58,10 +58,14 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
 
 /// A snap that the temporal weight spreads over frames.
 fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
-    let ([first, last], speed) = (spread.frames, spread.speed * height_px);
+    let [first, last] = spread.frames;
+    let speed = match layer.space {
+        LayerSpace::Screen { .. } => format!("{:.1} pixels", spread.speed * height_px),
+        LayerSpace::World { .. } => format!("{:.4} m", spread.speed),
+    };
     let name = &layer.name;
     format!(
-        "layer '{name}': a snap is spread over frames {first} to {last} (up to {speed:.1} pixels a frame beside the rigid fit of its \
+        "layer '{name}': a snap is spread over frames {first} to {last} (up to {speed} a frame beside the rigid fit of its \
          pins); another pin where it bends decides for it"
     )
 }

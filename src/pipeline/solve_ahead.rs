@@ -3,8 +3,8 @@
 //! In: a [`PreparedShot`] whose trajectories are kept in files. Out: those files; [`BakeEvent`]s on the way.
 
 use super::layer_timeline::Watcher;
-use super::trajectories::{has_trajectory, trajectory};
-use super::watched_trajectory::Outcome;
+use super::trajectories::{facts, has_trajectory};
+use super::watched_trajectory::Facts;
 use super::{PipelineError, PreparedShot};
 use crate::solve::{SolveError, Spread};
 use serde::{Serialize, Serializer};
@@ -158,10 +158,8 @@ fn solve_layer(
         tell(BakeEvent::LayerFailed { layer: layer.clone(), error });
         Ended::Failed
     };
-    match trajectory(prepared, index, Watcher { is_cancelled: &is_cancelled, progress: &progress }) {
-        Ok(Outcome::Solved(kept)) => {
-            let (path, is_kept) = (kept.file.clone(), kept.is_read);
-            let (knots, spreads) = (kept.trajectory.knot_count(), kept.trajectory.spreads().to_vec());
+    match facts(prepared, index, Watcher { is_cancelled: &is_cancelled, progress: &progress }) {
+        Ok(Ok(Facts { knots, spreads, file: path, is_read: is_kept })) => {
             let is_lost = path.is_none() && prepared.trajectory_files.is_some();
             if is_lost {
                 return failed("its trajectory could not be written".to_owned());
@@ -170,7 +168,7 @@ fn solve_layer(
             tell(BakeEvent::LayerDone(BakedLayer { layer: layer.clone(), path, is_kept, knots, spreads, wall_secs }));
             if is_kept { Ended::Kept } else { Ended::Solved }
         }
-        Ok(Outcome::Failed(error)) => failed(error.to_string()),
+        Ok(Err(error)) => failed(error.to_string()),
         Err(PipelineError::Solve { source: SolveError::Cancelled, .. }) => Ended::Cancelled,
         Err(error) => failed(error.to_string()),
     }

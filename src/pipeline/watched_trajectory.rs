@@ -1,7 +1,7 @@
 //! Trajectories of a shot's layers, each solved or read once, and the points of the model that they watch.
 
 use super::PinAnchor;
-use crate::solve::Trajectory;
+use crate::solve::{Spread, Trajectory};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,6 +24,34 @@ pub(super) enum Outcome<const D: usize> {
     Solved(Arc<WatchedTrajectory<D>>),
     /// Why there is none: each frame is solved alone.
     Failed(Arc<str>),
+}
+
+/// What is known of a trajectory, wherever its layer lies.
+#[derive(Clone, Debug)]
+pub(super) struct Facts {
+    /// Times at which it was solved together with its neighbours.
+    pub(super) knots: usize,
+    /// Where a snap is spread.
+    pub(super) spreads: Vec<Spread>,
+    /// The file that keeps it.
+    pub(super) file: Option<PathBuf>,
+    /// It was read from there.
+    pub(super) is_read: bool,
+}
+
+impl<const D: usize> Outcome<D> {
+    /// What is known of it, or why there is none.
+    pub(super) fn facts(&self) -> Result<Facts, Arc<str>> {
+        match self {
+            Self::Failed(why) => Err(Arc::clone(why)),
+            Self::Solved(kept) => Ok(Facts {
+                knots: kept.trajectory.knot_count(),
+                spreads: kept.trajectory.spreads().to_vec(),
+                file: kept.file.clone(),
+                is_read: kept.is_read,
+            }),
+        }
+    }
 }
 
 /// Outcomes by layer. Who asks for one that is in the making waits for it; other layers do not wait.

@@ -1,94 +1,74 @@
-//! World layers: solved in the scene before anything is projected; they move the meshes themselves.
+//! World layers: shape, pins and handles of a layer of the scene at one time.
 //!
-//! In: a pose and its camera. Out: the lattice of each world layer, and a [`TimeSample`] whose meshes are moved.
+//! In: a pose and its camera. Out: a [`WorldLayer`], and the problems that are solved for it.
 
 use super::anchors::presence;
 use super::lattice_box::world_grid;
 use super::layer_pins::{faded_weight, moved_handles, region};
-use super::layer_solve::{factor, solve_layer};
-use super::moved_meshes::move_meshes;
-use super::{LayerState, PinState, PipelineError, PreparedShot, ScenePin, TimeSample, WorldSolution};
-use crate::lattice::{BoxFrame, Grid, SceneLattice};
+use super::{PinAnchor, PinState, PreparedShot, ScenePin};
+use crate::lattice::{BoxFrame, Grid};
 use crate::pose::Pose;
-use crate::screen::{Camera, Projected, primitive, project};
+use crate::screen::{Camera, Projected, primitive};
 use crate::shot::{Goal, OffsetUnit, PinTarget, PinTargets, Rotation};
-use crate::solve::{Cancel, PointPin, Shape, Solution, Targets};
+use crate::solve::{PointPin, Shape, Targets, TimedProblem};
 use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec3};
 
 /// A world layer at one time, on its way to be solved.
-struct WorldLayer<'a> {
-    prepared: &'a PreparedShot,
+pub(super) struct WorldLayer<'a> {
+    pub(super) prepared: &'a PreparedShot,
     pose: &'a Pose,
     camera: &'a Camera,
-    index: usize,
-    frame: BoxFrame,
-    grid: Grid<3>,
+    pub(super) index: usize,
+    pub(super) frame: BoxFrame,
+    pub(super) grid: Grid<3>,
 }
 
 /// A pin as the solver and as the user sees it.
-struct WorldPin {
-    state: PinState,
-    in_scene: ScenePin,
+pub(super) struct WorldPin {
+    pub(super) state: PinState,
+    pub(super) in_scene: ScenePin,
     point: PointPin<3>,
 }
 
-impl PreparedShot {
-    /// Poses and projects a (fractional) frame: the layers of the scene are solved, those of the screen are not.
-    ///
-    /// # Errors
-    /// [`PipelineError::Solve`] where a layer of the scene cannot be solved.
-    pub fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
-        let (mut pose, camera) = self.view(frame);
-        let layers = solve_all(self, frame, &pose, &camera)?;
-        move_meshes((&self.scene, &self.assignment), &mut pose, &layers);
-        let mesh = Some(project(&pose, &camera));
-        Ok(TimeSample { frame, pose, camera, mesh, layers })
-    }
-}
-
-/// One state a layer: solved where it is a world layer.
-fn solve_all(
-    prepared: &PreparedShot,
-    frame: f64,
-    pose: &Pose,
-    camera: &Camera,
-) -> Result<Vec<LayerState>, PipelineError> {
-    let solve = |index: usize| {
+impl<'a> WorldLayer<'a> {
+    /// A layer at a (fractional) frame; `None` where it is none of the scene, or nothing moves it.
+    pub(super) fn at(
+        prepared: &'a PreparedShot,
+        index: usize,
+        time: f64,
+        (pose, camera): (&'a Pose, &'a Camera),
+    ) -> Option<Self> {
         let layer = &prepared.shot.layers[index];
         let is_still = layer.pins.is_empty() && layer.handles.is_empty();
-        match world_grid(prepared, index, frame, pose) {
-            Some((placed, grid)) if !is_still => {
-                WorldLayer { prepared, pose, camera, index, frame: placed, grid }.solve(frame)
-            }
-            _ => Ok(LayerState::default()),
-        }
-    };
-    (0..prepared.shot.layers.len()).map(solve).collect()
-}
+        let (frame, grid) = world_grid(prepared, index, time, pose).filter(|_| !is_still)?;
+        Some(Self { prepared, pose, camera, index, frame, grid })
+    }
 
-impl WorldLayer<'_> {
-    fn solve(&self, frame: f64) -> Result<LayerState, PipelineError> {
+    /// Its pins at a time, and where everything has to go.
+    pub(super) fn goal(&self, time: f64) -> (Vec<WorldPin>, Targets<3>) {
         let layer = &self.prepared.shot.layers[self.index];
-        let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, frame));
+        let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, time));
         let pins = self.pins(&targets);
         let points = pins.iter().map(|pin| pin.point).collect();
-        let goal = Targets { pins: points, handles: moved_handles(layer, &self.grid, &targets) };
-        let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame, source };
-        let never = Cancel::never();
-        let solver = factor(&self.grid, || self.shape(), &goal, &layer.settings, &never).map_err(fault)?;
-        let Some(solver) = solver else { return Ok(LayerState::default()) };
-        let presence = pins.iter().map(|pin| pin.state.presence);
-        let Solution { lattice, report, .. } = solve_layer(&solver, &[], &goal, presence, &never).map_err(fault)?;
-        let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
-        let lattice = SceneLattice { frame: self.frame, lattice };
-        let world = Some(WorldSolution { lattice, report, pins: in_scene });
-        let pins = pins.into_iter().map(|pin| pin.state).collect();
-        Ok(LayerState { world, pins, ..LayerState::default() })
+        (pins, Targets { pins: points, handles: moved_handles(layer, &self.grid, &targets) })
+    }
+
+    /// What its trajectory is solved for at a time; `None` where neither pins nor handles act.
+    pub(super) fn timed_problem(&self, time: f64, points: &[PinAnchor]) -> Option<TimedProblem<3>> {
+        let (_, goal) = self.goal(time);
+        if goal.pins.is_empty() && goal.handles.is_empty() {
+            return None;
+        }
+        let layer = &self.prepared.shot.layers[self.index];
+        let points = points.iter().filter_map(|point| point.in_scene(self.pose));
+        let points = points.map(|point| self.frame.box_from_scene(point).to_array()).collect();
+        let drawing = self.prepared.shot.drawing(self.index, self.prepared.key_frame(layer, time));
+        Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
     }
 
     /// The layer's triangles and lines in the frame of the box.
-    fn shape(&self) -> Shape<3> {
+    pub(super) fn shape(&self) -> Shape<3> {
         let mut shape = Shape::default();
         for &part in &self.prepared.assignment.parts_of_layer[self.index] {
             let stiffness = self.prepared.stiffness_of(self.index, part);

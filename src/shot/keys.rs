@@ -30,6 +30,16 @@ impl Shot {
         let Some(layer) = self.layers.get(layer) else { return PinTargets::default() };
         targets_at(layer, held_frame(&self.frames, layer.step, frame))
     }
+
+    /// Which drawing of layer `layer` the keys show at a (fractional) frame: the number of the frame whose keys are held; 0 where nothing is
+    /// held, and where there is no such layer.
+    #[must_use]
+    pub fn drawing(&self, layer: usize, frame: f64) -> i64 {
+        match self.layers.get(layer) {
+            Some(layer) if layer.step > 1 => held_frame(&self.frames, layer.step, frame) as i64,
+            _ => 0,
+        }
+    }
 }
 
 /// Most places on a path between two key times, one a frame; where a pin turns far there are more.

@@ -79,6 +79,7 @@ scene   = {scene}
 {camera}
 {hide}{clips}
 frames  = {{ first = {first}, last = {last}, rate = {rate} }}
+solve_range = [{first}, {last}]           # over which frames are solved together; keep it where you trim `frames`
 size    = [{width}, {height}]
 {pixel_aspect}samples = 16                              # more: smoother edges and blur, slower
 shutter = {{ angle = 180, phase = -90 }}    # motion blur centred on the frame; angle = 0: none
@@ -103,6 +104,7 @@ version = 1
 image   = {image}
 ##        several of one size, from back to front: image = [\"back.png\", \"hair.png\"]; each is a node of its own
 frames  = {{ first = {first}, last = {last}, rate = {rate} }}
+solve_range = [{first}, {last}]           # over which frames are solved together; keep it where you trim `frames`
 # size  = [{width}, {height}]             # default: the size of the picture
 # shutter = {{ angle = 180, phase = -90 }}  # motion blur centred on the frame; angle = 0: none
 # samples = 16                            # moments of the blur; more: smoother, slower
@@ -175,13 +177,13 @@ fn layer(facts: &TemplateFacts) -> String {
 name    = \"all\"
 # nodes = [{node}]
 ##        names with * and ?, each with what hangs below it; default: everything
-# solve = {{ preset = \"paper\" }}          # default: energy = \"area\", regularizer = \"bend\"
-##        guard = \"limit\" in it stops pins before anything folds
+solve   = {{ temporal = 0.3 }}            # frames are solved together: nothing snaps from frame to frame; 0: each alone
+##        guard = \"limit\" in it stops pins before anything folds; preset = \"paper\" instead is the method as published
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
 ## Limbs that cross on the screen, or hang close to something else, move apart with
-## lattice = {{ dims = \"auto\", topology = \"branching\" }}
+## lattice = {{ dims = \"auto\", topology = \"branching\" }}, without `temporal`
 {world}
   ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
   ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}

@@ -64,4 +64,4 @@ pub use settings::{
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
-pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};
+pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory, knots_per_gib};

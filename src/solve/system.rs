@@ -15,7 +15,7 @@ use super::minimization::{FinalPhase, Minimization, MinimizationResult};
 use super::pin_residuals::{Evidence, ResidualReason};
 use super::pins::RigidMotion;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
-use super::problem::{HandlePin, PointPin, Problem};
+use super::problem::{HandlePin, PointPin, Problem, Shape};
 use super::regularizer::RegularizerTerm;
 use super::report::{Solution, SolveReport};
 use super::settings::{Scaling, Settings, Start};
@@ -47,7 +47,7 @@ pub(crate) struct System<const D: usize> {
     terms: Terms<D>,
     /// Copies of handles; `None`: every handle is one unknown.
     branching: Option<Arc<Branching<D>>>,
-    /// Which cells hold some of the shape.
+    /// Which cells hold some of the shape; empty where nobody asks ([`Self::mark_active_cells`]).
     is_active: Vec<bool>,
     /// Warnings about the shape.
     warnings: Vec<String>,
@@ -73,10 +73,17 @@ const MIN_GUARDED_DET: f64 = 0.01;
 impl<const D: usize> System<D> {
     /// Samples the shape and factors the matrix.
     pub(crate) fn new(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
-        Self::with_points(problem, &[], cancel)
+        let mut system = Self::with_points(problem, &[], cancel)?;
+        system.mark_active_cells(problem.shape);
+        Ok(system)
     }
 
-    /// As [`Self::new`], with points of the model that a proximal term may draw to places ([`Self::draw_points`]).
+    /// Finds the cells that hold some of the shape, for reports; not needed before.
+    pub(crate) fn mark_active_cells(&mut self, shape: &Shape<D>) {
+        self.is_active = active_cells(&self.grid, shape);
+    }
+
+    /// As [`Self::new`], with points of the model that a proximal term may draw to places ([`Self::draw_points`]), and without active cells.
     pub(crate) fn with_points(problem: &Problem<D>, points: &[[f64; D]], cancel: &Cancel) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
@@ -154,7 +161,7 @@ impl<const D: usize> System<D> {
             handles: problem.handles.to_vec(),
             terms,
             branching: branching.map(Arc::new),
-            is_active: active_cells(grid, problem.shape),
+            is_active: Vec::new(),
             warnings,
         };
         system.let_yield(cancel)?;

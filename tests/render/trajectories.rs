@@ -2,8 +2,10 @@
 
 use crate::support::Studio;
 use crate::tiny::{Tiny, grid};
+use glam::DVec3;
 use pinwarp::lattice::ScreenLattice;
 use pinwarp::pipeline::{PreparedShot, report};
+use pinwarp::shot::{LayerSpace, WorldBoxRule};
 use std::fmt::Write;
 
 /// A strip that is pressed to two thirds, its upper end swinging from left to right: it buckles to one side, then to the other.
@@ -91,4 +93,58 @@ fn a_spread_snap_is_told() {
     let told: Vec<String> =
         (1..=9).flat_map(warnings).filter(|text| text.contains("a snap is spread over frames")).collect();
     assert!(!told.is_empty());
+}
+
+#[test]
+fn drawings_on_twos_are_tied_to_each_other_and_still_within_themselves() {
+    let mut studio = swing("temporal = 0.3");
+    studio.shot.layers[0].step = 2;
+    let prepared = studio.prepared();
+    // Drawings 1, 3, 5, 7 are held for two frames each; the pins jump between them, half way from frame to frame.
+    for first in [1.0, 3.0, 5.0, 7.0] {
+        let within = jump(&prepared, [first - 0.49, first + 1.49]);
+        assert!(within <= 1.0, "drawing {first}: {within} px");
+    }
+    assert!(moved(&lattice(&prepared, 4.49), &lattice(&prepared, 4.5)) > 10.0, "the pins do jump");
+    let again = studio.prepared();
+    for time in [7.0, 4.0, 6.25, 1.0] {
+        assert_eq!(lattice(&again, time), lattice(&prepared, time));
+    }
+    assert!(report(&prepared, 4, &prepared.mid_exposure(4).expect("it is solved")).layers[0].solve.is_converged);
+}
+
+/// Places on the strip in the scene, as its layer moves them.
+fn in_scene(prepared: &PreparedShot, frame: f64) -> Vec<DVec3> {
+    let sample = prepared.sample_at(frame).expect("it is solved");
+    let lattice = &sample.layers[0].world.as_ref().expect("it has pins").lattice;
+    let place = |k: u32| DVec3::new(-0.04 + 0.04 * f64::from(k % 3), -0.4 + 0.8 * f64::from(k / 3) / 10.0, 0.0);
+    (0..33).map(|k| lattice.warp(place(k))).collect()
+}
+
+#[test]
+fn a_layer_in_the_scene_is_solved_over_time_too() {
+    let mut studio = swing("temporal = 0.3");
+    studio.shot.layers[0].space = LayerSpace::World { dims: [4, 8, 4], bounds: WorldBoxRule::Follow };
+    let prepared = studio.prepared();
+    let moved = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) * 1080.0;
+    for frame in 1..9 {
+        let [mut low, mut high] = [f64::from(frame), f64::from(frame + 1)];
+        let [mut from, mut to] = [low, high].map(|time| in_scene(&prepared, time));
+        while moved(&from, &to) > 1.0 && high - low > 1e-6 {
+            let time = f64::midpoint(low, high);
+            let middle = in_scene(&prepared, time);
+            if moved(&from, &middle) > moved(&middle, &to) {
+                (high, to) = (time, middle);
+            } else {
+                (low, from) = (time, middle);
+            }
+        }
+        assert!(moved(&from, &to) <= 1.0, "a jump of {} px at {low}", moved(&from, &to));
+    }
+    let again = studio.prepared();
+    for time in [7.5, 2.0] {
+        assert_eq!(in_scene(&again, time), in_scene(&prepared, time));
+    }
+    studio.shot.layers[0].settings.temporal = 0.0;
+    assert_ne!(in_scene(&studio.prepared(), 4.5), in_scene(&prepared, 4.5));
 }

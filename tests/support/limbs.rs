@@ -55,6 +55,8 @@ pub(crate) struct Limb {
     grid: Grid<2>,
     shape: Shape<2>,
     settings: Settings,
+    /// Knots that its trajectory holds at once.
+    pub(crate) window: usize,
 }
 
 impl Limb {
@@ -89,7 +91,7 @@ impl Limb {
             lo: std::array::from_fn(|d| lo[d] - padding[d]),
             hi: std::array::from_fn(|d| hi[d] + padding[d]),
         };
-        Self { keys, is_pinned, rest, grid, shape, settings: Settings::default() }
+        Self { keys, is_pinned, rest, grid, shape, settings: Settings::default(), window: usize::MAX }
     }
 
     /// Pins at a time.
@@ -122,11 +124,21 @@ impl Timeline<2> for Limb {
         &self.settings
     }
 
+    fn window(&self) -> usize {
+        self.window
+    }
+
     fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
         let goal = Targets { pins: self.pins(time), handles: Vec::new() };
         let step = self.shape.points.len().div_ceil(WATCHED);
         let points = self.shape.points.iter().copied().step_by(step).collect();
-        Ok(Some(TimedProblem { grid: self.grid.clone(), shape: self.shape.clone(), path: vec![goal], points }))
+        Ok(Some(TimedProblem {
+            grid: self.grid.clone(),
+            shape: self.shape.clone(),
+            path: vec![goal],
+            points,
+            drawing: 0,
+        }))
     }
 }
 

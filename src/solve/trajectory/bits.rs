@@ -18,7 +18,8 @@ impl<const D: usize> Trajectory<D> {
         out.count(D);
         out.floats(&[first, last, f64::from(knots_per_frame), weight, least_speed, self.weight]);
         out.count(self.states.len());
-        for state in &self.states {
+        for (state, drawing) in self.states.iter().zip(&self.drawings) {
+            out.word(drawing.cast_unsigned());
             match state {
                 None => out.word(NOTHING),
                 Some(Displacement { handles, points }) => {
@@ -49,13 +50,14 @@ impl<const D: usize> Trajectory<D> {
         }
         let knots_per_frame = knots_per_frame as u32;
         let coupling = Coupling { first, last, knots_per_frame, weight: coupling_weight, least_speed };
-        let states: Option<Vec<_>> = (0..rest.count(1)?).map(|_| rest.state()).collect();
-        let states = states?;
+        let knots: Option<Vec<_>> =
+            (0..rest.count(2)?).map(|_| Some((rest.word()?.cast_signed(), rest.state()?))).collect();
+        let (drawings, states): (Vec<i64>, Vec<_>) = knots?.into_iter().unzip();
         let weights = rest.count(1)?;
         let weights = rest.floats(weights)?;
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
-        is_whole.then_some(Self { coupling, states, weights, weight, spreads: spreads? })
+        is_whole.then_some(Self { coupling, states, drawings, weights, weight, spreads: spreads? })
     }
 }
 
@@ -134,6 +136,7 @@ mod tests {
         Trajectory {
             coupling: Coupling { first: -3.5, last: 9.0, knots_per_frame: 2, weight: 0.3, least_speed: 1e-3 },
             states: vec![Some(state(1.0 / 3.0)), None, Some(state(-7e300)), Some(state(0.1))],
+            drawings: vec![3, -1, i64::MAX, 0],
             weights: vec![0.0, 0.0, 12.5],
             weight: 0.6,
             spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],

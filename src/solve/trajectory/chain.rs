@@ -3,7 +3,7 @@
 //! In: knots at their times. Out: their states, the weights ω and where they had to be raised.
 //!
 //! A pass forward continues every knot from the one before; block Gauss-Seidel sweeps, backward and forward in turn, then
-//! bring the sum to a minimum, so that no knot lags. ω_k begins as the user's weight. Where the model moves farther between two
+//! bring the sum to a minimum, so that no knot lags. Long chains are solved in windows: their first half is settled, the rest looks ahead. ω_k begins as the user's weight. Where the model moves farther between two
 //! knots than pins, surface and rigid fit give reason for, ω is raised over as many knots as that move needs: the multiplier of
 //! a limit of the speed (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4).
 
@@ -11,6 +11,7 @@ use super::knot::{Descent, Displacement, Knot};
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
+use rayon::prelude::*;
 
 /// A knot may move this many times as far as what gives reason to.
 const FREEDOM: f64 = 2.0;
@@ -41,52 +42,100 @@ pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
     /// One an interval: ω, in squared units of the space.
     pub(crate) weights: Vec<f64>,
+    /// Leading knots that are settled and stay as they are: none, or the last of the window before.
+    settled: usize,
+    /// Knots that the pass forward has reached.
+    passed: usize,
     /// The weight they begin with.
     pub(crate) weight: f64,
     /// One an interval: how far points may move, in units of the space.
     limits: Vec<f64>,
     /// One an interval: known to be convex where its knots are.
     is_convex: Vec<bool>,
+    coupling: Coupling,
     tolerance: f64,
+    /// Polled by the thread that solves.
     cancel: &'a Cancel<'a>,
 }
 
 impl<'a, const D: usize> Chain<'a, D> {
-    /// Couples knots; they are not solved yet.
+    /// Couples the first knots; they are not solved yet.
     pub(crate) fn new(knots: Vec<Option<Knot<D>>>, coupling: &Coupling, cancel: &'a Cancel<'a>) -> Self {
         let diagonals = knots.iter().flatten().map(|knot| knot.grid().diagonal());
         let (sum, count) = diagonals.fold((0.0, 0.0), |(sum, count), diagonal| (sum + diagonal, count + 1.0));
         let diagonal: f64 = if count > 0.0 { sum / count } else { 1.0 };
         let per_frame = f64::from(coupling.knots_per_frame);
         let weight = coupling.weight * per_frame / diagonal.powi(2);
-        let is_coupled = |pair: &[Option<Knot<D>>]| pair.iter().all(Option::is_some);
-        let weights = knots.windows(2).map(|pair| if is_coupled(pair) { weight } else { 0.0 }).collect();
-        let limit = |pair: &[Option<Knot<D>>]| match pair {
-            [Some(knot), Some(next)] => FREEDOM * knot.motion(next) + coupling.least_speed / per_frame,
-            _ => f64::INFINITY,
+        let mut chain = Self {
+            knots: Vec::new(),
+            weights: Vec::new(),
+            settled: 0,
+            passed: 0,
+            weight,
+            limits: Vec::new(),
+            is_convex: Vec::new(),
+            coupling: *coupling,
+            tolerance: TOLERANCE * diagonal,
+            cancel,
         };
-        let limits: Vec<f64> = knots.windows(2).map(limit).collect();
-        let is_convex = vec![false; limits.len()];
-        Self { knots, weights, weight, limits, is_convex, tolerance: TOLERANCE * diagonal, cancel }
+        chain.extend(knots);
+        chain
     }
 
-    /// Solves all knots; `passed` hears how many the pass forward has solved.
-    pub(crate) fn solve(&mut self, passed: &dyn Fn(usize)) -> Result<(), SolveError> {
+    /// Couples more knots.
+    pub(crate) fn extend(&mut self, knots: Vec<Option<Knot<D>>>) {
+        let first = self.weights.len();
+        self.knots.extend(knots);
+        let per_frame = f64::from(self.coupling.knots_per_frame);
+        for pair in self.knots.windows(2).skip(first) {
+            let (weight, limit) = match pair {
+                [Some(knot), Some(next)] => {
+                    (self.weight, FREEDOM * knot.motion(next) + self.coupling.least_speed / per_frame)
+                }
+                _ => (0.0, f64::INFINITY),
+            };
+            self.weights.push(weight);
+            self.limits.push(limit);
+            self.is_convex.push(false);
+        }
+    }
+
+    /// Takes the first knots out, with the intervals that begin at them. The first knot that is left stays as it is.
+    pub(crate) fn take_front(&mut self, count: usize) -> Vec<SettledKnot<D>> {
+        let intervals = count.min(self.weights.len());
+        let mut weights = self.weights.drain(..intervals);
+        let front = self.knots.drain(..count).map(|knot| SettledKnot {
+            drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
+            state: knot.map(|knot| knot.displacement),
+            weight: weights.next(),
+        });
+        let front = front.collect();
+        drop(weights);
+        self.limits.drain(..intervals);
+        self.is_convex.drain(..intervals);
+        self.passed -= count;
+        self.settled = 1;
+        front
+    }
+
+    /// Solves all knots; `passed` hears of each that the pass forward reaches.
+    pub(crate) fn solve(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
+        let first = self.passed;
         self.pass_forward(passed)?;
-        self.settle()?;
+        self.settle(first)?;
         for _ in 0..ROUNDS {
             if !self.tighten() {
                 break;
             }
-            self.settle()?;
+            self.settle(0)?;
         }
         Ok(())
     }
 
     /// Every knot from the one before; the first, and one after a gap, alone.
-    fn pass_forward(&mut self, passed: &dyn Fn(usize)) -> Result<(), SolveError> {
-        for index in 0..self.knots.len() {
-            passed(index + 1);
+    fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
+        for index in self.passed..self.knots.len() {
+            passed();
             let weight = self.pull(index);
             let (before, rest) = self.knots.split_at_mut(index);
             let Some(knot) = &mut rest[0] else { continue };
@@ -101,6 +150,7 @@ impl<'a, const D: usize> Chain<'a, D> {
                 }
             }
         }
+        self.passed = self.knots.len();
         Ok(())
     }
 
@@ -110,10 +160,10 @@ impl<'a, const D: usize> Chain<'a, D> {
         before + self.weights.get(index).copied().unwrap_or(0.0)
     }
 
-    /// Sweeps until nothing moves.
-    fn settle(&mut self) -> Result<(), SolveError> {
+    /// Sweeps until nothing moves, beginning at a knot and all after it.
+    fn settle(&mut self, first: usize) -> Result<(), SolveError> {
         let count = self.knots.len();
-        let mut is_stale = vec![true; count];
+        let mut is_stale: Vec<bool> = (0..count).map(|index| index + 1 >= first).collect();
         for sweep in 0..SWEEPS {
             for step in 0..count {
                 let index = if sweep % 2 == 0 { count - 1 - step } else { step };
@@ -133,7 +183,7 @@ impl<'a, const D: usize> Chain<'a, D> {
     /// Minimises over one knot; how far its points moved.
     fn relax(&mut self, index: usize) -> Result<f64, SolveError> {
         let weight = self.pull(index);
-        if weight == 0.0 {
+        if weight == 0.0 || index < self.settled {
             return Ok(0.0);
         }
         let share = self.weights.get(index).copied().unwrap_or(0.0) / weight;
@@ -158,8 +208,8 @@ impl<'a, const D: usize> Chain<'a, D> {
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
         }
-        for (index, slot) in raised.iter_mut().enumerate() {
-            *slot = slot.max(self.convex_weight(index));
+        for (slot, convex) in raised.iter_mut().zip(self.convex_weights()) {
+            *slot = slot.max(convex);
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
@@ -178,23 +228,31 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The weight of an interval, doubled until the energy is convex between its knots.
-    fn convex_weight(&mut self, index: usize) -> f64 {
-        let mut weight = self.weights[index];
-        let [Some(knot), Some(next)] = &self.knots[index..=index + 1] else { return weight };
-        if std::mem::replace(&mut self.is_convex[index], true) {
-            return weight;
-        }
-        for _ in 0..DOUBLINGS {
-            let held = CONVEX_SHARE * weight;
-            if knot.is_convex_towards(&next.displacement, held, self.cancel)
-                && next.is_convex_towards(&knot.displacement, held, self.cancel)
-            {
-                break;
+    /// The weights of all intervals, each doubled until the energy is convex between its knots.
+    fn convex_weights(&mut self) -> Vec<f64> {
+        let (knots, weights, is_convex) = (&self.knots, &self.weights, &self.is_convex);
+        // First the states themselves, once for both intervals beside a knot.
+        let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {
+            let beside = [index.checked_sub(1), Some(index)].map(|interval| Some(*weights.get(interval?)?));
+            let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+            let is_new =
+                [index.checked_sub(1), Some(index)].iter().flatten().any(|&k| is_convex.get(k) == Some(&false));
+            let knot = knot.as_ref().filter(|_| is_new && least > 0.0 && least < f64::INFINITY)?;
+            let held = CONVEX_SHARE * least;
+            knot.is_convex(held, &Cancel::never()).then_some(held)
+        };
+        let found: Vec<Option<f64>> = knots.par_iter().enumerate().map(at_knot).collect();
+        for (knot, held) in self.knots.iter_mut().zip(found) {
+            if let (Some(knot), Some(held)) = (knot, held) {
+                knot.note_convex(held);
             }
-            weight *= 2.0;
         }
-        weight
+        let intervals = self.knots.par_windows(2).zip(&self.weights).zip(&self.is_convex);
+        let weights =
+            intervals.map(|((ends, &weight), &is_known)| if is_known { weight } else { convex_weight(ends, weight) });
+        let weights = weights.collect();
+        self.is_convex.fill(true);
+        weights
     }
 
     /// How far an interval moves over its limit, as a ratio.
@@ -225,9 +283,35 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
         [first, last]
     }
+}
 
-    /// The states of all knots.
-    pub(crate) fn into_states(self) -> Vec<Option<Displacement<D>>> {
-        self.knots.into_iter().map(|knot| knot.map(|knot| knot.displacement)).collect()
+/// A knot that is done.
+pub(crate) struct SettledKnot<const D: usize> {
+    /// Its state; `None` where nothing is solved.
+    pub(crate) state: Option<Displacement<D>>,
+    /// Which drawing it belongs to.
+    pub(crate) drawing: i64,
+    /// The weight of the interval that begins at it; `None`: it is the last.
+    pub(crate) weight: Option<f64>,
+}
+
+/// The weight of an interval, doubled until the energy is convex between its ends.
+fn convex_weight<const D: usize>(ends: &[Option<Knot<D>>], mut weight: f64) -> f64 {
+    let [Some(knot), Some(next)] = ends else { return weight };
+    // Between two drawings nothing is continuous.
+    if knot.drawing != next.drawing {
+        return weight;
     }
+    let never = Cancel::never();
+    for _ in 0..DOUBLINGS {
+        let held = CONVEX_SHARE * weight;
+        if knot.is_convex(held, &never)
+            && next.is_convex(held, &never)
+            && knot.is_convex_towards(&next.displacement, held, &never)
+        {
+            break;
+        }
+        weight *= 2.0;
+    }
+    weight
 }

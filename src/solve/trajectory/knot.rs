@@ -52,6 +52,10 @@ pub(crate) struct Knot<const D: usize> {
     /// Where the rigid fit takes handles and points.
     rigid: Displacement<D>,
     factor: CachedFactor,
+    /// Which drawing it belongs to.
+    pub(crate) drawing: i64,
+    /// The least proximal weight with which the energy is known to be convex at the state.
+    convex_from: f64,
     /// The state.
     pub(crate) displacement: Displacement<D>,
 }
@@ -68,7 +72,7 @@ pub(crate) enum Descent {
 impl<const D: usize> Knot<D> {
     /// Samples and factors a problem; its state is the rigid fit.
     pub(crate) fn new(problem: TimedProblem<D>, settings: &Settings, cancel: &Cancel) -> Result<Self, SolveError> {
-        let TimedProblem { grid, shape, path, points } = problem;
+        let TimedProblem { grid, shape, path, points, drawing } = problem;
         let goal = path.last().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
         let Targets { pins, handles } = &goal;
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
@@ -79,7 +83,8 @@ impl<const D: usize> Knot<D> {
         let rigid = Displacement { handles: images(&grid.rest_handles()), points: images(&clamped) };
         let displacement =
             Displacement { handles: vec![[0.0; D]; rigid.handles.len()], points: vec![[0.0; D]; rigid.points.len()] };
-        Ok(Self { system, path, points, rigid, factor: CachedFactor::default(), displacement })
+        let factor = CachedFactor::default();
+        Ok(Self { system, path, points, rigid, factor, drawing, convex_from: f64::INFINITY, displacement })
     }
 
     pub(crate) fn grid(&self) -> &Grid<D> {
@@ -134,15 +139,24 @@ impl<const D: usize> Knot<D> {
         sums.map(|(rigid, by)| std::array::from_fn(|d| rigid[d] + by[d])).collect()
     }
 
-    /// Whether the energy with a proximal term of this weight is convex at its state, and halfway to another.
+    /// Whether the energy with a proximal term of this weight is convex at its state.
+    pub(crate) fn is_convex(&self, weight: f64, cancel: &Cancel) -> bool {
+        weight >= self.convex_from || self.system.is_convex(&self.handles(), weight, cancel)
+    }
+
+    /// Whether it is halfway to another state.
     pub(crate) fn is_convex_towards(&self, to: &Displacement<D>, weight: f64, cancel: &Cancel) -> bool {
         let middle = self.displacement.interpolated(to, 0.5).handles;
-        [&self.displacement.handles, &middle]
-            .iter()
-            .all(|by| self.system.is_convex(&self.displaced(by), weight, cancel))
+        self.system.is_convex(&self.displaced(&middle), weight, cancel)
+    }
+
+    /// Keeps what was found of the state.
+    pub(crate) fn note_convex(&mut self, weight: f64) {
+        self.convex_from = self.convex_from.min(weight);
     }
 
     fn take(&mut self, handles: &[[f64; D]]) {
+        self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
         let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
         self.displacement =

@@ -9,7 +9,7 @@ mod chain;
 mod knot;
 mod timeline;
 
-pub use timeline::{Coupling, TimedProblem, Timeline};
+pub use timeline::{Coupling, TimedProblem, Timeline, knots_per_gib};
 
 use super::cancel::Cancel;
 use super::error::SolveError;
@@ -25,12 +25,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Nearer to a knot than this part of an interval, the state is the knot's.
 const AT_KNOT: f64 = 1e-7;
 
+/// A window holds at least so many knots.
+const LEAST_WINDOW: usize = 16;
+
 /// The lattice of a layer over time, by its knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory<const D: usize> {
     coupling: Coupling,
     /// One a knot; `None` where nothing is solved.
     states: Vec<Option<Displacement<D>>>,
+    /// One a knot: the drawing that it belongs to.
+    drawings: Vec<i64>,
     /// One an interval: its weight over its length, in squared units of the space.
     weights: Vec<f64>,
     /// That of an interval whose weight was not raised.
@@ -59,19 +64,36 @@ impl<const D: usize> Trajectory<D> {
         T::Error: Send,
     {
         let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
-        let built = AtomicUsize::new(0);
+        let parts = AtomicUsize::new(0);
+        let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), 2 * count);
         let build = |index: usize| -> Result<Option<Knot<D>>, T::Error> {
             let Some(problem) = timeline.at(coupling.knot_time(index))? else { return Ok(None) };
             let knot = Knot::new(problem, timeline.settings(), &Cancel::never())?;
-            timeline.progress(1 + built.fetch_add(1, Ordering::Relaxed), 2 * count);
+            part_done();
             Ok(Some(knot))
         };
-        let knots: Result<Vec<_>, _> = (0..count).into_par_iter().map(build).collect();
-        let mut chain = Chain::new(knots?, &coupling, cancel);
-        chain.solve(&|passed| timeline.progress(count + passed, 2 * count))?;
-        let spreads = spreads(&chain, &coupling);
-        let (weights, weight) = (chain.weights.clone(), chain.weight);
-        Ok(Self { coupling, states: chain.into_states(), weights, weight, spreads })
+        let build =
+            |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> { range.into_par_iter().map(build).collect() };
+        let window = timeline.window().max(LEAST_WINDOW);
+        let mut end = window.min(count);
+        let mut chain = Chain::new(build(0..end)?, &coupling, cancel);
+        let mut done = Vec::new();
+        loop {
+            chain.solve(&part_done)?;
+            if end == count {
+                break;
+            }
+            done.extend(chain.take_front(window / 2));
+            let next = (end + window / 2).min(count);
+            chain.extend(build(end..next)?);
+            end = next;
+        }
+        let weight = chain.weight;
+        done.extend(chain.take_front(chain.knots.len()));
+        let weights = done.iter().filter_map(|knot| knot.weight).collect();
+        let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
+        let trajectory = Self { coupling, states, drawings, weights, weight, spreads: Vec::new() };
+        Ok(Self { spreads: trajectory.raised(), ..trajectory })
     }
 
     /// How many knots are solved.
@@ -97,7 +119,9 @@ impl<const D: usize> Trajectory<D> {
         settings: &Settings,
         cancel: &Cancel,
     ) -> Result<Solution<D>, SolveError> {
+        let shape = problem.shape.clone();
         let mut knot = Knot::new(problem, settings, cancel)?;
+        knot.system.mark_active_cells(&shape);
         let result = self.solve_knot(&mut knot, time, cancel)?;
         let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
         Ok(knot.system.finish(&goal, result, None))
@@ -105,7 +129,7 @@ impl<const D: usize> Trajectory<D> {
 
     /// The state of a knot where the time is one, else the proximal step between its neighbours.
     fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
-        match self.neighbourhood(time) {
+        match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::At(state) => {
                 knot.displacement = state.clone();
@@ -121,16 +145,21 @@ impl<const D: usize> Trajectory<D> {
 
     /// What draws a time. Between two knots: E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), s the part of the interval that
     /// has passed; up to a constant this is one square, ω/(s (1 − s)) ‖d − (1 − s) d_k − s d_{k+1}‖². Before the first knot, after the last,
-    /// and beside a gap one knot alone draws, the less the farther it is.
-    fn neighbourhood(&self, time: f64) -> Neighbourhood<'_, D> {
+    /// beside a gap, and where the other neighbour shows another drawing, one knot alone draws, the less the farther it is.
+    fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
         let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
         let last = self.states.len() as f64 - 1.0;
-        if let Some(state) = self.state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
+        let state = |knot: f64| self.state(knot).filter(|_| self.drawings[knot as usize] == drawing);
+        if let Some(state) = state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
             return Neighbourhood::At(state);
         }
         let before = place.floor().min(last);
         let after = place.ceil().max(0.0);
-        match (self.state(before), self.state(after)) {
+        let pair = match (state(before), state(after)) {
+            (None, None) => (self.state(before), self.state(after)),
+            own => own,
+        };
+        match pair {
             (Some(from), Some(to)) => {
                 let s = place - before;
                 Neighbourhood::Near(from.interpolated(to, s), self.weights[before as usize] / (s * (1.0 - s)))
@@ -139,6 +168,23 @@ impl<const D: usize> Trajectory<D> {
             (None, Some(only)) => Neighbourhood::Near(only.clone(), self.weight / (after - place)),
             (None, None) => Neighbourhood::Alone,
         }
+    }
+
+    /// Runs of intervals whose weights were raised.
+    fn raised(&self) -> Vec<Spread> {
+        let mut spreads: Vec<Spread> = Vec::new();
+        for index in (0..self.weights.len()).filter(|&index| self.weights[index] > self.weight) {
+            let [Some(state), Some(next)] = &self.states[index..=index + 1] else { continue };
+            let speed = state.farthest(next) * f64::from(self.coupling.knots_per_frame);
+            let frames = [index, index + 1].map(|knot| self.coupling.knot_time(knot));
+            match spreads.last_mut() {
+                Some(last) if last.frames[1] == frames[0] => {
+                    *last = Spread { frames: [last.frames[0], frames[1]], speed: last.speed.max(speed) };
+                }
+                _ => spreads.push(Spread { frames, speed }),
+            }
+        }
+        spreads
     }
 
     /// The state of a knot by its number; `None` where nothing is solved, or there is no such knot.
@@ -155,21 +201,4 @@ enum Neighbourhood<'a, const D: usize> {
     At(&'a Displacement<D>),
     /// A displacement, with a weight.
     Near(Displacement<D>, f64),
-}
-
-/// Runs of intervals whose weights were raised.
-fn spreads<const D: usize>(chain: &Chain<D>, coupling: &Coupling) -> Vec<Spread> {
-    let mut spreads: Vec<Spread> = Vec::new();
-    for index in (0..chain.weights.len()).filter(|&index| chain.weights[index] > chain.weight) {
-        let [Some(knot), Some(next)] = &chain.knots[index..=index + 1] else { continue };
-        let speed = knot.displacement.farthest(&next.displacement) * f64::from(coupling.knots_per_frame);
-        let frames = [index, index + 1].map(|knot| coupling.knot_time(knot));
-        match spreads.last_mut() {
-            Some(last) if last.frames[1] == frames[0] => {
-                *last = Spread { frames: [last.frames[0], frames[1]], speed: last.speed.max(speed) };
-            }
-            _ => spreads.push(Spread { frames, speed }),
-        }
-    }
-    spreads
 }

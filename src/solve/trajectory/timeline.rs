@@ -19,6 +19,9 @@ pub struct TimedProblem<const D: usize> {
     pub path: Vec<Targets<D>>,
     /// Points of the model, the same ones at every time, #points; those outside the box count where they are nearest to it.
     pub points: Vec<[f64; D]>,
+    /// Which drawing is shown, where targets are held over several times and then jump ("on twos"); else 0. A trajectory is continuous
+    /// within a drawing.
+    pub drawing: i64,
 }
 
 /// The problem of a layer as a function of time.
@@ -34,6 +37,12 @@ pub trait Timeline<const D: usize> {
     /// # Errors
     /// Those of the implementation.
     fn at(&self, time: f64) -> Result<Option<TimedProblem<D>>, Self::Error>;
+
+    /// How many knots are held in memory at once, 16 or more: later ones cannot pull at those half a window before them. A function of the
+    /// problem alone, because the result depends on it.
+    fn window(&self) -> usize {
+        usize::MAX
+    }
 
     /// Hears how far a [`Trajectory`](super::Trajectory) has been solved: parts done, of all. Of no consequence for the result.
     fn progress(&self, _done: usize, _of: usize) {}
@@ -52,6 +61,25 @@ pub struct Coupling {
     pub weight: f64,
     /// A speed, in units of the space a frame, that needs no reason.
     pub least_speed: f64,
+}
+
+/// Bytes of a knot's matrices and factors for each entry of the band of its normal matrix; in the plane Newton's method has a factor, too.
+const BAND_BYTES: [usize; 2] = [64, 32];
+
+/// Bytes of a knot beside its matrices: samples of the shape and points.
+const KNOT_BYTES: usize = 1 << 20;
+
+/// Bytes of the knots of a window.
+const WINDOW_BYTES: usize = 1 << 30;
+
+/// How many knots with such a grid take a GiB.
+#[must_use]
+pub fn knots_per_gib<const D: usize>(grid: &Grid<D>) -> usize {
+    let handles = grid.handle_count();
+    let apart = grid.basis.min_handles() - 1;
+    let bandwidth = if grid.basis.is_local() { (0..D).map(|axis| apart * grid.stride(axis)).sum() } else { handles };
+    let entries = handles * (1 + bandwidth.min(handles));
+    WINDOW_BYTES / (KNOT_BYTES + entries * BAND_BYTES[usize::from(D > 2)])
 }
 
 impl Coupling {

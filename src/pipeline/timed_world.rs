@@ -1,0 +1,78 @@
+//! Layers of the scene at one time: from their trajectories, or solved alone; they move the meshes themselves.
+//!
+//! In: a pose and its camera. Out: the lattice of each such layer, and a [`TimeSample`] whose meshes are moved.
+
+use super::layer_solve::solve_layer;
+use super::layer_timeline::Watcher;
+use super::moved_meshes::move_meshes;
+use super::trajectories::{has_trajectory, world_trajectory};
+use super::watched_trajectory::Outcome;
+use super::world_layer::WorldLayer;
+use super::{LayerState, PipelineError, PreparedShot, TimeSample, WorldSolution};
+use crate::lattice::SceneLattice;
+use crate::pose::Pose;
+use crate::screen::{Camera, project};
+use crate::solve::{Cancel, Problem, Solution, Solver, Targets};
+
+impl PreparedShot {
+    /// Poses and projects a (fractional) frame: the layers of the scene are solved, those of the screen are not.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] where a layer of the scene cannot be solved.
+    pub fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
+        let (mut pose, camera) = self.view(frame);
+        let layers = solve_all(self, frame, &pose, &camera)?;
+        move_meshes((&self.scene, &self.assignment), &mut pose, &layers);
+        let mesh = Some(project(&pose, &camera));
+        Ok(TimeSample { frame, pose, camera, mesh, layers })
+    }
+}
+
+/// One state a layer: solved where it is a world layer.
+fn solve_all(
+    prepared: &PreparedShot,
+    frame: f64,
+    pose: &Pose,
+    camera: &Camera,
+) -> Result<Vec<LayerState>, PipelineError> {
+    let solve = |index: usize| match WorldLayer::at(prepared, index, frame, (pose, camera)) {
+        Some(layer) => layer.solve(frame),
+        None => Ok(LayerState::default()),
+    };
+    (0..prepared.shot.layers.len()).map(solve).collect()
+}
+
+impl WorldLayer<'_> {
+    fn solve(&self, frame: f64) -> Result<LayerState, PipelineError> {
+        let (pins, goal) = self.goal(frame);
+        if goal.pins.is_empty() && goal.handles.is_empty() {
+            return Ok(LayerState::default());
+        }
+        let presence = pins.iter().map(|pin| pin.state.presence).fold(0.0, f64::max);
+        let Solution { lattice, report, .. } = self.solution(frame, &goal, presence)?;
+        let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
+        let lattice = SceneLattice { frame: self.frame, lattice };
+        let world = Some(WorldSolution { lattice, report, pins: in_scene });
+        let pins = pins.into_iter().map(|pin| pin.state).collect();
+        Ok(LayerState { world, pins, ..LayerState::default() })
+    }
+
+    /// From its trajectory, or of this time alone. Where no handle is moved it fades with the pin that is present most.
+    fn solution(&self, time: f64, goal: &Targets<3>, presence: f64) -> Result<Solution<3>, PipelineError> {
+        let layer = &self.prepared.shot.layers[self.index];
+        let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: time, source };
+        let never = Cancel::never();
+        let is_fading = goal.handles.is_empty() && presence < 1.0;
+        if !is_fading
+            && has_trajectory(self.prepared, self.index)
+            && let Outcome::Solved(kept) = world_trajectory(self.prepared, self.index, Watcher::PATIENT)?
+            && let Some(problem) = self.timed_problem(time, &kept.points)
+        {
+            return kept.trajectory.solve_at(time, problem, &layer.settings, &never).map_err(fault);
+        }
+        let Targets { pins, handles } = goal;
+        let problem = Problem { grid: &self.grid, shape: &self.shape(), pins, handles, settings: &layer.settings };
+        let solver = Solver::build(&problem, &never).map_err(fault)?;
+        solve_layer(&solver, &[], goal, std::iter::once(presence), &never).map_err(fault)
+    }
+}
