@@ -51,7 +51,7 @@ fn body_moves(gap: f32, lattice: &str) -> f64 {
 #[test]
 fn a_part_that_touches_is_cut_off_by_its_name() {
     let whole = body_moves(0.0, "cuts = []");
-    let cuts = ["{ nodes = ['Arm'] }", "{ materials = ['Sleeve'] }", "{ nodes = ['Arm'], materials = ['Slee*'] }"];
+    let cuts = ["{ nodes = ['Arm'] }", "{ materials = ['Sleeve'] }", "{ nodes = ['Arm'], materials = ['Sleeve*'] }"];
     for cut in cuts {
         let apart = body_moves(0.0, &format!("cuts = [{cut}]"));
         println!("the body moves by {whole:.2} px as one piece, by {apart:.2} px with {cut}");
