@@ -49,7 +49,7 @@ const REFINEMENTS: usize = 2;
 /// Halvings of a step.
 const HALVINGS: usize = 20;
 
-/// Part of the descent along the tangent that a step has to reach.
+/// Part of the descent along the tangent that a step has to make.
 const DESCENT: f64 = 1e-4;
 
 /// Rounding of energies.
