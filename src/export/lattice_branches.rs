@@ -23,10 +23,16 @@ pub struct LatticeBranch {
     pub region: Vec<Vec<u32>>,
 }
 
+/// The handles that act on a branch, #handles.
+pub type ActingHandles = Vec<Option<[f64; 2]>>;
+
+/// Convex polygons.
+pub type Region = Vec<Vec<[f64; 2]>>;
+
 impl LatticeBranches {
     /// Of handles and polygons, from back to front.
     #[must_use]
-    pub fn of(branches: Vec<(Vec<Option<[f64; 2]>>, Vec<Vec<[f64; 2]>>)>) -> Self {
+    pub fn of(branches: Vec<(ActingHandles, Region)>) -> Self {
         let (mut points, mut known) = (Vec::new(), HashMap::new());
         let mut place = |point: [f64; 2]| {
             *known.entry(point.map(f64::to_bits)).or_insert_with(|| {
@@ -34,7 +40,7 @@ impl LatticeBranches {
                 points.len() as u32 - 1
             })
         };
-        let branch = |(handles, region): (Vec<Option<[f64; 2]>>, Vec<Vec<[f64; 2]>>)| LatticeBranch {
+        let branch = |(handles, region): (ActingHandles, Region)| LatticeBranch {
             handles,
             region: region.into_iter().map(|polygon| polygon.into_iter().map(&mut place).collect()).collect(),
         };

@@ -14,7 +14,7 @@ use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, 
 use crate::lattice::Support;
 use crate::memory;
 use crate::pipeline::{Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, fields_of};
-use crate::plate::{Coverage, Field};
+use crate::plate::SharedParts;
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
@@ -136,9 +136,6 @@ fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
     let hint = "correct `size` and `pixel_aspect` of the shot, or the format of the picture";
     Err(LiveError::Aspect { path: shape.path.clone(), wanted, found: frame.aspect(), hint })
 }
-
-/// The parts of a picture, and what their shape covers of it.
-type Shares = (Vec<(Field, Coverage)>, Coverage);
 
 /// One layer, driven by controls.
 struct Task<'a> {
@@ -275,7 +272,7 @@ impl Task<'_> {
     }
 
     /// The parts of the picture, where the lattice branches; the state comes back.
-    fn parts(&self, state: LayerState) -> Result<(Option<Shares>, LayerState), LiveError> {
+    fn parts(&self, state: LayerState) -> Result<(Option<SharedParts>, LayerState), LiveError> {
         if state.solution.as_ref().is_none_or(|solution| solution.branches.is_none()) {
             return Ok((None, state));
         }

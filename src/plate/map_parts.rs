@@ -8,6 +8,9 @@ use super::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use std::collections::BTreeSet;
 
+/// Parts that share a picture among them, from back to front: where each goes, and what it has of every pixel; and what all cover.
+pub type SharedParts = (Vec<(Field, Coverage)>, Coverage);
+
 impl WarpMap {
     /// For every pixel of the warped picture: where it came from. A part takes the pixels along that it covers by half; the
     /// rest stays. Nothing is seen where a part left and no other is.
@@ -53,14 +56,14 @@ impl WarpMap {
             let bound = |pixel| if covered.at(pixel, frame) >= HALF { 1.0 } else { 0.5 * HALF };
             let part = Self::backward_showing(field, (frame, window), |pixel| share.at(pixel, frame) * bound(pixel));
             let folds: BTreeSet<u32> = part.folded_pixels.iter().copied().collect();
-            for index in 0..window.area() {
+            for (index, is_covered) in is_covered.iter_mut().enumerate() {
                 let Some(source) = nearest_source(window.pixel_at(index), part.offsets[index]) else { continue };
                 let is_front = covered.at(source, frame) >= HALF;
-                if share.at(source, frame) < HALF || is_covered[index] && !is_front {
+                if share.at(source, frame) < HALF || *is_covered && !is_front {
                     continue;
                 }
                 map.offsets[index] = part.offsets[index];
-                is_covered[index] |= is_front;
+                *is_covered |= is_front;
                 let _ = if is_front && folds.contains(&(index as u32)) {
                     folded.insert(index as u32)
                 } else {

@@ -57,6 +57,7 @@ pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table};
 pub use filter::{NotFinite, Planes, footprint_taps, resample_into, resample_part, resampled};
 pub use job::{LayerJob, PlateJob};
+pub use map_parts::SharedParts;
 pub use report::{ChannelReport, PlateError, PlateReport, SemanticReason};
 pub use resampler::Resampler;
 pub use settings::{Filter, Holes, Matte, MotionEncoding, MotionUnit, NormalMode, Semantic, WarpSettings};

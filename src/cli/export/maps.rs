@@ -10,7 +10,7 @@ use crate::lattice::Lattice;
 use crate::pipeline::{
     PreparedShot, Silhouette, Todo, digest_with, fields_of, lattices_of_file, parts_of_file, refuse_existing,
 };
-use crate::plate::{Coverage, Field, WarpMap};
+use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
 use crate::spelling::counted;
@@ -263,7 +263,7 @@ fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize
 }
 
 /// The branches of a track of a file, where nothing else is known.
-fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<(Vec<(Field, Coverage)>, Coverage)> {
+fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<SharedParts> {
     let (listed, branches) = track.branches_at(frame)?;
     let lattices = lattices_of_file(branches, &screen(track)?.get(&listed)?.grid);
     fields_of(parts_of_file(branches, lattices, None, size))

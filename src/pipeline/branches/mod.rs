@@ -13,7 +13,7 @@ use super::passes::{PassPlan, mid_shutter, plan_passes};
 use super::{PreparedShot, TimeSample};
 use crate::export::LatticeBranches;
 use crate::lattice::{Grid, ScreenLattice};
-use crate::plate::{Coverage, Field};
+use crate::plate::{Coverage, Field, SharedParts};
 use crate::raster::PassRole;
 use crate::shot::Shutter;
 use crate::solve::{Solution, continued};
@@ -166,7 +166,7 @@ pub(crate) fn parts_of_file(
 }
 
 /// Where parts go and what they have of the picture, and what the shape covers of it; `None`: there are none.
-pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<(Vec<(Field, Coverage)>, Coverage)> {
+pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<SharedParts> {
     let covered = (*parts.first()?.covered).clone();
     let field = |part: BranchPart| (Field::of_layer(part.lattice), Arc::unwrap_or_clone(part.share));
     Some((parts.into_iter().map(field).collect(), covered))

@@ -5,7 +5,7 @@
 use super::super::{Exposure, PipelineError, PreparedShot, fields_of};
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
-use crate::plate::{Coverage, Field, color_layers};
+use crate::plate::{Coverage, SharedParts, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
 use crate::space::FrameSize;
 
@@ -64,11 +64,7 @@ impl<'a> Silhouette<'a> {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] where a layer cannot be solved.
-    pub fn branches(
-        &self,
-        frame: i32,
-        (layer, size): (&str, FrameSize),
-    ) -> Result<Option<(Vec<(Field, Coverage)>, Coverage)>, PipelineError> {
+    pub fn branches(&self, frame: i32, (layer, size): (&str, FrameSize)) -> Result<Option<SharedParts>, PipelineError> {
         let Some(index) = self.prepared.shot.layers.iter().position(|own| own.name == layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
         let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));
