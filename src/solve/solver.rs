@@ -61,7 +61,9 @@ impl<const D: usize> Solver<D> {
 
     /// Factors a checked problem whose parts are built already.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>) -> Result<Self, SolveError> {
-        Ok(Self { system: System::assemble(problem, parts, &Cancel::never())? })
+        let mut system = System::assemble(problem, parts, &Cancel::never())?;
+        system.mark_active_cells(problem.shape);
+        Ok(Self { system })
     }
 
     /// The solver, with a hook that may end its solves early.

@@ -52,8 +52,8 @@ pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2
     let mut curves: Vec<Curve<D>> = Vec::with_capacity(D * D);
     for (k, &value) in values.iter().enumerate() {
         let mut along = [[0.0; D]; D];
-        for p in 0..D {
-            add(&mut along, vectors[p][k], &outer(p, p));
+        for (p, row) in vectors.iter().enumerate() {
+            add(&mut along, row[k], &outer(p, p));
         }
         curves.push((value, along));
     }

@@ -105,7 +105,8 @@ impl<const D: usize> BarrierPoints<D> {
             let gradient = lane_of(&gradients[place[1]], place[2]);
             let det = determinant(&gradient);
             // A NaN is not clear, either.
-            if !(det >= CLEAR) {
+            let is_clear = det >= CLEAR;
+            if !is_clear {
                 narrow.push(NarrowPoint { place, gradient, det });
             }
         });

@@ -136,10 +136,7 @@ impl<const D: usize> Reaction<D> {
 }
 
 /// The rows that a row is one of, and its number there.
-fn place<'a, const D: usize>(
-    [pins, handles]: [&'a LeastSquaresRows<D>; 2],
-    row: usize,
-) -> (&'a LeastSquaresRows<D>, usize) {
+fn place<const D: usize>([pins, handles]: [&LeastSquaresRows<D>; 2], row: usize) -> (&LeastSquaresRows<D>, usize) {
     if row < pins.len() { (pins, row) } else { (handles, row - pins.len()) }
 }
 
