@@ -64,11 +64,11 @@ impl WarpMap {
                 }
                 map.offsets[index] = part.offsets[index];
                 *is_covered |= is_front;
-                let _ = if is_front && folds.contains(&(index as u32)) {
-                    folded.insert(index as u32)
+                if is_front && folds.contains(&(index as u32)) {
+                    folded.insert(index as u32);
                 } else {
-                    folded.remove(&(index as u32))
-                };
+                    folded.remove(&(index as u32));
+                }
             }
         }
         map.folded_pixels = folded.into_iter().collect();
