@@ -88,13 +88,7 @@ impl fmt::Display for Redo {
 /// [`Redo::Missing`], [`Redo::Damaged`], [`Redo::Foreign`] or, where the pixels are read, [`Redo::Checksum`].
 #[cfg(feature = "cli")]
 pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Redo> {
-    if !path.is_file() {
-        return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
-    }
-    let (found, _) = match PictureKind::of(path) {
-        Some(PictureKind::Png) => png_fields(path)?,
-        _ => exr_fields(path)?,
-    };
+    let (found, _) = fields(path)?;
     if depth == Depth::Pixels && !has_right_pixels(path) {
         return Err(Redo::Checksum);
     }
@@ -106,18 +100,23 @@ pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Red
 /// # Errors
 /// The reason why it is not.
 pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo> {
-    if !path.is_file() {
-        return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
-    }
-    let (found, size) = match PictureKind::of(path) {
-        Some(PictureKind::Png) => png_fields(path)?,
-        _ => exr_fields(path)?,
-    };
+    let (found, size) = fields(path)?;
     expected.check(&found, size)?;
     if depth == Depth::Pixels && !has_right_pixels(path) {
         return Err(Redo::Checksum);
     }
     Ok(())
+}
+
+/// What a whole file says, and its size in pixels.
+fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
+    if !path.is_file() {
+        return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
+    }
+    match PictureKind::of(path) {
+        Some(PictureKind::Png) => png_fields(path),
+        _ => exr_fields(path),
+    }
 }
 
 /// What a whole PNG file says, and its size in pixels.

@@ -42,7 +42,7 @@ pub(super) fn choose(prepared: &mut PreparedShot) {
 fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
     let layer = &prepared.shot.layers[index];
     let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
-    let Some(longest) = longest_side(&mesh.points) else { return ([HANDLES[0]; 2], "for nothing is seen of it") };
+    let Some(longest) = longest_side(&mesh) else { return ([HANDLES[0]; 2], "for nothing is seen of it") };
     let thin = thickness(&mesh).map(|thickness| thickness / longest / SPANS_ACROSS);
     let frame = f64::from(prepared.shot.frames.first);
     let sides = box_sides(prepared, index, frame);
@@ -96,11 +96,7 @@ fn thickness(mesh: &RestMesh) -> Option<f64> {
     widths.get((THINNER * widths.len() as f64) as usize).copied()
 }
 
-fn longest_side(points: &[[f64; 3]]) -> Option<f64> {
-    let side = |axis: usize| {
-        let values = points.iter().map(|point| point[axis]);
-        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
-    };
-    let longest = (0..3).map(side).fold(0.0, f64::max);
+fn longest_side(mesh: &RestMesh) -> Option<f64> {
+    let longest = mesh.sides().into_iter().fold(0.0, f64::max);
     (longest.is_finite() && longest > 0.0).then_some(longest)
 }

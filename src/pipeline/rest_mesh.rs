@@ -23,13 +23,17 @@ pub(super) fn rest_pose(scene: &Scene) -> Pose {
 }
 
 impl RestMesh {
-    /// Length of the diagonal of its bounds, metres.
-    pub(super) fn diagonal(&self) -> f64 {
-        let side = |axis: usize| {
+    /// Sides of its bounds along x, y and z, metres.
+    pub(super) fn sides(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| {
             let values = || self.points.iter().map(|point| point[axis]);
             (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)).max(0.0)
-        };
-        (0..3).map(|axis| side(axis).powi(2)).sum::<f64>().sqrt()
+        })
+    }
+
+    /// Length of the diagonal of its bounds, metres.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.sides().iter().map(|side| side.powi(2)).sum::<f64>().sqrt()
     }
 
     /// The points of a picture, which lies flat.

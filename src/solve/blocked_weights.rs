@@ -6,9 +6,9 @@
 
 use super::cancel::{Cancel, WorkMeter};
 use super::linalg::normal_matrix::index_extent;
-use super::linalg::simd::{LANES, Lanes, load, multiply_add};
+use super::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
 use crate::lattice::Grid;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 /// Blocks with more handles than this make up most of their matrix; memory for them is reserved at once.
 const FEW: usize = 64;
@@ -198,6 +198,36 @@ impl<const C: usize> BlockedWeights<C> {
     pub(crate) fn packet(&self, block: &Block, packet: usize) -> &[[Lanes; C]] {
         let start = block.start + (packet - block.packets.start) * block.handles.len();
         &self.coefficients[start..start + block.handles.len()]
+    }
+}
+
+impl<const D: usize> BlockedWeights<D> {
+    /// Of rows of ∇W: the gradient of the lattice at all rows, [packet][row][column][lane].
+    pub(crate) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
+        dispatch(Gradients { weights: self, handles })
+    }
+}
+
+/// Kernel of [`BlockedWeights::gradients_at`].
+struct Gradients<'a, const D: usize> {
+    weights: &'a BlockedWeights<D>,
+    handles: &'a [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for Gradients<'_, D> {
+    type Output = Vec<[[Lanes; D]; D]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut gradients = Vec::with_capacity(self.weights.order.len());
+        let mut local = Vec::new();
+        for block in &self.weights.blocks {
+            local_handles(block, self.handles, &mut local);
+            for coefficients in self.weights.packets(block) {
+                gradients.push(gather(simd, coefficients, &local).map(|row| row.map(|x| store::<S>(x))));
+            }
+        }
+        gradients
     }
 }
 

@@ -3,7 +3,8 @@
 //! In: two states. Out: a share of the way. det J is a polynomial of degree D along a line (J. Smith and S. Schaefer, "Bijective
 //! Parameterization with Free Boundaries", 2015, bound their steps so).
 
-use super::points::{BarrierPoints, lane_of};
+use super::points::BarrierPoints;
+use crate::solve::linalg::simd::lane_of;
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
 
 /// Bisections of a root, after Newton's method would have converged.

@@ -5,12 +5,11 @@
 use super::curvature::{cofactors, curves};
 use super::potential::{CLEAR, potential};
 use crate::lattice::{Grid, Support};
-use crate::solve::blocked_weights::{BlockedWeights, gather, local_handles};
+use crate::solve::blocked_weights::BlockedWeights;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, store};
+use crate::solve::linalg::simd::{LANES, Lanes, lane_of};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
-use pulp::{Simd, WithSimd};
 use std::collections::BTreeMap;
 
 /// Points of a cell along an axis, in the plane and in space.
@@ -177,35 +176,7 @@ impl<const D: usize> BarrierPoints<D> {
 
     /// J at all points, packet by packet: [row][column][lane].
     pub(super) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
-        dispatch(Gradients { weights: &self.weights, handles })
-    }
-}
-
-/// One of four matrices.
-pub(super) fn lane_of<const D: usize>(lanes: &[[Lanes; D]; D], lane: usize) -> SquareMatrix<D> {
-    lanes.map(|row| row.map(|x| x[lane]))
-}
-
-/// Kernel of [`BarrierPoints::gradients_at`].
-struct Gradients<'a, const D: usize> {
-    weights: &'a BlockedWeights<D>,
-    handles: &'a [[f64; D]],
-}
-
-impl<const D: usize> WithSimd for Gradients<'_, D> {
-    type Output = Vec<[[Lanes; D]; D]>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut gradients = Vec::with_capacity(self.weights.order.len());
-        let mut local = Vec::new();
-        for block in &self.weights.blocks {
-            local_handles(block, self.handles, &mut local);
-            for coefficients in self.weights.packets(block) {
-                gradients.push(gather(simd, coefficients, &local).map(|row| row.map(|x| store::<S>(x))));
-            }
-        }
-        gradients
+        self.weights.gradients_at(handles)
     }
 }
 

@@ -3,16 +3,15 @@
 //! In: samples (position, area, stiffness). Independent of the density and defects of the mesh.
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
-use super::polar::lane_of;
 use super::rotation_hessian::SubtractRotationHessian;
 use super::rotation_response::RotationResponse;
 use super::sample_tasks::tasks;
 use crate::lattice::Grid;
-use crate::solve::blocked_weights::{Block, BlockedWeights, gather, gather_group, local_handles};
+use crate::solve::blocked_weights::{Block, BlockedWeights, gather_group, local_handles};
 use crate::solve::cancel::{Cancel, WorkMeter};
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use crate::solve::linalg::simd::{LANES, Lanes, dispatch, lane_of, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{nearest_rotation, squared_distance};
 use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::samples::Sample;
@@ -66,7 +65,7 @@ impl<const D: usize> Area<D> {
 
     /// Gradients at all samples: [packet][row][column][lane].
     fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
-        dispatch(Gradients { energy: self, handles })
+        self.gradients.gradients_at(handles)
     }
 
     /// Adds Gram matrices of blocks; for local bases.
@@ -193,30 +192,6 @@ impl<const D: usize> Distortion<D> for Area<D> {
             }
         }
         metrics
-    }
-}
-
-/// Kernel of [`Area::gradients_at`].
-struct Gradients<'a, const D: usize> {
-    energy: &'a Area<D>,
-    handles: &'a [[f64; D]],
-}
-
-impl<const D: usize> WithSimd for Gradients<'_, D> {
-    type Output = Vec<[[Lanes; D]; D]>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut gradients = Vec::with_capacity(self.energy.areas.len());
-        let mut local = Vec::new();
-        for block in &self.energy.gradients.blocks {
-            local_handles(block, self.handles, &mut local);
-            for packet in block.packets.clone() {
-                let sums = gather(simd, self.energy.gradients.packet(block, packet), &local);
-                gradients.push(sums.map(|row| row.map(|x| store::<S>(x))));
-            }
-        }
-        gradients
     }
 }
 

@@ -4,7 +4,7 @@
 //! Applications", 1986: Newton's iteration X ← ½ (γ X + X⁻ᵀ/γ), which converges to the rotation of a gradient with a positive
 //! determinant; the others, and those near zero, take the way of [`nearest_rotation`].
 
-use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
+use crate::solve::linalg::simd::{LANES, Lanes, lane_of, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant, identity, nearest_rotation};
 use pulp::Simd;
 
@@ -95,11 +95,6 @@ pub(super) fn cofactors<S: Simd, const D: usize>(simd: S, x: &LaneMatrix<S, D>) 
     let first = x[0].iter().zip(&cofactors[0]);
     let det = first.fold(simd.splat_f64s(0.0), |sum, (&x, &cofactor)| multiply_add(simd, x, cofactor, sum));
     (cofactors, det)
-}
-
-/// The matrix of one lane.
-pub(super) fn lane_of<const D: usize>(values: &[[Lanes; D]; D], lane: usize) -> SquareMatrix<D> {
-    std::array::from_fn(|d| std::array::from_fn(|c| values[d][c][lane]))
 }
 
 fn set_lane<const D: usize>(values: &mut [[Lanes; D]; D], lane: usize, matrix: &SquareMatrix<D>) {

@@ -5,8 +5,8 @@
 //! derivative of ‖J − R‖² is 2 ‖dJ‖² − 2 axial · M⁻¹ axial (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion
 //! Energies", 2019, where its eigenvectors are the twist modes).
 
-use super::polar::{LaneMatrix, cofactors, lane_of, nearest_rotations};
-use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
+use super::polar::{LaneMatrix, cofactors, nearest_rotations};
+use crate::solve::linalg::simd::{LANES, Lanes, lane_of, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, nearest_rotation, symmetric_eigen, times, transpose};
 use pulp::Simd;
 

@@ -19,6 +19,11 @@ pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
     Simd::vectorize(pulp::Scalar256b, kernel)
 }
 
+/// The matrix of one of four rows.
+pub(crate) fn lane_of<const D: usize>(lanes: &[[Lanes; D]; D], lane: usize) -> [[f64; D]; D] {
+    lanes.map(|row| row.map(|x| x[lane]))
+}
+
 /// Four numbers as a register. Both instruction sets of [`dispatch`] have exactly four lanes.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
