@@ -5,8 +5,7 @@
 
 use super::cancel::Cancel;
 use super::error::SolveError;
-use super::minimization::MinimizationResult;
-use super::minimization::{FinalPhase, Minimization};
+use super::minimization::{FinalPhase, Minimization, MinimizationResult, largest_step};
 use super::newton::CachedFactor;
 use super::problem::{HandlePin, PointPin};
 use super::report::Solution;
@@ -25,6 +24,9 @@ const LOCAL_GLOBAL_STEPS: usize = 14;
 /// A move also ends when no handle moves farther than this part of the box diagonal and a tenth of it remains: a hundredth
 /// of a pixel at 1080 lines.
 const TOLERANCE: f64 = 3e-5;
+
+/// The second derivative is looked at again where a handle has moved farther than this part of the box diagonal.
+const UNCHECKED: f64 = 0.02;
 
 /// A drag in progress. Where the energy has several minima its result depends on the path of the pins; that of a solve does not.
 ///
@@ -51,6 +53,8 @@ pub struct Drag<'a, const D: usize> {
     solver: &'a Solver<D>,
     handles: Vec<[f64; D]>,
     factor: CachedFactor,
+    /// Where the second derivative was last looked at.
+    checked: Option<Vec<[f64; D]>>,
     cancel: Option<&'a Cancel<'a>>,
 }
 
@@ -73,7 +77,13 @@ impl<const D: usize> Solver<D> {
                 hint: "start from a solution of the same solver".into(),
             });
         }
-        Ok(Drag { solver: self, handles: from.handles.clone(), factor: CachedFactor::default(), cancel: None })
+        Ok(Drag {
+            solver: self,
+            handles: from.handles.clone(),
+            factor: CachedFactor::default(),
+            checked: None,
+            cancel: None,
+        })
     }
 }
 
@@ -101,14 +111,21 @@ impl<const D: usize> Drag<'_, D> {
         Ok(Lattice { grid: self.solver.system().grid().clone(), handles: self.handles.clone() })
     }
 
-    /// Follows to the tolerance of the settings, with a report: the end of a drag, or every move of one.
+    /// Follows to the tolerance of the settings, with a report: the end of a drag, or every move of one. Where a handle is
+    /// farther than a fiftieth of the box diagonal from where that was last done, the second derivative is looked at, and a saddle is left.
     ///
     /// # Errors
     /// As [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
-        let run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
+        let mut run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
+        let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
+        if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
+            run = self.solver.system().off_saddles(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
+            self.handles.clone_from(&run.handles);
+            self.checked = Some(run.handles.clone());
+        }
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
             let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
@@ -133,16 +150,17 @@ impl<const D: usize> Drag<'_, D> {
         let minimization = system.minimization(&system.targets((pins, handles), &to), cancel);
         let has_newton = minimization.has_newton();
         let settings = Settings { iteration_limit: limits[usize::from(!has_newton)], ..settings.clone() };
-        let run = if has_newton {
-            Minimization { settings: &settings, ..minimization }.newton_from(
-                self.handles.clone(),
-                &mut self.factor,
-                factors,
-            )?
+        let final_phase = if factors > 1 { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
+        let minimization =
+            Minimization { initial: Some(&self.handles), settings: &settings, final_phase, ..minimization };
+        let mut run = if has_newton {
+            minimization.newton_from(self.handles.clone(), &mut self.factor, factors)?
         } else {
-            let final_phase = if factors > 1 { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
-            Minimization { initial: Some(&self.handles), settings: &settings, final_phase, ..minimization }.run(None)?
+            minimization.run(None)?
         };
+        if factors > 1 && settings.acceleration > 0 {
+            run.energy = Some(minimization.energy(&run.handles));
+        }
         self.handles.clone_from(&run.handles);
         Ok(run)
     }

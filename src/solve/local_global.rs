@@ -32,7 +32,10 @@ impl<const D: usize> Minimization<'_, D> {
     }
 
     /// As [`Self::run`], without the barrier.
-    fn run_freely(&self, mut observe: Option<&mut dyn FnMut(Energies)>) -> Result<MinimizationResult<D>, Cancelled> {
+    pub(crate) fn run_freely(
+        &self,
+        mut observe: Option<&mut dyn FnMut(Energies)>,
+    ) -> Result<MinimizationResult<D>, Cancelled> {
         let mut notify = |handles: &[[f64; D]], rotations_at: &[[f64; D]]| {
             if let Some(observe) = &mut observe {
                 observe(self.energies(handles, rotations_at));
@@ -78,6 +81,8 @@ impl<const D: usize> Minimization<'_, D> {
                     iterations: iteration,
                     is_converged: true,
                     has_given_way: false,
+                    is_minimum: None,
+                    energy: None,
                 });
             }
             if self.settings.acceleration > 0 {
@@ -93,6 +98,8 @@ impl<const D: usize> Minimization<'_, D> {
             iterations: self.settings.iteration_limit,
             is_converged: false,
             has_given_way: false,
+            is_minimum: None,
+            energy: None,
         })
     }
 }

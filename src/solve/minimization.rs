@@ -53,6 +53,10 @@ pub(crate) struct MinimizationResult<const D: usize> {
     pub(crate) is_converged: bool,
     /// Some pins gave way to the barrier.
     pub(crate) has_given_way: bool,
+    /// The second derivative is positive definite there; `None`: nobody looked.
+    pub(crate) is_minimum: Option<bool>,
+    /// The energy without the barrier; `None`: nobody asked.
+    pub(crate) energy: Option<f64>,
 }
 
 /// Unweighted terms and their weighted sum.
@@ -95,6 +99,11 @@ impl<const D: usize> Minimization<'_, D> {
             + self.scales.regularizer * self.terms.regularizer.energy(state)
             + self.scales.tikhonov * state.iter().zip(&self.start).map(|(x, start)| squared_gap(x, start)).sum::<f64>()
             + self.scales.proximal * self.terms.proximal.energy(state)
+    }
+
+    /// The total energy at `handles`, for which the iteration is accelerated.
+    pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
+        self.local_energy(handles, &mut vec![[0.0; D]; handles.len()])
     }
 
     /// The part of the right side that does not depend on rotations.

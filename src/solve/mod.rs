@@ -31,6 +31,7 @@ pub mod problem_file;
 mod regularizer;
 mod report;
 mod samples;
+mod search;
 mod second_differences;
 mod separable_rows;
 mod separable_weights;
@@ -59,7 +60,7 @@ pub use error::SolveError;
 pub use minimization::Energies;
 pub use pin_residuals::{PinResidual, ResidualReason};
 pub use problem::{HandlePin, PointPin, Problem, Region, Shape};
-pub use report::{Solution, SolveReport};
+pub use report::{Solution, SolveReport, Stationarity};
 pub use settings::{
     DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling,
     Settings, SmoothingDisc, Start, Topology,

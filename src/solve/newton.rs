@@ -138,7 +138,14 @@ impl<const D: usize> Minimization<'_, D> {
         let mut handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         notify(&handles);
-        Ok(MinimizationResult { handles, iterations, is_converged, has_given_way: false })
+        Ok(MinimizationResult {
+            handles,
+            iterations,
+            is_converged,
+            has_given_way: false,
+            is_minimum: None,
+            energy: None,
+        })
     }
 
     /// Newton's method is available and cheap.
@@ -156,15 +163,28 @@ impl<const D: usize> Minimization<'_, D> {
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let before = handles.clone();
         if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
-            let reached = MinimizationResult { handles, iterations: 0, is_converged: false, has_given_way: false };
+            let reached = MinimizationResult {
+                handles,
+                iterations: 0,
+                is_converged: false,
+                has_given_way: false,
+                is_minimum: None,
+                energy: None,
+            };
             return self.kept_clear(reached, Some(&before));
         }
         let mut residuals = Vec::new();
         self.constraints.enforce(self.terms, &mut residuals, &mut handles);
         let mut descent = Descent::new(self, handles, std::mem::take(cached))?;
         descent.factors_left = factors;
-        let mut run =
-            MinimizationResult { handles: Vec::new(), iterations: 0, is_converged: false, has_given_way: false };
+        let mut run = MinimizationResult {
+            handles: Vec::new(),
+            iterations: 0,
+            is_converged: false,
+            has_given_way: false,
+            is_minimum: None,
+            energy: None,
+        };
         while !run.is_converged && run.iterations < self.settings.iteration_limit {
             run.iterations += 1;
             run.is_converged = descent.step()? == StepOutcome::Converged;

@@ -5,6 +5,21 @@ use super::pin_residuals::PinResidual;
 use crate::lattice::Lattice;
 use serde::Serialize;
 
+/// What is known of the energy around a solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stationarity {
+    /// It rises in every direction: the second derivative is positive definite.
+    Minimum,
+    /// It falls along some direction, and following it led nowhere.
+    Saddle,
+    /// The solve converged, and nobody looked: moves of a drag, frames of a trajectory, energies without a second derivative.
+    #[default]
+    Unchecked,
+    /// The solve did not converge.
+    Unconverged,
+}
+
 /// The quality of a solution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
@@ -29,10 +44,15 @@ pub struct SolveReport {
     pub is_held_back: bool,
     /// Distance of each moved handle from its target, in units of the space.
     pub handle_errors: Vec<f64>,
-    /// Linear solves: local-global and Newton steps, including rejected ones and those along a path.
+    /// Linear solves: local-global and Newton steps, including rejected ones and those along a path, not those from starts
+    /// that led elsewhere.
     pub iterations: usize,
     /// The last step was below the tolerance.
     pub is_converged: bool,
+    /// Minimum, saddle, or neither is known.
+    pub stationarity: Stationarity,
+    /// The energy that was minimised, without the barrier; `None` for frames of trajectories and plain iterations.
+    pub energy: Option<f64>,
     /// Pairs of pins, by index, at the same point with different targets: the solution is a compromise (least
     /// squares).
     pub conflicts: Vec<[usize; 2]>,

@@ -161,7 +161,7 @@ impl<const D: usize> CancellableSolver<'_, D> {
         if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
             return Ok(system.unmoved(pins));
         }
-        let result = system.minimization(targets, self.cancel).run(observe)?;
+        let result = system.least(targets, observe, self.cancel)?;
         self.cancel.check()?;
         let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
         Ok(system.finish(&goal, result))

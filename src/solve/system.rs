@@ -18,7 +18,7 @@ use super::pins::RigidMotion;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, PointPin, Problem, Shape};
 use super::regularizer::RegularizerTerm;
-use super::report::{Solution, SolveReport};
+use super::report::{Solution, SolveReport, Stationarity};
 use super::settings::{Guard, Scaling, Settings, Start};
 use super::targets::Targets;
 use super::terms::{Scales, Terms};
@@ -52,6 +52,8 @@ pub(crate) struct System<const D: usize> {
     is_active: Vec<bool>,
     /// What keeps them from folding, where the settings ask for it.
     barrier: Option<Barrier<D>>,
+    /// How firmly the shape holds each unknown: the diagonal of its matrix.
+    stiffness: Vec<f64>,
     /// Warnings about the shape.
     warnings: Vec<String>,
 }
@@ -141,6 +143,7 @@ impl<const D: usize> System<D> {
         let mut normal = NormalMatrix::zero(count, bandwidth);
         distortion.add_normal(scales.shape, &mut normal, cancel);
         cancel.check()?;
+        let stiffness = normal.diagonal();
         terms.regularizer.add_normal(scales.regularizer, &mut normal, cancel);
         if settings.scaling == Scaling::Dimensionless {
             scales.tikhonov = TIKHONOV * normal.mean_diagonal();
@@ -174,6 +177,7 @@ impl<const D: usize> System<D> {
             branching: branching.map(Arc::new),
             is_active: Vec::new(),
             barrier,
+            stiffness,
             warnings,
         };
         system.let_yield(cancel)?;
@@ -304,6 +308,11 @@ impl<const D: usize> System<D> {
         self.yielding((pins, handles), terms, cancel)
     }
 
+    /// The rigid motion that brings pins and handles nearest to their targets.
+    pub(crate) fn fitted(&self, targets: &TargetTerms<D>) -> RigidMotion<D> {
+        RigidMotion::fit(&self.grid, targets.pins, targets.handles)
+    }
+
     /// The minimisation for given targets.
     pub(crate) fn minimization<'a>(
         &'a self,
@@ -314,7 +323,7 @@ impl<const D: usize> System<D> {
         let start = match self.settings.start {
             Start::Rest => rest,
             Start::RigidFit => {
-                let rigid = RigidMotion::fit(&self.grid, targets.pins, targets.handles);
+                let rigid = self.fitted(targets);
                 rest.iter().map(|handle| rigid.image(handle)).collect()
             }
         };
@@ -344,8 +353,14 @@ impl<const D: usize> System<D> {
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
-        let result =
-            MinimizationResult { handles: self.rest(), iterations: 0, is_converged: true, has_given_way: false };
+        let result = MinimizationResult {
+            handles: self.rest(),
+            iterations: 0,
+            is_converged: true,
+            has_given_way: false,
+            is_minimum: None,
+            energy: None,
+        };
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 
@@ -353,6 +368,10 @@ impl<const D: usize> System<D> {
     pub(crate) fn finish(&self, goal: &Targets<D>, result: MinimizationResult<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
+        if result.is_converged && result.is_minimum == Some(false) {
+            warnings
+                .push("the solve ended at a saddle: the shape may buckle to either side; move a pin or add one".into());
+        }
         if !result.is_converged && self.settings.tolerance > 0.0 {
             let spent = counted(result.iterations, "iteration", "iterations");
             warnings.push(format!("not converged after {spent}; the result may still move"));
@@ -392,6 +411,13 @@ impl<const D: usize> System<D> {
             is_held_back: run.has_given_way,
             iterations: run.iterations,
             is_converged: run.is_converged,
+            stationarity: match run.is_minimum {
+                _ if !run.is_converged => Stationarity::Unconverged,
+                Some(true) => Stationarity::Minimum,
+                Some(false) => Stationarity::Saddle,
+                None => Stationarity::Unchecked,
+            },
+            energy: run.energy,
             conflicts: pins::conflicts(&self.grid, pins),
             warnings,
         };
@@ -403,8 +429,13 @@ impl<const D: usize> System<D> {
         self.branching.is_some()
     }
 
+    /// How firmly the shape holds each unknown.
+    pub(crate) fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
     /// The unknowns of the solve at rest: handles, or copies of them.
-    fn rest(&self) -> Vec<[f64; D]> {
+    pub(crate) fn rest(&self) -> Vec<[f64; D]> {
         self.branching.as_ref().map_or_else(|| self.grid.rest_handles(), |branching| branching.rest())
     }
 

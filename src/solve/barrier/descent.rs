@@ -158,7 +158,15 @@ impl<const D: usize> Descent<'_, D> {
         if !has_given_way {
             problem.constraints.enforce(problem.terms, &mut Vec::new(), &mut handles);
         }
-        Ok(MinimizationResult { handles, iterations: self.iterations, is_converged, has_given_way })
+        let is_minimum = (is_converged && self.level == 0).then_some(true);
+        Ok(MinimizationResult {
+            handles,
+            iterations: self.iterations,
+            is_converged,
+            has_given_way,
+            is_minimum,
+            energy: None,
+        })
     }
 
     /// The minimum for these multipliers, and whether the steps converged to it.

@@ -150,7 +150,12 @@ impl NormalMatrix {
 
     /// Mean of the diagonal.
     pub(crate) fn mean_diagonal(&self) -> f64 {
-        (0..self.size).map(|j| self.columns[j * stride(self.band)]).sum::<f64>() / self.size.max(1) as f64
+        self.diagonal().iter().sum::<f64>() / self.size.max(1) as f64
+    }
+
+    /// The diagonal, without downdates.
+    pub(crate) fn diagonal(&self) -> Vec<f64> {
+        self.columns.iter().step_by(stride(self.band)).take(self.size).copied().collect()
     }
 
     /// The columns of the lower half from the diagonal on, with downdates applied, as a matrix with a full band.

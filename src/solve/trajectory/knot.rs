@@ -101,7 +101,7 @@ impl<const D: usize> Knot<D> {
         self.system.draw_points([], 0.0, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
             Some(result) => result,
-            None => self.system.minimization(&self.system.own_targets(), cancel).run(None)?,
+            None => self.system.least(&self.system.own_targets(), None, cancel)?,
         };
         self.take(&result.handles);
         Ok(result)

@@ -138,6 +138,8 @@ impl<const D: usize> Trajectory<D> {
                     iterations: 0,
                     is_converged: true,
                     has_given_way: false,
+                    is_minimum: None,
+                    energy: None,
                 })
             }
             Neighbourhood::Near(state, weight) => {

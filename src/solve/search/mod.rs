@@ -1,0 +1,229 @@
+//! The search for the least minimum of a frame that is solved alone.
+//!
+//! In: the minimum that the rigid fit leads to. Out: itself where the shape is hardly bent, else the least that several starts lead to;
+//! whether the second derivative is positive definite there. Of minima that are equally low the one on a fixed side is taken:
+//! a strip that is pressed straight buckles always to the same. docs/METHOD.md, "True minima".
+
+mod saddle;
+mod side;
+mod starts;
+
+use super::cancel::{Cancel, Cancelled};
+use super::error::SolveError;
+use super::minimization::{Energies, FinalPhase, Minimization, MinimizationResult};
+use super::prefactored::TargetTerms;
+use super::problem::{HandlePin, PointPin};
+use super::settings::{Settings, Start};
+use super::system::System;
+use side::Side;
+
+/// Mean ‖J − R‖² below which a shape is hardly bent: none of 1,200 random problems had another minimum there.
+const HARDLY_BENT: f64 = 5e-3;
+
+/// Part of the energy by which a minimum is lower than another; nearer ones are equally low.
+const LOWER: f64 = 3e-4;
+
+/// Mean ‖ΔJ‖² below which a state, coarsely solved, leads to a minimum that is known.
+const SAME: f64 = 5e-3;
+
+/// Tolerance and limit of a first, coarse solve from a start.
+const COARSE: (f64, usize) = (3e-3, 30);
+
+/// Saddles that are left, at most.
+const ESCAPES: usize = 4;
+
+impl<const D: usize> System<D> {
+    /// The least minimum for targets; `observe` as in [`Minimization::run`].
+    pub(crate) fn least(
+        &self,
+        targets: &TargetTerms<D>,
+        mut observe: Option<&mut dyn FnMut(Energies)>,
+        cancel: &Cancel,
+    ) -> Result<MinimizationResult<D>, Cancelled> {
+        let minimization = self.minimization(targets, cancel);
+        let first = match &mut observe {
+            Some(observe) => minimization.run_freely(Some(&mut **observe))?,
+            None => minimization.run_freely(None)?,
+        };
+        if !minimization.has_second_derivative() || self.settings().start == Start::Rest || !first.is_converged {
+            return minimization.kept_clear(first, None);
+        }
+        let mut search = Search::new(self, targets, &minimization, first);
+        search.look_around()?;
+        let found = search.settled()?;
+        let result = minimization.kept_clear(found, None)?;
+        if let Some(observe) = observe {
+            observe(minimization.energies(&result.handles, &result.handles));
+        }
+        Ok(result)
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// A state that was followed from another one; a lower one beside it where it is a saddle.
+    pub(crate) fn off_saddles(
+        &self,
+        followed: MinimizationResult<D>,
+        (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+        cancel: &Cancel,
+    ) -> Result<MinimizationResult<D>, SolveError> {
+        let to = self.retargeted(pins, handles, cancel)?;
+        let targets = self.targets((pins, handles), &to);
+        let minimization = self.minimization(&targets, cancel);
+        if !minimization.has_second_derivative() || followed.has_given_way {
+            return Ok(followed);
+        }
+        let before = followed.handles.clone();
+        let mut search = Search::new(self, &targets, &minimization, followed);
+        search.rounds.clear();
+        Ok(minimization.kept_clear(search.settled()?, Some(&before))?)
+    }
+}
+
+impl<const D: usize> Minimization<'_, D> {
+    /// The energy has a second derivative that can be factored, and the iteration is not the plain one.
+    fn has_second_derivative(&self) -> bool {
+        self.settings.acceleration > 0 && self.settings.tolerance > 0.0 && self.distortion.flops().is_some()
+    }
+}
+
+/// Minima that were found.
+struct Search<'a, const D: usize> {
+    problem: &'a Minimization<'a, D>,
+    side: Side<D>,
+    /// States to start from, in rounds.
+    rounds: Vec<Vec<Vec<[f64; D]>>>,
+    /// Each with its energy; the best so far first.
+    known: Vec<(f64, MinimizationResult<D>)>,
+}
+
+impl<'a, const D: usize> Search<'a, D> {
+    fn new(
+        system: &System<D>,
+        targets: &TargetTerms<D>,
+        problem: &'a Minimization<'a, D>,
+        first: MinimizationResult<D>,
+    ) -> Self {
+        let rotation = system.fitted(targets).rotation();
+        let rest = system.rest();
+        let side = Side::new(system.grid(), (&rest, system.stiffness()), &rotation);
+        let energy = problem.energy(&first.handles);
+        let stiffness = problem.scales.shape * problem.distortion.mass();
+        let rounds = if energy > HARDLY_BENT * stiffness {
+            starts::rounds(system.grid(), (&problem.start, &rest), &rotation)
+        } else {
+            Vec::new()
+        };
+        Self { problem, side, rounds, known: vec![(energy, first)] }
+    }
+
+    /// Solves from other starts, round by round as long as they find other minima.
+    fn look_around(&mut self) -> Result<(), Cancelled> {
+        for starts in std::mem::take(&mut self.rounds) {
+            let before = self.known.len();
+            for from in starts {
+                self.try_from(&from)?;
+            }
+            if self.known.len() == before {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves from a state, unless it leads to a minimum that is known.
+    fn try_from(&mut self, from: &[[f64; D]]) -> Result<(), Cancelled> {
+        let problem = self.problem;
+        let coarse = Settings { tolerance: COARSE.0, iteration_limit: COARSE.1, ..problem.settings.clone() };
+        let phase = FinalPhase::LocalGlobal;
+        let near = Minimization { settings: &coarse, final_phase: phase, ..problem.from(from) }.run_freely(None)?;
+        if self.is_known(&near.handles) {
+            return Ok(());
+        }
+        let found = problem.from(&near.handles).run_freely(None)?;
+        if found.is_converged {
+            self.note(MinimizationResult { iterations: near.iterations + found.iterations, ..found });
+        }
+        Ok(())
+    }
+
+    /// Keeps a minimum: as the best where it is lower, or equally low and on the fixed side.
+    fn note(&mut self, found: MinimizationResult<D>) {
+        let energy = self.problem.energy(&found.handles);
+        if energy.is_nan() || self.is_known(&found.handles) {
+            return;
+        }
+        let (least, best) = &self.known[0];
+        let margin = LOWER * least;
+        let is_better = energy < least - margin
+            || energy <= least + margin && self.side.of(&difference(&found.handles, &best.handles)) > 0.0;
+        self.known.push((energy, found));
+        if is_better {
+            let last = self.known.len() - 1;
+            self.known.swap(0, last);
+        }
+    }
+
+    /// A state is near a minimum that is known.
+    fn is_known(&self, handles: &[[f64; D]]) -> bool {
+        let stiffness = self.problem.scales.shape * self.problem.distortion.mass();
+        let is_near = |known: &MinimizationResult<D>| {
+            let by = difference(handles, &known.handles);
+            self.problem.squared_length(&by) < SAME * stiffness
+        };
+        self.known.iter().any(|(_, known)| is_near(known))
+    }
+
+    /// The best, once it is no saddle, or no way leads down from it.
+    fn settled(mut self) -> Result<MinimizationResult<D>, Cancelled> {
+        let mut is_minimum = self.problem.is_minimum(&self.known[0].1.handles)?;
+        for _ in 0..ESCAPES {
+            if is_minimum || !self.escape()? {
+                break;
+            }
+            is_minimum = self.problem.is_minimum(&self.known[0].1.handles)?;
+        }
+        let (energy, best) = self.known.swap_remove(0);
+        Ok(MinimizationResult { is_minimum: Some(is_minimum), energy: Some(energy), ..best })
+    }
+
+    /// Leaves a saddle to both sides; false where that leads nowhere.
+    fn escape(&mut self) -> Result<bool, Cancelled> {
+        let problem = self.problem;
+        let saddle = self.known[0].1.handles.clone();
+        let before = self.known[0].0;
+        let Some(along) = problem.descent_direction(&saddle)? else { return Ok(false) };
+        // Everything is lower than the saddle, and what was found before may be lower still.
+        self.known[0].0 = f64::INFINITY;
+        let first = if self.side.of(&along) < 0.0 { -1.0 } else { 1.0 };
+        for sign in [first, -first] {
+            let found = problem.from(&sum(&saddle, &along, sign)).run_freely(None)?;
+            if found.is_converged && problem.energy(&found.handles) < before {
+                self.note(found);
+            }
+        }
+        let has_found = self.known[0].0.is_finite();
+        if !has_found {
+            self.known[0].0 = before;
+        }
+        Ok(has_found)
+    }
+}
+
+impl<'a, const D: usize> Minimization<'a, D> {
+    /// The same from another state.
+    fn from<'b>(&'b self, initial: &'b [[f64; D]]) -> Minimization<'b, D>
+    where
+        'a: 'b,
+    {
+        Minimization { initial: Some(initial), start: self.start.clone(), ..*self }
+    }
+}
+
+fn difference<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> Vec<[f64; D]> {
+    sum(a, b, -1.0)
+}
+
+fn sum<const D: usize>(a: &[[f64; D]], b: &[[f64; D]], factor: f64) -> Vec<[f64; D]> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|d| a[d] + factor * b[d])).collect()
+}
