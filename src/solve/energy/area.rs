@@ -154,6 +154,10 @@ impl<const D: usize> Distortion<D> for Area<D> {
         normal: &mut NormalMatrix,
         cancel: &Cancel,
     ) {
+        // In space the constant matrix stands in for the second derivative: it is convex, and above it.
+        if D != 2 {
+            return;
+        }
         let Self { gradients, areas, .. } = self;
         dispatch(SubtractRotationHessian { gradients, areas, handles, hessian, normal, cancel });
     }

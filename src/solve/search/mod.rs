@@ -26,8 +26,8 @@ const LOWER: f64 = 3e-4;
 /// Mean ‖ΔJ‖² below which a state, coarsely solved, leads to a minimum that is known.
 const SAME: f64 = 5e-3;
 
-/// Tolerance and limit of a first, coarse solve from a start.
-const COARSE: (f64, usize) = (3e-3, 30);
+/// Tolerance of a first, coarse solve from a start; it looks for known minima every few steps, so many times at most.
+const COARSE: (f64, usize, usize) = (3e-3, 6, 5);
 
 /// Saddles that are left, at most.
 const ESCAPES: usize = 4;
@@ -134,15 +134,24 @@ impl<'a, const D: usize> Search<'a, D> {
     /// Solves from a state, unless it leads to a minimum that is known.
     fn try_from(&mut self, from: &[[f64; D]]) -> Result<(), Cancelled> {
         let problem = self.problem;
-        let coarse = Settings { tolerance: COARSE.0, iteration_limit: COARSE.1, ..problem.settings.clone() };
-        let phase = FinalPhase::LocalGlobal;
-        let near = Minimization { settings: &coarse, final_phase: phase, ..problem.from(from) }.run_freely(None)?;
-        if self.is_known(&near.handles) {
-            return Ok(());
+        let (tolerance, iteration_limit, times) = COARSE;
+        let coarse = Settings { tolerance, iteration_limit, ..problem.settings.clone() };
+        let (mut from, mut iterations) = (from.to_vec(), 0);
+        for _ in 0..times {
+            let near = Minimization { settings: &coarse, final_phase: FinalPhase::LocalGlobal, ..problem.from(&from) };
+            let near = near.run_freely(None)?;
+            iterations += near.iterations;
+            if self.is_known(&near.handles) {
+                return Ok(());
+            }
+            from = near.handles;
+            if near.is_converged {
+                break;
+            }
         }
-        let found = problem.from(&near.handles).run_freely(None)?;
+        let found = problem.from(&from).run_freely(None)?;
         if found.is_converged {
-            self.note(MinimizationResult { iterations: near.iterations + found.iterations, ..found });
+            self.note(MinimizationResult { iterations: iterations + found.iterations, ..found });
         }
         Ok(())
     }

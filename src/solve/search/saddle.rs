@@ -105,15 +105,11 @@ impl<const D: usize> Minimization<'_, D> {
     }
 
     fn tested(&self, by: Vectors<D>, second: &NormalMatrix) -> Tested<D> {
-        let mut products = [vec![[0.0; D]; by.len()], vec![[0.0; D]; by.len()]];
-        self.normal.subtract_matvec(&by, &mut products[0]);
-        let flat =
-            |vectors: &mut Vectors<D>| -> Vec<[f64; 1]> { vectors.as_flattened().iter().map(|&x| [x]).collect() };
-        let (mut own, mut image) = (by.clone(), flat(&mut products[1]));
-        second.subtract_matvec(&flat(&mut own), &mut image);
-        let [constant, _] = products;
-        let second = image.as_chunks::<D>().0.iter().map(|x| x.map(|[x]| -x)).collect();
-        Tested { by, constant: constant.into_iter().map(|x| x.map(|x| -x)).collect(), second }
+        let (mut constant, mut image) = (vec![[0.0; D]; by.len()], vec![[0.0; D]; by.len()]);
+        self.normal.subtract_matvec(&by, &mut constant);
+        second.subtract_matvec(by.as_flattened().as_chunks::<1>().0, image.as_flattened_mut().as_chunks_mut::<1>().0);
+        let negative = |vectors: Vectors<D>| vectors.into_iter().map(|x| x.map(|x| -x)).collect();
+        Tested { by, constant: negative(constant), second: negative(image) }
     }
 }
 
@@ -155,8 +151,8 @@ fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
         }
     }
     // Those that are missing rise steeply.
-    let mut small = [[0.0; 3]; 3];
-    for (a, row) in small.iter_mut().enumerate() {
+    let mut matrix = [[0.0; 3]; 3];
+    for (a, row) in matrix.iter_mut().enumerate() {
         for (b, slot) in row.iter_mut().enumerate() {
             *slot = match (orthonormal.get(a), orthonormal.get(b)) {
                 (Some(x), Some(y)) => dot(&x.by, &y.second),
@@ -164,7 +160,7 @@ fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
             };
         }
     }
-    let (values, vectors) = symmetric_eigen(&small);
+    let (values, vectors) = symmetric_eigen(&matrix);
     let best = (0..3).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
     let mut terms = orthonormal.iter().enumerate();
     let (_, first) = terms.next()?;
