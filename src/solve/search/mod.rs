@@ -29,6 +29,9 @@ const SAME: f64 = 5e-3;
 /// Tolerance of a first, coarse solve from a start; it looks for known minima every few steps, so many times at most.
 const COARSE: (f64, usize, usize) = (3e-3, 6, 5);
 
+/// Coarse states whose energy is this many times the least after twice as many steps are dropped: they are wound the wrong way.
+const HOPELESS: f64 = 1.5;
+
 /// Saddles that are left, at most.
 const ESCAPES: usize = 4;
 
@@ -137,11 +140,12 @@ impl<'a, const D: usize> Search<'a, D> {
         let (tolerance, iteration_limit, times) = COARSE;
         let coarse = Settings { tolerance, iteration_limit, ..problem.settings.clone() };
         let (mut from, mut iterations) = (from.to_vec(), 0);
-        for _ in 0..times {
+        for time in 0..times {
             let near = Minimization { settings: &coarse, final_phase: FinalPhase::LocalGlobal, ..problem.from(&from) };
             let near = near.run_freely(None)?;
             iterations += near.iterations;
-            if self.is_known(&near.handles) {
+            let is_hopeless = time > 0 && problem.energy(&near.handles) > HOPELESS * self.known[0].0;
+            if is_hopeless || self.is_known(&near.handles) {
                 return Ok(());
             }
             from = near.handles;
