@@ -49,6 +49,9 @@ pub mod pipeline;
 
 pub mod live;
 
+#[cfg(feature = "editor")]
+pub mod edit;
+
 #[cfg(feature = "cli")]
 pub mod cli;
 

@@ -83,6 +83,13 @@ mod run_lock;
 mod sequence_report;
 mod solve_ahead;
 
+// For editors.
+mod layer_marks;
+mod new_shot;
+mod open_shot;
+mod picked_point;
+mod still;
+
 // For other programs.
 mod bake;
 mod lattice_objects;
@@ -100,10 +107,14 @@ pub use events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
 pub use jerk::JerkMeter;
 pub use lattice_tracks::lattices;
 pub use layer_assignment::LayerAssignment;
+pub use layer_marks::{LayerMarks, PinMark, layer_marks};
 pub use layer_problem::{LayerProblem, layer_problem};
+pub use new_shot::{NewShot, new_shot, path_between};
+pub use open_shot::{OpenShot, Rework};
 pub use options::{Existing, RenderOptions};
 pub(crate) use output::input_files;
 pub use passes::{PassPlan, plan_passes};
+pub use picked_point::PickedPoint;
 pub use plates::{PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use prepared_shot::PreparedShot;
 pub use registration::{Registration, layer_shape, picture_shape, register};
@@ -116,5 +127,6 @@ pub use selection::{LayerShare, SharedPart};
 #[cfg(feature = "cli")]
 pub(crate) use sequence_report::{LayerPeaks, Peak, SequenceReport};
 pub use solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
+pub use still::{Device, Stop};
 pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
 pub use trajectory_files::Keeping;

@@ -6,12 +6,10 @@ use super::args::PickArgs;
 use super::outcome::Outcome;
 use crate::files::{SHOT_BYTES, read_text};
 use crate::image::replace_text;
-use crate::pipeline::PreparedShot;
-use crate::screen::{self, Hit, primitive};
-use crate::shot::{Anchor, Shot, edit};
+use crate::pipeline::{PickedPoint, PreparedShot};
+use crate::shot::{Shot, edit};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use anyhow::{Context, bail};
-use glam::DVec3;
 use std::io::Write;
 
 pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
@@ -22,35 +20,21 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     let frame = args.frame.unwrap_or(shot.frames.first);
     let at = point(args, &shot)?;
     let prepared = PreparedShot::new(shot)?;
-    let (pose, camera) = prepared.view(f64::from(frame));
-    let mesh = screen::project(&pose, &camera);
-    let Some(hit) = screen::pick(&prepared.scene, &pose, &mesh, camera.near(), at) else {
+    let Some(PickedPoint { anchor, node, layer: owner, .. }) = prepared.pick(frame, at) else {
         bail!(
             "there is no surface at {:.4},{:.4} in frame {frame}; render it with --preview and point at the model",
             at.0.x,
             at.0.y
         );
     };
-    let part = &pose.parts[hit.part];
-    let anchor = Anchor::Surface {
-        node: prepared.scene.nodes[part.node].name.clone(),
-        primitive: part.primitive,
-        triangle: hit.triangle,
-        barycentric: hit.barycentric,
-        rest: Some(rest(&prepared, &pose, &hit)),
-    };
-    let owner = prepared
-        .assignment
-        .layer_of_triangle(hit.part, hit.triangle)
-        .map(|layer| prepared.shot.layers[layer].name.as_str());
+    let owner = owner.map(|layer| prepared.shot.layers[layer].name.as_str());
     let layer = args.layer.as_deref().or(owner);
     let name = args.write.as_deref().unwrap_or("pin");
     match (&args.write, layer) {
         (None, _) => write!(std::io::stdout(), "{}", edit::pin_block(name, &anchor))?,
-        (Some(_), None) => bail!(
-            "no layer claims node '{}'; add it to a layer's `nodes` or name a layer with --layer",
-            prepared.scene.nodes[part.node].name
-        ),
+        (Some(_), None) => {
+            bail!("no layer claims node '{node}'; add it to a layer's `nodes` or name a layer with --layer")
+        }
         (Some(_), layer) => {
             let path = &args.shot;
             let text = read_text(path, SHOT_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
@@ -79,12 +63,4 @@ fn point(args: &PickArgs, shot: &Shot) -> anyhow::Result<ScreenPoint> {
 /// Whether a point says pixels where frame heights are meant: nothing that is seen lies so far outside.
 fn is_in_pixels([x, y]: [f64; 2], size: FrameSize) -> bool {
     x.abs() > 3.0 * size.aspect() || y.abs() > 3.0
-}
-
-/// The picked point in its node's space at rest, as pins store it.
-fn rest(prepared: &PreparedShot, pose: &crate::pose::Pose, hit: &Hit) -> [f64; 3] {
-    let source = primitive(&prepared.scene, &pose.parts[hit.part]);
-    let corners = source.triangles[hit.triangle].map(|corner| source.positions[corner as usize].as_dvec3());
-    let point: DVec3 = (0..3).map(|i| corners[i] * hit.barycentric[i]).sum();
-    point.to_array()
 }

@@ -1,12 +1,12 @@
 //! `pinwarp transfer`: a shot whose layers take their lattices from a file, made for the occasion and rendered.
 
 use super::args::{FitKind, TransferArgs};
-use super::new::path_between;
 use super::outcome::Outcome;
 use super::{outputs, render};
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::files::{TABLE_BYTES, read_text};
 use crate::image::{FileKind, SequencePath, replace_text};
+use crate::pipeline::path_between;
 use crate::scene;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
 use crate::space::ScreenPoint;

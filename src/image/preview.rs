@@ -3,10 +3,11 @@
 //! In: [`Frame`] (scene-linear, associated alpha). Out: [`Preview`], the size of the display window; PNG files.
 
 use super::atomic::{self, Destination};
-use super::srgb::srgb_from_linear;
+use super::srgb::srgb_byte;
 use super::{Frame, FrameMetadata, ImageError, png_note};
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
 use std::path::Path;
 
 /// An 8-bit picture: sRGB transfer, straight (unassociated) alpha, rows from the top.
@@ -55,17 +56,22 @@ pub fn preview(frame: &Frame) -> Preview {
     let samples = |name| frame.channel(name).map(|channel| channel.samples.as_slice());
     let channels = [samples("R"), samples("G"), samples("B"), samples("A")];
     let window = frame.data_window;
-    for row in 0..i64::from(window.height) {
-        for column in 0..i64::from(window.width) {
-            let x = u32::try_from(i64::from(window.x) + column - i64::from(frame.display.x));
-            let y = u32::try_from(i64::from(window.y) + row - i64::from(frame.display.y));
-            let (Ok(x), Ok(y)) = (x, y) else { continue };
-            let Some(pixel) = picture.pixel_mut(x, y) else { continue };
-            let index = (row * i64::from(window.width) + column) as usize;
-            let [red, green, blue, alpha] = channels.map(|samples| samples.map(|samples| samples[index]));
-            *pixel = straight_srgb([red, green, blue].map(Option::unwrap_or_default), alpha.unwrap_or(1.0));
+    let width = picture.width as usize;
+    picture.rgba.par_chunks_exact_mut(4 * width.max(1)).enumerate().for_each(|(y, row)| {
+        let down = y as i64 + i64::from(frame.display.y) - i64::from(window.y);
+        if !(0..i64::from(window.height)).contains(&down) {
+            return;
         }
-    }
+        for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
+            let across = x as i64 + i64::from(frame.display.x) - i64::from(window.x);
+            if (0..i64::from(window.width)).contains(&across) {
+                let index = (down * i64::from(window.width) + across) as usize;
+                let [red, green, blue, alpha] = channels.map(|samples| samples.map(|samples| samples[index]));
+                let color = [red, green, blue].map(Option::unwrap_or_default);
+                pixel.copy_from_slice(&straight_srgb(color, alpha.unwrap_or(1.0)));
+            }
+        }
+    });
     picture
 }
 
@@ -77,7 +83,7 @@ fn straight_srgb(color: [f32; 3], alpha: f32) -> [u8; 4] {
     if alpha == 0.0 {
         return [0; 4];
     }
-    let [red, green, blue] = color.map(|light| byte(srgb_from_linear((light / alpha).min(1.0))));
+    let [red, green, blue] = color.map(|light| srgb_byte((light / alpha).min(1.0)));
     [red, green, blue, byte(alpha)]
 }
 

@@ -131,27 +131,30 @@ impl GeometryThread<'_> {
         let now = prepared.sample_at(frame)?;
         let around =
             if has_motion { Some([prepared.sample_at(frame + 1.0)?, prepared.sample_at(frame - 1.0)?]) } else { None };
-        let warps = now.warps(&prepared.assignment, |_| true);
-        let around_warps =
-            around.as_ref().map(|samples| samples.each_ref().map(|m| m.warps(&prepared.assignment, |_| true)));
-        let neighbours = around
-            .as_ref()
-            .zip(around_warps.as_ref())
-            .map(|(samples, warps)| [view_of(&samples[0], &warps[0]), view_of(&samples[1], &warps[1])]);
-        let mut geometry = assemble(&Assembly {
-            scene: &prepared.scene,
-            now: view_of(&now, &warps),
-            neighbours,
-            pieces: &prepared.draw_inputs.pieces,
-            lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
-            environment: lighting::environment(&prepared.shot, &now.pose),
-            line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
-        });
-        geometry
-            .draws
-            .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
-        Ok(geometry)
+        Ok(geometry_of(prepared, &now, around.as_ref().map(|samples| samples.each_ref().map(|sample| &**sample))))
     }
+}
+
+/// The geometry of a solved time; `around`: the times a frame later and earlier, where motion is wanted.
+pub(super) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Option<[&TimeSample; 2]>) -> Geometry {
+    let warps = now.warps(&prepared.assignment, |_| true);
+    let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
+    let neighbours = around
+        .zip(around_warps.as_ref())
+        .map(|(samples, warps)| [view_of(samples[0], &warps[0]), view_of(samples[1], &warps[1])]);
+    let mut geometry = assemble(&Assembly {
+        scene: &prepared.scene,
+        now: view_of(now, &warps),
+        neighbours,
+        pieces: &prepared.draw_inputs.pieces,
+        lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
+        environment: lighting::environment(&prepared.shot, &now.pose),
+        line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
+    });
+    geometry
+        .draws
+        .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
+    geometry
 }
 
 /// What a solved frame has to say.

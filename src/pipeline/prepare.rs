@@ -109,7 +109,7 @@ fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), 
 }
 
 /// Turns every pin's anchor into indices.
-fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
+pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
     let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
     for (index, layer) in prepared.shot.layers.iter().enumerate() {
         let mut tied = Vec::new();

@@ -76,4 +76,15 @@ impl<const D: usize> Trajectories<D> {
         *own = Some(made.clone());
         Ok(made)
     }
+
+    /// The outcome of a layer is there.
+    pub(super) fn is_known(&self, layer: usize) -> bool {
+        let own = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(&layer).map(Arc::clone);
+        own.is_some_and(|own| own.try_lock().is_ok_and(|own| own.is_some()))
+    }
+
+    /// Lets go of those of other layers.
+    pub(super) fn retain(&self, is_kept: impl Fn(usize) -> bool) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|&layer, _| is_kept(layer));
+    }
 }

@@ -5,10 +5,11 @@
 use super::super::geometry_thread::facts;
 use super::super::passes::{PassPlan, mid_shutter, plan_passes};
 use super::super::write::{Drawn, Writer};
-use super::super::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
+use super::super::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary, TimeSample};
 use super::paint::Painter;
-use crate::image::SequencePath;
+use crate::image::{Frame, SequencePath};
 use crate::raster::{ChannelGroup, DeviceClass, PassRole};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
@@ -110,8 +111,20 @@ impl Painting<'_> {
     }
 }
 
+/// The pictures at some times, in the mean; `middle` gives their ids.
+pub(in crate::pipeline) fn paint_frame(
+    prepared: &PreparedShot,
+    middle: &TimeSample,
+    times: &[f64],
+    sample_at: &dyn Fn(f64) -> Result<Arc<TimeSample>, PipelineError>,
+) -> Result<Frame, PipelineError> {
+    let missing = || PipelineError::Interrupted { frame: middle.frame as i32 };
+    let gallery = prepared.gallery.as_ref().ok_or_else(missing)?;
+    Painter::new(gallery, prepared).frame(times, middle, sample_at)
+}
+
 /// The times of a frame's exposure; without a shutter its own.
-fn times(prepared: &PreparedShot, frame: i32) -> Vec<f64> {
+pub(in crate::pipeline) fn times(prepared: &PreparedShot, frame: i32) -> Vec<f64> {
     let shutter = prepared.shot.shutter;
     if shutter.angle <= 0.0 {
         return vec![f64::from(frame) + mid_shutter(shutter)];

@@ -8,7 +8,7 @@ mod frames;
 mod paint;
 mod read;
 
-pub(super) use frames::{Wanted, render_pictures};
+pub(super) use frames::{Wanted, paint_frame, render_pictures, times};
 
 use super::PipelineError;
 use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};

@@ -174,7 +174,7 @@ fn keys_array(keys: &[PinKey]) -> Array {
     array
 }
 
-fn key_table(key: &PinKey) -> InlineTable {
+pub(super) fn key_table(key: &PinKey) -> InlineTable {
     let mut table = InlineTable::new();
     let is_whole = key.frame.fract() == 0.0;
     table.insert("frame", if is_whole { (key.frame as i64).into() } else { key.frame.into() });
@@ -193,15 +193,21 @@ fn key_table(key: &PinKey) -> InlineTable {
     if let Some(scale) = key.scale {
         table.insert("scale", scale.into());
     }
-    match key.ease {
-        Ease::Linear => {}
-        Ease::Hold => _ = table.insert("ease", "hold".into()),
-        Ease::Smooth => _ = table.insert("ease", "smooth".into()),
-        Ease::Bezier(curve) => {
-            let mut ease = InlineTable::new();
-            ease.insert("bezier", numbers(&curve, Digits::All));
-            table.insert("ease", Value::InlineTable(ease));
-        }
-    }
+    put_ease(&mut table, key.ease);
     table
+}
+
+/// The word or curve of an ease; linear is not written.
+pub(super) fn put_ease(table: &mut InlineTable, ease: Ease) {
+    let value = match ease {
+        Ease::Linear => return,
+        Ease::Hold => "hold".into(),
+        Ease::Smooth => "smooth".into(),
+        Ease::Bezier(curve) => {
+            let mut table = InlineTable::new();
+            table.insert("bezier", numbers(&curve, Digits::All));
+            Value::InlineTable(table)
+        }
+    };
+    table.insert("ease", value);
 }

@@ -1,0 +1,84 @@
+//! One change of a shot's text: what stood where, and what stands there now.
+//!
+//! In: a text before and after. Out: plain data that turns one into the other, both ways. Every edit of a shot is one of these, so
+//! that all of it can be undone, kept beside the file and done again.
+
+use serde::{Deserialize, Serialize};
+
+/// A change of a text, with a name for people.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Command {
+    /// What was done: "Move pin".
+    pub label: String,
+    /// Byte at which the texts begin to differ.
+    at: usize,
+    removed: String,
+    inserted: String,
+}
+
+impl Command {
+    /// What turns one text into another; `None`: they are the same.
+    ///
+    /// ```
+    /// use pinwarp::edit::Command;
+    /// let command = Command::between("Raise", "x = 1\ny = 2\n", "x = 3\ny = 2\n").expect("they differ");
+    /// assert_eq!(command.apply("x = 1\ny = 2\n").as_deref(), Some("x = 3\ny = 2\n"));
+    /// assert_eq!(command.undo("x = 3\ny = 2\n").as_deref(), Some("x = 1\ny = 2\n"));
+    /// assert_eq!(command.apply("another text"), None);
+    /// ```
+    #[must_use]
+    pub fn between(label: &str, before: &str, after: &str) -> Option<Self> {
+        if before == after {
+            return None;
+        }
+        let mut at = before.bytes().zip(after.bytes()).take_while(|(a, b)| a == b).count();
+        while !(before.is_char_boundary(at) && after.is_char_boundary(at)) {
+            at -= 1;
+        }
+        let (from, to) = (&before[at..], &after[at..]);
+        let mut same = from.bytes().rev().zip(to.bytes().rev()).take_while(|(a, b)| a == b).count();
+        while !(from.is_char_boundary(from.len() - same) && to.is_char_boundary(to.len() - same)) {
+            same -= 1;
+        }
+        let [removed, inserted] = [from, to].map(|text| text[..text.len() - same].to_owned());
+        Some(Self { label: label.to_owned(), at, removed, inserted })
+    }
+
+    /// The text after the change; `None`: it is not the text that was changed.
+    #[must_use]
+    pub fn apply(&self, text: &str) -> Option<String> {
+        replaced(text, self.at, (&self.removed, &self.inserted))
+    }
+
+    /// The text before the change; `None`: it is not the text that came of it.
+    #[must_use]
+    pub fn undo(&self, text: &str) -> Option<String> {
+        replaced(text, self.at, (&self.inserted, &self.removed))
+    }
+}
+
+fn replaced(text: &str, at: usize, (old, new): (&str, &str)) -> Option<String> {
+    let rest = text.get(at..)?.strip_prefix(old)?;
+    Some([&text[..at], new, rest].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Command;
+
+    #[test]
+    fn changes_of_any_kind_go_there_and_back() {
+        let texts = ["", "a", "ab", "aba", "äöü", "äüö", "éé", "é", "x = 1 # ß\n", "x = 1 # ẞ\n", "aaaa", "aa"];
+        for before in texts {
+            for after in texts {
+                match Command::between("edit", before, after) {
+                    None => assert_eq!(before, after),
+                    Some(command) => {
+                        assert_eq!(command.apply(before).as_deref(), Some(after), "{before:?} to {after:?}");
+                        assert_eq!(command.undo(after).as_deref(), Some(before), "{after:?} to {before:?}");
+                    }
+                }
+            }
+        }
+    }
+}

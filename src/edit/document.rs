@@ -1,0 +1,254 @@
+//! A shot file that is being edited: its text, what it says, and everything that was done to it.
+//!
+//! In: texts that edits make of the text. Out: the checked [`Shot`]; the file, comments and order kept. A text that is no shot is refused,
+//! so what is saved can always be rendered.
+
+use super::EditError;
+use super::command::Command;
+use super::history::History;
+use super::journal::{Journal, Unfinished};
+use crate::files::{SHOT_BYTES, read_text};
+use crate::image::replace_text;
+use crate::pipeline::path_between;
+use crate::shot::edit::{Setting, put_setting};
+use crate::shot::{Shot, ShotError, Source};
+use std::path::{Path, PathBuf};
+
+/// An open shot file.
+#[derive(Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+    /// What the file holds, as far as it is known; `None`: there is no file yet.
+    on_disk: Option<String>,
+    shot: Shot,
+    history: History,
+    journal: Option<Journal>,
+    /// Goes up with every change.
+    revision: u64,
+}
+
+/// What happened to the file while it was open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DiskChange {
+    /// Nothing.
+    None,
+    /// Another program wrote it, and nothing was changed here since: it was read again.
+    Reloaded,
+    /// Another program wrote it, and there are changes here: its text.
+    Conflict(String),
+}
+
+impl Document {
+    /// Reads a shot file.
+    ///
+    /// # Errors
+    /// [`EditError`] where it cannot be read or is no shot.
+    pub fn open(path: &Path) -> Result<Self, EditError> {
+        let text = read_text(path, SHOT_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
+        let mut document = Self::new(path, text.clone())?;
+        document.on_disk = Some(text);
+        Ok(document)
+    }
+
+    /// A shot that has no file yet.
+    ///
+    /// # Errors
+    /// [`EditError`] where the text is no shot.
+    pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
+        let shot = Shot::parse(&text, path)?;
+        let (path, history) = (path.to_owned(), History::default());
+        Ok(Self { path, text, on_disk: None, shot, history, journal: None, revision: 0 })
+    }
+
+    /// What a killed editor left.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn recovered(left: Unfinished) -> Result<Self, EditError> {
+        let mut document = Self::new(&left.path, left.text)?;
+        document.on_disk = read_text(&left.path, SHOT_BYTES).ok();
+        document.history = left.history;
+        Ok(document)
+    }
+
+    /// Keeps a journal in a folder from now on. Without one, everything goes on all the same.
+    pub fn keep_journal(&mut self, folder: &Path) {
+        self.journal = match Journal::begin(folder, &self.path, &self.text) {
+            Ok(journal) => Some(journal),
+            Err(error) => {
+                tracing::warn!("{}: no journal can be kept: {error}", folder.display());
+                None
+            }
+        };
+    }
+
+    /// The shot file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its text.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What it says.
+    #[must_use]
+    pub const fn shot(&self) -> &Shot {
+        &self.shot
+    }
+
+    /// What was done.
+    #[must_use]
+    pub const fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Goes up with every change.
+    #[must_use]
+    pub const fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Something is not saved.
+    #[must_use]
+    pub fn is_dirty(&self) -> bool {
+        self.on_disk.as_deref() != Some(&self.text)
+    }
+
+    /// Changes the text. Changes in a row with the same `series` are undone together.
+    ///
+    /// # Errors
+    /// [`ShotError`] where the text is no shot; then nothing is changed.
+    pub fn change(&mut self, label: &str, text: String, series: Option<&str>) -> Result<(), ShotError> {
+        let Some(command) = Command::between(label, &self.text, &text) else { return Ok(()) };
+        self.shot = Shot::parse(&text, &self.path)?;
+        let recorded = self.history.record(command, series, &self.text);
+        self.text = text;
+        self.revision += 1;
+        self.note(|journal| journal.note(&recorded));
+        Ok(())
+    }
+
+    /// What comes now is undone by itself.
+    pub fn end_series(&mut self) {
+        self.history.end_series();
+    }
+
+    /// Takes the last change back; gives its name.
+    pub fn undo(&mut self) -> Option<String> {
+        let (text, label) = self.history.undo(&self.text)?;
+        self.put_old(text);
+        self.note(Journal::note_undo);
+        Some(label)
+    }
+
+    /// Does again what was undone last; gives its name.
+    pub fn redo(&mut self) -> Option<String> {
+        let (text, label) = self.history.redo(&self.text)?;
+        self.put_old(text);
+        self.note(Journal::note_redo);
+        Some(label)
+    }
+
+    /// A text that was a shot before.
+    fn put_old(&mut self, text: String) {
+        if let Ok(shot) = Shot::parse(&text, &self.path) {
+            self.shot = shot;
+        }
+        self.text = text;
+        self.revision += 1;
+    }
+
+    fn note(&mut self, note: impl FnOnce(&mut Journal) -> std::io::Result<()>) {
+        if let Some(journal) = &mut self.journal
+            && let Err(error) = note(journal)
+        {
+            tracing::warn!("the journal cannot be written: {error}");
+            self.journal = None;
+        }
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// [`EditError`] where it cannot be written.
+    pub fn save(&mut self) -> Result<(), EditError> {
+        replace_text(&self.path, &self.text)?;
+        self.on_disk = Some(self.text.clone());
+        Ok(())
+    }
+
+    /// Writes another file, and goes on with that. A scene or picture that the shot names is found from there, too.
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let seen = |file: &Path| {
+            let file = path_between(folder, file)?;
+            Ok::<_, EditError>(file.to_string_lossy().replace('\\', "/"))
+        };
+        let moved = match &self.shot.source {
+            Source::Scene(scene) => Some(("scene", Setting::Text(seen(scene)?))),
+            Source::Images(images) => match &images[..] {
+                [only] => Some(("image", Setting::Text(seen(only)?))),
+                all => {
+                    let all: Result<Vec<String>, EditError> = all.iter().map(|image| seen(image)).collect();
+                    Some(("image", Setting::Texts(all?)))
+                }
+            },
+            Source::Frame => None,
+        };
+        let is_elsewhere = path.parent() != self.path.parent();
+        let text = match moved.filter(|_| is_elsewhere) {
+            Some((key, setting)) => put_setting(&self.text, &[key], &setting)?,
+            None => self.text.clone(),
+        };
+        let shot = Shot::parse(&text, path)?;
+        replace_text(path, &text)?;
+        if let Some(command) = Command::between("Save as", &self.text, &text) {
+            let recorded = self.history.record(command, None, &self.text);
+            self.note(|journal| journal.note(&recorded));
+        }
+        (self.path, self.shot, self.on_disk) = (path.to_owned(), shot, Some(text.clone()));
+        self.text = text;
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// Looks whether another program wrote the file; reads it again where nothing is lost by that.
+    ///
+    /// # Errors
+    /// [`EditError`] where what it wrote is no shot.
+    pub fn check_disk(&mut self) -> Result<DiskChange, EditError> {
+        let Some(known) = &self.on_disk else { return Ok(DiskChange::None) };
+        let Ok(text) = read_text(&self.path, SHOT_BYTES) else { return Ok(DiskChange::None) };
+        if text == *known {
+            return Ok(DiskChange::None);
+        }
+        if self.is_dirty() && text != self.text {
+            return Ok(DiskChange::Conflict(text));
+        }
+        self.take_from_disk(text)?;
+        Ok(DiskChange::Reloaded)
+    }
+
+    /// Goes on with what another program wrote; what was here can be undone to.
+    ///
+    /// # Errors
+    /// [`EditError`] where it is no shot.
+    pub fn take_from_disk(&mut self, text: String) -> Result<(), EditError> {
+        self.change("Reload from disk", text.clone(), None)?;
+        self.on_disk = Some(text);
+        Ok(())
+    }
+
+    /// Goes on with what is here; the next save replaces what another program wrote.
+    pub fn keep_own(&mut self, on_disk: String) {
+        self.on_disk = Some(on_disk);
+    }
+}

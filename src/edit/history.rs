@@ -1,0 +1,137 @@
+//! What was done to a text, and what was undone of it: without an end, and beyond saves.
+//!
+//! In: [`Command`]s as they happen. Out: texts before and after them.
+
+use super::command::Command;
+
+/// Done and undone commands.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    done: Vec<Command>,
+    undone: Vec<Command>,
+    /// The last command goes on: nudges and typed digits of one kind count as one.
+    open: Option<String>,
+}
+
+impl History {
+    /// Notes a change that was made. Changes in a row that have the same `series` are undone together. Gives what a journal
+    /// has to note: the command, and whether it takes the place of the last.
+    pub fn record(&mut self, command: Command, series: Option<&str>, before: &str) -> Recorded {
+        let goes_on = series.is_some() && series == self.open.as_deref() && self.undone.is_empty();
+        self.undone.clear();
+        self.open = series.map(str::to_owned);
+        let joined = (goes_on)
+            .then(|| {
+                let last = self.done.last()?;
+                let (start, end) = (last.undo(before)?, command.apply(before)?);
+                Some(Command::between(&command.label, &start, &end))
+            })
+            .flatten();
+        match joined {
+            None => {
+                self.done.push(command.clone());
+                Recorded::Added(command)
+            }
+            Some(joined) => {
+                self.done.pop();
+                self.done.extend(joined.clone());
+                Recorded::Joined(joined)
+            }
+        }
+    }
+
+    /// What comes now is undone by itself.
+    pub fn end_series(&mut self) {
+        self.open = None;
+    }
+
+    /// The text before the last command, and what that command was.
+    pub fn undo(&mut self, text: &str) -> Option<(String, String)> {
+        let before = self.done.last()?.undo(text)?;
+        let command = self.done.pop()?;
+        let label = command.label.clone();
+        self.undone.push(command);
+        self.open = None;
+        Some((before, label))
+    }
+
+    /// The text after the command undone last, and what that command was.
+    pub fn redo(&mut self, text: &str) -> Option<(String, String)> {
+        let after = self.undone.last()?.apply(text)?;
+        let command = self.undone.pop()?;
+        let label = command.label.clone();
+        self.done.push(command);
+        self.open = None;
+        Some((after, label))
+    }
+
+    /// What would be undone next.
+    #[must_use]
+    pub fn next_undo(&self) -> Option<&str> {
+        self.done.last().map(|command| command.label.as_str())
+    }
+
+    /// What would be done again next.
+    #[must_use]
+    pub fn next_redo(&self) -> Option<&str> {
+        self.undone.last().map(|command| command.label.as_str())
+    }
+
+    /// Labels of all that was done, the oldest first.
+    pub fn labels(&self) -> impl Iterator<Item = &str> {
+        self.done.iter().map(|command| command.label.as_str())
+    }
+}
+
+/// How a change was noted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Recorded {
+    /// As a command of its own.
+    Added(Command),
+    /// Together with the last; `None`: both together change nothing.
+    Joined(Option<Command>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(history: &mut History, text: &mut String, to: &str, series: Option<&str>) {
+        let command = Command::between(to, text, to).expect("they differ");
+        history.record(command, series, text);
+        *text = to.to_owned();
+    }
+
+    #[test]
+    fn everything_is_undone_and_done_again_in_order() {
+        let (mut history, mut text) = (History::default(), "zero".to_owned());
+        for number in 0..500 {
+            change(&mut history, &mut text, &format!("number {number}"), None);
+        }
+        for number in (0..499).rev() {
+            (text, _) = history.undo(&text).expect("there is more");
+            assert_eq!(text, format!("number {number}"));
+        }
+        (text, _) = history.undo(&text).expect("the first");
+        assert_eq!((text.as_str(), history.undo(&text)), ("zero", None));
+        for _ in 0..500 {
+            (text, _) = history.redo(&text).expect("there is more");
+        }
+        assert_eq!((text.as_str(), history.next_redo()), ("number 499", None));
+    }
+
+    #[test]
+    fn a_series_is_undone_at_once_and_a_new_change_forgets_what_was_undone() {
+        let (mut history, mut text) = (History::default(), "a".to_owned());
+        change(&mut history, &mut text, "b", None);
+        change(&mut history, &mut text, "c", Some("nudge"));
+        change(&mut history, &mut text, "d", Some("nudge"));
+        change(&mut history, &mut text, "e", Some("type"));
+        (text, _) = history.undo(&text).expect("typing");
+        assert_eq!(text, "d");
+        (text, _) = history.undo(&text).expect("both nudges");
+        assert_eq!(text, "b");
+        change(&mut history, &mut text, "f", Some("nudge"));
+        assert_eq!((history.redo(&text), history.labels().count()), (None, 2));
+    }
+}

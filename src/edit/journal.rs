@@ -1,0 +1,205 @@
+//! A journal beside the work: every change is on disk before the next one, so that a kill loses nothing.
+//!
+//! In: what is done to a document. Out: a file of one JSON object a line; after a kill, the document as it was.
+
+use super::command::Command;
+use super::history::{History, Recorded};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File, OpenOptions};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+
+/// Ending of journals.
+const ENDING: &str = "pinwarp-journal";
+
+/// A line of a journal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Line {
+    /// The file, its text at that time, and the process that edits it.
+    Begin { path: PathBuf, text: String, process: u32 },
+    Do(Command),
+    /// Takes the place of the last.
+    Join(Option<Command>),
+    Undo,
+    Redo,
+}
+
+/// The journal of one open document. It goes when it is dropped, unless the program is killed.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+}
+
+/// A document that a killed editor left behind.
+#[derive(Clone, Debug)]
+pub struct Unfinished {
+    /// The shot file.
+    pub path: PathBuf,
+    /// Its text, with everything that was done.
+    pub text: String,
+    /// The text it began with.
+    pub begun: String,
+    /// What can be undone.
+    pub history: History,
+    /// The journal.
+    pub journal: PathBuf,
+}
+
+impl Journal {
+    /// Begins a journal in a folder, which is made where it is not there.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn begin(folder: &Path, document: &Path, text: &str) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        let process = std::process::id();
+        let mut hasher = DefaultHasher::new();
+        document.hash(&mut hasher);
+        let path = folder.join(format!("{:016x}-{process}.{ENDING}", hasher.finish()));
+        let file = OpenOptions::new().create(true).write(true).truncate(true).open(&path)?;
+        let mut journal = Self { path, file };
+        journal.write(&Line::Begin { path: document.to_owned(), text: text.to_owned(), process })?;
+        Ok(journal)
+    }
+
+    /// Notes a change.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn note(&mut self, recorded: &Recorded) -> io::Result<()> {
+        self.write(&match recorded {
+            Recorded::Added(command) => Line::Do(command.clone()),
+            Recorded::Joined(command) => Line::Join(command.clone()),
+        })
+    }
+
+    /// Notes that the last change was undone.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn note_undo(&mut self) -> io::Result<()> {
+        self.write(&Line::Undo)
+    }
+
+    /// Notes that a change was done again.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn note_redo(&mut self) -> io::Result<()> {
+        self.write(&Line::Redo)
+    }
+
+    fn write(&mut self, line: &Line) -> io::Result<()> {
+        let mut bytes = serde_json::to_vec(line)?;
+        bytes.push(b'\n');
+        // One call: a line is there or not. The system has it once this returns, whatever becomes of the process.
+        self.file.write_all(&bytes)
+    }
+}
+
+impl Drop for Journal {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// What killed editors left in a folder of journals; journals of living processes stay theirs.
+#[must_use]
+pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut found: Vec<Unfinished> =
+        paths.filter(|path| path.extension().is_some_and(|ending| ending == ENDING)).filter_map(|path| read(&path)).collect();
+    found.sort_by(|a, b| a.journal.cmp(&b.journal));
+    found
+}
+
+/// Replays a journal; a line that was cut off ends it. `None`: nothing was done, or its process lives.
+fn read(journal: &Path) -> Option<Unfinished> {
+    let mut lines = BufReader::new(File::open(journal).ok()?).lines().map_while(Result::ok);
+    let Line::Begin { path, text: begun, process } = serde_json::from_str(&lines.next()?).ok()? else { return None };
+    if process == std::process::id() || Path::new("/proc").join(process.to_string()).exists() {
+        return None;
+    }
+    let (mut text, mut history) = (begun.clone(), History::default());
+    for line in lines {
+        let Ok(line) = serde_json::from_str::<Line>(&line) else { break };
+        let Some((after, next)) = replay(line, &text, history.clone()) else { break };
+        (text, history) = (after, next);
+    }
+    (text != begun).then(|| Unfinished { path, text, begun, history, journal: journal.to_owned() })
+}
+
+/// The text and the history after a line.
+fn replay(line: Line, text: &str, mut history: History) -> Option<(String, History)> {
+    let after = match line {
+        Line::Begin { .. } => return None,
+        Line::Do(command) => {
+            let after = command.apply(text)?;
+            history.record(command, None, text);
+            after
+        }
+        Line::Join(command) => {
+            let (before, _) = history.undo(text)?;
+            match command {
+                None => before,
+                Some(command) => {
+                    let after = command.apply(&before)?;
+                    history.record(command, None, &before);
+                    after
+                }
+            }
+        }
+        Line::Undo => history.undo(text)?.0,
+        Line::Redo => history.redo(text)?.0,
+    };
+    Some((after, history))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A journal as a process leaves it that was killed: the file stays, and its process is none that lives.
+    fn killed(folder: &Path, journal: Journal) {
+        let text = fs::read_to_string(&journal.path).expect("it is there");
+        let dead = text.replacen(&format!("\"process\":{}", std::process::id()), "\"process\":4194305", 1);
+        drop(journal);
+        fs::write(folder.join(format!("left.{ENDING}")), dead).expect("written");
+    }
+
+    #[test]
+    fn a_killed_editor_s_work_comes_back_with_its_history() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut journal = Journal::begin(folder.path(), Path::new("/shots/a.toml"), "one").expect("writable");
+        let (mut history, mut text) = (History::default(), "one".to_owned());
+        for (to, series) in [("two", None), ("three", Some("n")), ("four", Some("n")), ("five", None)] {
+            let command = Command::between(to, &text, to).expect("they differ");
+            journal.note(&history.record(command, series, &text)).expect("written");
+            text = to.to_owned();
+        }
+        (text, _) = history.undo(&text).expect("five");
+        journal.note_undo().expect("written");
+        assert_eq!((text.as_str(), unfinished(folder.path()).len()), ("four", 0), "it lives");
+        killed(folder.path(), journal);
+        let [left] = &unfinished(folder.path())[..] else { panic!("one is left") };
+        assert_eq!((left.text.as_str(), left.begun.as_str(), left.path.as_path()), ("four", "one", Path::new("/shots/a.toml")));
+        let mut history = left.history.clone();
+        let (before, _) = history.undo(&left.text).expect("three and four are one series");
+        assert_eq!(before, "two");
+    }
+
+    #[test]
+    fn a_line_cut_off_loses_itself_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut journal = Journal::begin(folder.path(), Path::new("a.toml"), "one").expect("writable");
+        let command = Command::between("edit", "one", "two").expect("they differ");
+        journal.note(&Recorded::Added(command)).expect("written");
+        journal.file.write_all(b"{\"do\":{\"label\":\"cut").expect("written");
+        killed(folder.path(), journal);
+        assert_eq!(unfinished(folder.path())[0].text, "two");
+    }
+}

@@ -1,0 +1,41 @@
+//! The native editor, `pinwarp edit`: pins under the hand.
+//!
+//! In: anything that can be opened. Out: a shot file, comments and order kept; frames as they are rendered. A front end of `shot` and
+//! `pipeline`; it holds no geometry and no solver.
+//!
+//! ```text
+//! pen, keys ─ui─▶ Session ─shot::edit─▶ Document: text, Shot, Commands ─▶ shot.toml, journal
+//!                    │  ▲
+//!                Job ▼  │ Reply: marks, quick picture, rendered frame
+//!             Worker: OpenShot ─▶ TimeSample ─▶ Frame
+//! ```
+
+mod command;
+mod document;
+mod error;
+mod history;
+mod journal;
+mod open;
+mod picture;
+mod playhead;
+mod session;
+mod shortcuts;
+mod track;
+mod worker;
+mod zoom;
+
+pub mod ui;
+
+pub use command::Command;
+pub use document::{DiskChange, Document};
+pub use error::EditError;
+pub use history::{History, Recorded};
+pub use journal::{Journal, Unfinished, unfinished};
+pub use open::open;
+pub use picture::{Picture, Quality};
+pub use playhead::{Pace, Playhead};
+pub use session::{EasePreset, Held, Onion, RenderRun, Ring, RunState, Selection, Session, Shown, Wipe};
+pub use shortcuts::{Action, Chord, Shortcuts};
+pub use track::AutoKey;
+pub use worker::{Loaded, SolvedFrame};
+pub use zoom::{Lens, Zoom};

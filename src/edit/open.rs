@@ -1,0 +1,63 @@
+//! Opens anything: a shot, a scene, a picture, a sequence of plates.
+//!
+//! In: a path. Out: a [`Document`]; what is no shot file yet gets the text that `pinwarp new` would write, and a name beside it.
+
+use super::{Document, EditError};
+use crate::image::{PictureKind, SequencePath, picture_size};
+use crate::pipeline::{NewShot, new_shot, path_between};
+use crate::scene::FileAccess;
+use crate::shot::template;
+use std::path::{Path, PathBuf};
+
+/// Opens a file for editing.
+///
+/// # Errors
+/// [`EditError`] where it cannot be read, or is none of these.
+pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if ending == "toml" {
+        return Document::open(path);
+    }
+    let beside = shot_beside(path);
+    if beside.is_file() {
+        // Who opens the scene again wants to go on.
+        return Document::open(&beside);
+    }
+    if PictureKind::of(path).is_some() && !path.is_file() {
+        return plates(path, &beside);
+    }
+    let NewShot { facts, .. } = new_shot(path, access)?;
+    let seen = path_between(path.parent().unwrap_or(Path::new("")), path)?;
+    let name = seen.to_str().ok_or_else(|| EditError::Unusable {
+        what: format!("{}: the name is not valid Unicode", path.display()),
+        hint: "rename it".into(),
+    })?;
+    Document::new(&beside, template::write(name, &facts))
+}
+
+/// Finished frames of another renderer, as a shot that warps them whole.
+fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
+    let sequence = SequencePath::parse(pattern)?;
+    let frames = sequence.frames_on_disk()?.unwrap_or_default();
+    let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
+        return Err(EditError::Unusable {
+            what: format!("{}: there is no such file or sequence", pattern.display()),
+            hint: "open a shot (.toml), a scene (.glb, .gltf), a picture, or frames named like frame.####.exr".into(),
+        });
+    };
+    let size = picture_size(&sequence.path_of(*first))?;
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let text = format!(
+        "version = 1\nplate   = {name:?}\nframes  = {{ first = {first}, last = {last}, rate = 24 }}\n\
+         size    = [{}, {}]\n\n[[layer]]\nname    = \"all\"\n",
+        size.width, size.height
+    );
+    Document::new(shot, text)
+}
+
+/// Where the shot of a scene or picture is looked for, and goes.
+fn shot_beside(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = stem.trim_end_matches(['#', '.', '_', '-']);
+    path.with_file_name(format!("{}.toml", if stem.is_empty() { "shot" } else { stem }))
+}

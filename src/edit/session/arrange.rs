@@ -1,0 +1,105 @@
+//! Layers and the shot as a whole: order, lattices, strengths, range.
+//!
+//! In: what the person asks. Out: one change of the document each.
+
+use super::{Purpose, Session};
+use crate::shot::LayerSpace;
+use crate::shot::edit::{Setting, add_layer, move_layer, put_layer_setting, put_setting, remove_layer};
+
+impl Session {
+    /// Sets a value of the chosen layer. Values of one kind that are set in a row are undone together.
+    pub fn set_layer(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        let text = put_layer_setting(self.document.text(), &layer.name, key, setting);
+        self.change(label, text, series);
+    }
+
+    /// Sets a value of the shot.
+    pub fn set_shot(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
+        let text = put_setting(self.document.text(), key, setting);
+        self.change(label, text, series);
+    }
+
+    /// Renames the chosen layer.
+    pub fn rename_layer(&mut self, name: &str) {
+        if !name.trim().is_empty() {
+            self.set_layer("Rename layer", &["name"], &Setting::Text(name.to_owned()), None);
+        }
+    }
+
+    /// Appends a layer that moves those nodes, and chooses it.
+    pub fn add_layer(&mut self, nodes: &[String]) {
+        let layers = &self.document.shot().layers;
+        let is_free = |name: &String| layers.iter().all(|layer| layer.name != *name);
+        let base = nodes.first().map_or("layer", String::as_str);
+        let names = std::iter::once(base.to_owned()).chain((2..).map(|number| format!("{base} {number}")));
+        let Some(name) = { names }.find(is_free) else { return };
+        let text = add_layer(self.document.text(), &name, nodes);
+        if self.change("Add layer", text, None) {
+            self.selection.clear();
+            self.selection.layer = self.document.shot().layers.len().saturating_sub(1);
+        }
+    }
+
+    /// Takes the chosen layer out.
+    pub fn delete_layer(&mut self) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        let text = remove_layer(self.document.text(), &layer.name);
+        self.selection.clear();
+        self.change("Delete layer", text, None);
+    }
+
+    /// Moves the chosen layer up or down in the list.
+    pub fn move_layer(&mut self, by: isize) {
+        let from = self.selection.layer;
+        let Some(to) = from.checked_add_signed(by) else { return };
+        let layers = &self.document.shot().layers;
+        let Some(layer) = layers.get(from).filter(|_| to < layers.len()) else { return };
+        let text = move_layer(self.document.text(), &layer.name, to);
+        self.selection.clear();
+        if self.change("Move layer", text, None) {
+            self.selection.layer = to;
+        }
+    }
+
+    /// Gives the chosen layer's lattice other dims; pins keep the edit. Handles that were moved by hand have no place in it.
+    pub fn set_dims(&mut self, dims: [usize; 2]) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        if !layer.handles.is_empty() {
+            return self.say("Handles are moved by hand in this layer: `pinwarp resize` keeps them, the editor cannot yet.");
+        }
+        if matches!(layer.space, LayerSpace::World { .. }) {
+            return self.say("A lattice in the scene has three dims: change them in the shot file.");
+        }
+        let dims = Setting::Wholes(dims.iter().map(|&count| count as i64).collect());
+        self.set_layer("Resize lattice", &["lattice", "dims"], &dims, Some("dims"));
+    }
+
+    /// Whether a layer rests for now.
+    #[must_use]
+    pub fn is_muted(&self, name: &str) -> bool {
+        self.muted.contains(name)
+    }
+
+    /// Whether a layer alone moves for now.
+    #[must_use]
+    pub fn is_solo(&self, name: &str) -> bool {
+        self.solo.as_deref() == Some(name)
+    }
+
+    /// Lets a layer rest for now, or move again; the file does not know.
+    pub fn toggle_mute(&mut self, name: &str) {
+        if !self.muted.remove(name) {
+            self.muted.insert(name.to_owned());
+        }
+        self.frames_changed();
+        self.refresh(Purpose::Look);
+    }
+
+    /// Lets a layer alone move for now, or all again; the file does not know.
+    pub fn toggle_solo(&mut self, name: &str) {
+        self.solo = if self.is_solo(name) { None } else { Some(name.to_owned()) };
+        self.frames_changed();
+        self.refresh(Purpose::Look);
+    }
+}

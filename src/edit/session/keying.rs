@@ -1,0 +1,224 @@
+//! Keys in the timeline: chosen, moved, copied, eased, removed, typed.
+//!
+//! In: what the person asks. Out: one change of the document each.
+
+use super::{Purpose, Session};
+use crate::edit::track::{eased, key_at, key_time, shifted, with_key, without_keys};
+use crate::shot::edit::Setting;
+use crate::shot::{Ease, PinKey};
+
+/// Eases that have a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EasePreset {
+    /// Keeps the value until the next key.
+    Hold,
+    /// Straight.
+    Linear,
+    /// Slow in, slow out.
+    Smooth,
+    /// Fast, then slow.
+    Out,
+    /// Slow, then fast.
+    In,
+    /// Beyond the next key and back.
+    Overshoot,
+}
+
+impl EasePreset {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Hold, Self::Linear, Self::Smooth, Self::In, Self::Out, Self::Overshoot];
+
+    /// As a shot says it.
+    #[must_use]
+    pub const fn ease(self) -> Ease {
+        match self {
+            Self::Hold => Ease::Hold,
+            Self::Linear => Ease::Linear,
+            Self::Smooth => Ease::Smooth,
+            Self::Out => Ease::Bezier([0.0, 0.0, 0.2, 1.0]),
+            Self::In => Ease::Bezier([0.8, 0.0, 1.0, 1.0]),
+            Self::Overshoot => Ease::Bezier([0.3, 0.0, 0.4, 1.4]),
+        }
+    }
+
+    /// For people.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hold => "Hold",
+            Self::Linear => "Linear",
+            Self::Smooth => "Smooth",
+            Self::Out => "Ease out",
+            Self::In => "Ease in",
+            Self::Overshoot => "Overshoot",
+        }
+    }
+
+    /// The preset that an ease is; `None`: a curve of its own.
+    #[must_use]
+    pub fn of(ease: Ease) -> Option<Self> {
+        Self::ALL.into_iter().find(|preset| preset.ease() == ease)
+    }
+}
+
+impl Session {
+    /// Keys the chosen pins as they are in the frame that is seen.
+    pub fn insert_keys(&mut self) {
+        let (shot, frame) = (self.document.shot(), self.playhead.frame());
+        let key = |&at: &[usize; 2]| {
+            let layer = shot.layers.get(at[0])?;
+            let key = key_at(shot, at, key_time(&shot.frames, layer, frame))?;
+            Some((at, with_key(&layer.pins.get(at[1])?.keys, key)))
+        };
+        let keys: Vec<_> = self.selection.pins.iter().filter_map(key).collect();
+        if keys.is_empty() {
+            return self.say("No pin is chosen: click one first.");
+        }
+        self.write_keys("Insert key", &keys, None);
+    }
+
+    /// Sets a key of a pin, as it was typed.
+    pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
+        let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
+        let keys = with_key(&pin.keys, key);
+        self.write_keys("Type key", &[(at, keys)], Some("type"));
+    }
+
+    /// What the keys of a pin say in the frame that is seen.
+    #[must_use]
+    pub fn key_here(&self, at: [usize; 2]) -> Option<PinKey> {
+        let shot = self.shot();
+        key_at(shot, at, key_time(&shot.frames, shot.layers.get(at[0])?, self.playhead.frame()))
+    }
+
+    /// Whether a pin has a key in the frame that is seen.
+    #[must_use]
+    pub fn has_key_here(&self, at: [usize; 2]) -> bool {
+        let shot = self.shot();
+        let pin = shot.layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
+        let key = self.key_here(at);
+        pin.zip(key).is_some_and(|(pin, key)| pin.keys.iter().any(|other| other.frame == key.frame))
+    }
+
+    /// Chooses a key, or lets go of it.
+    pub fn choose_key(&mut self, at: [usize; 2], time: f64, adds: bool) {
+        let is_chosen = self.selection.has_key(at, time);
+        if !adds && !is_chosen {
+            self.selection.keys.clear();
+            self.selection.only_pin(at);
+        }
+        if adds && is_chosen {
+            self.selection.keys.retain(|key| *key != (at, time));
+        } else if !is_chosen {
+            self.selection.pins.insert(at);
+            self.selection.keys.push((at, time));
+        }
+    }
+
+    /// Changes the chosen keys, pin by pin.
+    fn change_keys(&mut self, label: &str, change: impl Fn(&[PinKey], &[f64]) -> Vec<PinKey>) -> bool {
+        let shot = self.document.shot();
+        let mut pins: Vec<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
+        pins.sort_unstable();
+        pins.dedup();
+        let keys: Vec<_> = pins
+            .into_iter()
+            .filter_map(|at| {
+                let pin = shot.layers.get(at[0])?.pins.get(at[1])?;
+                Some((at, change(&pin.keys, &self.selection.times_of(at))))
+            })
+            .collect();
+        !keys.is_empty() && self.write_keys(label, &keys, None)
+    }
+
+    /// Removes the chosen keys; each pin keeps one.
+    pub fn delete_keys(&mut self) {
+        self.change_keys("Delete keys", without_keys);
+    }
+
+    /// Moves the chosen keys by so many frames.
+    pub fn shift_keys(&mut self, by: i32) {
+        if by == 0 {
+            return;
+        }
+        let moved: Vec<_> = self.selection.keys.iter().map(|(at, time)| (*at, time + f64::from(by))).collect();
+        if self.change_keys("Move keys", |keys, times| shifted(keys, times, f64::from(by))) {
+            self.selection.keys = moved;
+        }
+    }
+
+    /// Gives the chosen keys an ease; where none is chosen, all keys of the chosen pins.
+    pub fn ease_keys(&mut self, preset: EasePreset) {
+        if self.selection.keys.is_empty() {
+            let shot = self.document.shot();
+            let of = |at: [usize; 2]| shot.layers[at[0]].pins[at[1]].keys.iter().map(move |key| (at, key.frame));
+            let all: Vec<_> = self.selection.pins.iter().copied().flat_map(of).collect();
+            self.selection.keys = all;
+        }
+        self.change_keys(&format!("{} keys", preset.name()), |keys, times| eased(keys, times, preset.ease()));
+    }
+
+    /// Keeps the chosen keys for pasting: those of one pin.
+    pub fn copy_keys(&mut self) {
+        let Some(&(at, _)) = self.selection.keys.first() else {
+            return self.say("No key is chosen: click one in the timeline first.");
+        };
+        let times = self.selection.times_of(at);
+        let keys = &self.document.shot().layers[at[0]].pins[at[1]].keys;
+        self.copied = keys.iter().filter(|key| times.contains(&key.frame)).copied().collect();
+        self.say(format!("Copied {}", crate::spelling::counted(self.copied.len(), "key", "keys")));
+    }
+
+    /// Puts the copied keys into the chosen pins; the first stands in the frame that is seen.
+    pub fn paste_keys(&mut self) {
+        let Some(first) = self.copied.first() else { return self.say("Nothing was copied.") };
+        let shot = self.document.shot();
+        let mut keys = Vec::new();
+        for &at in &self.selection.pins {
+            let layer = &shot.layers[at[0]];
+            let by = key_time(&shot.frames, layer, self.playhead.frame()) - first.frame;
+            let pasted = self.copied.iter().map(|key| PinKey { frame: key.frame + by, ..*key });
+            keys.push((at, pasted.fold(layer.pins[at[1]].keys.clone(), |keys, key| with_key(&keys, key))));
+        }
+        if keys.is_empty() {
+            return self.say("No pin is chosen: click one first.");
+        }
+        self.write_keys("Paste keys", &keys, None);
+    }
+
+    /// Goes to the next or the last key of the chosen pins; where none is chosen, of the layer's.
+    pub fn go_to_key(&mut self, forward: bool) {
+        let (shot, here) = (self.document.shot(), f64::from(self.playhead.frame()));
+        let layer = self.selection.layer;
+        let is_wanted = |at: [usize; 2]| match self.selection.pins.is_empty() {
+            true => at[0] == layer,
+            false => self.selection.pins.contains(&at),
+        };
+        let times = shot.layers.iter().enumerate().flat_map(|(layer, owner)| {
+            let pins = owner.pins.iter().enumerate().filter(move |(pin, _)| is_wanted([layer, *pin]));
+            pins.flat_map(|(_, pin)| pin.keys.iter().map(|key| key.frame))
+        });
+        let next = match forward {
+            true => times.filter(|time| *time > here).min_by(f64::total_cmp),
+            false => times.filter(|time| *time < here).max_by(f64::total_cmp),
+        };
+        if let Some(time) = next {
+            self.go(time.round() as i32);
+        }
+    }
+
+    /// Shows drawings for so many frames each.
+    pub fn set_exposure(&mut self, step: u32) {
+        let setting = if step == 1 { Setting::Default } else { Setting::Whole(i64::from(step)) };
+        self.set_layer("Change exposure", &["step"], &setting, None);
+    }
+
+    /// Goes to the frame with the worst figure, of those that are known.
+    pub fn go_to_worst(&mut self, figure: impl Fn(&crate::pipeline::FrameReport) -> Option<f64>) {
+        let known = self.solves.values().filter_map(|solve| Some((figure(&solve.report)?, solve.frame)));
+        if let Some((_, frame)) = known.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            self.playhead.go(frame);
+            self.frame_changed(Purpose::Look);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Pins that are placed, named and removed.
+//!
+//! In: points of the model, names. Out: changes of the document.
+
+use super::pointer::Gesture;
+use super::{Purpose, Session};
+use crate::edit::track::key_time;
+use crate::edit::worker::Question;
+use crate::pipeline::PickedPoint;
+use crate::shot::edit::{PinName, add_pin, put_keys, put_region, remove_pin, rename_pin};
+use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot};
+use crate::space::ScreenPoint;
+
+/// Frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
+const AT_REST: f64 = 1e-4;
+
+/// What a pin takes along that holds a part as a whole, frame heights.
+const WHOLE_RADIUS: f64 = 0.18;
+
+impl Session {
+    /// Asks what lies under the pen.
+    pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
+        self.next_question += 1;
+        self.worker.ask(Question { id: self.next_question, at });
+        self.next_question
+    }
+
+    /// The answer: a new pin where a layer's surface is seen, else a box is drawn.
+    pub(super) fn picked(&mut self, id: u64, point: Option<PickedPoint>) {
+        let Gesture::Placing { id: wanted, from, at, is_up, is_whole } = self.gesture else { return };
+        if id != wanted {
+            return;
+        }
+        let found = point.and_then(|point| Some((point.layer?, point)));
+        let Some((layer, point)) = found else {
+            if is_up {
+                self.selection.clear();
+                self.gesture = Gesture::Idle;
+            } else {
+                self.gesture = Gesture::Box { from, to: at };
+            }
+            return;
+        };
+        self.gesture = Gesture::Idle;
+        if self.place(layer, &point, (from, is_whole)) && !is_up {
+            self.begin_drag(from);
+            self.motion(at);
+        }
+    }
+
+    /// Puts a pin where a point of the model is seen.
+    fn place(&mut self, layer: usize, point: &PickedPoint, (seen, is_whole): (ScreenPoint, bool)) -> bool {
+        let shot = self.document.shot();
+        let Some(owner) = shot.layers.get(layer) else { return false };
+        let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, &point.node));
+        let at = PinName { layer: &layer_name, pin: &name };
+        let mut text = add_pin(self.document.text(), Some(&layer_name), &name, &point.anchor);
+        // Where the surface is moved already, the pin holds it there.
+        if (seen - point.rest).0.length() > AT_REST {
+            let frame = key_time(&shot.frames, owner, self.playhead.frame());
+            let goal = Goal::Offset(seen - point.rest);
+            let key = PinKey { frame, goal, rotate_degrees: None, scale: None, ease: Ease::Smooth };
+            text = text.and_then(|text| put_keys(&text, at, &[key]));
+        }
+        if is_whole {
+            let region = PinRegion { radius: WHOLE_RADIUS, rigidity: 1.0, stiffness: 1.0 };
+            text = text.and_then(|text| put_region(&text, at, Some(region)));
+        }
+        if !self.change("Add pin", text, None) {
+            return false;
+        }
+        let pins = &self.document.shot().layers[layer].pins;
+        let Some(pin) = pins.iter().position(|pin| pin.name == name) else { return false };
+        self.selection.only_pin([layer, pin]);
+        self.say(format!("Pin '{name}' in layer '{layer_name}': drag it; arrow keys nudge it"));
+        true
+    }
+
+    /// Takes the chosen pins out.
+    pub fn delete_pins(&mut self) {
+        let mut text = Ok(self.document.text().to_owned());
+        let names = self.chosen_names();
+        if names.is_empty() {
+            return self.say("No pin is chosen: click one first.");
+        }
+        for (layer, pin) in &names {
+            text = text.and_then(|text| remove_pin(&text, PinName { layer, pin }));
+        }
+        self.selection.clear();
+        let label = if names.len() == 1 { "Delete pin" } else { "Delete pins" };
+        self.change(label, text, None);
+    }
+
+    /// Gives a pin another name.
+    pub fn rename_pin(&mut self, at: [usize; 2], name: &str) {
+        if let Some((layer, pin)) = self.names_of(at) {
+            let text = rename_pin(self.document.text(), PinName { layer: &layer, pin: &pin }, name);
+            self.change("Rename pin", text, None);
+        }
+    }
+
+    /// Says what a pin takes along.
+    pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
+        if let Some((layer, pin)) = self.names_of(at) {
+            let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
+            self.change("Change region", text, Some("region"));
+        }
+    }
+
+    /// Names of layer and pin.
+    pub(super) fn names_of(&self, [layer, pin]: [usize; 2]) -> Option<(String, String)> {
+        let layer = self.document.shot().layers.get(layer)?;
+        Some((layer.name.clone(), layer.pins.get(pin)?.name.clone()))
+    }
+
+    fn chosen_names(&self) -> Vec<(String, String)> {
+        self.selection.pins.iter().filter_map(|&at| self.names_of(at)).collect()
+    }
+
+    /// Chooses all pins of the layer.
+    pub fn choose_all(&mut self) {
+        let layer = self.selection.layer;
+        let count = self.document.shot().layers.get(layer).map_or(0, |layer| layer.pins.len());
+        self.selection.pins = (0..count).map(|pin| [layer, pin]).collect();
+    }
+
+    /// Writes keys of several pins.
+    pub(super) fn write_keys(&mut self, label: &str, keys: &[([usize; 2], Vec<PinKey>)], series: Option<&str>) -> bool {
+        let mut text = Ok(self.document.text().to_owned());
+        for (at, keys) in keys {
+            let Some((layer, pin)) = self.names_of(*at) else { continue };
+            text = text.and_then(|text| put_keys(&text, PinName { layer: &layer, pin: &pin }, keys));
+        }
+        self.change(label, text, series)
+    }
+
+    /// Shows the frame again, as the document says it.
+    pub(super) fn let_go(&mut self) {
+        self.dragged = None;
+        self.frames_changed();
+        self.refresh(Purpose::Look);
+    }
+}
+
+/// A name for a pin on a node that no other pin of the layer has.
+fn free_name(shot: &Shot, layer: usize, node: &str) -> String {
+    let pins = &shot.layers[layer].pins;
+    let is_free = |name: &String| pins.iter().all(|pin| pin.name != *name);
+    let numbered = (2..).map(|number| format!("{node} {number}"));
+    std::iter::once(node.to_owned()).chain(numbered).find(is_free).unwrap_or_else(|| node.to_owned())
+}

@@ -1,0 +1,347 @@
+//! One tool: the pen places, drags, turns, grows and chooses, by what lies under it.
+//!
+//! In: where the pen is, which keys are held. Out: gestures; a drag changes the document once, when it ends.
+
+use super::{Purpose, Session};
+use crate::edit::EditError;
+use crate::edit::track::{Move, handle_moved, key_time, moved};
+use crate::pipeline::LayerMarks;
+use crate::shot::edit::put_handle;
+use crate::shot::{HandleTrack, LayerSpace, PinKey, PinRegion, Shot};
+use crate::space::ScreenPoint;
+use glam::DVec2;
+use std::sync::Arc;
+
+/// Most and least that a region can have.
+const RADII: [f64; 2] = [0.005, 4.0];
+
+/// Keys that are held while the pen goes down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Held {
+    /// What is chosen stays so.
+    pub adds: bool,
+    /// The part is meant as a whole.
+    pub whole: bool,
+    /// The pin's region is meant.
+    pub region: bool,
+}
+
+/// The ring around a chosen pin, as the viewport draws it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring {
+    /// Its radius, frame heights.
+    pub radius: f64,
+    /// How near to it the pen has to be, frame heights.
+    pub reach: f64,
+}
+
+/// What the pen does while it is down.
+#[derive(Clone, Debug)]
+pub(super) enum Gesture {
+    Idle,
+    /// It waits to hear what lies there.
+    Placing { id: u64, from: ScreenPoint, at: ScreenPoint, is_up: bool, is_whole: bool },
+    Drag { from: ScreenPoint, base: Arc<Shot>, has_moved: bool },
+    /// Around this point.
+    Turn { center: ScreenPoint, from: ScreenPoint, base: Arc<Shot> },
+    /// From the pin's rest.
+    Region { pin: [usize; 2], rest: ScreenPoint, base: Arc<Shot> },
+    Box { from: ScreenPoint, to: ScreenPoint },
+}
+
+impl Session {
+    /// The pen goes down; `reach`: how near to a point it has to be, frame heights.
+    pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
+        self.playhead.go(self.playhead.frame());
+        let base = Arc::new(self.document.shot().clone());
+        if let Some(center) = self.ring_center()
+            && ((at - center).0.length() - ring.radius).abs() <= ring.reach
+        {
+            self.gesture = Gesture::Turn { center, from: at, base };
+            return;
+        }
+        if let Some((pin, rest)) = self.pin_near(at, reach) {
+            if !self.selection.pins.contains(&pin) {
+                if !held.adds {
+                    self.selection.clear();
+                }
+                self.selection.layer = pin[0];
+                self.selection.pins.insert(pin);
+            } else if held.adds {
+                self.selection.pins.remove(&pin);
+                return;
+            }
+            self.gesture = match held.region {
+                true => Gesture::Region { pin, rest, base },
+                false => Gesture::Drag { from: at, base, has_moved: false },
+            };
+            return;
+        }
+        if let Some(handle) = self.handle_near(at, reach) {
+            if !self.selection.handles.contains(&handle) && !held.adds {
+                self.selection.clear();
+            }
+            self.selection.layer = handle.0;
+            self.selection.handles.insert(handle);
+            self.gesture = Gesture::Drag { from: at, base, has_moved: false };
+            return;
+        }
+        if held.adds {
+            self.gesture = Gesture::Box { from: at, to: at };
+            return;
+        }
+        let id = self.ask_for_point(at);
+        self.gesture = Gesture::Placing { id, from: at, at, is_up: false, is_whole: held.whole };
+    }
+
+    /// Begins to drag what is chosen.
+    pub(super) fn begin_drag(&mut self, from: ScreenPoint) {
+        let base = Arc::new(self.document.shot().clone());
+        self.gesture = Gesture::Drag { from, base, has_moved: false };
+    }
+
+    /// The pen moves; `grows`: a turn changes the size, too.
+    pub fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
+        match &mut self.gesture {
+            Gesture::Idle => {}
+            Gesture::Placing { at, .. } => *at = to,
+            Gesture::Box { to: corner, .. } => *corner = to,
+            Gesture::Drag { from, base, has_moved } => {
+                *has_moved = *has_moved || to != *from;
+                let (by, base) = ((to - *from).0, Arc::clone(base));
+                if *has_moved {
+                    let dragged = self.dragged_shot(&base, Move::By(by));
+                    self.show_dragged(dragged);
+                }
+            }
+            Gesture::Turn { center, from, base } => {
+                let ([start, now], base) = ([*from, to].map(|point| (point - *center).0), Arc::clone(base));
+                let turned = self.dragged_shot(&base, Move::Turn(start.angle_to(now).to_degrees()));
+                let factor = now.length() / start.length().max(1e-9);
+                let grown = match turned {
+                    Ok(shot) if grows && factor > 0.0 => self.dragged_shot(&shot, Move::Grow(factor)),
+                    turned => turned,
+                };
+                self.show_dragged(grown);
+            }
+            Gesture::Region { pin: [layer, pin], rest, base } => {
+                let radius = (to - *rest).0.length().clamp(RADII[0], RADII[1]);
+                let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
+                let own = &mut shot.layers[layer].pins[pin];
+                let old = own.region.unwrap_or(PinRegion { radius, rigidity: 1.0, stiffness: 1.0 });
+                own.region = Some(PinRegion { radius: (radius * 1e4).round() / 1e4, ..old });
+                self.show_dragged(Ok(shot));
+            }
+        }
+    }
+
+    /// The pen moves.
+    pub fn motion(&mut self, to: ScreenPoint) {
+        self.motion_with(to, false);
+    }
+
+    /// The pen goes up.
+    pub fn release(&mut self) {
+        match std::mem::replace(&mut self.gesture, Gesture::Idle) {
+            Gesture::Idle => {}
+            Gesture::Placing { id, from, at, is_whole, .. } => {
+                self.gesture = Gesture::Placing { id, from, at, is_up: true, is_whole };
+            }
+            Gesture::Box { from, to } => self.choose_box([from, to]),
+            Gesture::Drag { has_moved: false, .. } => {}
+            Gesture::Drag { base, .. } => self.commit("Move", &base),
+            Gesture::Turn { base, .. } => self.commit("Turn", &base),
+            Gesture::Region { pin, .. } => {
+                let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
+                self.document.end_series();
+                self.set_region(pin, region);
+                self.document.end_series();
+            }
+        }
+    }
+
+    /// The gesture is given up.
+    pub fn cancel(&mut self) {
+        match std::mem::replace(&mut self.gesture, Gesture::Idle) {
+            Gesture::Idle => self.selection.clear(),
+            _ if self.dragged.is_some() => self.let_go(),
+            _ => {}
+        }
+    }
+
+    /// The pen is down and does something.
+    #[must_use]
+    pub const fn is_dragging(&self) -> bool {
+        !matches!(self.gesture, Gesture::Idle | Gesture::Placing { is_up: true, .. })
+    }
+
+    /// Opposite corners of the box that is being drawn.
+    #[must_use]
+    pub const fn choosing_box(&self) -> Option<[ScreenPoint; 2]> {
+        if let Gesture::Box { from, to } = self.gesture { Some([from, to]) } else { None }
+    }
+
+    /// Moves what is chosen by this much, frame heights.
+    pub fn nudge(&mut self, by: DVec2) {
+        let base = self.document.shot().clone();
+        match self.dragged_shot(&base, Move::By(by)) {
+            Err(error) => self.say(error.to_string()),
+            Ok(shot) => {
+                self.dragged = Some(Arc::new(shot));
+                self.commit_series("Nudge", &base, Some("nudge"));
+            }
+        }
+    }
+
+    /// The shot with the chosen pins and handles changed.
+    fn dragged_shot(&self, base: &Shot, change: Move) -> Result<Shot, EditError> {
+        let (mut shot, frame) = (base.clone(), self.playhead.frame());
+        for &at in &self.selection.pins {
+            let time = key_time(&base.frames, &base.layers[at[0]], frame);
+            let keys = moved(base, at, (time, self.auto_key), change, self.box_size(at[0]))?;
+            shot.layers[at[0]].pins[at[1]].keys = keys;
+        }
+        let Move::By(by) = change else { return Ok(shot) };
+        for &(layer, index) in &self.selection.handles {
+            let owner = &base.layers[layer];
+            let (Some(size), LayerSpace::Screen { .. }) = (self.box_size(layer), owner.space) else { continue };
+            let place = owner.handles.iter().position(|track| track.index == index);
+            let time = key_time(&base.frames, owner, frame);
+            // What its keys say there, without strength.
+            let said = place.map(|place| {
+                let mut plain = owner.clone();
+                (plain.strength, plain.step) = (1.0, 1);
+                plain.pin_path(&base.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place])
+            });
+            let by = by / size / if owner.strength == 0.0 { 1.0 } else { owner.strength };
+            let track = place.map(|place| &owner.handles[place]);
+            let first = f64::from(base.frames.first);
+            let keys = handle_moved(track, (time, first), [by.x, by.y, 0.0], said.unwrap_or_default());
+            let handles = &mut shot.layers[layer].handles;
+            match place {
+                Some(place) => handles[place].keys = keys,
+                None => handles.push(HandleTrack { index, keys }),
+            }
+        }
+        Ok(shot)
+    }
+
+    fn show_dragged(&mut self, shot: Result<Shot, EditError>) {
+        match shot {
+            Err(error) => {
+                self.gesture = Gesture::Idle;
+                self.say(error.to_string());
+            }
+            Ok(shot) => {
+                if self.dragged.is_none() {
+                    self.revision += 1;
+                }
+                self.dragged = Some(Arc::new(shot));
+                let layers = self.selection.layers();
+                self.refresh(Purpose::Drag(layers));
+            }
+        }
+    }
+
+    fn commit(&mut self, what: &str, base: &Shot) {
+        self.document.end_series();
+        self.commit_series(what, base, None);
+    }
+
+    /// Writes what was dragged into the document.
+    fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
+        let Some(shot) = self.dragged.clone() else { return };
+        let mut keys: Vec<([usize; 2], Vec<PinKey>)> = Vec::new();
+        for &[layer, pin] in &self.selection.pins {
+            let new = &shot.layers[layer].pins[pin].keys;
+            if *new != base.layers[layer].pins[pin].keys {
+                keys.push(([layer, pin], new.clone()));
+            }
+        }
+        let mut text = Ok(self.document.text().to_owned());
+        for &(layer, index) in &self.selection.handles {
+            let owner = &shot.layers[layer];
+            let Some(track) = owner.handles.iter().find(|track| track.index == index) else { continue };
+            let axes = if matches!(owner.space, LayerSpace::Screen { .. }) { 2 } else { 3 };
+            text = text.and_then(|text| put_handle(&text, &owner.name, &index[..axes], &track.keys));
+        }
+        let things = match (keys.len(), self.selection.handles.len()) {
+            (1, 0) => "pin",
+            (_, 0) => "pins",
+            (0, _) => "handles",
+            _ => "pins and handles",
+        };
+        let label = format!("{what} {things}");
+        if self.selection.handles.is_empty() {
+            self.write_keys(&label, &keys, series);
+        } else {
+            for (at, keys) in &keys {
+                let Some((layer, pin)) = self.names_of(*at) else { continue };
+                let name = crate::shot::edit::PinName { layer: &layer, pin: &pin };
+                text = text.and_then(|text| crate::shot::edit::put_keys(&text, name, keys));
+            }
+            self.change(&label, text, series);
+        }
+    }
+
+    /// The target of the only chosen pin.
+    #[must_use]
+    pub fn ring_center(&self) -> Option<ScreenPoint> {
+        let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
+        let marks = self.marks_of(layer)?;
+        marks.pins.iter().find(|mark| mark.pin == pin).map(|mark| mark.target)
+    }
+
+    /// The nearest pin, and where it rests.
+    #[must_use]
+    pub fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
+        let marks = self.marks();
+        let pins = marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| (marks.layer, pin)));
+        let near = pins.map(|(layer, pin)| ((pin.target - at).0.length(), [layer, pin.pin], pin.rest));
+        let nearest = near.filter(|(far, ..)| *far <= reach).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, pin, rest)| (pin, rest))
+    }
+
+    /// The nearest handle that is seen.
+    #[must_use]
+    pub fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
+        if !self.shown.handles || self.shown.is_hidden {
+            return None;
+        }
+        let mut found: Option<(f64, (usize, [usize; 3]))> = None;
+        for marks in self.marks() {
+            let Some(layer) = self.document.shot().layers.get(marks.layer) else { continue };
+            let [columns, rows, _] = layer.space.dims();
+            for (number, handle) in marks.handles.iter().enumerate() {
+                let far = handle.map_or(f64::INFINITY, |handle| (handle - at).0.length());
+                if far <= reach && found.is_none_or(|(nearest, _)| far < nearest) {
+                    let index = [number % columns, number / columns % rows, number / columns / rows];
+                    found = Some((far, (marks.layer, index)));
+                }
+            }
+        }
+        found.map(|(_, handle)| handle)
+    }
+
+    fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
+        let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;
+        let marks = self.marks();
+        let pins = marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| ([marks.layer, pin.pin], pin.target)));
+        let chosen: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
+        self.selection.pins.extend(chosen);
+    }
+
+    /// What is drawn over the frame that is seen.
+    #[must_use]
+    pub fn marks(&self) -> &[LayerMarks] {
+        self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)
+    }
+
+    fn marks_of(&self, layer: usize) -> Option<&LayerMarks> {
+        self.marks().iter().find(|marks| marks.layer == layer)
+    }
+
+    fn box_size(&self, layer: usize) -> Option<DVec2> {
+        Some(self.marks_of(layer)?.rest_box?.size())
+    }
+}

@@ -1,0 +1,146 @@
+//! A render of the sequence, as `pinwarp render` does it, while the editor goes on.
+//!
+//! In: a shot. Out: frames on disk, progress, a log.
+
+use super::Session;
+use crate::image::Existing;
+use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
+use crate::raster::DeviceChoice;
+use crate::shot::Shot;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+
+/// A render that runs or ran.
+#[derive(Debug)]
+pub struct RenderRun {
+    events: Receiver<Told>,
+    cancel: Arc<AtomicBool>,
+    /// Frames that are asked for.
+    pub frames: usize,
+    /// Frames that were tried.
+    pub done: usize,
+    /// What it said, in words.
+    pub log: Vec<String>,
+    /// Where it is.
+    pub state: RunState,
+    /// Frames that are finished, in order.
+    pub files: Vec<std::path::PathBuf>,
+}
+
+/// Where a render is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RunState {
+    /// It runs.
+    Running,
+    /// All frames were tried, or it was cancelled; in words.
+    Ended(String),
+}
+
+enum Told {
+    Event(Box<Event>),
+    Failed(String),
+}
+
+impl Session {
+    /// Renders the range that is played, or the whole shot; frames that are there are kept where they hold the same.
+    pub fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
+        let frames: Vec<i32> = match self.playhead.has_range() {
+            true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
+            false => Vec::new(),
+        };
+        self.run = Some(RenderRun::start(self.document.shot().clone(), (frames, device), wake));
+    }
+
+    /// The render that runs or ran last.
+    #[must_use]
+    pub const fn run(&self) -> Option<&RenderRun> {
+        self.run.as_ref()
+    }
+
+    /// Ends the render after the frames in flight.
+    pub fn cancel_render(&self) {
+        if let Some(run) = &self.run {
+            run.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// The log was read.
+    pub fn close_render(&mut self) {
+        if self.run.as_ref().is_some_and(|run| run.state != RunState::Running) {
+            self.run = None;
+        }
+    }
+}
+
+impl RenderRun {
+    fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let (tell, events) = channel();
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (count, own_cancel) = (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
+        let work = move || {
+            let told = |what: Told| {
+                if tell.send(what).is_ok() {
+                    wake();
+                }
+            };
+            let options =
+                RenderOptions { frames, device, existing: Existing::Resume, has_preview: true, ..RenderOptions::default() };
+            let outcome = PreparedShot::new(shot).and_then(|prepared| {
+                render(&prepared, &options, &own_cancel, &|event| told(Told::Event(Box::new(event))))
+            });
+            if let Err(error) = outcome {
+                told(Told::Failed(error.to_string()));
+            }
+        };
+        let mut log = Vec::new();
+        let mut state = RunState::Running;
+        if let Err(error) = std::thread::Builder::new().name("edit: render".into()).spawn(work) {
+            log.push(format!("no thread can be started: {error}"));
+            state = RunState::Ended("Nothing was rendered.".into());
+        }
+        Self { events, cancel, frames: count, done: 0, log, state, files: Vec::new() }
+    }
+
+    /// Takes what it has to say.
+    pub(super) fn pump(&mut self) -> bool {
+        let told: Vec<Told> = self.events.try_iter().collect();
+        let is_any = !told.is_empty();
+        for told in told {
+            match told {
+                Told::Event(event) => self.take(*event),
+                Told::Failed(text) => {
+                    self.log.push(text);
+                    self.state = RunState::Ended("Nothing was rendered.".into());
+                }
+            }
+        }
+        is_any
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Started { device, frames, .. } => {
+                self.frames = frames;
+                self.log.push(format!("{device} draws {frames} frames"));
+            }
+            Event::Note { text } => self.log.push(text),
+            Event::FrameRedone(_) => {}
+            Event::FrameDone(report) => {
+                self.done += 1;
+                self.log.extend(report.warnings.iter().map(|text| format!("frame {}: {text}", report.frame)));
+                self.log.push(format!("frame {}: {}", report.frame, report.path.display()));
+                self.files.push(report.path);
+            }
+            Event::FrameFailed { frame, error } => {
+                self.done += 1;
+                self.log.push(format!("frame {frame}: {error}"));
+            }
+            Event::Finished(Summary { rendered, failed, is_cancelled, wall_secs, .. }) => {
+                let end = if is_cancelled { "Cancelled" } else { "Done" };
+                let failed = if failed == 0 { String::new() } else { format!(", {failed} failed") };
+                self.state = RunState::Ended(format!("{end}: {rendered} frames in {wall_secs:.1} s{failed}"));
+            }
+        }
+    }
+}

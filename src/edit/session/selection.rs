@@ -1,0 +1,69 @@
+//! What is chosen: pins, handles and keys.
+//!
+//! In: what the person clicks. Out: sets of indices into the shot.
+
+use crate::shot::Shot;
+use std::collections::BTreeSet;
+
+/// Chosen pins, handles and keys.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// The layer that new things go to, and whose settings are seen.
+    pub layer: usize,
+    /// Layer and pin.
+    pub pins: BTreeSet<[usize; 2]>,
+    /// Layer, and column, row and layer of the handle.
+    pub handles: BTreeSet<(usize, [usize; 3])>,
+    /// Layer and pin, and the times of their keys.
+    pub keys: Vec<([usize; 2], f64)>,
+}
+
+impl Selection {
+    /// One pin and nothing else.
+    pub fn only_pin(&mut self, at: [usize; 2]) {
+        *self = Self { layer: at[0], pins: BTreeSet::from([at]), ..Self::default() };
+    }
+
+    /// Nothing; the layer stays.
+    pub fn clear(&mut self) {
+        *self = Self { layer: self.layer, ..Self::default() };
+    }
+
+    /// The one chosen pin; `None`: there are none, or several.
+    #[must_use]
+    pub fn single_pin(&self) -> Option<[usize; 2]> {
+        if self.pins.len() == 1 { self.pins.first().copied() } else { None }
+    }
+
+    /// Layers of which something is chosen.
+    #[must_use]
+    pub fn layers(&self) -> Vec<usize> {
+        let of_pins = self.pins.iter().map(|[layer, _]| *layer);
+        let all: BTreeSet<usize> = of_pins.chain(self.handles.iter().map(|(layer, _)| *layer)).collect();
+        all.into_iter().collect()
+    }
+
+    /// Lets go of what the shot does not have any more.
+    pub fn retain(&mut self, shot: &Shot) {
+        let pin = |[layer, pin]: [usize; 2]| shot.layers.get(layer).and_then(|layer| layer.pins.get(pin));
+        self.layer = self.layer.min(shot.layers.len().saturating_sub(1));
+        self.pins.retain(|&at| pin(at).is_some());
+        self.keys.retain(|(at, time)| pin(*at).is_some_and(|pin| pin.keys.iter().any(|key| key.frame == *time)));
+        self.handles.retain(|(layer, index)| {
+            let dims = shot.layers.get(*layer).map(|layer| layer.space.dims());
+            dims.is_some_and(|dims| (0..3).all(|axis| index[axis] < dims[axis]))
+        });
+    }
+
+    /// Whether a key is chosen.
+    #[must_use]
+    pub fn has_key(&self, at: [usize; 2], time: f64) -> bool {
+        self.keys.iter().any(|(other, when)| *other == at && *when == time)
+    }
+
+    /// Times of the chosen keys of a pin.
+    #[must_use]
+    pub fn times_of(&self, at: [usize; 2]) -> Vec<f64> {
+        self.keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()
+    }
+}

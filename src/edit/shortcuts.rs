@@ -1,0 +1,210 @@
+//! Every action of the editor that has a key, one table for menus, the list in the app, the file of own keys, and the window.
+//!
+//! In: a JSON file `{"undo": "Ctrl+Z"}`. Out: chords by action. Names of keys are those of the list.
+
+use super::EditError;
+use crate::files::{TABLE_BYTES, read_text};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Keys held together.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chord {
+    /// Ctrl, on a Mac Cmd.
+    pub command: bool,
+    /// Shift.
+    pub shift: bool,
+    /// Alt.
+    pub alt: bool,
+    /// The key's name, "Z" or "Space".
+    pub key: String,
+}
+
+impl Chord {
+    /// Reads "Ctrl+Shift+Z".
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let mut chord = Self::default();
+        let mut parts: Vec<&str> = text.split('+').map(str::trim).collect();
+        chord.key = parts.pop().filter(|key| !key.is_empty())?.to_owned();
+        for part in parts {
+            match part.to_lowercase().as_str() {
+                "ctrl" | "cmd" => chord.command = true,
+                "shift" => chord.shift = true,
+                "alt" => chord.alt = true,
+                _ => return None,
+            }
+        }
+        Some(chord)
+    }
+}
+
+impl std::fmt::Display for Chord {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (held, name) in [(self.command, "Ctrl+"), (self.shift, "Shift+"), (self.alt, "Alt+")] {
+            if held {
+                out.write_str(name)?;
+            }
+        }
+        out.write_str(&self.key)
+    }
+}
+
+/// Declares the actions: name in the code, in files, for people, and the usual key.
+macro_rules! actions {
+    ($($action:ident $id:literal $group:literal $words:literal $chord:literal,)*) => {
+        /// Something a key does.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Action {
+            $(#[doc = $words] $action,)*
+        }
+
+        impl Action {
+            /// All of them, in the order of the list.
+            pub const ALL: &[Self] = &[$(Self::$action,)*];
+
+            /// In files.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$action => $id,)* }
+            }
+
+            /// What belongs together.
+            #[must_use]
+            pub const fn group(self) -> &'static str {
+                match self { $(Self::$action => $group,)* }
+            }
+
+            /// For people.
+            #[must_use]
+            pub const fn words(self) -> &'static str {
+                match self { $(Self::$action => $words,)* }
+            }
+
+            const fn usual(self) -> &'static str {
+                match self { $(Self::$action => $chord,)* }
+            }
+        }
+    };
+}
+
+actions! {
+    Open "open" "File" "Open" "Ctrl+O",
+    Save "save" "File" "Save" "Ctrl+S",
+    SaveAs "save_as" "File" "Save as" "Ctrl+Shift+S",
+    Render "render" "File" "Render" "Ctrl+R",
+    Quit "quit" "File" "Quit" "Ctrl+Q",
+    Undo "undo" "Edit" "Undo" "Ctrl+Z",
+    Redo "redo" "Edit" "Redo" "Ctrl+Shift+Z",
+    Copy "copy" "Edit" "Copy keys" "Ctrl+C",
+    Paste "paste" "Edit" "Paste keys" "Ctrl+V",
+    Delete "delete" "Edit" "Delete keys or pins" "Delete",
+    All "all" "Edit" "Choose all pins" "Ctrl+A",
+    Play "play" "Time" "Play or stop" "Space",
+    Back "back" "Time" "Frame back" "Comma",
+    Forward "forward" "Time" "Frame forward" "Period",
+    KeyBack "key_back" "Time" "Last key" "Shift+Comma",
+    KeyForward "key_forward" "Time" "Next key" "Shift+Period",
+    First "first" "Time" "First frame" "Home",
+    Last "last" "Time" "Last frame" "End",
+    Key "key" "Time" "Insert key" "K",
+    RangeIn "range_in" "Time" "Play from here" "I",
+    RangeOut "range_out" "Time" "Play to here" "O",
+    Fit "fit" "View" "Fit the picture" "F",
+    OneToOne "one_to_one" "View" "One to one" "1",
+    ZoomIn "zoom_in" "View" "Zoom in" "Plus",
+    ZoomOut "zoom_out" "View" "Zoom out" "Minus",
+    Lattice "lattice" "View" "Lattice" "G",
+    Handles "handles" "View" "Handles" "L",
+    Pins "pins" "View" "Pins" "P",
+    Distortion "distortion" "View" "Distortion" "D",
+    Trails "trails" "View" "Motion trails" "T",
+    Onion "onion" "View" "Onion skin" "N",
+    SafeAreas "safe_areas" "View" "Safe areas" "A",
+    Wipe "wipe" "View" "Wipe before and after" "W",
+    Hide "hide" "Hold" "Hide everything over the picture" "H",
+    Before "before" "Hold" "Show the frame without the warp" "B",
+    Region "region" "Hold" "Drag a pin's region" "R",
+    Keys "keys" "Help" "List of keys" "F1",
+}
+
+/// Chords by action.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shortcuts(BTreeMap<Action, Chord>);
+
+impl Default for Shortcuts {
+    fn default() -> Self {
+        let usual = |action: &Action| Some((*action, Chord::parse(action.usual())?));
+        Self(Action::ALL.iter().filter_map(usual).collect())
+    }
+}
+
+impl Shortcuts {
+    /// The usual ones, but for those that a file names. Without a file, the usual ones.
+    ///
+    /// # Errors
+    /// [`EditError`] where the file cannot be read, names no action, or a chord that is none or is taken.
+    pub fn read(path: &Path) -> Result<Self, EditError> {
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let text = read_text(path, TABLE_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
+        Self::default().with(&text).map_err(|(what, hint)| EditError::Unusable {
+            what: format!("{}: {what}", path.display()),
+            hint,
+        })
+    }
+
+    /// With what a text names.
+    fn with(mut self, text: &str) -> Result<Self, (String, String)> {
+        let own: BTreeMap<String, String> = serde_json::from_str(text)
+            .map_err(|error| (error.to_string(), "write {\"undo\": \"Ctrl+Z\"}".to_owned()))?;
+        for (id, chord) in own {
+            let action = Action::ALL.iter().find(|action| action.id() == id).ok_or_else(|| {
+                let ids = Action::ALL.iter().map(|action| action.id());
+                (format!("there is no action '{id}'"), crate::spelling::hint(&id, ids))
+            })?;
+            let hint = || "write it like Ctrl+Shift+Z, F1 or Space".to_owned();
+            let chord = Chord::parse(&chord).ok_or_else(|| (format!("'{chord}' is no key"), hint()))?;
+            self.0.insert(*action, chord);
+        }
+        for (place, (action, chord)) in self.0.iter().enumerate() {
+            if let Some((other, _)) = self.0.iter().skip(place + 1).find(|(_, other)| *other == chord) {
+                let what = format!("{chord} stands for both '{}' and '{}'", action.id(), other.id());
+                return Err((what, "give one of them another key".into()));
+            }
+        }
+        Ok(self)
+    }
+
+    /// The chord of an action.
+    #[must_use]
+    pub fn of(&self, action: Action) -> Option<&Chord> {
+        self.0.get(&action)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_action_has_a_key_of_its_own() {
+        let usual = Shortcuts::default().with("{}").expect("the usual ones do not clash");
+        assert_eq!(usual.0.len(), Action::ALL.len());
+        for (_, chord) in &usual.0 {
+            assert_eq!(Chord::parse(&chord.to_string()).as_ref(), Some(chord));
+        }
+    }
+
+    #[test]
+    fn a_file_binds_keys_anew_and_its_faults_are_told() {
+        let own = Shortcuts::default().with("{\"undo\": \"Alt+U\"}").expect("free");
+        assert_eq!(own.of(Action::Undo).map(ToString::to_string).as_deref(), Some("Alt+U"));
+        let fault = |text: &str| Shortcuts::default().with(text).expect_err(text).0;
+        assert!(fault("{\"undoo\": \"U\"}").contains("no action 'undoo'"));
+        assert!(fault("{\"undo\": \"Hyper+U\"}").contains("'Hyper+U' is no key"));
+        assert!(fault("{\"undo\": \"Ctrl+S\"}").contains("both 'save' and 'undo'"));
+        assert!(fault("[]").contains("expected"));
+    }
+}

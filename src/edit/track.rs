@@ -1,0 +1,219 @@
+//! Keys of one pin or handle: what a drag, a nudge or the timeline makes of them.
+//!
+//! In: keys, a time, a change. Out: keys, frames strictly increasing, never none.
+
+use super::EditError;
+use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
+use crate::space::{ScreenPoint, ScreenVector};
+use glam::DVec2;
+
+/// What becomes of keys at other times when a pin is moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AutoKey {
+    /// The pin gets a key at this time.
+    #[default]
+    On,
+    /// All its keys move alike.
+    Off,
+}
+
+/// What a gesture does to a pin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Move {
+    /// Its target, frame heights.
+    By(DVec2),
+    /// Its rotation, degrees counter-clockwise.
+    Turn(f64),
+    /// Its scale, a factor.
+    Grow(f64),
+}
+
+/// The time at which a layer's keys are set so that a frame shows them: layers on twos read theirs where the drawing began.
+#[must_use]
+pub fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) -> f64 {
+    let step = i32::try_from(layer.step).unwrap_or(1).max(1);
+    f64::from(frames.first + (frame - frames.first).div_euclid(step) * step)
+}
+
+/// What the keys of a pin say at a time, as a key there would say it.
+#[must_use]
+pub fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey> {
+    let own = shot.layers.get(layer)?.pins.get(pin)?;
+    if let Some(key) = own.keys.iter().find(|key| key.frame == time) {
+        return Some(*key);
+    }
+    // Without strength, which is applied to what keys say.
+    let mut plain = shot.layers[layer].clone();
+    (plain.strength, plain.step) = (1.0, 1);
+    let targets = plain.pin_path(&shot.frames, time);
+    let target = targets.last()?.pins.get(pin)?;
+    let before = own.keys.iter().rev().find(|key| key.frame < time).or(own.keys.first());
+    let rotate_degrees = target.rotation.map(|rotation| match rotation {
+        Rotation::InView(angle) => Rotation::InView(angle.to_degrees()),
+        Rotation::Axes(angles) => Rotation::Axes(angles.map(f64::to_degrees)),
+    });
+    let ease = before.map_or(Ease::Smooth, |key| key.ease);
+    Some(PinKey { frame: time, goal: target.goal, rotate_degrees, scale: target.log_scale.map(f64::exp), ease })
+}
+
+/// The keys of a pin after a gesture at a time. `box_size`: of the layer's lattice, frame heights, where it is known.
+///
+/// # Errors
+/// [`EditError::Unusable`] where the pin is keyed in the scene.
+pub fn moved(
+    shot: &Shot,
+    at: [usize; 2],
+    (time, auto): (f64, AutoKey),
+    change: Move,
+    box_size: Option<DVec2>,
+) -> Result<Vec<PinKey>, EditError> {
+    let (layer, pin) = (&shot.layers[at[0]], &shot.layers[at[0]].pins[at[1]]);
+    let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
+    let unit = match pin.unit {
+        OffsetUnit::Frame => DVec2::ONE,
+        OffsetUnit::Box => box_size.unwrap_or(DVec2::ONE),
+    };
+    let change_key = |key: &PinKey| changed(key, change, strength, unit).ok_or_else(|| in_scene(pin));
+    if auto == AutoKey::Off {
+        return pin.keys.iter().map(change_key).collect();
+    }
+    let Some(key) = key_at(shot, at, time) else { return Ok(pin.keys.clone()) };
+    Ok(with_key(&pin.keys, change_key(&key)?))
+}
+
+fn in_scene(pin: &Pin) -> EditError {
+    EditError::Unusable {
+        what: format!("pin '{}' has keys in the scene, in metres", pin.name),
+        hint: "type its numbers into the shot file, or give it keys of two numbers".into(),
+    }
+}
+
+fn changed(key: &PinKey, change: Move, strength: f64, unit: DVec2) -> Option<PinKey> {
+    let mut key = *key;
+    match change {
+        Move::By(by) => {
+            key.goal = match key.goal {
+                Goal::Offset(ScreenVector(offset)) => Goal::Offset(ScreenVector(rounded(offset + by / unit / strength))),
+                Goal::Target(ScreenPoint(target)) => Goal::Target(ScreenPoint(rounded(target + by / strength))),
+                Goal::SceneOffset(_) | Goal::SceneTarget(_) => return None,
+            }
+        }
+        Move::Turn(degrees) => {
+            let old = match key.rotate_degrees {
+                None => 0.0,
+                Some(Rotation::InView(angle)) => angle,
+                Some(Rotation::Axes(_)) => return None,
+            };
+            key.rotate_degrees = Some(Rotation::InView(round(old + degrees / strength, 1e3)));
+        }
+        Move::Grow(factor) => {
+            let log_scale = key.scale.unwrap_or(1.0).ln() + factor.ln() / strength;
+            key.scale = Some(round(log_scale.exp().clamp(0.01, 100.0), 1e4));
+        }
+    }
+    Some(key)
+}
+
+/// Far below a pixel, and free of binary noise in the file.
+fn rounded(vector: DVec2) -> DVec2 {
+    DVec2::new(round(vector.x, 1e6), round(vector.y, 1e6))
+}
+
+fn round(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts
+}
+
+/// Keys with one more, or with that one in place of another at its time.
+#[must_use]
+pub fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
+    let mut keys: Vec<PinKey> = keys.iter().filter(|other| other.frame != key.frame).copied().collect();
+    let place = keys.partition_point(|other| other.frame < key.frame);
+    keys.insert(place, key);
+    keys
+}
+
+/// Keys without those at some times; the last one stays.
+#[must_use]
+pub fn without_keys(keys: &[PinKey], times: &[f64]) -> Vec<PinKey> {
+    let kept: Vec<PinKey> = keys.iter().filter(|key| !times.contains(&key.frame)).copied().collect();
+    if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
+}
+
+/// Keys at some times go so many frames on; those that they land on go.
+#[must_use]
+pub fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<PinKey> {
+    let is_moved = |key: &&PinKey| times.contains(&key.frame);
+    let moved: Vec<PinKey> =
+        keys.iter().filter(is_moved).map(|key| PinKey { frame: key.frame + by, ..*key }).collect();
+    let rest: Vec<PinKey> = keys.iter().filter(|key| !is_moved(key)).copied().collect();
+    moved.into_iter().fold(rest, |keys, key| with_key(&keys, key))
+}
+
+/// Keys at some times leave with that ease.
+#[must_use]
+pub fn eased(keys: &[PinKey], times: &[f64], ease: Ease) -> Vec<PinKey> {
+    let ease = |key: &PinKey| if times.contains(&key.frame) { PinKey { ease, ..*key } } else { *key };
+    keys.iter().map(ease).collect()
+}
+
+/// The keys of a handle after it was dragged at a time; `by` in sizes of the lattice's box.
+#[must_use]
+pub fn handle_moved(track: Option<&HandleTrack>, (time, first): (f64, f64), by: [f64; 3], value: [f64; 3]) -> Vec<HandleKey> {
+    let resting = HandleKey { frame: first, offset: [0.0; 3], ease: Ease::Smooth };
+    let mut keys = track.map_or_else(|| vec![resting], |track| track.keys.clone());
+    let offset = std::array::from_fn(|axis| round(value[axis] + by[axis], 1e6));
+    let ease = keys.iter().rev().find(|key| key.frame <= time).map_or(Ease::Smooth, |key| key.ease);
+    keys.retain(|key| key.frame != time);
+    let place = keys.partition_point(|key| key.frame < time);
+    keys.insert(place, HandleKey { frame: time, offset, ease });
+    keys
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn shot(more: &str) -> Shot {
+        let text = format!(
+            "scene = 'a.glb'\nframes = {{ first = 1, last = 24 }}\n[[layer]]\n{more}\n[[layer.pin]]\nname = 'p'\n\
+             anchor = {{ screen = [0.5, 0.5], frame = 1 }}\nkeys = [ {{ frame = 1, offset = [0, 0] }}, {{ frame = 11, offset = [1, 0], rotate = 20 }} ]"
+        );
+        Shot::parse(&text, Path::new("a.toml")).expect("a shot")
+    }
+
+    fn offset(key: &PinKey) -> DVec2 {
+        let Goal::Offset(offset) = key.goal else { panic!("{key:?}") };
+        offset.0
+    }
+
+    #[test]
+    fn a_drag_keys_this_time_and_lands_under_the_pointer() {
+        let shot = shot("strength = 0.5");
+        let by = Move::By(DVec2::new(0.1, 0.2));
+        let keys = moved(&shot, [0, 0], (6.0, AutoKey::On), by, None).expect("screen keys");
+        assert_eq!(keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 6.0, 11.0]);
+        // Halfway along the keys, and half of what is said is done.
+        assert_eq!((offset(&keys[1]), keys[1].rotate_degrees), (DVec2::new(0.7, 0.4), Some(Rotation::InView(10.0))));
+        let keys = moved(&shot, [0, 0], (6.0, AutoKey::Off), by, None).expect("screen keys");
+        assert_eq!(keys.iter().map(offset).collect::<Vec<_>>(), [DVec2::new(0.2, 0.4), DVec2::new(1.2, 0.4)]);
+    }
+
+    #[test]
+    fn layers_on_twos_are_keyed_where_the_drawing_began() {
+        let shot = shot("step = 2");
+        let layer = &shot.layers[0];
+        assert_eq!([7, 8, 9].map(|frame| key_time(&shot.frames, layer, frame)), [7.0, 7.0, 9.0]);
+    }
+
+    #[test]
+    fn keys_are_moved_eased_and_removed_in_order() {
+        let keys = &shot("").layers[0].pins[0].keys;
+        let times = |keys: &[PinKey]| keys.iter().map(|key| key.frame).collect::<Vec<_>>();
+        assert_eq!(times(&shifted(keys, &[1.0], 20.0)), [11.0, 21.0]);
+        assert_eq!(times(&shifted(keys, &[1.0], 10.0)), [11.0], "it takes the place of what it lands on");
+        assert_eq!((times(&without_keys(keys, &[11.0])), times(&without_keys(keys, &[1.0, 11.0]))), (vec![1.0], vec![1.0]));
+        let eased = eased(keys, &[1.0], Ease::Hold);
+        assert_eq!([eased[0].ease, eased[1].ease], [Ease::Hold, Ease::Linear]);
+    }
+}

@@ -1,0 +1,60 @@
+//! The solve of layers whose keys follow the pointer: what does not depend on where pins go is done once a drag.
+//!
+//! In: a prepared shot and the frame, then keys again and again. Out: the frame's [`TimeSample`], those layers solved.
+
+use crate::pipeline::{LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample};
+use crate::shot::LayerSpace;
+use crate::solve::Cancel;
+
+/// A frame with layers under the hand.
+pub(super) struct DragSolve {
+    frame: i32,
+    layers: Vec<usize>,
+    sample: TimeSample,
+    /// One a layer of `layers`; `None`: it lies in the scene or out of sight.
+    solvers: Vec<Option<LayerSolver>>,
+    /// Pins of the layers: a solver holds these.
+    pins: Vec<usize>,
+}
+
+impl DragSolve {
+    /// Prepares a drag; the shot's keys are those of its beginning.
+    pub(super) fn begin(prepared: &PreparedShot, frame: i32, layers: &[usize]) -> Result<Self, PipelineError> {
+        let sample = prepared.provisional(frame)?;
+        let mut solvers = Vec::new();
+        for &index in layers {
+            let Some(layer) = prepared.shot.layers.get(index) else { continue };
+            let task = LayerTask { index, layer, anchors: prepared.anchors_of(index), weights: &[] };
+            let path = prepared.shot.pin_path(index, prepared.key_frame(layer, sample.frame));
+            solvers.push(prepared.layer_solver(&sample, &task, &path, &Cancel::never())?);
+        }
+        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, pins: pins_of(prepared, layers) })
+    }
+
+    /// Whether it goes on with that drag.
+    pub(super) fn fits(&self, prepared: &PreparedShot, frame: i32, layers: &[usize]) -> bool {
+        self.frame == frame && self.layers == layers && self.pins == pins_of(prepared, layers)
+    }
+
+    /// The frame with the keys that the shot has now.
+    pub(super) fn solve(&mut self, prepared: &PreparedShot) -> Result<&TimeSample, PipelineError> {
+        let is_in_scene = |&index: &usize| matches!(prepared.shot.layers[index].space, LayerSpace::World { .. });
+        if self.layers.iter().any(is_in_scene) {
+            // Lattices of the scene move what all others lie over.
+            self.sample = prepared.provisional(self.frame)?;
+            return Ok(&self.sample);
+        }
+        for (&index, solver) in self.layers.iter().zip(&self.solvers) {
+            let Some(solver) = solver else { continue };
+            let layer = &prepared.shot.layers[index];
+            let path = prepared.shot.pin_path(index, prepared.key_frame(layer, self.sample.frame));
+            self.sample.layers[index] = solver.solve(layer, &path)?;
+        }
+        Ok(&self.sample)
+    }
+}
+
+fn pins_of(prepared: &PreparedShot, layers: &[usize]) -> Vec<usize> {
+    let count = |&layer: &usize| prepared.shot.layers.get(layer).map_or(0, |layer| layer.pins.len() + layer.handles.len());
+    layers.iter().map(count).collect()
+}

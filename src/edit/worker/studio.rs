@@ -1,0 +1,308 @@
+//! What the thread of frames does with its jobs.
+//!
+//! In: an [`Inbox`]. Out: replies through a [`Teller`]. Whatever takes long asks now and then whether there is a newer job.
+
+use super::draft_size::DraftSize;
+use super::drag_solve::DragSolve;
+use super::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
+use crate::edit::picture::{Picture, Quality};
+use crate::pipeline::{
+    JerkMeter, LayerMarks, OpenShot, PipelineError, PreparedShot, Rework, TimeSample, layer_marks, report,
+};
+use crate::raster::{self, DeviceChoice, Raster};
+use crate::shot::{LayerSpace, Shot};
+use crate::space::FrameSize;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
+use std::time::Instant;
+
+/// A picture under the hand has to be there in this time, solve included.
+const DRAG_MS: f64 = 22.0;
+
+/// One of a playing shot.
+const PLAY_MS: f64 = 30.0;
+
+/// The first one of a frame that is looked at.
+const LOOK_MS: f64 = 80.0;
+
+/// Loads, solves and draws.
+pub(super) struct Studio {
+    choice: DeviceChoice,
+    open: Option<OpenShot>,
+    device: Option<Box<dyn Raster + Send>>,
+    drag: Option<DragSolve>,
+    drafts: DraftSize,
+    jerk: JerkMeter,
+    /// The last solve, for questions.
+    seen: Option<Arc<TimeSample>>,
+}
+
+/// What one look into the inbox finds.
+enum Task {
+    Job(Job, u64),
+    Answer(Question),
+    Over,
+}
+
+impl Studio {
+    pub(super) fn new(choice: DeviceChoice) -> Self {
+        let (open, device, drag, seen) = (None, None, None, None);
+        Self { choice, open, device, drag, drafts: DraftSize::default(), jerk: JerkMeter::default(), seen }
+    }
+
+    /// Works until the window goes.
+    pub(super) fn run(mut self, inbox: &Inbox, teller: &Teller) {
+        loop {
+            match next(inbox, &mut self.open) {
+                Task::Over => return,
+                Task::Answer(question) => teller.tell(self.answer(question)),
+                Task::Job(job, serial) => {
+                    let is_stale = || inbox.newest.load(Ordering::Acquire) != serial;
+                    if let Err(error) = self.work(&job, &is_stale, teller)
+                        && !is_stale()
+                    {
+                        teller.tell(Reply::Failed(error.to_string()));
+                    }
+                    if is_stale() {
+                        put_back(inbox, job);
+                    } else {
+                        teller.tell(Reply::Idle);
+                    }
+                }
+            }
+        }
+    }
+
+    fn work(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
+        self.load(job, teller)?;
+        match &job.purpose {
+            Purpose::Drag(layers) => self.drag(job, layers, teller),
+            Purpose::Play => self.play(job, is_stale, teller),
+            Purpose::Look => self.look(job, is_stale, teller),
+        }
+    }
+
+    /// Brings the loaded shot to what the job says.
+    fn load(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+        let shot = wanted_shot(job);
+        let rework = match &mut self.open {
+            Some(open) => open.edit(shot)?,
+            None => {
+                self.open = Some(OpenShot::new(shot)?);
+                Rework::Scene
+            }
+        };
+        if rework >= Rework::Pins {
+            self.drag = None;
+        }
+        if rework > Rework::Nothing {
+            self.seen = None;
+        }
+        let Some(open) = &self.open else { return Ok(()) };
+        if rework == Rework::Scene {
+            self.device = None;
+            if open.prepared().needs_raster() {
+                self.device = Some(raster::open(&self.choice, &open.prepared().scene)?.0);
+            }
+            (self.drafts, self.jerk) = (DraftSize::default(), JerkMeter::default());
+        }
+        if rework >= Rework::Pins {
+            teller.tell(Reply::Loaded(Arc::new(self.facts(open.prepared()))));
+        }
+        Ok(())
+    }
+
+    fn facts(&self, prepared: &PreparedShot) -> Loaded {
+        let with_mesh = prepared.scene.nodes.iter().filter(|node| node.mesh.is_some());
+        Loaded {
+            notes: prepared.notes.clone(),
+            nodes: with_mesh.map(|node| node.name.clone()).collect(),
+            device: self.device.as_ref().map_or_else(|| "CPU".into(), |device| device.name()),
+        }
+    }
+
+    /// Quickly, then as it is rendered; then the frames that will be wanted.
+    fn look(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        self.drag = None;
+        let prepared = open.prepared();
+        let was_settled = prepared.is_settled();
+        let sample = if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
+        self.seen = Some(Arc::clone(&sample));
+        self.tell_solved(job, (&sample, was_settled), teller);
+        let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
+        self.draw(job.frame, job, (&sample, quality), LOOK_MS, teller)?;
+        if is_stale() {
+            return Ok(());
+        }
+        let Some(open) = &self.open else { return Ok(()) };
+        let prepared = open.prepared();
+        if !was_settled {
+            if !prepared.settle(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
+                return Ok(());
+            }
+            teller.tell(Reply::Progress(1.0));
+            let sample = prepared.mid_exposure(job.frame)?;
+            self.seen = Some(Arc::clone(&sample));
+            self.tell_solved(job, (&sample, true), teller);
+        }
+        let Some(open) = &self.open else { return Ok(()) };
+        let drawn = open.prepared().finished(self.device.as_deref_mut(), job.frame, is_stale)?;
+        let Some(frame) = drawn else { return Ok(()) };
+        if job.with_before {
+            self.tell_before(job, teller)?;
+        }
+        teller.tell(Reply::Drawn(Arc::new(Picture::of(&frame, (job.frame, job.revision), Quality::Final))));
+        for &next in &job.next {
+            if is_stale() {
+                return Ok(());
+            }
+            self.play_frame(next, job, teller)?;
+        }
+        Ok(())
+    }
+
+    fn tell_before(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let prepared = open.prepared();
+        let sample = prepared.unsolved_at(prepared.mid_exposure_time(f64::from(job.frame)))?;
+        let drawn = prepared.draft(self.device.as_deref_mut(), &sample, prepared.shot.size)?;
+        let picture = Picture::of(&drawn, (job.frame, job.revision), Quality::Draft);
+        teller.tell(Reply::Before(Arc::new(picture)));
+        Ok(())
+    }
+
+    fn play(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
+        self.play_frame(job.frame, job, teller)?;
+        for &next in &job.next {
+            if is_stale() {
+                return Ok(());
+            }
+            self.play_frame(next, job, teller)?;
+        }
+        Ok(())
+    }
+
+    fn play_frame(&mut self, frame: i32, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let prepared = open.prepared();
+        let is_settled = prepared.is_settled();
+        let sample = if is_settled { prepared.mid_exposure(frame)? } else { Arc::new(prepared.provisional(frame)?) };
+        let own = Job { frame, ..job.clone() };
+        self.tell_solved(&own, (&sample, is_settled), teller);
+        let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
+        self.draw(frame, job, (&sample, quality), PLAY_MS, teller)
+    }
+
+    fn drag(&mut self, job: &Job, layers: &[usize], teller: &Teller) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let prepared = open.prepared();
+        let begun = Instant::now();
+        let drag = match self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers)) {
+            Some(mut drag) => drag.solve(prepared).is_ok().then_some(drag),
+            None => None,
+        };
+        // A rotation that was not held before needs other rows.
+        let mut drag = match drag {
+            Some(drag) => drag,
+            None => DragSolve::begin(prepared, job.frame, layers)?,
+        };
+        let sample = drag.solve(prepared)?.clone();
+        let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
+        let marks = layer_marks(prepared, &sample);
+        self.drag = Some(drag);
+        teller.tell(Reply::Solved(Arc::new(self.solved(job, (&sample, false), marks))));
+        self.draw(job.frame, job, (&sample, Quality::Provisional), (DRAG_MS - solved_ms).max(5.0), teller)
+    }
+
+    fn tell_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), teller: &Teller) {
+        let Some(open) = &self.open else { return };
+        let marks = layer_marks(open.prepared(), sample);
+        let mut solved = self.solved(job, (sample, is_final), marks);
+        if let Some(open) = &self.open {
+            self.jerk.watch(open.prepared(), sample, &mut solved.report);
+        }
+        teller.tell(Reply::Solved(Arc::new(solved)));
+    }
+
+    fn solved(&self, job: &Job, (sample, is_final): (&TimeSample, bool), marks: Vec<LayerMarks>) -> SolvedFrame {
+        let of = |open: &OpenShot| match is_final {
+            true => report(open.prepared(), job.frame, sample),
+            false => Default::default(),
+        };
+        let report = self.open.as_ref().map(of).unwrap_or_default();
+        SolvedFrame { frame: job.frame, revision: job.revision, marks, report, is_final }
+    }
+
+    /// A quick picture.
+    fn draw(
+        &mut self,
+        frame: i32,
+        job: &Job,
+        (sample, quality): (&TimeSample, Quality),
+        longest_ms: f64,
+        teller: &Teller,
+    ) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let full: FrameSize = open.prepared().shot.size;
+        let size = self.drafts.within(full, longest_ms);
+        let begun = Instant::now();
+        let drawn = open.prepared().draft(self.device.as_deref_mut(), sample, size)?;
+        let picture = Picture::of(&drawn, (frame, job.revision), quality);
+        if self.device.is_some() {
+            self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
+        }
+        teller.tell(Reply::Drawn(Arc::new(picture)));
+        Ok(())
+    }
+
+    fn answer(&self, question: Question) -> Reply {
+        let point = self.open.as_ref().zip(self.seen.as_ref());
+        Reply::Picked(question.id, point.and_then(|(open, sample)| open.prepared().pick_warped(sample, question.at)))
+    }
+}
+
+/// The shot of a job; layers of the scene under the hand are solved alone, because the whole range takes too long.
+fn wanted_shot(job: &Job) -> Shot {
+    let mut shot = Shot::clone(&job.shot);
+    if let Purpose::Drag(layers) = &job.purpose {
+        for &index in layers {
+            let Some(layer) = shot.layers.get_mut(index) else { continue };
+            if matches!(layer.space, LayerSpace::World { .. }) {
+                layer.settings.temporal = 0.0;
+            }
+        }
+    }
+    shot
+}
+
+/// A job that a question interrupted goes on after the answer, unless there is another.
+fn put_back(inbox: &Inbox, job: Job) {
+    let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+    if mail.job.is_none() {
+        mail.job = Some(job);
+    }
+}
+
+/// Waits for something to do: questions first, because somebody waits for them with the pen down.
+fn next(inbox: &Inbox, open: &mut Option<OpenShot>) -> Task {
+    let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+    loop {
+        if mail.is_over {
+            return Task::Over;
+        }
+        if std::mem::take(&mut mail.is_stale) {
+            *open = None;
+        }
+        if open.is_some()
+            && let Some(question) = mail.questions.pop_front()
+        {
+            return Task::Answer(question);
+        }
+        let Mail { job, .. } = &mut *mail;
+        if let Some(job) = job.take() {
+            return Task::Job(job, inbox.newest.load(Ordering::Acquire));
+        }
+        mail = inbox.changed.wait(mail).unwrap_or_else(PoisonError::into_inner);
+    }
+}

@@ -1,0 +1,192 @@
+//! A prepared shot that stays loaded while its file is edited.
+//!
+//! In: a shot, again and again. Out: the same [`PreparedShot`] as if it were prepared anew, with as little done again as the edit
+//! asks for: keys cost nothing, pins are tied again, layers are assigned again over the scene that is there.
+
+use super::frame_cache::FrameCache;
+use super::prepare::tie_pins;
+use super::{PipelineError, PreparedShot, auto_dims};
+use crate::pose::pose;
+use crate::raster::ChannelGroup;
+use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Shot};
+use crate::solve::Settings;
+
+/// A shot that is being edited, loaded.
+#[derive(Debug)]
+pub struct OpenShot {
+    /// As it was given: preparing fills in what a shot leaves open.
+    given: Shot,
+    prepared: PreparedShot,
+}
+
+/// How much an edit made to be done again, from little to all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rework {
+    /// Nothing that frames depend on.
+    Nothing,
+    /// Frames only: keys, strengths, samples.
+    Frames,
+    /// Pins were tied to the model again.
+    Pins,
+    /// All but loading the scene.
+    Layers,
+    /// The scene was loaded again.
+    Scene,
+}
+
+impl OpenShot {
+    /// Loads a shot.
+    ///
+    /// # Errors
+    /// As [`PreparedShot::new`].
+    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+        Ok(Self { given: shot.clone(), prepared: PreparedShot::new(colour_only(shot))? })
+    }
+
+    /// The shot, ready for frames. It draws colour only.
+    #[must_use]
+    pub const fn prepared(&self) -> &PreparedShot {
+        &self.prepared
+    }
+
+    /// The shot as it was given last.
+    #[must_use]
+    pub const fn given(&self) -> &Shot {
+        &self.given
+    }
+
+    /// Goes on with an edited shot. Layers that the edit leaves alone keep their trajectories.
+    ///
+    /// # Errors
+    /// As [`PreparedShot::new`]; then everything stays as it was.
+    pub fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
+        let rework = rework(&self.given, &shot);
+        match rework {
+            Rework::Nothing => {}
+            Rework::Frames => self.put_shot(&shot),
+            Rework::Pins => self.tie_again(&shot)?,
+            Rework::Layers => {
+                let gallery = self.prepared.gallery.clone();
+                let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
+                self.prepared = PreparedShot { gallery, ..again };
+            }
+            Rework::Scene => self.prepared = PreparedShot::new(colour_only(shot.clone()))?,
+        }
+        self.given = shot;
+        Ok(rework)
+    }
+
+    /// Reads everything again, whether the shot says something else or not: its files may hold something else.
+    ///
+    /// # Errors
+    /// As [`Self::edit`].
+    pub fn reload(&mut self, shot: Shot) -> Result<(), PipelineError> {
+        *self = Self::new(shot)?;
+        Ok(())
+    }
+
+    /// Another shot for the same scene, layers and pins.
+    fn put_shot(&mut self, shot: &Shot) {
+        let prepared = &mut self.prepared;
+        let mut next = colour_only(shot.clone());
+        if let CameraRule::Own(camera) = &prepared.shot.camera {
+            next.camera = CameraRule::Own(camera.clone());
+        }
+        for (layer, known) in next.layers.iter_mut().zip(&prepared.shot.layers) {
+            // Chosen when the shot was prepared.
+            if layer.has_auto_dims {
+                layer.space = known.space;
+            }
+        }
+        let is_same = |index: usize| self.given.layers.get(index) == shot.layers.get(index);
+        let is_world = |layer: &Layer| matches!(layer.space, LayerSpace::World { .. });
+        // Lattices of the scene move what lies under those of the screen.
+        let is_scene_still = (0..shot.layers.len()).all(|index| is_same(index) || !is_world(&shot.layers[index]));
+        let old = std::mem::take(&mut prepared.cache);
+        let mut cache = FrameCache { world_bounds: old.world_bounds, ..FrameCache::default() };
+        if is_scene_still {
+            cache.screen_bounds = old.screen_bounds;
+        }
+        if is_scene_still && is_time_same(&self.given, shot) {
+            old.trajectories.retain(is_same);
+            old.world_trajectories.retain(is_same);
+            cache.trajectories = old.trajectories;
+            cache.world_trajectories = old.world_trajectories;
+        }
+        (prepared.shot, prepared.cache) = (next, cache);
+    }
+
+    /// The same layers with other pins.
+    fn tie_again(&mut self, shot: &Shot) -> Result<(), PipelineError> {
+        let old_anchors = std::mem::take(&mut self.prepared.layer_inputs.anchors);
+        let old_shot = self.prepared.shot.clone();
+        let old_notes = self.prepared.notes.len();
+        self.put_shot(shot);
+        let prepared = &mut self.prepared;
+        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        if let Err(error) = tie_pins(prepared, &first) {
+            prepared.layer_inputs.anchors = old_anchors;
+            prepared.shot = old_shot;
+            prepared.cache = FrameCache::default();
+            prepared.notes.truncate(old_notes);
+            return Err(error);
+        }
+        auto_dims::choose(prepared);
+        Ok(())
+    }
+}
+
+/// Viewers show colour; all else a frame could hold takes time.
+fn colour_only(mut shot: Shot) -> Shot {
+    shot.output.channels = vec![ChannelGroup::Beauty];
+    shot
+}
+
+/// Whether frames are solved over the same time, and show the same moments.
+fn is_time_same(old: &Shot, new: &Shot) -> bool {
+    old.frames == new.frames && old.solve_range == new.solve_range && old.shutter == new.shutter
+}
+
+/// What has to be done again.
+fn rework(old: &Shot, new: &Shot) -> Rework {
+    let without_lines = |shot: &Shot| Shot { lines: KeyLines::default(), ..shot.clone() };
+    if without_lines(old) == without_lines(new) {
+        return Rework::Nothing;
+    }
+    let has_same_source = old.source == new.source
+        && old.visibility == new.visibility
+        && old.allow_outside == new.allow_outside
+        && old.size == new.size
+        && old.path == new.path;
+    if !has_same_source {
+        return Rework::Scene;
+    }
+    if bones(old) != bones(new) {
+        return Rework::Layers;
+    }
+    let ties = |shot: &Shot| -> Vec<Vec<_>> {
+        let of_layer = |layer: &Layer| layer.pins.iter().map(|pin| (pin.name.clone(), pin.anchor.clone())).collect();
+        shot.layers.iter().map(of_layer).collect()
+    };
+    let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);
+    if ties(old) != ties(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
+}
+
+/// What preparing depends on, pins apart.
+fn bones(shot: &Shot) -> Shot {
+    let mut shot = shot.clone();
+    shot.lines = KeyLines::default();
+    shot.output = crate::shot::Output { channels: Vec::new(), ..shot.output };
+    (shot.samples, shot.shutter.angle, shot.shutter.phase, shot.exposure_stops) = (1, 0.0, 0.0, 0.0);
+    shot.solve_range = [0, 0];
+    for layer in &mut shot.layers {
+        layer.pins.clear();
+        layer.handles.clear();
+        (layer.strength, layer.step) = (1.0, 1);
+        layer.settings = Settings { topology: layer.settings.topology, ..Settings::default() };
+        if let LayerSpace::Screen { dims, .. } = &mut layer.space {
+            *dims = [4, 4];
+        }
+    }
+    shot
+}

@@ -1,0 +1,174 @@
+//! Single values of a shot or a layer, and the order of layers, put into the text of a shot.
+//!
+//! In: text, where, what. Out: the new text; everything else in it stays as it is, comments included.
+
+use super::layer::{replace, sub_table};
+use super::pin::edit_layer;
+use super::text::EditableText;
+use super::{fault, no_tables, tables};
+use crate::shot::ShotError;
+use toml_edit::{Array, ArrayOfTables, Item, Table, TableLike, Value};
+
+/// A value as a shot writes it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Setting {
+    /// What holds where nothing is said: the key goes.
+    Default,
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Whole(i64),
+    /// Words or a path.
+    Text(String),
+    /// Yes or no.
+    Flag(bool),
+    /// Whole numbers in a row.
+    Wholes(Vec<i64>),
+    /// Words in a row.
+    Texts(Vec<String>),
+}
+
+impl Setting {
+    fn value(&self) -> Option<Value> {
+        match self {
+            Self::Default => None,
+            Self::Number(number) => Some((*number).into()),
+            Self::Whole(number) => Some((*number).into()),
+            Self::Text(text) => Some(text.as_str().into()),
+            Self::Flag(flag) => Some((*flag).into()),
+            Self::Wholes(list) => Some(Value::Array(list.iter().copied().collect::<Array>())),
+            Self::Texts(list) => Some(Value::Array(list.iter().map(String::as_str).collect::<Array>())),
+        }
+    }
+}
+
+/// Sets a value of the shot: a key, or a key in a table, `["frames", "last"]`.
+///
+/// ```
+/// use pinwarp::shot::edit::{Setting, put_setting};
+/// let text = "frames = { first = 1, last = 24 } # all\n";
+/// let edited = put_setting(text, &["frames", "last"], &Setting::Whole(48))?;
+/// assert_eq!(edited, "frames = { first = 1, last = 48 } # all\n");
+/// # Ok::<(), pinwarp::shot::ShotError>(())
+/// ```
+///
+/// # Errors
+/// [`ShotError::Edit`] where the text is not TOML, or something that is no table stands in the way.
+pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
+    let name = key.join(".");
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(&name, &what, hint))?;
+    put(text.document.as_table_mut(), key, setting).ok_or_else(|| not_table(&name))?;
+    Ok(text.finish())
+}
+
+/// Sets a value of a layer, as [`put_setting`].
+///
+/// # Errors
+/// As [`put_setting`], and where there is no such layer.
+pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
+    edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
+}
+
+fn not_table(name: &str) -> ShotError {
+    fault(name, "something that is no table stands in the way", "write it as in docs/SHOT.md")
+}
+
+fn put(table: &mut dyn TableLike, key: &[&str], setting: &Setting) -> Option<()> {
+    match (key, setting.value()) {
+        ([key], Some(value)) => replace(table, key, value),
+        ([key], None) => _ = table.remove(key),
+        ([first, ..], None) if !table.contains_key(first) => {}
+        ([first, rest @ ..], _) => put(sub_table(table, first)?, rest, setting)?,
+        ([], _) => {}
+    }
+    Some(())
+}
+
+/// Appends a layer of that name which moves those nodes.
+///
+/// # Errors
+/// [`ShotError::Edit`] where the text is not TOML, or its layers are no list of tables.
+pub fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, ShotError> {
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
+    let layers = text.document.entry("layer").or_insert_with(no_tables);
+    let mut table = Table::new();
+    table.insert("name", toml_edit::value(name));
+    if !nodes.is_empty() {
+        table.insert("nodes", Item::Value(Value::Array(nodes.iter().map(String::as_str).collect::<Array>())));
+    }
+    match layers {
+        Item::ArrayOfTables(layers) => {
+            table.decor_mut().set_prefix("\n");
+            layers.push(table);
+        }
+        Item::Value(Value::Array(layers)) => layers.push(table.into_inline_table()),
+        _ => return Err(not_table("layer")),
+    }
+    Ok(text.finish())
+}
+
+/// Takes a layer out.
+///
+/// # Errors
+/// As [`add_layer`], and where there is no such layer.
+pub fn remove_layer(text: &str, name: &str) -> Result<String, ShotError> {
+    reorder(text, name, |order, at| _ = order.remove(at))
+}
+
+/// Moves a layer to another place; later layers take what they name from those before.
+///
+/// # Errors
+/// As [`remove_layer`].
+pub fn move_layer(text: &str, name: &str, to: usize) -> Result<String, ShotError> {
+    reorder(text, name, |order, at| {
+        let layer = order.remove(at);
+        order.insert(to.min(order.len()), layer);
+    })
+}
+
+fn reorder(text: &str, name: &str, change: impl FnOnce(&mut Vec<usize>, usize)) -> Result<String, ShotError> {
+    let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
+    let layers = text.document.entry("layer").or_insert_with(no_tables);
+    let names: Vec<String> = tables(layers)
+        .ok_or_else(|| not_table("layer"))?
+        .iter()
+        .enumerate()
+        .map(|(index, table)| super::name_of(*table, "layer", index))
+        .collect();
+    let at = names.iter().position(|other| other == name);
+    let at = at.ok_or_else(|| fault(name, "there is no such layer", "reload the file"))?;
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    change(&mut order, at);
+    match layers {
+        Item::ArrayOfTables(layers) => {
+            let mut old: Vec<Table> = layers.iter().cloned().collect();
+            // Tables are written by the place where they stood.
+            let places: Vec<Option<isize>> = old.iter().map(Table::position).collect();
+            let mut new = ArrayOfTables::new();
+            for (place, &from) in order.iter().enumerate() {
+                let mut table = std::mem::take(&mut old[from]);
+                shift(&mut table, places[place]);
+                new.push(table);
+            }
+            *layers = new;
+        }
+        Item::Value(Value::Array(layers)) => {
+            let old: Vec<Value> = layers.iter().cloned().collect();
+            *layers = order.iter().map(|&from| old[from].clone()).collect();
+        }
+        _ => return Err(not_table("layer")),
+    }
+    Ok(text.finish())
+}
+
+/// A table and all below it, written at that place.
+fn shift(table: &mut Table, place: Option<isize>) {
+    table.set_position(place);
+    for (_, item) in table.iter_mut() {
+        match item {
+            Item::Table(table) => shift(table, place),
+            Item::ArrayOfTables(tables) => tables.iter_mut().for_each(|table| shift(table, place)),
+            _ => {}
+        }
+    }
+}
