@@ -107,12 +107,16 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("live", &["image", "lattice", "memory", "pipeline", "plate", "scene", "shot", "solve", "space", "spelling"]),
+    (
+        "edit",
+        &["files", "image", "lattice", "pipeline", "plate", "raster", "scene", "shot", "solve", "space", "spelling"],
+    ),
     ("ofx", &["image", "live", "memory", "plate", "shot", "space", "spelling"]),
     (
         "cli",
         &[
-            "compare", "export", "files", "image", "lattice", "memory", "pipeline", "plate", "pose", "raster", "scene",
-            "screen", "shot", "solve", "space", "spelling",
+            "compare", "edit", "export", "files", "image", "lattice", "memory", "pipeline", "plate", "pose", "raster",
+            "scene", "screen", "shot", "solve", "space", "spelling",
         ],
     ),
 ];
@@ -132,6 +136,8 @@ const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("clap", &["src/cli/"]),
     ("indicatif", &["src/cli/"]),
     ("ctrlc", &["src/cli/"]),
+    ("eframe", &["src/edit/ui/"]),
+    ("egui", &["src/edit/ui/"]),
 ];
 
 fn root() -> PathBuf {

@@ -60,6 +60,12 @@ pub(super) enum Command {
     /// Report everything a render would fail on or warn of, without rendering.
     #[command(after_long_help = "Examples:\n  pinwarp check shot.toml\n  pinwarp check shot.toml --frames 1-48x4")]
     Check(CheckArgs),
+    /// Open a window in which pins are placed and dragged.
+    #[cfg(feature = "editor")]
+    #[command(
+        after_long_help = "Examples:\n  pinwarp edit\n  pinwarp edit character.glb\n  pinwarp edit shot.toml --frame 12 --screenshot editor.png"
+    )]
+    Edit(EditArgs),
     /// Cast a screen point onto the model and print a ready pin.
     #[command(
         after_long_help = "Examples:\n  pinwarp pick shot.toml --at-px 960,540\n  pinwarp pick shot.toml --at 0.9,0.5 --write nose --layer head"
@@ -272,6 +278,32 @@ pub(super) struct PickArgs {
     pub(super) layer: Option<String>,
     #[command(flatten)]
     pub(super) camera: CameraArg,
+    #[command(flatten)]
+    pub(super) outside: OutsideArg,
+}
+
+#[cfg(feature = "editor")]
+#[derive(Debug, clap::Args)]
+pub(super) struct EditArgs {
+    /// A shot (.toml), a scene (.glb, .gltf), a picture, or plates (frame.####.exr); default: the editor offers some.
+    pub(super) file: Option<PathBuf>,
+    /// Frame that is seen; default: the shot's first.
+    #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "screenshot")]
+    pub(super) frame: Option<i32>,
+    /// Draw the editor into a PNG file instead of opening a window; needs no display.
+    #[arg(long, value_name = "PNG", requires = "file")]
+    pub(super) screenshot: Option<PathBuf>,
+    /// Size of the screenshot in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "1440x900")]
+    pub(super) size: [u32; 2],
+    /// The screenshot shows the light theme.
+    #[arg(long, requires = "screenshot")]
+    pub(super) light: bool,
+    /// What draws, as for `pinwarp render`.
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
+    pub(super) device: DeviceChoice,
+    #[command(flatten)]
+    pub(super) overwrite: OverwriteArg,
     #[command(flatten)]
     pub(super) outside: OutsideArg,
 }

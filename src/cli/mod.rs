@@ -15,6 +15,8 @@ mod bake;
 mod check;
 mod compare;
 mod devices;
+#[cfg(feature = "editor")]
+mod edit;
 mod export;
 mod fit;
 mod frames;
@@ -74,6 +76,8 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::New(args) => new::run(&args),
         Command::Pick(args) => pick::run(&args),
+        #[cfg(feature = "editor")]
+        Command::Edit(args) => edit::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Job(args) => job::run(&args),
         Command::Solve(args) => solve::run(&args),

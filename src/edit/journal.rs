@@ -18,7 +18,11 @@ const ENDING: &str = "pinwarp-journal";
 #[serde(rename_all = "snake_case")]
 enum Line {
     /// The file, its text at that time, and the process that edits it.
-    Begin { path: PathBuf, text: String, process: u32 },
+    Begin {
+        path: PathBuf,
+        text: String,
+        process: u32,
+    },
     Do(Command),
     /// Takes the place of the last.
     Join(Option<Command>),
@@ -111,8 +115,10 @@ impl Drop for Journal {
 pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut found: Vec<Unfinished> =
-        paths.filter(|path| path.extension().is_some_and(|ending| ending == ENDING)).filter_map(|path| read(&path)).collect();
+    let mut found: Vec<Unfinished> = paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == ENDING))
+        .filter_map(|path| read(&path))
+        .collect();
     found.sort_by(|a, b| a.journal.cmp(&b.journal));
     found
 }
@@ -186,7 +192,10 @@ mod tests {
         assert_eq!((text.as_str(), unfinished(folder.path()).len()), ("four", 0), "it lives");
         killed(folder.path(), journal);
         let [left] = &unfinished(folder.path())[..] else { panic!("one is left") };
-        assert_eq!((left.text.as_str(), left.begun.as_str(), left.path.as_path()), ("four", "one", Path::new("/shots/a.toml")));
+        assert_eq!(
+            (left.text.as_str(), left.begun.as_str(), left.path.as_path()),
+            ("four", "one", Path::new("/shots/a.toml"))
+        );
         let mut history = left.history.clone();
         let (before, _) = history.undo(&left.text).expect("three and four are one series");
         assert_eq!(before, "two");

@@ -149,10 +149,9 @@ impl Shortcuts {
             return Ok(Self::default());
         }
         let text = read_text(path, TABLE_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
-        Self::default().with(&text).map_err(|(what, hint)| EditError::Unusable {
-            what: format!("{}: {what}", path.display()),
-            hint,
-        })
+        Self::default()
+            .with(&text)
+            .map_err(|(what, hint)| EditError::Unusable { what: format!("{}: {what}", path.display()), hint })
     }
 
     /// With what a text names.

@@ -19,7 +19,7 @@ pub enum AutoKey {
 
 /// What a gesture does to a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Move {
+pub(in crate::edit) enum Move {
     /// Its target, frame heights.
     By(DVec2),
     /// Its rotation, degrees counter-clockwise.
@@ -30,14 +30,14 @@ pub enum Move {
 
 /// The time at which a layer's keys are set so that a frame shows them: layers on twos read theirs where the drawing began.
 #[must_use]
-pub fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) -> f64 {
+pub(in crate::edit) fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) -> f64 {
     let step = i32::try_from(layer.step).unwrap_or(1).max(1);
     f64::from(frames.first + (frame - frames.first).div_euclid(step) * step)
 }
 
 /// What the keys of a pin say at a time, as a key there would say it.
 #[must_use]
-pub fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey> {
+pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey> {
     let own = shot.layers.get(layer)?.pins.get(pin)?;
     if let Some(key) = own.keys.iter().find(|key| key.frame == time) {
         return Some(*key);
@@ -60,7 +60,7 @@ pub fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey
 ///
 /// # Errors
 /// [`EditError::Unusable`] where the pin is keyed in the scene.
-pub fn moved(
+pub(in crate::edit) fn moved(
     shot: &Shot,
     at: [usize; 2],
     (time, auto): (f64, AutoKey),
@@ -93,7 +93,9 @@ fn changed(key: &PinKey, change: Move, strength: f64, unit: DVec2) -> Option<Pin
     match change {
         Move::By(by) => {
             key.goal = match key.goal {
-                Goal::Offset(ScreenVector(offset)) => Goal::Offset(ScreenVector(rounded(offset + by / unit / strength))),
+                Goal::Offset(ScreenVector(offset)) => {
+                    Goal::Offset(ScreenVector(rounded(offset + by / unit / strength)))
+                }
                 Goal::Target(ScreenPoint(target)) => Goal::Target(ScreenPoint(rounded(target + by / strength))),
                 Goal::SceneOffset(_) | Goal::SceneTarget(_) => return None,
             }
@@ -125,7 +127,7 @@ fn round(value: f64, parts: f64) -> f64 {
 
 /// Keys with one more, or with that one in place of another at its time.
 #[must_use]
-pub fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
+pub(in crate::edit) fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
     let mut keys: Vec<PinKey> = keys.iter().filter(|other| other.frame != key.frame).copied().collect();
     let place = keys.partition_point(|other| other.frame < key.frame);
     keys.insert(place, key);
@@ -134,31 +136,35 @@ pub fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
 
 /// Keys without those at some times; the last one stays.
 #[must_use]
-pub fn without_keys(keys: &[PinKey], times: &[f64]) -> Vec<PinKey> {
+pub(in crate::edit) fn without_keys(keys: &[PinKey], times: &[f64]) -> Vec<PinKey> {
     let kept: Vec<PinKey> = keys.iter().filter(|key| !times.contains(&key.frame)).copied().collect();
     if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
 }
 
 /// Keys at some times go so many frames on; those that they land on go.
 #[must_use]
-pub fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<PinKey> {
+pub(in crate::edit) fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<PinKey> {
     let is_moved = |key: &&PinKey| times.contains(&key.frame);
-    let moved: Vec<PinKey> =
-        keys.iter().filter(is_moved).map(|key| PinKey { frame: key.frame + by, ..*key }).collect();
+    let moved: Vec<PinKey> = keys.iter().filter(is_moved).map(|key| PinKey { frame: key.frame + by, ..*key }).collect();
     let rest: Vec<PinKey> = keys.iter().filter(|key| !is_moved(key)).copied().collect();
     moved.into_iter().fold(rest, |keys, key| with_key(&keys, key))
 }
 
 /// Keys at some times leave with that ease.
 #[must_use]
-pub fn eased(keys: &[PinKey], times: &[f64], ease: Ease) -> Vec<PinKey> {
+pub(in crate::edit) fn eased(keys: &[PinKey], times: &[f64], ease: Ease) -> Vec<PinKey> {
     let ease = |key: &PinKey| if times.contains(&key.frame) { PinKey { ease, ..*key } } else { *key };
     keys.iter().map(ease).collect()
 }
 
 /// The keys of a handle after it was dragged at a time; `by` in sizes of the lattice's box.
 #[must_use]
-pub fn handle_moved(track: Option<&HandleTrack>, (time, first): (f64, f64), by: [f64; 3], value: [f64; 3]) -> Vec<HandleKey> {
+pub(in crate::edit) fn handle_moved(
+    track: Option<&HandleTrack>,
+    (time, first): (f64, f64),
+    by: [f64; 3],
+    value: [f64; 3],
+) -> Vec<HandleKey> {
     let resting = HandleKey { frame: first, offset: [0.0; 3], ease: Ease::Smooth };
     let mut keys = track.map_or_else(|| vec![resting], |track| track.keys.clone());
     let offset = std::array::from_fn(|axis| round(value[axis] + by[axis], 1e6));
@@ -212,7 +218,10 @@ mod tests {
         let times = |keys: &[PinKey]| keys.iter().map(|key| key.frame).collect::<Vec<_>>();
         assert_eq!(times(&shifted(keys, &[1.0], 20.0)), [11.0, 21.0]);
         assert_eq!(times(&shifted(keys, &[1.0], 10.0)), [11.0], "it takes the place of what it lands on");
-        assert_eq!((times(&without_keys(keys, &[11.0])), times(&without_keys(keys, &[1.0, 11.0]))), (vec![1.0], vec![1.0]));
+        assert_eq!(
+            (times(&without_keys(keys, &[11.0])), times(&without_keys(keys, &[1.0, 11.0]))),
+            (vec![1.0], vec![1.0])
+        );
         let eased = eased(keys, &[1.0], Ease::Hold);
         assert_eq!([eased[0].ease, eased[1].ease], [Ease::Hold, Ease::Linear]);
     }

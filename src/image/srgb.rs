@@ -66,7 +66,8 @@ mod tests {
     fn codes_from_the_table_are_those_of_the_formula() {
         let formula = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
         let steps = (0..=1.0_f32.to_bits()).step_by(9973).map(f32::from_bits);
-        let at_codes = CODES.begin.iter().flat_map(|&light| [light.next_down().max(0.0), light, light.next_up().min(1.0)]);
+        let at_codes =
+            CODES.begin.iter().flat_map(|&light| [light.next_down().max(0.0), light, light.next_up().min(1.0)]);
         for light in steps.chain(at_codes).chain([0.0, -0.0, 1.0, 0.003_130_8]) {
             assert_eq!(srgb_byte(light), formula(light), "{light}");
         }

@@ -112,7 +112,8 @@ fn spare_nodes(scene: &Scene) -> Vec<String> {
 pub fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let absolute = |path: &Path, hint: &str| {
-        let unusable = |error| PipelineError::Unusable { what: format!("{}: {error}", path.display()), hint: hint.into() };
+        let unusable =
+            |error| PipelineError::Unusable { what: format!("{}: {error}", path.display()), hint: hint.into() };
         path.canonicalize().map_err(unusable)
     };
     let folder = absolute(folder, "make the folder of the shot file first")?;

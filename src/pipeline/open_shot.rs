@@ -49,6 +49,15 @@ impl OpenShot {
         &self.prepared
     }
 
+    /// Names of all nodes with meshes, in the scene's order, and whether the shot hides them.
+    pub fn drawn_nodes(&self) -> impl Iterator<Item = (&str, bool)> {
+        let hidden = &self.prepared.draw_inputs.hidden_nodes;
+        let nodes = self.prepared.scene.nodes.iter().enumerate();
+        nodes
+            .filter(|(index, node)| node.mesh.is_some() || hidden.contains(index))
+            .map(|(index, node)| (node.name.as_str(), hidden.contains(&index)))
+    }
+
     /// The shot as it was given last.
     #[must_use]
     pub const fn given(&self) -> &Shot {

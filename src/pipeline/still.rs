@@ -93,8 +93,12 @@ impl PreparedShot {
         match (device, &self.shot.source) {
             (Some(device), Source::Scene(_)) => {
                 let geometry = geometry_of(self, sample, None);
-                let target =
-                    Target { frame: size, window: size.window(), channels: vec![ChannelGroup::Beauty], beauty_passes: 1 };
+                let target = Target {
+                    frame: size,
+                    window: size.window(),
+                    channels: vec![ChannelGroup::Beauty],
+                    beauty_passes: 1,
+                };
                 device.start(&target)?;
                 device.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty })?;
                 Ok(device.finish()?)

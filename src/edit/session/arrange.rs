@@ -4,7 +4,7 @@
 
 use super::{Purpose, Session};
 use crate::shot::LayerSpace;
-use crate::shot::edit::{Setting, add_layer, move_layer, put_layer_setting, put_setting, remove_layer};
+use crate::shot::edit::{Setting, add_layer, layer_number, move_layer, put_layer_setting, put_setting, remove_layer};
 
 impl Session {
     /// Sets a value of the chosen layer. Values of one kind that are set in a row are undone together.
@@ -66,7 +66,8 @@ impl Session {
     pub fn set_dims(&mut self, dims: [usize; 2]) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         if !layer.handles.is_empty() {
-            return self.say("Handles are moved by hand in this layer: `pinwarp resize` keeps them, the editor cannot yet.");
+            return self
+                .say("Handles are moved by hand in this layer: `pinwarp resize` keeps them, the editor cannot yet.");
         }
         if matches!(layer.space, LayerSpace::World { .. }) {
             return self.say("A lattice in the scene has three dims: change them in the shot file.");
@@ -101,5 +102,48 @@ impl Session {
         self.solo = if self.is_solo(name) { None } else { Some(name.to_owned()) };
         self.frames_changed();
         self.refresh(Purpose::Look);
+    }
+}
+
+impl Session {
+    /// The strength that the file gives a layer, without the shot's.
+    #[must_use]
+    pub fn own_strength(&self, layer: usize) -> f64 {
+        self.number_in_file(layer, &["strength"]).unwrap_or(1.0)
+    }
+
+    /// The smoothness that the file gives a layer.
+    #[must_use]
+    pub fn own_smoothness(&self, layer: usize) -> f64 {
+        self.number_in_file(layer, &["solve", "smoothness"]).unwrap_or(1.0)
+    }
+
+    fn number_in_file(&self, layer: usize, key: &[&str]) -> Option<f64> {
+        let layer = self.document.shot().layers.get(layer)?;
+        layer_number(self.document.text(), &layer.name, key)
+    }
+}
+
+impl Session {
+    /// Shows a clip of the scene, from its first frame to its last.
+    pub fn choose_clip(&mut self, name: &str, secs: f64) {
+        let frames = &self.document.shot().frames;
+        let last = i64::from(frames.first) + (secs * frames.rate).round().max(0.0) as i64;
+        let range = Setting::Wholes(vec![i64::from(frames.first), last]);
+        let text = put_setting(self.document.text(), &["frames", "clip"], &Setting::Text(name.to_owned()))
+            .and_then(|text| put_setting(&text, &["frames", "last"], &Setting::Whole(last)))
+            .and_then(|text| put_setting(&text, &["solve_range"], &range));
+        self.change("Choose clip", text, None);
+    }
+
+    /// Draws a node no more, or again.
+    pub fn toggle_node(&mut self, name: &str) {
+        let nodes = &self.loaded.nodes;
+        let is_hidden = |node: &&(String, bool)| (node.0 == name) != node.1;
+        let hidden: Vec<String> = nodes.iter().filter(is_hidden).map(|(name, _)| name.clone()).collect();
+        let setting = if hidden.is_empty() { Setting::Default } else { Setting::Texts(hidden) };
+        let text = put_setting(self.document.text(), &["hide"], &setting)
+            .and_then(|text| put_setting(&text, &["show"], &Setting::Default));
+        self.change("Hide or show", text, None);
     }
 }

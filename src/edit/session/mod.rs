@@ -3,6 +3,7 @@
 //! In: what the person does, what the thread of frames answers. Out: state that widgets draw. Nothing here knows of widgets.
 
 mod arrange;
+mod gesture;
 mod keying;
 mod placing;
 mod pointer;
@@ -24,7 +25,7 @@ use super::zoom::Zoom;
 use super::{Document, EditError};
 use crate::raster::DeviceChoice;
 use crate::shot::{PinKey, Shot, ShotError};
-use pointer::Gesture;
+use gesture::Gesture;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -43,6 +44,8 @@ pub struct Session {
     pub playhead: Playhead,
     /// How the picture lies in the viewport.
     pub zoom: Zoom,
+    /// Size of the viewport, as it was drawn last.
+    pub viewport: glam::DVec2,
     /// What is chosen.
     pub selection: Selection,
     /// What is drawn over the picture.
@@ -84,6 +87,7 @@ impl Session {
             worker: Worker::start(device, wake),
             playhead,
             zoom: Zoom::default(),
+            viewport: glam::DVec2::new(960.0, 540.0),
             selection: Selection::default(),
             shown: Shown::default(),
             auto_key: AutoKey::default(),

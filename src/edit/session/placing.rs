@@ -2,7 +2,7 @@
 //!
 //! In: points of the model, names. Out: changes of the document.
 
-use super::pointer::Gesture;
+use super::gesture::Gesture;
 use super::{Purpose, Session};
 use crate::edit::track::key_time;
 use crate::edit::worker::Question;

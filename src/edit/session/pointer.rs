@@ -2,6 +2,7 @@
 //!
 //! In: where the pen is, which keys are held. Out: gestures; a drag changes the document once, when it ends.
 
+use super::gesture::Gesture;
 use super::{Purpose, Session};
 use crate::edit::EditError;
 use crate::edit::track::{Move, handle_moved, key_time, moved};
@@ -33,20 +34,6 @@ pub struct Ring {
     pub radius: f64,
     /// How near to it the pen has to be, frame heights.
     pub reach: f64,
-}
-
-/// What the pen does while it is down.
-#[derive(Clone, Debug)]
-pub(super) enum Gesture {
-    Idle,
-    /// It waits to hear what lies there.
-    Placing { id: u64, from: ScreenPoint, at: ScreenPoint, is_up: bool, is_whole: bool },
-    Drag { from: ScreenPoint, base: Arc<Shot>, has_moved: bool },
-    /// Around this point.
-    Turn { center: ScreenPoint, from: ScreenPoint, base: Arc<Shot> },
-    /// From the pin's rest.
-    Region { pin: [usize; 2], rest: ScreenPoint, base: Arc<Shot> },
-    Box { from: ScreenPoint, to: ScreenPoint },
 }
 
 impl Session {
@@ -326,7 +313,8 @@ impl Session {
     fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
         let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;
         let marks = self.marks();
-        let pins = marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| ([marks.layer, pin.pin], pin.target)));
+        let pins =
+            marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| ([marks.layer, pin.pin], pin.target)));
         let chosen: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
         self.selection.pins.extend(chosen);
     }

@@ -77,15 +77,21 @@ impl RenderRun {
     fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (tell, events) = channel();
         let cancel = Arc::new(AtomicBool::new(false));
-        let (count, own_cancel) = (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
+        let (count, own_cancel) =
+            (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
         let work = move || {
             let told = |what: Told| {
                 if tell.send(what).is_ok() {
                     wake();
                 }
             };
-            let options =
-                RenderOptions { frames, device, existing: Existing::Resume, has_preview: true, ..RenderOptions::default() };
+            let options = RenderOptions {
+                frames,
+                device,
+                existing: Existing::Resume,
+                has_preview: true,
+                ..RenderOptions::default()
+            };
             let outcome = PreparedShot::new(shot).and_then(|prepared| {
                 render(&prepared, &options, &own_cancel, &|event| told(Told::Event(Box::new(event))))
             });

@@ -1,1 +1,32 @@
-//! Widgets.
+//! The editor's window: thin widgets over a [`Session`](super::Session).
+//!
+//! In: events of the window. Out: calls of the session, shapes to draw. No other module knows the toolkit.
+
+mod actions;
+mod browser;
+mod bundled;
+mod dialogs;
+mod editor;
+mod inspector;
+mod keys;
+mod layers;
+mod marks;
+mod menus;
+mod nudges;
+mod options;
+mod over;
+mod screenshot;
+mod shot_panel;
+mod software;
+mod start;
+mod theme;
+mod timeline;
+mod viewport;
+mod window;
+
+pub use editor::Editor;
+pub use eframe::egui::Theme;
+pub use options::EditorOptions;
+pub use screenshot::screenshot;
+pub use software::SoftwarePainter;
+pub use window::run;

@@ -36,13 +36,13 @@ impl DragSolve {
         self.frame == frame && self.layers == layers && self.pins == pins_of(prepared, layers)
     }
 
-    /// The frame with the keys that the shot has now.
-    pub(super) fn solve(&mut self, prepared: &PreparedShot) -> Result<&TimeSample, PipelineError> {
+    /// Solves the frame with the keys that the shot has now.
+    pub(super) fn solve(&mut self, prepared: &PreparedShot) -> Result<(), PipelineError> {
         let is_in_scene = |&index: &usize| matches!(prepared.shot.layers[index].space, LayerSpace::World { .. });
         if self.layers.iter().any(is_in_scene) {
             // Lattices of the scene move what all others lie over.
             self.sample = prepared.provisional(self.frame)?;
-            return Ok(&self.sample);
+            return Ok(());
         }
         for (&index, solver) in self.layers.iter().zip(&self.solvers) {
             let Some(solver) = solver else { continue };
@@ -50,11 +50,17 @@ impl DragSolve {
             let path = prepared.shot.pin_path(index, prepared.key_frame(layer, self.sample.frame));
             self.sample.layers[index] = solver.solve(layer, &path)?;
         }
-        Ok(&self.sample)
+        Ok(())
+    }
+
+    /// The frame as it was solved last.
+    pub(super) const fn sample(&self) -> &TimeSample {
+        &self.sample
     }
 }
 
 fn pins_of(prepared: &PreparedShot, layers: &[usize]) -> Vec<usize> {
-    let count = |&layer: &usize| prepared.shot.layers.get(layer).map_or(0, |layer| layer.pins.len() + layer.handles.len());
+    let count =
+        |&layer: &usize| prepared.shot.layers.get(layer).map_or(0, |layer| layer.pins.len() + layer.handles.len());
     layers.iter().map(count).collect()
 }

@@ -4,7 +4,7 @@
 
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
-use super::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
+use super::mail::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     JerkMeter, LayerMarks, OpenShot, PipelineError, PreparedShot, Rework, TimeSample, layer_marks, report,
@@ -107,16 +107,19 @@ impl Studio {
             (self.drafts, self.jerk) = (DraftSize::default(), JerkMeter::default());
         }
         if rework >= Rework::Pins {
-            teller.tell(Reply::Loaded(Arc::new(self.facts(open.prepared()))));
+            teller.tell(Reply::Loaded(Arc::new(self.facts(open))));
         }
         Ok(())
     }
 
-    fn facts(&self, prepared: &PreparedShot) -> Loaded {
-        let with_mesh = prepared.scene.nodes.iter().filter(|node| node.mesh.is_some());
+    fn facts(&self, open: &OpenShot) -> Loaded {
+        let scene = &open.prepared().scene;
+        let cameras = scene.nodes.iter().filter(|node| node.camera.is_some());
         Loaded {
-            notes: prepared.notes.clone(),
-            nodes: with_mesh.map(|node| node.name.clone()).collect(),
+            notes: open.prepared().notes.clone(),
+            nodes: open.drawn_nodes().map(|(name, is_hidden)| (name.to_owned(), is_hidden)).collect(),
+            clips: scene.clips.iter().map(|clip| (clip.name.clone(), f64::from(clip.end_secs))).collect(),
+            cameras: cameras.map(|node| node.name.clone()).collect(),
             device: self.device.as_ref().map_or_else(|| "CPU".into(), |device| device.name()),
         }
     }
@@ -127,7 +130,8 @@ impl Studio {
         self.drag = None;
         let prepared = open.prepared();
         let was_settled = prepared.is_settled();
-        let sample = if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
+        let sample =
+            if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
         self.seen = Some(Arc::clone(&sample));
         self.tell_solved(job, (&sample, was_settled), teller);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
@@ -198,21 +202,23 @@ impl Studio {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let begun = Instant::now();
-        let drag = match self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers)) {
-            Some(mut drag) => drag.solve(prepared).is_ok().then_some(drag),
-            None => None,
-        };
-        // A rotation that was not held before needs other rows.
-        let mut drag = match drag {
+        let mut drag = match self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers)) {
             Some(drag) => drag,
             None => DragSolve::begin(prepared, job.frame, layers)?,
         };
-        let sample = drag.solve(prepared)?.clone();
+        if drag.solve(prepared).is_err() {
+            // A rotation that was not held before needs other rows.
+            drag = DragSolve::begin(prepared, job.frame, layers)?;
+            drag.solve(prepared)?;
+        }
+        let marks = layer_marks(prepared, drag.sample());
+        let solved = self.solved(job, (drag.sample(), false), marks);
+        teller.tell(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
-        let marks = layer_marks(prepared, &sample);
+        let left_ms = (DRAG_MS - solved_ms).max(5.0);
+        let drawn = self.draw(job.frame, job, (drag.sample(), Quality::Provisional), left_ms, teller);
         self.drag = Some(drag);
-        teller.tell(Reply::Solved(Arc::new(self.solved(job, (&sample, false), marks))));
-        self.draw(job.frame, job, (&sample, Quality::Provisional), (DRAG_MS - solved_ms).max(5.0), teller)
+        drawn
     }
 
     fn tell_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), teller: &Teller) {

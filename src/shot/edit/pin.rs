@@ -195,7 +195,8 @@ fn frame(frame: f64) -> Value {
 
 /// Makes `keys` say these, frame by frame: entries that stay keep their decoration.
 fn put_key_tables(table: &mut dyn TableLike, keys: &[(f64, InlineTable)]) {
-    let is_list = table.get("keys").and_then(Item::as_array).is_some_and(|list| list.iter().all(Value::is_inline_table));
+    let is_list =
+        table.get("keys").and_then(Item::as_array).is_some_and(|list| list.iter().all(Value::is_inline_table));
     if !is_list {
         let mut list = Array::new();
         keys.iter().enumerate().for_each(|(place, (_, key))| insert(&mut list, place, key.clone()));

@@ -5,7 +5,7 @@
 use super::layer::{replace, sub_table};
 use super::pin::edit_layer;
 use super::text::EditableText;
-use super::{fault, no_tables, tables};
+use super::{fault, find, no_tables, tables};
 use crate::shot::ShotError;
 use toml_edit::{Array, ArrayOfTables, Item, Table, TableLike, Value};
 
@@ -67,6 +67,16 @@ pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String
 /// As [`put_setting`], and where there is no such layer.
 pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
+}
+
+/// A number that a layer's table says; `None`: it says none.
+#[must_use]
+pub fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {
+    let mut text = EditableText::parse(text).ok()?;
+    let table = find(text.document.get_mut("layer")?, Some(layer), "layer").ok()?;
+    let (first, rest) = key.split_first()?;
+    let value = rest.iter().try_fold(table.get(first)?, |value, key| value.get(key))?;
+    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
 fn not_table(name: &str) -> ShotError {

@@ -1,0 +1,22 @@
+//! `pinwarp edit`: the editor's window, or a picture of it.
+//!
+//! In: a file to open. Out: whatever is saved in the window; with `--screenshot` a PNG file.
+
+use super::args::EditArgs;
+use super::outcome::Outcome;
+use super::outputs;
+use crate::edit::ui::{EditorOptions, Theme, run as run_window, screenshot};
+use std::io::Write;
+
+pub(super) fn run(args: &EditArgs) -> anyhow::Result<Outcome> {
+    let options = EditorOptions::new(args.device.clone(), args.outside.access());
+    if let (Some(file), Some(output)) = (&args.file, &args.screenshot) {
+        outputs::allow(&outputs::inputs_of([file]), output, args.overwrite)?;
+        let theme = if args.light { Theme::Light } else { Theme::Dark };
+        screenshot(file, args.frame, (args.size, theme, output), options)?;
+        writeln!(std::io::stdout(), "wrote {}", output.display())?;
+        return Ok(Outcome::Complete);
+    }
+    run_window(args.file.as_deref(), options)?;
+    Ok(Outcome::Complete)
+}

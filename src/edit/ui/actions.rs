@@ -1,0 +1,88 @@
+//! What actions do, whether a key or a menu asks for them.
+
+use super::browser::Task;
+use super::editor::Editor;
+use crate::edit::{Action, Session, Wipe};
+use eframe::egui;
+
+impl Editor {
+    /// Does an action.
+    pub(super) fn act(&mut self, ctx: &egui::Context, action: Action, now: f64) {
+        match action {
+            Action::Open => self.browse(Task::Open),
+            Action::SaveAs if self.session.is_some() => self.browse(Task::SaveAs),
+            Action::Save => self.save(),
+            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            Action::Keys => self.shows_keys = !self.shows_keys,
+            Action::Render => self.render(ctx),
+            _ => {
+                if let Some(session) = &mut self.session {
+                    on_session(ctx, session, action, now);
+                }
+            }
+        }
+    }
+
+    fn save(&mut self) {
+        let Some(session) = &mut self.session else { return };
+        if let Err(error) = session.save() {
+            session.say(format!("{error}; choose another place"));
+            self.browse(Task::SaveAs);
+        }
+    }
+
+    fn render(&mut self, ctx: &egui::Context) {
+        let Some(session) = &mut self.session else { return };
+        let wake = ctx.clone();
+        session.render(self.options.device.clone(), move || wake.request_repaint());
+        self.shows_render = true;
+    }
+}
+
+fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f64) {
+    let frame = session.playhead.frame();
+    let [first, last] = session.playhead.range();
+    let shown = &mut session.shown;
+    let flip = |value: &mut bool| *value = !*value;
+    match action {
+        Action::Undo => session.undo(),
+        Action::Redo => session.redo(),
+        Action::Copy => session.copy_keys(),
+        Action::Paste => session.paste_keys(),
+        Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
+        Action::Delete => session.delete_keys(),
+        Action::All => session.choose_all(),
+        Action::Play => session.toggle_play(now),
+        Action::Back => session.step(-1),
+        Action::Forward => session.step(1),
+        Action::KeyBack => session.go_to_key(false),
+        Action::KeyForward => session.go_to_key(true),
+        Action::First => session.go(first),
+        Action::Last => session.go(last),
+        Action::Key => session.insert_keys(),
+        Action::RangeIn => session.playhead.set_range(Some([frame, last.max(frame)])),
+        Action::RangeOut => session.playhead.set_range(Some([first.min(frame), frame])),
+        Action::Fit => session.zoom = crate::edit::Zoom::Fit,
+        Action::OneToOne => zoom(session, 1.0 / f64::from(ctx.pixels_per_point()), None),
+        Action::ZoomIn => zoom(session, 1.25, Some(())),
+        Action::ZoomOut => zoom(session, 0.8, Some(())),
+        Action::Lattice => flip(&mut shown.lattice),
+        Action::Handles => flip(&mut shown.handles),
+        Action::Pins => flip(&mut shown.pins),
+        Action::Distortion => flip(&mut shown.distortion),
+        Action::Trails => flip(&mut shown.trails),
+        Action::SafeAreas => flip(&mut shown.safe_areas),
+        Action::Onion => shown.onion.count = u32::from(shown.onion.count == 0) * 2,
+        Action::Wipe if shown.wipe == Wipe::Off => session.set_wipe(Wipe::At(0.5)),
+        Action::Wipe => session.set_wipe(Wipe::Off),
+        _ => {}
+    }
+}
+
+/// To a scale, or by a factor.
+fn zoom(session: &mut Session, value: f64, by: Option<()>) {
+    // Where the picture is fitted, only the viewport knows how; from there on the middle stays.
+    let lens = session.zoom.lens(session.shot().size, session.viewport);
+    let scale = if by.is_some() { lens.scale() * value } else { value };
+    session.zoom = session.zoom.at_scale(&lens, scale);
+}

@@ -1,0 +1,125 @@
+//! Chooses a file in the editor's own window: to open, or to save.
+
+use super::timeline::Accessible;
+use eframe::egui::{self, Align2, Key, ScrollArea, TextEdit, vec2};
+use std::path::{Path, PathBuf};
+
+/// What a file is chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    Open,
+    SaveAs,
+    Reference,
+}
+
+/// Endings of what can be opened.
+const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "json"];
+
+/// A window in which a file is chosen.
+pub(super) struct Browser {
+    pub(super) task: Task,
+    path: String,
+    folder: PathBuf,
+    entries: Vec<(String, bool)>,
+}
+
+/// What became of it.
+pub(super) enum Choice {
+    /// It is still open.
+    None,
+    Cancelled,
+    File(PathBuf),
+}
+
+impl Browser {
+    /// Begins in the folder of a file.
+    pub(super) fn new(task: Task, near: &Path) -> Self {
+        let folder = if near.is_dir() { near } else { near.parent().unwrap_or(Path::new("")) };
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        let path = match task {
+            Task::SaveAs => folder.join(near.file_name().unwrap_or_default()),
+            Task::Open | Task::Reference => folder.clone(),
+        };
+        let mut browser = Self { task, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
+        browser.list();
+        browser
+    }
+
+    fn list(&mut self) {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let known = entries.filter_map(|entry| {
+            let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+            let is_known = path.is_dir() || ending.is_some_and(|ending| KNOWN.contains(&ending.as_str()));
+            (is_known && !name.starts_with('.')).then(|| (name, path.is_dir()))
+        });
+        self.entries = known.collect();
+        self.entries.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
+    }
+
+    pub(super) fn show(&mut self, ctx: &egui::Context) -> Choice {
+        let title = match self.task {
+            Task::Open => "Open",
+            Task::SaveAs => "Save as",
+            Task::Reference => "Reference picture",
+        };
+        let mut choice = Choice::None;
+        let window = egui::Window::new(title).collapsible(false).resizable(true).default_size(vec2(560.0, 420.0));
+        window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
+            ui.horizontal(|ui| {
+                let field = TextEdit::singleline(&mut self.path).desired_width(ui.available_width() - 150.0);
+                let response = ui.add(field).accessible("Path");
+                let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if ui.button(title).accessible("Choose").clicked() || is_entered {
+                    choice = self.chosen();
+                }
+                if ui.button("Cancel").clicked() || ui.input(|input| input.key_pressed(Key::Escape)) {
+                    choice = Choice::Cancelled;
+                }
+            });
+            ui.weak("Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr");
+            ui.separator();
+            ScrollArea::vertical().auto_shrink(false).max_height(360.0).show(ui, |ui| {
+                let mut entered = None;
+                if let Some(above) = self.folder.parent()
+                    && ui.selectable_label(false, "\u{1f5c1} ..").clicked()
+                {
+                    entered = Some(above.to_owned());
+                }
+                for (name, is_folder) in &self.entries {
+                    let sign = if *is_folder { "\u{1f5c1}" } else { "\u{1f5cb}" };
+                    let response = ui.selectable_label(false, format!("{sign} {name}"));
+                    let path = self.folder.join(name);
+                    if response.clicked() && *is_folder {
+                        entered = Some(path);
+                    } else if response.double_clicked() && self.task != Task::SaveAs {
+                        choice = Choice::File(path);
+                    } else if response.clicked() {
+                        self.path = path.to_string_lossy().into_owned();
+                    }
+                }
+                if let Some(folder) = entered {
+                    self.enter(folder);
+                }
+            });
+        });
+        choice
+    }
+
+    fn enter(&mut self, folder: PathBuf) {
+        let name = Path::new(&self.path).file_name().map(ToOwned::to_owned).filter(|_| self.task == Task::SaveAs);
+        self.path = folder.join(name.unwrap_or_default()).to_string_lossy().into_owned();
+        self.folder = folder;
+        self.list();
+    }
+
+    fn chosen(&mut self) -> Choice {
+        let path = PathBuf::from(self.path.trim());
+        if path.is_dir() {
+            self.enter(path);
+            return Choice::None;
+        }
+        Choice::File(path)
+    }
+}

@@ -1,0 +1,93 @@
+//! Windows over the editor: keys, a render, a file that changed on disk, work that is not saved.
+
+use crate::edit::{Action, RunState, Session, Shortcuts};
+use eframe::egui::{self, Align2, Grid, Key, Modal, RichText, ScrollArea, vec2};
+
+/// An answer to a question with three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answer {
+    First,
+    Second,
+    Cancel,
+}
+
+/// The list of keys. False: it was closed.
+pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path::Path) -> bool {
+    let mut is_open = true;
+    let window = egui::Window::new("Keys").open(&mut is_open).collapsible(false).resizable(false);
+    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
+        ui.horizontal_top(|ui| {
+            for groups in [["File", "Edit", "Help"], ["Time", "Hold", ""], ["View", "", ""]] {
+                ui.vertical(|ui| {
+                    ui.set_min_width(210.0);
+                    for group in groups.into_iter().filter(|group| !group.is_empty()) {
+                        ui.strong(group);
+                        Grid::new(group).num_columns(2).min_col_width(90.0).show(ui, |ui| {
+                            for action in Action::ALL.iter().filter(|action| action.group() == group) {
+                                ui.label(RichText::new(super::keys::words(shortcuts, *action)).monospace());
+                                ui.label(action.words());
+                                ui.end_row();
+                            }
+                        });
+                        ui.add_space(8.0);
+                    }
+                });
+            }
+        });
+        ui.separator();
+        ui.weak("Arrow keys nudge what is chosen by a pixel, with Shift by ten. Alt and a click: the pin takes its surroundings along.");
+        ui.weak(format!("Own keys: {{ \"undo\": \"Ctrl+Z\" }} in {}", file.display()));
+    });
+    is_open && !ctx.input(|input| input.key_pressed(Key::Escape))
+}
+
+/// A render that runs or ran. False: it was closed.
+pub(super) fn render(ctx: &egui::Context, session: &Session) -> bool {
+    let Some(run) = session.run() else { return false };
+    let (mut is_open, mut is_closed) = (true, false);
+    let window = egui::Window::new("Render").open(&mut is_open).collapsible(true).default_size(vec2(520.0, 320.0));
+    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
+        let part = run.done as f32 / run.frames.max(1) as f32;
+        ui.horizontal(|ui| {
+            ui.add(egui::ProgressBar::new(part).desired_width(380.0).text(format!("{} / {}", run.done, run.frames)));
+            match &run.state {
+                RunState::Running if ui.button("Cancel").clicked() => session.cancel_render(),
+                RunState::Running => {}
+                RunState::Ended(_) => is_closed = ui.button("Close").clicked(),
+            }
+        });
+        if let RunState::Ended(words) = &run.state {
+            ui.strong(words);
+            if let Some(folder) = run.files.first().and_then(|file| file.parent()) {
+                ui.weak(format!("Frames are in {}", folder.display()));
+            }
+        }
+        ui.separator();
+        ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).max_height(240.0).show(ui, |ui| {
+            for line in &run.log {
+                ui.label(RichText::new(line).small().monospace());
+            }
+        });
+    });
+    is_open && !is_closed
+}
+
+/// A question with three answers.
+pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&str; 3]) -> Option<Answer> {
+    let mut answer = None;
+    let modal = Modal::new(egui::Id::unique(title)).show(ctx, |ui| {
+        ui.set_width(400.0);
+        ui.heading(title);
+        ui.add_space(6.0);
+        ui.label(words);
+        ui.add_space(12.0);
+        ui.horizontal(|ui| {
+            for (text, own) in answers.into_iter().zip([Answer::First, Answer::Second, Answer::Cancel]) {
+                if !text.is_empty() && ui.button(text).clicked() {
+                    answer = Some(own);
+                }
+            }
+        });
+    });
+    if modal.should_close() { Some(Answer::Cancel) } else { answer }
+}

@@ -1,0 +1,333 @@
+//! The editor: what is open, which windows are, and one pass over all of it.
+
+use super::browser::{Browser, Choice, Task};
+use super::dialogs::Answer;
+use super::options::EditorOptions;
+use super::start::Wish;
+use super::timeline::Timeline;
+use super::viewport::Textures;
+use super::{bundled, dialogs, inspector, keys, layers, menus, nudges, start, theme, viewport};
+use crate::edit::{DiskChange, Document, EditError, Session, Shortcuts, Unfinished, unfinished};
+use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
+use std::path::{Path, PathBuf};
+
+/// Seconds between two looks whether the file changed on disk.
+const DISK_SECS: f64 = 1.0;
+
+/// What waits until it is known what becomes of unsaved work.
+#[derive(Clone, Debug, PartialEq)]
+enum Then {
+    Open(PathBuf),
+    Quit,
+}
+
+/// The editor.
+pub struct Editor {
+    pub(super) options: EditorOptions,
+    pub(super) shortcuts: Shortcuts,
+    pub(super) session: Option<Session>,
+    left: Vec<Unfinished>,
+    fault: Option<String>,
+    pub(super) browser: Option<Browser>,
+    timeline: Timeline,
+    textures: Textures,
+    pub(super) shows_keys: bool,
+    pub(super) shows_render: bool,
+    conflict: Option<String>,
+    unsaved: Option<Then>,
+    may_close: bool,
+    looked_at_disk: f64,
+}
+
+impl Editor {
+    /// Starts with nothing open.
+    #[must_use]
+    pub fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
+        theme::install(ctx);
+        let (shortcuts, fault) = match Shortcuts::read(&options.keys()) {
+            Ok(shortcuts) => (shortcuts, None),
+            Err(error) => (Shortcuts::default(), Some(error.to_string())),
+        };
+        let left = unfinished(&options.journals());
+        Self {
+            options,
+            shortcuts,
+            session: None,
+            left,
+            fault,
+            browser: None,
+            timeline: Timeline::default(),
+            textures: Textures::default(),
+            shows_keys: false,
+            shows_render: false,
+            conflict: None,
+            unsaved: None,
+            may_close: false,
+            looked_at_disk: 0.0,
+        }
+    }
+
+    /// The open shot.
+    #[must_use]
+    pub const fn session(&self) -> Option<&Session> {
+        self.session.as_ref()
+    }
+
+    /// The open shot, for tests and scripts.
+    pub const fn session_mut(&mut self) -> Option<&mut Session> {
+        self.session.as_mut()
+    }
+
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// [`EditError`] where it cannot be opened; what was open stays.
+    pub fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
+        let document = crate::edit::open(path, self.options.access)?;
+        self.begin(ctx, document);
+        Ok(())
+    }
+
+    /// Goes on with a document.
+    pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
+        document.keep_journal(&self.options.journals());
+        let wake = ctx.clone();
+        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
+        (self.textures, self.timeline, self.fault) = (Textures::default(), Timeline::default(), None);
+    }
+
+    /// Goes on with a document, and leaves nothing on disk.
+    pub(super) fn begin_unjournaled(&mut self, ctx: &egui::Context, document: Document) {
+        let wake = ctx.clone();
+        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
+    }
+
+    fn try_open(&mut self, ctx: &egui::Context, path: &Path) {
+        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
+            self.unsaved = Some(Then::Open(path.to_owned()));
+        } else if let Err(error) = self.open(ctx, path) {
+            self.tell(&error);
+        }
+    }
+
+    fn tell(&mut self, error: &EditError) {
+        match &mut self.session {
+            Some(session) => session.say(error.to_string()),
+            None => self.fault = Some(error.to_string()),
+        }
+    }
+
+    /// One pass of the window.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        let now = ctx.input(|input| input.time);
+        self.drops(&ctx);
+        if let Some(session) = &mut self.session {
+            session.pump();
+            session.tick(now);
+            if let Some(secs) = session.playhead.due_in(now) {
+                ctx.request_repaint_after(std::time::Duration::from_secs_f64(secs));
+            }
+        }
+        self.look_at_disk(now);
+        for action in keys::pressed(&ctx, &self.shortcuts) {
+            self.act(&ctx, action, now);
+        }
+        self.bar(ui, &ctx, now);
+        match &mut self.session {
+            None => {
+                let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, &self.left, self.fault.as_deref()));
+                self.wish(&ctx, shown.inner);
+            }
+            Some(session) => {
+                Panel::bottom("hint").exact_size(26.0).show(ui, |ui| menus::hint(ui, session));
+                Panel::bottom("timeline").resizable(true).default_size(200.0).size_range(110.0..=520.0).show(
+                    ui,
+                    |ui| {
+                        ui.add_space(3.0);
+                        self.timeline.show(ui, session, now);
+                    },
+                );
+                Panel::left("layers")
+                    .default_size(262.0)
+                    .size_range(200.0..=420.0)
+                    .show(ui, |ui| layers::show(ui, session));
+                Panel::right("pin")
+                    .default_size(258.0)
+                    .size_range(200.0..=420.0)
+                    .show(ui, |ui| inspector::show(ui, session));
+                let central = CentralPanel::no_frame().frame(Frame::NONE);
+                central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
+                nudges::show(&ctx, session);
+            }
+        }
+        self.windows(&ctx, now);
+        self.close(&ctx);
+    }
+
+    fn bar(&mut self, ui: &mut Ui, ctx: &egui::Context, now: f64) {
+        let chosen = Panel::top("bar").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
+                if let Some(session) = &self.session {
+                    menus::state(ui, session);
+                }
+                chosen
+            })
+            .inner
+        });
+        for action in chosen.inner {
+            self.act(ctx, action, now);
+        }
+    }
+
+    fn wish(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
+        let Some(wish) = wish else { return };
+        let done = match wish {
+            Wish::Open => {
+                self.browse(Task::Open);
+                Ok(())
+            }
+            Wish::Bundled(index) => {
+                let shot = bundled::BUNDLED[index].unpack(&self.options.folder.join("scenes"));
+                shot.and_then(|shot| self.open(ctx, &shot))
+            }
+            Wish::Recover(index) => {
+                let left = self.left.remove(index);
+                let journal = left.journal.clone();
+                Document::recovered(left).map(|document| {
+                    self.begin(ctx, document);
+                    let _ = std::fs::remove_file(journal);
+                })
+            }
+            Wish::Forget(index) => {
+                let _ = std::fs::remove_file(self.left.remove(index).journal);
+                Ok(())
+            }
+        };
+        if let Err(error) = done {
+            self.tell(&error);
+        }
+    }
+
+    pub(super) fn browse(&mut self, task: Task) {
+        let near =
+            self.session.as_ref().map_or_else(|| PathBuf::from("."), |session| session.document().path().to_owned());
+        self.browser = Some(Browser::new(task, &near));
+    }
+
+    /// Files that are dropped on the window.
+    fn drops(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).next());
+        if let Some(path) = dropped {
+            self.try_open(ctx, &path);
+        }
+    }
+
+    fn look_at_disk(&mut self, now: f64) {
+        if now - self.looked_at_disk < DISK_SECS || self.conflict.is_some() {
+            return;
+        }
+        self.looked_at_disk = now;
+        let Some(session) = &mut self.session else { return };
+        match session.document_mut().check_disk() {
+            Ok(DiskChange::None) => {}
+            Ok(DiskChange::Reloaded) => {
+                session.reload();
+                session.say("The file changed on disk: it was read again. Undo brings back what was here.");
+            }
+            Ok(DiskChange::Conflict(text)) => self.conflict = Some(text),
+            Err(error) => session.say(format!("The file changed on disk and is no shot any more: {error}")),
+        }
+    }
+
+    fn windows(&mut self, ctx: &egui::Context, now: f64) {
+        if self.shows_keys {
+            self.shows_keys = dialogs::keys(ctx, &self.shortcuts, &self.options.keys());
+        }
+        if let Some(session) = self.session.as_mut().filter(|_| self.shows_render) {
+            self.shows_render = dialogs::render(ctx, session);
+            if !self.shows_render {
+                session.close_render();
+            }
+        }
+        if let Some(browser) = &mut self.browser {
+            let (task, choice) = (browser.task, browser.show(ctx));
+            match choice {
+                Choice::None => {}
+                Choice::Cancelled => self.browser = None,
+                Choice::File(path) => {
+                    self.browser = None;
+                    self.chosen(ctx, task, &path);
+                }
+            }
+        }
+        self.conflicts(ctx);
+        self.ask_unsaved(ctx, now);
+    }
+
+    fn chosen(&mut self, ctx: &egui::Context, task: Task, path: &Path) {
+        match (task, &mut self.session) {
+            (Task::Open, _) => self.try_open(ctx, path),
+            (Task::SaveAs, Some(session)) => {
+                if let Err(error) = session.save_as(path) {
+                    self.tell(&error);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn conflicts(&mut self, ctx: &egui::Context) {
+        let Some(text) = &self.conflict else { return };
+        let words = "Another program wrote the shot file, and there are changes here that are not saved.";
+        let asked = dialogs::ask(ctx, ("The file changed on disk", words), ["Take the file", "Keep mine", ""]);
+        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
+        let text = text.clone();
+        self.conflict = None;
+        match answer {
+            Answer::First => match session.document_mut().take_from_disk(text) {
+                Ok(()) => session.reload(),
+                Err(error) => session.say(error.to_string()),
+            },
+            Answer::Second | Answer::Cancel => session.document_mut().keep_own(text),
+        }
+    }
+
+    fn ask_unsaved(&mut self, ctx: &egui::Context, _now: f64) {
+        let Some(then) = self.unsaved.clone() else { return };
+        let asked = dialogs::ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
+        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
+        self.unsaved = None;
+        if answer == Answer::First
+            && let Err(error) = session.save()
+        {
+            session.say(error.to_string());
+            return;
+        }
+        if answer == Answer::Cancel {
+            return;
+        }
+        match then {
+            Then::Open(path) => {
+                if let Err(error) = self.open(ctx, &path) {
+                    self.tell(&error);
+                }
+            }
+            Then::Quit => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+
+    /// A window that is closed asks first.
+    fn close(&mut self, ctx: &egui::Context) {
+        let is_wanted = ctx.input(|input| input.viewport().close_requested());
+        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
+        if is_wanted && is_dirty && !self.may_close {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.unsaved = Some(Then::Quit);
+        }
+    }
+}

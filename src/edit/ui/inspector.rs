@@ -1,0 +1,213 @@
+//! Numbers of the chosen pin, and the report of the frame.
+
+use super::theme::heat;
+use super::timeline::Accessible;
+use crate::edit::Session;
+use crate::pipeline::{FrameReport, LayerReport};
+use crate::shot::{Goal, PinKey, PinRegion, Rotation};
+use crate::space::{ScreenPoint, ScreenVector};
+use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
+use glam::DVec2;
+
+pub(super) fn show(ui: &mut Ui, session: &mut Session) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.add_space(6.0);
+        match session.selection.single_pin() {
+            Some(at) => pin(ui, session, at),
+            None => {
+                ui.strong("Pin");
+                ui.separator();
+                ui.weak(match session.selection.pins.len() {
+                    0 => "None is chosen. Click the model to place one; drag empty space to choose several.".to_owned(),
+                    count => format!("{count} pins are chosen: drag one of them, nudge them with the arrow keys."),
+                });
+            }
+        }
+        ui.add_space(14.0);
+        report(ui, session);
+    });
+}
+
+fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
+    let Some(own) = session.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])).cloned() else { return };
+    ui.horizontal(|ui| {
+        ui.strong("Pin");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.small_button("Delete").clicked() {
+                session.delete_pins();
+            }
+        });
+    });
+    ui.separator();
+    let mut name = own.name.clone();
+    let edit = ui.add(egui::TextEdit::singleline(&mut name).desired_width(f32::INFINITY)).accessible("Pin name");
+    if edit.changed() && !name.trim().is_empty() {
+        session.rename_pin(at, &name);
+    }
+    let Some(key) = session.key_here(at) else { return };
+    let is_keyed = session.has_key_here(at);
+    ui.horizontal(|ui| {
+        let (sign, words) = if is_keyed { ("\u{25c6}", "keyed in this frame") } else { ("\u{25c7}", "between keys") };
+        ui.label(RichText::new(sign).color(super::theme::ACCENT));
+        ui.weak(words);
+    });
+    Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        place(ui, session, (at, key));
+        turn(ui, session, (at, key));
+        region(ui, session, (at, own.region));
+    });
+}
+
+/// Two numbers in pixels.
+fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
+    let lines = f64::from(session.shot().size.height);
+    let (what, old) = match key.goal {
+        Goal::Offset(offset) => ("Offset", offset.0),
+        Goal::Target(target) => ("Target", target.0),
+        Goal::SceneOffset(_) | Goal::SceneTarget(_) => {
+            ui.label("Offset");
+            ui.weak("in metres: see the shot file");
+            ui.end_row();
+            return;
+        }
+    };
+    let mut new = old * lines;
+    ui.label(what);
+    let is_changed = ui
+        .horizontal(|ui| {
+            let mut number = |value: &mut f64, name: &str| {
+                ui.add(DragValue::new(value).speed(0.5).max_decimals(1).suffix(" px")).accessible(name).changed()
+            };
+            let changed = [number(&mut new.x, &format!("{what} x")), number(&mut new.y, &format!("{what} y"))];
+            changed.contains(&true)
+        })
+        .inner;
+    ui.end_row();
+    if is_changed {
+        let rounded = DVec2::new((new.x / lines * 1e6).round() / 1e6, (new.y / lines * 1e6).round() / 1e6);
+        let goal = match key.goal {
+            Goal::Target(_) => Goal::Target(ScreenPoint(rounded)),
+            _ => Goal::Offset(ScreenVector(rounded)),
+        };
+        session.put_key(at, PinKey { goal, ..key });
+    }
+}
+
+fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
+    let angle = match key.rotate_degrees {
+        None => Some(None),
+        Some(Rotation::InView(angle)) => Some(Some(angle)),
+        Some(Rotation::Axes(_)) => None,
+    };
+    if let Some(angle) = angle {
+        ui.label("Rotation");
+        let mut new = angle.unwrap_or(0.0);
+        let value = ui.add(DragValue::new(&mut new).speed(0.5).max_decimals(1).suffix("\u{b0}")).accessible("Rotation");
+        if value.changed() {
+            session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
+        }
+        ui.end_row();
+    }
+    ui.label("Scale");
+    let mut scale = key.scale.unwrap_or(1.0);
+    if ui.add(DragValue::new(&mut scale).range(0.05..=20.0).speed(0.005).max_decimals(3)).accessible("Scale").changed()
+    {
+        session.put_key(at, PinKey { scale: Some(scale), ..key });
+    }
+    ui.end_row();
+}
+
+fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<PinRegion>)) {
+    let mut has_region = region.is_some();
+    ui.label("Region");
+    let hint = "What moves with the pin, not its point alone; hold R and drag the pin to size it";
+    if ui.checkbox(&mut has_region, "takes along").on_hover_text(hint).changed() {
+        let usual = PinRegion { radius: 0.1, rigidity: 1.0, stiffness: 1.0 };
+        session.set_region(at, has_region.then_some(usual));
+    }
+    ui.end_row();
+    let Some(old) = region else { return };
+    let (mut new, lines) = (old, f64::from(session.shot().size.height));
+    ui.label("Radius");
+    let mut radius = old.radius * lines;
+    ui.add(DragValue::new(&mut radius).range(2.0..=4.0 * lines).speed(1.0).max_decimals(0).suffix(" px"))
+        .accessible("Radius");
+    new.radius = radius / lines;
+    ui.end_row();
+    ui.label("Rigidity");
+    ui.add(egui::Slider::new(&mut new.rigidity, 0.0..=1.0).max_decimals(2)).accessible("Rigidity");
+    ui.end_row();
+    ui.label("Stiffness");
+    ui.add(egui::Slider::new(&mut new.stiffness, 0.01..=100.0).logarithmic(true).max_decimals(2))
+        .accessible("Stiffness");
+    ui.end_row();
+    let is_other =
+        (new.radius - old.radius).abs() > 1e-9 || new.rigidity != old.rigidity || new.stiffness != old.stiffness;
+    if is_other {
+        session.set_region(at, Some(new));
+    }
+}
+
+/// A figure of a layer.
+type Figure = fn(&LayerReport) -> Option<f64>;
+
+/// A line of the table: name, figure, its sign where more is better, and from where on it is worrying.
+const FIGURES: [(&str, Figure, f64, f64); 4] = [
+    ("Pin error, px", |layer| Some(layer.pin_error_px), 1.0, 0.05),
+    ("Least det J", |layer| Some(layer.solve.min_det), -1.0, -0.1),
+    ("Distortion", |layer| Some(layer.solve.angular), 1.0, 1.0),
+    ("Jerk, px", |layer| Some(layer.jerk?.warp_px), 1.0, 40.0),
+];
+
+fn report(ui: &mut Ui, session: &mut Session) {
+    ui.horizontal(|ui| {
+        ui.strong("Report");
+        ui.weak(format!("frame {}", session.playhead.frame()));
+    });
+    ui.separator();
+    let Some(solve) = session.solve().cloned() else { return ui.weak("The frame is not solved yet.").into_inner() };
+    if solve.report.layers.is_empty() {
+        ui.weak("No layer is warped.");
+    }
+    let mut wanted = None;
+    Grid::new("report").num_columns(3).spacing([10.0, 4.0]).show(ui, |ui| {
+        for (index, (name, figure, sign, limit)) in FIGURES.into_iter().enumerate() {
+            let worst = worst(&solve.report, figure, sign);
+            let Some(worst) = worst else { continue };
+            ui.label(name);
+            let is_bad = sign * worst > limit;
+            let color = if is_bad { heat(3.0) } else { ui.visuals().text_color() };
+            ui.label(RichText::new(format!("{worst:.3}")).color(color).monospace());
+            if ui.small_button("worst").on_hover_text("Go to the worst frame of those that are drawn").clicked() {
+                wanted = Some(index);
+            }
+            ui.end_row();
+        }
+    });
+    if let Some((_, figure, sign, _)) = wanted.map(|index| FIGURES[index]) {
+        session.go_to_worst(|report| worst(report, figure, sign).map(|worst| sign * worst));
+    }
+    for text in &solve.report.warnings {
+        ui.add_space(4.0);
+        ui.label(RichText::new(text).color(warning(ui)).small());
+    }
+}
+
+fn warning(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 110) } else { Color32::from_rgb(150, 76, 0) }
+}
+
+/// The worst of all layers.
+fn worst(report: &FrameReport, figure: Figure, sign: f64) -> Option<f64> {
+    let known = report.layers.iter().filter_map(figure).filter(|value| value.is_finite());
+    known.max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
+}
+
+/// Words end a block.
+trait IntoInner {
+    fn into_inner(self);
+}
+
+impl IntoInner for egui::Response {
+    fn into_inner(self) {}
+}

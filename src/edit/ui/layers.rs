@@ -1,0 +1,190 @@
+//! The list of layers and the settings of the chosen one.
+
+use super::shot_panel;
+use super::timeline::Accessible;
+use crate::edit::Session;
+use crate::lattice::Basis;
+use crate::shot::LayerSpace;
+use crate::shot::edit::Setting;
+use eframe::egui::{self, CollapsingHeader, ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+
+/// What was clicked in the list.
+enum Click {
+    Layer(usize),
+    Mute(String),
+    Solo(String),
+    Pin([usize; 2], bool),
+}
+
+pub(super) fn show(ui: &mut Ui, session: &mut Session) {
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        ui.strong("Layers");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.small_button("\u{2796}").accessible("Delete layer").clicked() {
+                session.delete_layer();
+            }
+            ui.menu_button("\u{2795}", |ui| add_menu(ui, session)).response.accessible("Add layer");
+            if ui.small_button("\u{23f7}").accessible("Layer down").clicked() {
+                session.move_layer(1);
+            }
+            if ui.small_button("\u{23f6}").accessible("Layer up").clicked() {
+                session.move_layer(-1);
+            }
+        });
+    });
+    ui.separator();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let mut click = None;
+        for layer in 0..session.shot().layers.len() {
+            row(ui, session, layer, &mut click);
+        }
+        match click {
+            Some(Click::Layer(layer)) => {
+                session.selection.clear();
+                session.selection.layer = layer;
+            }
+            Some(Click::Mute(name)) => session.toggle_mute(&name),
+            Some(Click::Solo(name)) => session.toggle_solo(&name),
+            Some(Click::Pin(at, true)) => _ = session.selection.pins.insert(at),
+            Some(Click::Pin(at, false)) => session.selection.only_pin(at),
+            None => {}
+        }
+        ui.add_space(8.0);
+        settings(ui, session);
+        shot_panel::show(ui, session);
+    });
+}
+
+fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) {
+    let layer = &session.shot().layers[index];
+    let is_chosen = session.selection.layer == index;
+    let is_muted = session.is_muted(&layer.name);
+    ui.horizontal(|ui| {
+        let eye = if is_muted { RichText::new("\u{25cb}").weak() } else { RichText::new("\u{25cf}") };
+        let name = if is_muted { "Unmute" } else { "Mute" };
+        if ui.small_button(eye).accessible(&format!("{name} {}", layer.name)).clicked() {
+            *click = Some(Click::Mute(layer.name.clone()));
+        }
+        let solo = ui.selectable_label(session.is_solo(&layer.name), "S").accessible(&format!("Solo {}", layer.name));
+        if solo.clicked() {
+            *click = Some(Click::Solo(layer.name.clone()));
+        }
+        let name = RichText::new(&layer.name);
+        let name = if is_chosen { name.strong() } else { name };
+        if ui.selectable_label(is_chosen && session.selection.pins.is_empty(), name).clicked() {
+            *click = Some(Click::Layer(index));
+        }
+        ui.weak(format!("{}", layer.pins.len()));
+    });
+    if !is_chosen {
+        return;
+    }
+    for (pin, own) in layer.pins.iter().enumerate() {
+        ui.horizontal(|ui| {
+            ui.add_space(52.0);
+            let is_chosen = session.selection.pins.contains(&[index, pin]);
+            let keys =
+                if own.keys.len() > 1 { format!("{}  \u{25c6}{}", own.name, own.keys.len()) } else { own.name.clone() };
+            if ui.selectable_label(is_chosen, keys).clicked() {
+                let adds = ui.input(|input| input.modifiers.shift || input.modifiers.command);
+                *click = Some(Click::Pin([index, pin], adds));
+            }
+        });
+    }
+}
+
+fn add_menu(ui: &mut Ui, session: &mut Session) {
+    if ui.button("Everything").clicked() {
+        session.add_layer(&[]);
+    }
+    let nodes = session.loaded().nodes.clone();
+    ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+        for (node, _) in nodes {
+            if ui.button(&node).clicked() {
+                session.add_layer(&[node]);
+            }
+        }
+    });
+}
+
+fn settings(ui: &mut Ui, session: &mut Session) {
+    let index = session.selection.layer;
+    let Some(layer) = session.shot().layers.get(index).cloned() else { return };
+    CollapsingHeader::new(format!("Settings of '{}'", layer.name)).default_open(true).show(ui, |ui| {
+        Grid::new("layer settings").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+            // The shot's strength is in it, too.
+            let own = session.own_strength(index);
+            let mut strength = own;
+            ui.label("Strength");
+            let slider = Slider::new(&mut strength, 0.0..=2.0).clamping(egui::SliderClamping::Never).max_decimals(2);
+            if ui.add(slider).accessible("Strength").changed() && strength != own {
+                let setting =
+                    if strength == 1.0 { Setting::Default } else { Setting::Number((strength * 1e3).round() / 1e3) };
+                session.set_layer("Change strength", &["strength"], &setting, Some("strength"));
+            }
+            ui.end_row();
+            if let LayerSpace::Screen { dims, .. } = layer.space {
+                ui.label("Lattice");
+                ui.horizontal(|ui| dims_row(ui, session, (dims, layer.has_auto_dims)));
+                ui.end_row();
+            }
+            ui.label("Basis");
+            basis(ui, session, layer.basis);
+            ui.end_row();
+            ui.label("Smoothness");
+            let mut smoothness = session.own_smoothness(index);
+            let old = smoothness;
+            let slider = Slider::new(&mut smoothness, 0.1..=10.0).logarithmic(true).max_decimals(2);
+            if ui.add(slider).accessible("Smoothness").changed() && smoothness != old {
+                let setting = Setting::Number((smoothness * 1e2).round() / 1e2);
+                session.set_layer("Change smoothness", &["solve", "smoothness"], &setting, Some("smoothness"));
+            }
+            ui.end_row();
+            ui.label("Over time");
+            let mut temporal = layer.settings.temporal;
+            let value = DragValue::new(&mut temporal).range(0.0..=10.0).speed(0.02).max_decimals(2);
+            let hint = "Frames are solved together, so that nothing snaps; 0: each alone";
+            if ui.add(value).on_hover_text(hint).changed() {
+                session.set_layer(
+                    "Change weight over time",
+                    &["solve", "temporal"],
+                    &Setting::Number(temporal),
+                    Some("temporal"),
+                );
+            }
+            ui.end_row();
+            ui.label("Name");
+            let mut name = layer.name.clone();
+            if ui.text_edit_singleline(&mut name).accessible("Layer name").changed() && !name.trim().is_empty() {
+                session.rename_layer(&name);
+            }
+            ui.end_row();
+        });
+    });
+}
+
+fn dims_row(ui: &mut Ui, session: &mut Session, (dims, is_auto): ([usize; 2], bool)) {
+    if is_auto {
+        ui.weak("auto");
+        return;
+    }
+    let mut new = dims;
+    for (axis, name) in ["Columns", "Rows"].into_iter().enumerate() {
+        ui.add(DragValue::new(&mut new[axis]).range(4..=64).speed(0.1)).accessible(name);
+    }
+    if new != dims {
+        session.set_dims(new);
+    }
+}
+
+fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
+    let name = serde_json::to_value(basis).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+    ComboBox::from_id_salt("basis").selected_text(&name).width(110.0).show_ui(ui, |ui| {
+        for other in ["bspline", "bilinear", "bernstein", "barytri"] {
+            if ui.selectable_label(other == name, other).clicked() {
+                session.set_layer("Change basis", &["lattice", "basis"], &Setting::Text(other.into()), None);
+            }
+        }
+    });
+}

@@ -1,0 +1,219 @@
+//! What is drawn over the picture: lattices, pins, regions, folds, trails, guides.
+//!
+//! In: a [`Session`], a [`Lens`]. Out: shapes.
+
+use super::over;
+use super::theme::heat;
+use crate::edit::{Lens, Session};
+use crate::pipeline::{LayerMarks, PinMark};
+use crate::space::ScreenPoint;
+use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use std::collections::BTreeMap;
+
+/// Radius of the ring around a chosen pin, points.
+pub(super) const RING: f32 = 44.0;
+
+/// Frames on either side of which trails tell.
+const TRAIL: i32 = 24;
+
+/// Draws over a picture.
+pub(super) struct Over<'a> {
+    pub(super) session: &'a Session,
+    pub(super) lens: Lens,
+    pub(super) painter: Painter,
+    pub(super) origin: Pos2,
+}
+
+impl Over<'_> {
+    fn at(&self, point: ScreenPoint) -> Pos2 {
+        let place = self.lens.viewport_from_screen(point);
+        self.origin + vec2(place.x as f32, place.y as f32)
+    }
+
+    /// Everything that is switched on.
+    pub(super) fn draw(&self) {
+        let shown = self.session.shown;
+        if shown.is_hidden {
+            return;
+        }
+        if shown.safe_areas {
+            self.safe_areas();
+        }
+        let chosen = self.session.selection.layer;
+        let marks = self.session.marks();
+        let ordered = marks
+            .iter()
+            .filter(|marks| marks.layer != chosen)
+            .chain(marks.iter().filter(|marks| marks.layer == chosen));
+        let ordered: Vec<&LayerMarks> = ordered.collect();
+        for marks in &ordered {
+            if shown.lattice {
+                self.lattice(marks, marks.layer == chosen);
+            }
+            if shown.folds {
+                marks.folded.iter().for_each(|cell| self.fold(cell));
+            }
+        }
+        if shown.trails {
+            self.trails();
+        }
+        if shown.handles {
+            ordered.iter().for_each(|marks| self.handles(marks));
+        }
+        if shown.pins {
+            ordered.iter().for_each(|marks| marks.pins.iter().for_each(|pin| self.pin(marks.layer, pin)));
+            self.ring();
+        }
+        if let Some(corners) = self.session.choosing_box() {
+            let rect = Rect::from_two_pos(self.at(corners[0]), self.at(corners[1]));
+            self.painter.rect(
+                rect,
+                0,
+                Color32::from_white_alpha(16),
+                Stroke::new(1.0, over::CHOSEN),
+                StrokeKind::Middle,
+            );
+        }
+    }
+
+    fn lattice(&self, marks: &LayerMarks, is_chosen: bool) {
+        let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
+        let is_heat = self.session.shown.distortion && is_chosen;
+        for (number, line) in marks.lines.iter().enumerate() {
+            let points: Vec<Pos2> = line.iter().map(|&point| self.at(point)).collect();
+            let stretches = marks.distortion.get(number).filter(|_| is_heat);
+            match stretches {
+                None => _ = self.painter.line(points, Stroke::new(1.0, color)),
+                Some(stretches) => {
+                    for (ends, stretch) in points.windows(2).zip(stretches.windows(2)) {
+                        let color = heat(f64::midpoint(stretch[0], stretch[1]));
+                        self.painter.line_segment([ends[0], ends[1]], Stroke::new(2.5, color));
+                    }
+                }
+            }
+        }
+    }
+
+    fn fold(&self, cell: &[ScreenPoint]) {
+        // A fan around the middle: folded cells are not convex.
+        let points: Vec<Pos2> = cell.iter().map(|&point| self.at(point)).collect();
+        let sum = points.iter().fold(vec2(0.0, 0.0), |sum, point| sum + point.to_vec2());
+        let mut mesh = Mesh::default();
+        mesh.colored_vertex((sum / points.len().max(1) as f32).to_pos2(), over::FOLD);
+        points.iter().for_each(|&point| mesh.colored_vertex(point, over::FOLD));
+        let count = points.len() as u32;
+        (0..count).for_each(|k| mesh.add_triangle(0, 1 + k, 1 + (k + 1) % count));
+        self.painter.add(Shape::mesh(mesh));
+    }
+
+    fn handles(&self, marks: &LayerMarks) {
+        let layer = self.session.document().shot().layers.get(marks.layer);
+        let [columns, rows, _] = layer.map_or([1; 3], |layer| layer.space.dims());
+        for (number, handle) in marks.handles.iter().enumerate() {
+            let Some(place) = handle.map(|handle| self.at(handle)) else { continue };
+            let index = [number % columns, number / columns % rows, number / columns / rows];
+            let is_chosen = self.session.selection.handles.contains(&(marks.layer, index));
+            let color = if is_chosen { over::CHOSEN } else { over::HANDLE };
+            let half = if is_chosen { 4.0 } else { 3.0 };
+            self.painter.rect_filled(
+                Rect::from_center_size(place, vec2(2.0 * half + 2.0, 2.0 * half + 2.0)),
+                1,
+                over::SHADE,
+            );
+            self.painter.rect_filled(Rect::from_center_size(place, vec2(2.0 * half, 2.0 * half)), 1, color);
+        }
+    }
+
+    fn pin(&self, layer: usize, pin: &PinMark) {
+        let session = self.session;
+        let is_chosen = session.selection.pins.contains(&[layer, pin.pin]);
+        let (rest, target) = (self.at(pin.rest), self.at(pin.target));
+        if !pin.rim.is_empty() && is_chosen {
+            let rim: Vec<Pos2> = pin.rim.iter().map(|&point| self.at(point)).collect();
+            self.painter.line(rim, Stroke::new(1.5, over::REGION));
+        }
+        if session.shown.rest && rest.distance(target) > 3.0 {
+            self.painter.line_segment([rest, target], Stroke::new(3.0, over::SHADE));
+            self.painter.line_segment([rest, target], Stroke::new(1.2, over::PIN));
+            self.painter.circle_stroke(rest, 4.0, Stroke::new(3.0, over::SHADE));
+            self.painter.circle_stroke(rest, 4.0, Stroke::new(1.4, over::REST));
+        }
+        let radius = if is_chosen { 6.0 } else { 4.5 };
+        self.painter.circle_filled(target, radius + 1.5, over::SHADE);
+        self.painter.circle_filled(target, radius, over::PIN);
+        if is_chosen {
+            self.painter.circle_stroke(target, radius, Stroke::new(2.0, over::CHOSEN));
+        }
+        if session.shown.names {
+            let named = session.shot().layers.get(layer).and_then(|layer| layer.pins.get(pin.pin));
+            let color = if is_chosen { over::CHOSEN } else { Color32::from_gray(225) };
+            named.into_iter().for_each(|named| self.label(target + vec2(10.0, 0.0), &named.name, color));
+        }
+    }
+
+    fn label(&self, at: Pos2, text: &str, color: Color32) {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), color);
+        let rect = Align2::LEFT_CENTER.anchor_size(at, galley.size());
+        self.painter.rect_filled(rect.expand2(vec2(3.0, 1.0)), 3, Color32::from_black_alpha(120));
+        self.painter.galley(rect.min, galley, color);
+    }
+
+    fn ring(&self) {
+        let Some(center) = self.session.ring_center().map(|center| self.at(center)) else { return };
+        self.painter.circle_stroke(center, RING, Stroke::new(3.0, Color32::from_black_alpha(70)));
+        self.painter.circle_stroke(center, RING, Stroke::new(1.3, Color32::from_white_alpha(170)));
+        let angle = self.session.selection.single_pin().and_then(|pin| self.session.key_here(pin)).and_then(|key| {
+            let Some(crate::shot::Rotation::InView(angle)) = key.rotate_degrees else { return None };
+            Some(angle.to_radians() as f32)
+        });
+        let knob = center + RING * vec2(angle.unwrap_or(0.0).cos(), -angle.unwrap_or(0.0).sin());
+        self.painter.circle_filled(knob, 5.0, over::SHADE);
+        self.painter.circle_filled(knob, 3.5, over::CHOSEN);
+    }
+
+    /// Where the chosen pins were and will be; of a layer without chosen pins all of its pins.
+    fn trails(&self) {
+        let (chosen, here) = (&self.session.selection, self.session.playhead.frame());
+        let mut ways: BTreeMap<[usize; 2], Vec<(i32, Pos2)>> = BTreeMap::new();
+        for solve in self.session.solves().filter(|solve| (solve.frame - here).abs() <= TRAIL) {
+            for marks in &solve.marks {
+                for pin in &marks.pins {
+                    let at = [marks.layer, pin.pin];
+                    if chosen.pins.contains(&at) || chosen.pins.is_empty() && marks.layer == chosen.layer {
+                        ways.entry(at).or_default().push((solve.frame, self.at(pin.target)));
+                    }
+                }
+            }
+        }
+        for way in ways.values() {
+            for step in way.windows(2).filter(|step| step[1].0 - step[0].0 == 1) {
+                let far = (step[1].0 - here).abs() as f32 / TRAIL as f32;
+                let color =
+                    if step[1].0 <= here { Color32::from_rgb(255, 120, 90) } else { Color32::from_rgb(90, 190, 255) };
+                self.painter
+                    .line_segment([step[0].1, step[1].1], Stroke::new(1.6, color.gamma_multiply(1.0 - 0.8 * far)));
+            }
+            for (frame, at) in way {
+                let far = (frame - here).abs() as f32 / TRAIL as f32;
+                self.painter.circle_filled(*at, 1.8, Color32::WHITE.gamma_multiply(1.0 - 0.9 * far));
+            }
+        }
+    }
+
+    fn safe_areas(&self) {
+        let [low, high] = self.lens.corners().map(|corner| self.origin + vec2(corner.x as f32, corner.y as f32));
+        let frame = Rect::from_min_max(low, high);
+        for (share, name) in [(0.93, "action"), (0.90, "title")] {
+            let rect = Rect::from_center_size(frame.center(), frame.size() * share);
+            self.painter.rect_stroke(rect, 0, Stroke::new(1.0, over::GUIDE), StrokeKind::Middle);
+            let font = FontId::proportional(10.0);
+            self.painter.text(rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, name, font, over::GUIDE);
+        }
+        let middle = frame.center();
+        for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
+            self.painter.line_segment([middle - arm, middle + arm], Stroke::new(1.0, over::GUIDE));
+        }
+        self.painter.rect_stroke(frame, 0, Stroke::new(1.0, over::GUIDE), StrokeKind::Outside);
+        let _ = pos2(0.0, 0.0);
+    }
+}

@@ -1,0 +1,158 @@
+//! The bar at the top: menus, the file's name, what goes on.
+
+use super::keys::words;
+use crate::edit::{Action, Onion, RunState, Session, Shortcuts, Wipe};
+use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
+
+/// The menus. Gives the actions that were chosen.
+pub(super) fn show(ui: &mut Ui, session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
+    let mut chosen = Vec::new();
+    let is_open = session.is_some();
+    egui::MenuBar::new().ui(ui, |ui| {
+        let mut entry = |ui: &mut Ui, action: Action, is_enabled: bool| {
+            let button = Button::new(action.words()).shortcut_text(words(shortcuts, action));
+            if ui.add_enabled(is_enabled, button).clicked() {
+                chosen.push(action);
+            }
+        };
+        ui.menu_button("File", |ui| {
+            entry(ui, Action::Open, true);
+            entry(ui, Action::Save, is_open);
+            entry(ui, Action::SaveAs, is_open);
+            ui.separator();
+            entry(ui, Action::Render, is_open);
+            ui.separator();
+            entry(ui, Action::Quit, true);
+        });
+        ui.menu_button("Edit", |ui| {
+            for action in
+                [Action::Undo, Action::Redo, Action::Copy, Action::Paste, Action::Delete, Action::All, Action::Key]
+            {
+                entry(ui, action, is_open);
+            }
+        });
+        ui.menu_button("View", |ui| {
+            for action in [Action::Fit, Action::OneToOne, Action::ZoomIn, Action::ZoomOut] {
+                entry(ui, action, is_open);
+            }
+            ui.separator();
+            if let Some(session) = session {
+                switches(ui, session, shortcuts);
+            }
+            ui.separator();
+            theme(ui);
+        });
+        ui.menu_button("Time", |ui| {
+            use Action::{Back, First, Forward, KeyBack, KeyForward, Last, Play, RangeIn, RangeOut};
+            for action in [Play, Back, Forward, KeyBack, KeyForward, First, Last, RangeIn, RangeOut] {
+                entry(ui, action, is_open);
+            }
+        });
+        ui.menu_button("Help", |ui| entry(ui, Action::Keys, true));
+    });
+    chosen
+}
+
+fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
+    let mut shown = session.shown;
+    let switch = |ui: &mut Ui, action: Action, value: &mut bool| {
+        ui.horizontal(|ui| {
+            ui.checkbox(value, action.words());
+            ui.weak(words(shortcuts, action));
+        });
+    };
+    switch(ui, Action::Lattice, &mut shown.lattice);
+    switch(ui, Action::Handles, &mut shown.handles);
+    switch(ui, Action::Pins, &mut shown.pins);
+    ui.checkbox(&mut shown.names, "Names of pins");
+    ui.checkbox(&mut shown.rest, "Rest places");
+    ui.checkbox(&mut shown.folds, "Folded cells");
+    switch(ui, Action::Distortion, &mut shown.distortion);
+    switch(ui, Action::Trails, &mut shown.trails);
+    switch(ui, Action::SafeAreas, &mut shown.safe_areas);
+    let mut has_onion = shown.onion.count > 0;
+    switch(ui, Action::Onion, &mut has_onion);
+    shown.onion.count = if has_onion { shown.onion.count.max(1) } else { 0 };
+    if has_onion {
+        onion(ui, &mut shown.onion);
+    }
+    session.shown = shown;
+    let mut is_wiped = matches!(shown.wipe, Wipe::At(_));
+    switch(ui, Action::Wipe, &mut is_wiped);
+    if is_wiped != matches!(shown.wipe, Wipe::At(_)) {
+        session.set_wipe(if is_wiped { Wipe::At(0.5) } else { Wipe::Off });
+    }
+    if let Wipe::At(mut share) = session.shown.wipe
+        && ui.add(egui::Slider::new(&mut share, 0.0..=1.0).text("wipe")).changed()
+    {
+        session.shown.wipe = Wipe::At(share);
+    }
+}
+
+fn onion(ui: &mut Ui, onion: &mut Onion) {
+    ui.indent("onion", |ui| {
+        ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
+        let mut by_keys = onion.every == 0;
+        if ui.checkbox(&mut by_keys, "by keys of chosen pins").changed() {
+            onion.every = if by_keys { 0 } else { 2 };
+        }
+        if !by_keys {
+            ui.add(egui::Slider::new(&mut onion.every, 1..=24).text("frames apart"));
+        }
+        ui.add(egui::Slider::new(&mut onion.opacity, 0.05..=1.0).text("opacity"));
+    });
+}
+
+fn theme(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let mut preference = ui.ctx().options(|options| options.theme_preference);
+        let names =
+            [(ThemePreference::Dark, "Dark"), (ThemePreference::Light, "Light"), (ThemePreference::System, "System")];
+        for (value, name) in names {
+            if ui.selectable_value(&mut preference, value, name).clicked() {
+                ui.ctx().set_theme(value);
+            }
+        }
+    });
+}
+
+/// The file's name in the middle of the bar, and what goes on at its right end.
+pub(super) fn state(ui: &mut Ui, session: &Session) {
+    let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let sign = if session.document().is_dirty() { "\u{25cf} not saved" } else { "" };
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.add_space(6.0);
+        if let Some(part) = session.progress() {
+            ui.add(egui::ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
+        }
+        if let Some(run) = session.run().filter(|run| run.state == RunState::Running) {
+            let part = run.done as f32 / run.frames.max(1) as f32;
+            ui.add(
+                egui::ProgressBar::new(part).desired_width(110.0).text(format!("frame {} / {}", run.done, run.frames)),
+            );
+        }
+        ui.weak(sign);
+        ui.label(RichText::new(name).strong());
+    });
+}
+
+/// The line at the bottom: what the last action says, or what could be done.
+pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
+    ui.horizontal(|ui| {
+        ui.add_space(4.0);
+        if let Some(fault) = session.fault() {
+            ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
+        } else if let Some(message) = session.message() {
+            ui.label(message);
+        } else {
+            ui.weak(
+                "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
+                 Wheel: zoom.  Middle button: pan.  F1: keys.",
+            );
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add_space(6.0);
+            ui.weak(&session.loaded().device);
+        });
+    });
+}

@@ -1,0 +1,35 @@
+//! Arrow keys and Escape.
+
+use crate::edit::Session;
+use eframe::egui::{self, Key, Modifiers};
+use glam::DVec2;
+
+/// Arrow keys move what is chosen by a pixel, with Shift by ten; Escape gives up what the pen does.
+pub(super) fn show(ctx: &egui::Context, session: &mut Session) {
+    if ctx.text_edit_focused() {
+        return;
+    }
+    if ctx.input(|input| input.key_pressed(Key::Escape)) {
+        session.cancel();
+    }
+    if session.selection.pins.is_empty() && session.selection.handles.is_empty() {
+        return;
+    }
+    let pixel = 1.0 / f64::from(session.shot().size.height.max(1));
+    let arrows = [
+        (Key::ArrowLeft, DVec2::NEG_X),
+        (Key::ArrowRight, DVec2::X),
+        (Key::ArrowUp, DVec2::Y),
+        (Key::ArrowDown, DVec2::NEG_Y),
+    ];
+    let mut by = DVec2::ZERO;
+    ctx.input_mut(|input| {
+        for (key, way) in arrows {
+            by += way * 10.0 * input.count_and_consume_key(Modifiers::SHIFT, key) as f64;
+            by += way * input.count_and_consume_key(Modifiers::NONE, key) as f64;
+        }
+    });
+    if by != DVec2::ZERO {
+        session.nudge(by * pixel);
+    }
+}

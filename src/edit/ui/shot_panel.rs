@@ -1,0 +1,103 @@
+//! Settings of the whole shot: clip, frames, camera, samples, what is hidden.
+
+use super::timeline::Accessible;
+use crate::edit::Session;
+use crate::shot::edit::Setting;
+use crate::shot::{CameraRule, ClipName};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, ScrollArea, Ui};
+
+/// Views of scenes without a camera of their own.
+const VIEWS: [&str; 7] = ["fit", "front", "three-quarter", "left", "right", "back", "top"];
+
+pub(super) fn show(ui: &mut Ui, session: &mut Session) {
+    CollapsingHeader::new("Shot").default_open(false).show(ui, |ui| {
+        Grid::new("shot").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+            clip(ui, session);
+            frames(ui, session);
+            camera(ui, session);
+            ui.label("Samples");
+            let mut samples = session.shot().samples;
+            let value = DragValue::new(&mut samples).range(1..=256).speed(0.2);
+            if ui.add(value).accessible("Samples").on_hover_text("a pixel, of the rendered frame").changed() {
+                session.set_shot("Change samples", &["samples"], &Setting::Whole(i64::from(samples)), Some("samples"));
+            }
+            ui.end_row();
+        });
+        nodes(ui, session);
+    });
+}
+
+fn clip(ui: &mut Ui, session: &mut Session) {
+    let clips = session.loaded().clips.clone();
+    if clips.is_empty() {
+        return;
+    }
+    let chosen = match &session.shot().clip {
+        Some(ClipName::Name(name)) => name.clone(),
+        Some(ClipName::Index(index)) => clips.get(*index).map_or_else(String::new, |(name, _)| name.clone()),
+        None => clips[0].0.clone(),
+    };
+    ui.label("Clip");
+    ComboBox::from_id_salt("clip").selected_text(&chosen).width(140.0).height(320.0).show_ui(ui, |ui| {
+        for (name, secs) in &clips {
+            if ui.selectable_label(*name == chosen, format!("{name}  {secs:.2} s")).clicked() {
+                session.choose_clip(name, *secs);
+            }
+        }
+    });
+    ui.end_row();
+}
+
+fn frames(ui: &mut Ui, session: &mut Session) {
+    ui.label("Frames");
+    let [mut first, mut last] = session.playhead.shot_range();
+    ui.horizontal(|ui| {
+        if ui.add(DragValue::new(&mut first).range(-100_000..=last).speed(0.2)).accessible("First of the shot").changed() {
+            let first = Setting::Whole(i64::from(first));
+            session.set_shot("Change frames", &["frames", "first"], &first, Some("frames"));
+        }
+        ui.label("to");
+        if ui.add(DragValue::new(&mut last).range(first..=100_000).speed(0.2)).accessible("Last of the shot").changed() {
+            session.set_shot("Change frames", &["frames", "last"], &Setting::Whole(i64::from(last)), Some("frames"));
+        }
+    });
+    ui.end_row();
+}
+
+fn camera(ui: &mut Ui, session: &mut Session) {
+    if !session.shot().scene().is_some_and(|scene| scene.is_file()) {
+        return;
+    }
+    let own = session.loaded().cameras.clone();
+    let chosen = match &session.shot().camera {
+        CameraRule::Named(name) => name.clone(),
+        CameraRule::Own(_) => "of the shot".to_owned(),
+        _ => own.first().cloned().unwrap_or_else(|| "fit".into()),
+    };
+    ui.label("Camera");
+    ComboBox::from_id_salt("camera").selected_text(&chosen).width(140.0).show_ui(ui, |ui| {
+        for name in own.iter().map(String::as_str).chain(VIEWS) {
+            if ui.selectable_label(name == chosen, name).clicked() {
+                session.set_shot("Choose camera", &["camera"], &Setting::Text(name.to_owned()), None);
+            }
+        }
+    });
+    ui.end_row();
+}
+
+fn nodes(ui: &mut Ui, session: &mut Session) {
+    let nodes = session.loaded().nodes.clone();
+    if nodes.len() < 2 {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.weak("Drawn nodes");
+    ScrollArea::vertical().id_salt("nodes").max_height(180.0).show(ui, |ui| {
+        for (name, is_hidden) in nodes {
+            let mut is_drawn = !is_hidden;
+            if ui.checkbox(&mut is_drawn, &name).changed() {
+                session.toggle_node(&name);
+            }
+        }
+    });
+}

@@ -1,0 +1,98 @@
+//! What is seen before anything is open: what to do, bundled scenes, work that a kill interrupted.
+
+use super::bundled::BUNDLED;
+use super::theme;
+use crate::edit::Unfinished;
+use eframe::egui::{self, Align2, Color32, FontId, RichText, Ui, vec2};
+
+/// What was clicked.
+pub(super) enum Wish {
+    Open,
+    Bundled(usize),
+    Recover(usize),
+    Forget(usize),
+}
+
+pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Option<Wish> {
+    let mut wish = None;
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0, ui.visuals().panel_fill);
+    let width = 620.0_f32.min(rect.width() - 40.0);
+    let middle = egui::Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 40.0).min(560.0)));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
+        ui.vertical_centered(|ui| {
+            ui.label(RichText::new("pinwarp").size(34.0).strong());
+            ui.weak("Put pins on a model as you see it, drag them, and the shape follows.");
+            ui.add_space(18.0);
+            let open = egui::Button::new(RichText::new("Open\u{2026}").size(17.0)).min_size(vec2(180.0, 38.0));
+            if ui.add(open).clicked() {
+                wish = Some(Wish::Open);
+            }
+            ui.add_space(4.0);
+            ui.weak("or drop a scene (.glb, .gltf), a picture or a shot (.toml) on this window");
+            if let Some(fault) = fault {
+                ui.add_space(8.0);
+                ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
+            }
+            if !left.is_empty() {
+                ui.add_space(16.0);
+                recover(ui, left, &mut wish);
+            }
+            ui.add_space(18.0);
+            ui.label(RichText::new("Or begin with one of these").strong());
+            ui.add_space(6.0);
+            ui.horizontal_wrapped(|ui| {
+                let line = 3.0 * 190.0 + 12.0;
+                ui.add_space(((ui.available_width() - line) / 2.0).max(0.0));
+                for (index, scene) in BUNDLED.iter().enumerate() {
+                    if card(ui, scene.title, scene.words).clicked() {
+                        wish = Some(Wish::Bundled(index));
+                    }
+                }
+            });
+            ui.add_space(14.0);
+            ui.weak("Two minutes: open the walking gnome, drag the hand, press play.");
+        });
+    });
+    wish
+}
+
+fn card(ui: &mut Ui, title: &str, words: &str) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(186.0, 58.0), egui::Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, title));
+    let visuals = ui.style().interact(&response);
+    ui.painter().rect_filled(rect, 6, visuals.weak_bg_fill);
+    if response.hovered() {
+        ui.painter().rect_stroke(rect, 6, egui::Stroke::new(1.5, theme::ACCENT), egui::StrokeKind::Inside);
+    }
+    let left = rect.left_center() + vec2(12.0, 0.0);
+    ui.painter().text(
+        left - vec2(0.0, 10.0),
+        Align2::LEFT_CENTER,
+        title,
+        FontId::proportional(14.0),
+        visuals.text_color(),
+    );
+    let weak = ui.visuals().weak_text_color();
+    ui.painter().text(left + vec2(0.0, 10.0), Align2::LEFT_CENTER, words, FontId::proportional(11.0), weak);
+    response
+}
+
+fn recover(ui: &mut Ui, left: &[Unfinished], wish: &mut Option<Wish>) {
+    egui::Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
+        ui.label(RichText::new("The editor ended before these were saved").strong());
+        for (index, one) in left.iter().enumerate() {
+            ui.horizontal(|ui| {
+                ui.label(one.path.display().to_string());
+                ui.weak(crate::spelling::counted(one.history.labels().count(), "change", "changes"));
+                if ui.button("Recover").clicked() {
+                    *wish = Some(Wish::Recover(index));
+                }
+                if ui.button("Forget").clicked() {
+                    *wish = Some(Wish::Forget(index));
+                }
+            });
+        }
+    });
+    let _ = Color32::WHITE;
+}

@@ -1,0 +1,254 @@
+//! The picture, and the pen over it.
+//!
+//! In: a [`Session`]. Out: presses, drags, zooms; textures and shapes.
+
+use super::keys::is_held;
+use super::marks::{Over, RING};
+use super::theme;
+use crate::edit::{Action, Held, Lens, Picture, Ring, Session, Shortcuts, Wipe, Zoom};
+use eframe::egui::{
+    self, Align2, Color32, ColorImage, FontId, PointerButton, Pos2, Rect, Role, Sense, Stroke, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, vec2,
+};
+use glam::DVec2;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How near to a point the pen has to be, points.
+const REACH: f32 = 10.0;
+
+/// Pictures on the graphics card.
+#[derive(Default)]
+pub(super) struct Textures {
+    seen: BTreeMap<&'static str, (Arc<Picture>, TextureHandle)>,
+    onion: BTreeMap<i32, (Arc<Picture>, TextureHandle)>,
+}
+
+fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> TextureHandle {
+    ctx.load_texture(name, image_of(picture), TextureOptions::LINEAR)
+}
+
+fn image_of(picture: &Picture) -> ColorImage {
+    ColorImage::from_rgba_premultiplied(picture.size, &picture.rgba)
+}
+
+impl Textures {
+    fn of(&mut self, ctx: &egui::Context, name: &'static str, picture: &Arc<Picture>) -> egui::TextureId {
+        match self.seen.get_mut(name) {
+            Some((known, texture)) if Arc::ptr_eq(known, picture) => texture.id(),
+            Some((known, texture)) => {
+                texture.set(image_of(picture), TextureOptions::LINEAR);
+                *known = Arc::clone(picture);
+                texture.id()
+            }
+            None => {
+                let texture = upload(ctx, name, picture);
+                let id = texture.id();
+                self.seen.insert(name, (Arc::clone(picture), texture));
+                id
+            }
+        }
+    }
+
+    fn of_frame(&mut self, ctx: &egui::Context, picture: &Arc<Picture>) -> egui::TextureId {
+        let known = self.onion.get(&picture.frame).filter(|(known, _)| Arc::ptr_eq(known, picture));
+        if known.is_none() {
+            self.onion.insert(picture.frame, (Arc::clone(picture), upload(ctx, "onion", picture)));
+        }
+        self.onion[&picture.frame].1.id()
+    }
+}
+
+/// Shows the picture, and what the pen does to it.
+pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, textures: &mut Textures) {
+    let rect = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
+    let lens = session.zoom.lens(session.shot().size, DVec2::new(rect.width().into(), rect.height().into()));
+    session.viewport = lens.viewport;
+    session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
+    let before = is_held(ui.ctx(), shortcuts, Action::Before);
+    match (before, session.shown.wipe) {
+        (true, Wipe::Off) => session.set_wipe(Wipe::Before),
+        (false, Wipe::Before) => session.set_wipe(Wipe::Off),
+        _ => {}
+    }
+    zoom_and_pan(ui, (&response, rect), session, &lens);
+    pen(ui, (&response, rect), (session, &lens), shortcuts);
+    let lens = session.zoom.lens(session.shot().size, lens.viewport);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0, theme::surroundings(ui.visuals()));
+    pictures(ui, (rect, lens), session, textures);
+    Over { session, lens, painter: painter.clone(), origin: rect.min }.draw();
+    status(ui, rect, session, &lens);
+    menu(&response, session);
+}
+
+fn zoom_and_pan(ui: &Ui, (response, rect): (&egui::Response, Rect), session: &mut Session, lens: &Lens) {
+    let pointer = response.hover_pos().map(|at| at - rect.min);
+    if let Some(at) = pointer {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+        let factor = f64::from(pinch) * f64::from(scroll.y / 240.0).exp();
+        if factor != 1.0 {
+            session.zoom = session.zoom.zoomed(lens, DVec2::new(at.x.into(), at.y.into()), factor);
+        }
+    }
+    if response.dragged_by(PointerButton::Middle) {
+        let by = response.drag_delta();
+        session.zoom = session.zoom.panned(lens, DVec2::new(by.x.into(), by.y.into()));
+    }
+}
+
+fn pen(
+    ui: &Ui,
+    (response, rect): (&egui::Response, Rect),
+    (session, lens): (&mut Session, &Lens),
+    shortcuts: &Shortcuts,
+) {
+    let place =
+        |at: Pos2| lens.screen_from_viewport(DVec2::new((at.x - rect.min.x).into(), (at.y - rect.min.y).into()));
+    let height = lens.frame_height();
+    let reach = f64::from(REACH) / height;
+    let (pressed, released, position, modifiers) = ui.input(|input| {
+        let pointer = &input.pointer;
+        (pointer.primary_pressed(), pointer.primary_released(), pointer.latest_pos(), input.modifiers)
+    });
+    let Some(at) = position.map(place) else { return };
+    if pressed && response.contains_pointer() {
+        response.request_focus();
+        let region = is_held(ui.ctx(), shortcuts, Action::Region);
+        let held = Held { adds: modifiers.shift, whole: modifiers.alt, region };
+        let ring = Ring { radius: f64::from(RING) / height, reach: 7.0 / height };
+        session.press(at, (reach, ring), held);
+    } else if session.is_dragging() {
+        let has_moved = ui.input(|input| input.pointer.delta() != vec2(0.0, 0.0));
+        if has_moved || released {
+            session.motion_with(at, modifiers.shift);
+        }
+    }
+    if released {
+        session.release();
+    }
+    if response.hovered() {
+        let is_near = session.pin_near(at, reach).is_some() || session.handle_near(at, reach).is_some();
+        ui.ctx().set_cursor_icon(match (session.is_dragging(), is_near) {
+            (true, _) => egui::CursorIcon::Grabbing,
+            (false, true) => egui::CursorIcon::Grab,
+            (false, false) => egui::CursorIcon::Crosshair,
+        });
+    }
+}
+
+fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &Session, textures: &mut Textures) {
+    let painter = ui.painter_at(rect);
+    let [low, high] = lens.corners().map(|corner| rect.min + vec2(corner.x as f32, corner.y as f32));
+    let frame = Rect::from_min_max(low, high);
+    painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
+    let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+    let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
+    for (picture, color) in onions(session) {
+        draw(textures.of_frame(ui.ctx(), picture), color);
+    }
+    let is_before = session.shown.wipe == Wipe::Before;
+    if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
+        draw(textures.of(ui.ctx(), "picture", picture), Color32::WHITE);
+    }
+    let Some(before) = session.before().filter(|_| session.shown.wipe != Wipe::Off) else { return };
+    let id = textures.of(ui.ctx(), "before", before);
+    match session.shown.wipe {
+        Wipe::At(share) => {
+            let x = frame.left() + share * frame.width();
+            let left = Rect::from_min_max(frame.min, egui::pos2(x, frame.bottom()));
+            painter.rect_filled(left, 0, theme::backdrop(ui.visuals()));
+            painter.image(id, left, Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(share, 1.0)), Color32::WHITE);
+            painter.vline(x, frame.y_range(), Stroke::new(1.5, Color32::WHITE));
+            let font = FontId::proportional(12.0);
+            painter.text(
+                egui::pos2(x - 8.0, frame.top() + 8.0),
+                Align2::RIGHT_TOP,
+                "before",
+                font.clone(),
+                Color32::WHITE,
+            );
+            painter.text(egui::pos2(x + 8.0, frame.top() + 8.0), Align2::LEFT_TOP, "after", font, Color32::WHITE);
+        }
+        Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
+    }
+}
+
+/// Neighbouring frames, the farthest first, each with its tint.
+fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
+    let onion = session.shown.onion;
+    if onion.count == 0 || session.playhead.is_playing() {
+        return Vec::new();
+    }
+    let here = session.playhead.frame();
+    let mut found = Vec::new();
+    for far in (1..=onion.count as i32).rev() {
+        for side in [-1, 1] {
+            let Some(frame) = onion_frame(session, here, far * side) else { continue };
+            let color = if side < 0 { Color32::from_rgb(255, 150, 130) } else { Color32::from_rgb(130, 190, 255) };
+            let opacity = onion.opacity / far as f32;
+            found.extend(session.picture_of(frame).map(|picture| (picture, color.gamma_multiply(opacity))));
+        }
+    }
+    found
+}
+
+/// The frame so many steps away, or so many keys.
+fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
+    if session.shown.onion.every > 0 {
+        return Some(here + steps * session.shown.onion.every as i32);
+    }
+    let shot = session.shot();
+    let pins = session.selection.pins.iter().filter_map(|[layer, pin]| shot.layers.get(*layer)?.pins.get(*pin));
+    let mut times: Vec<i32> = pins.flat_map(|pin| pin.keys.iter().map(|key| key.frame.round() as i32)).collect();
+    times.sort_unstable();
+    times.dedup();
+    match steps > 0 {
+        true => times.iter().filter(|time| **time > here).nth(steps as usize - 1).copied(),
+        false => times.iter().rev().filter(|time| **time < here).nth(steps.unsigned_abs() as usize - 1).copied(),
+    }
+}
+
+/// What the picture is, in its corner.
+fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
+    use crate::edit::Quality;
+    let painter = ui.painter_at(rect);
+    let here = session.playhead.frame();
+    let quality = match (session.picture(), session.progress()) {
+        _ if session.is_dragging() => "provisional".to_owned(),
+        (_, Some(part)) => format!("solving over time: {:.0} %", 100.0 * part),
+        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => "as rendered".to_owned(),
+        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Draft => "draft".to_owned(),
+        (Some(_), _) => "provisional".to_owned(),
+        (None, _) => "loading".to_owned(),
+    };
+    let percent = 100.0 * lens.scale() * f64::from(ui.ctx().pixels_per_point());
+    let zoom = if session.zoom == Zoom::Fit { ", fit" } else { "" };
+    let text = format!("{quality}   {percent:.0} %{zoom}");
+    let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
+    let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), galley.size());
+    painter.rect_filled(place.expand2(vec2(6.0, 3.0)), 4, Color32::from_black_alpha(130));
+    painter.galley(place.min, galley, Color32::WHITE);
+}
+
+/// What the right button offers.
+fn menu(response: &egui::Response, session: &mut Session) {
+    response.context_menu(|ui| {
+        let has_pins = !session.selection.pins.is_empty();
+        if ui.add_enabled(has_pins, egui::Button::new("Insert key")).clicked() {
+            session.insert_keys();
+        }
+        if ui.add_enabled(has_pins, egui::Button::new("Delete pins")).clicked() {
+            session.delete_pins();
+        }
+        ui.separator();
+        if ui.button("Choose all pins of the layer").clicked() {
+            session.choose_all();
+        }
+        if ui.button("Fit the picture").clicked() {
+            session.zoom = Zoom::Fit;
+        }
+    });
+}
