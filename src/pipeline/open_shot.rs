@@ -112,7 +112,8 @@ impl OpenShot {
         // Lattices of the scene move what lies under those of the screen.
         let is_scene_still = (0..shot.layers.len()).all(|index| is_same(index) || !is_world(&shot.layers[index]));
         let old = std::mem::take(&mut prepared.cache);
-        let mut cache = FrameCache { world_bounds: old.world_bounds, ..FrameCache::default() };
+        let mut cache = FrameCache::default();
+        cache.world_bounds = old.world_bounds;
         if is_scene_still {
             cache.screen_bounds = old.screen_bounds;
         }

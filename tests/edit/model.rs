@@ -146,14 +146,16 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
     place_pin(&mut session, at(0.3, 0.5));
     session.go(3);
     session.insert_keys();
-    drag(&mut session, session_target(&session, 0), [0.4, 0.7]);
+    let target = session.marks()[0].pins[0].target.0.to_array();
+    drag(&mut session, target, [0.4, 0.7]);
     session.choose_key([0, 0], 1.0, false);
     session.ease_keys(EasePreset::Hold);
     session.copy_keys();
     place_pin(&mut session, at(1.2, 0.5));
     session.go(5);
     session.paste_keys();
-    let pins = |session: &Session| session.document().shot().layers.iter().map(|layer| layer.pins.clone()).collect::<Vec<_>>();
+    let pins =
+        |session: &Session| session.document().shot().layers.iter().map(|layer| layer.pins.clone()).collect::<Vec<_>>();
     let of = pins(&session);
     assert_eq!(of[0][0].keys[0].ease, EasePreset::Hold.ease());
     assert_eq!(of[1][0].keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 5.0]);
@@ -167,10 +169,6 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
     session.toggle_mute("left");
     assert!(session.settle(PATIENCE));
     assert_eq!((&session.picture().expect("drawn").rgba, session.document().text()), (&moved, text.as_str()));
-}
-
-fn session_target(session: &Session, pin: usize) -> [f64; 2] {
-    session.marks()[0].pins[pin].target.0.to_array()
 }
 
 #[test]

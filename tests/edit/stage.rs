@@ -94,7 +94,8 @@ pub(crate) fn until(session: &mut Session, what: &str, holds: impl Fn(&Session) 
 
 /// A pin on the left card, placed as a person does it.
 pub(crate) fn place_pin(session: &mut Session, point: ScreenPoint) {
-    let count = |session: &Session| session.document().shot().layers.iter().map(|layer| layer.pins.len()).sum::<usize>();
+    let count =
+        |session: &Session| session.document().shot().layers.iter().map(|layer| layer.pins.len()).sum::<usize>();
     let before = count(session);
     press(session, point);
     session.release();

@@ -16,7 +16,8 @@ use std::time::{Duration, Instant};
 type Window = Harness<'static, Option<Editor>>;
 
 fn window(state: &Path, file: Option<&Path>) -> Window {
-    let options = EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() };
+    let options =
+        EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() };
     let file = file.map(Path::to_owned);
     let show = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
         let editor = editor.get_or_insert_with(|| {

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 pub(super) enum Task {
     Open,
     SaveAs,
-    Reference,
 }
 
 /// Endings of what can be opened.
@@ -39,7 +38,7 @@ impl Browser {
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let path = match task {
             Task::SaveAs => folder.join(near.file_name().unwrap_or_default()),
-            Task::Open | Task::Reference => folder.clone(),
+            Task::Open => folder.clone(),
         };
         let mut browser = Self { task, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
         browser.list();
@@ -62,7 +61,6 @@ impl Browser {
         let title = match self.task {
             Task::Open => "Open",
             Task::SaveAs => "Save as",
-            Task::Reference => "Reference picture",
         };
         let mut choice = Choice::None;
         let window = egui::Window::new(title).collapsible(false).resizable(true).default_size(vec2(560.0, 420.0));

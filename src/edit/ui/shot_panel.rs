@@ -52,12 +52,17 @@ fn frames(ui: &mut Ui, session: &mut Session) {
     ui.label("Frames");
     let [mut first, mut last] = session.playhead.shot_range();
     ui.horizontal(|ui| {
-        if ui.add(DragValue::new(&mut first).range(-100_000..=last).speed(0.2)).accessible("First of the shot").changed() {
+        if ui
+            .add(DragValue::new(&mut first).range(-100_000..=last).speed(0.2))
+            .accessible("First of the shot")
+            .changed()
+        {
             let first = Setting::Whole(i64::from(first));
             session.set_shot("Change frames", &["frames", "first"], &first, Some("frames"));
         }
         ui.label("to");
-        if ui.add(DragValue::new(&mut last).range(first..=100_000).speed(0.2)).accessible("Last of the shot").changed() {
+        if ui.add(DragValue::new(&mut last).range(first..=100_000).speed(0.2)).accessible("Last of the shot").changed()
+        {
             session.set_shot("Change frames", &["frames", "last"], &Setting::Whole(i64::from(last)), Some("frames"));
         }
     });

@@ -4,7 +4,6 @@
 //! a quick picture, the rendered one.
 
 mod draft_size;
-mod draft_size;
 mod drag_solve;
 mod handle;
 mod mail;

@@ -6,9 +6,7 @@ use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::mail::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
 use crate::edit::picture::{Picture, Quality};
-use crate::pipeline::{
-    JerkMeter, LayerMarks, OpenShot, PipelineError, PreparedShot, Rework, TimeSample, layer_marks, report,
-};
+use crate::pipeline::{JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report};
 use crate::raster::{self, DeviceChoice, Raster};
 use crate::shot::{LayerSpace, Shot};
 use crate::space::FrameSize;
