@@ -3,9 +3,11 @@
 //! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer that is warped.
 
 use super::layer_pins::region;
+use super::screen_shape::screen_shape;
 use super::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::screen::Camera;
+use crate::solve::{Shape, active_cells};
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::{DVec2, DVec3};
 
@@ -24,7 +26,7 @@ pub struct LayerMarks {
     pub lines: Vec<Vec<ScreenPoint>>,
     /// Warped handles; `None`: behind the camera.
     pub handles: Vec<Option<ScreenPoint>>,
-    /// Outlines of cells that fold.
+    /// Outlines of cells that fold where the model lies.
     pub folded: Vec<Vec<ScreenPoint>>,
     /// The box of a lattice of the screen at rest.
     pub rest_box: Option<ScreenBox>,
@@ -53,7 +55,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
     let marks = |(layer, state): (usize, &LayerState)| {
         let marks = LayerMarks { layer, ..LayerMarks::default() };
         let marks = match (&state.solution, &state.world) {
-            (Some(solution), _) => of_screen(marks, &solution.lattice),
+            (Some(solution), _) => of_screen(marks, &solution.lattice, || screen_shape(prepared, sample, layer)),
             (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
             (None, None) => return None,
         };
@@ -78,7 +80,7 @@ fn rim(prepared: &PreparedShot, (layer, state): (usize, &PinState), lattice: &Sc
     (0..=RIM_PIECES).map(|k| lattice.warp(around(k))).collect()
 }
 
-fn of_screen(marks: LayerMarks, lattice: &ScreenLattice) -> LayerMarks {
+fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> LayerMarks {
     let grid = &lattice.grid;
     let spans = grid.dims.map(|count| grid.basis.spans(count));
     let at = |cells: [f64; 2]| {
@@ -112,10 +114,22 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice) -> LayerMarks {
         distortion: lines.iter().map(|line| line.iter().map(|&point| stretch(lattice, point)).collect()).collect(),
         lines: lines.iter().map(|line| line.iter().map(|&point| lattice.warp(point)).collect()).collect(),
         handles: lattice.handles.iter().map(|&[x, y]| Some(ScreenPoint::new(x, y))).collect(),
-        folded: lattice.folded_cells().into_iter().map(outline).collect(),
+        folded: folded_model_cells(lattice, shape).into_iter().map(outline).collect(),
         rest_box: Some(ScreenBox::new(at([0.0; 2]), at(spans.map(|count| count as f64)))),
         ..marks
     }
+}
+
+/// Cells that fold and hold some of the model. The shape is asked for where any fold.
+fn folded_model_cells(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<[usize; 2]> {
+    let folded = lattice.folded_cells();
+    if folded.is_empty() {
+        return folded;
+    }
+    let is_active = active_cells(&lattice.grid, &shape());
+    let (margin, columns) = (lattice.grid.basis.margin(), lattice.grid.basis.spans(lattice.grid.dims[0]));
+    let holds = |[i, j]: &[usize; 2]| is_active.get((j - margin) * columns + i - margin).copied().unwrap_or(false);
+    folded.into_iter().filter(holds).collect()
 }
 
 /// Greatest over least singular value of the warp's gradient; 1: nothing is distorted.

@@ -1,5 +1,6 @@
 //! The editor: its model as scripts drive it, and its real interface as people do, without a display.
 
+#[allow(dead_code, reason = "other tests need more of it")]
 #[path = "../support/tiny.rs"]
 mod tiny;
 

@@ -110,9 +110,9 @@ fn a_late_pin_is_born_where_the_surface_is_seen() {
     place_pin(&mut session, at(0.3, 0.5));
     drag(&mut session, [0.3, 0.5], [0.3, 0.65]);
     // The surface that is seen here now was elsewhere at rest.
-    place_pin(&mut session, at(0.32, 0.65));
+    place_pin(&mut session, at(0.45, 0.7));
     let late = &session.marks()[0].pins[1];
-    assert!((late.target.0 - glam::DVec2::new(0.32, 0.65)).length() < 1e-4, "{late:?}");
+    assert!((late.target.0 - glam::DVec2::new(0.45, 0.7)).length() < 1e-4, "{late:?}");
     assert!((late.target - late.rest).0.length() > 0.05, "{late:?}");
 }
 

@@ -3,6 +3,7 @@
 //! In: what the person does, what the thread of frames answers. Out: state that widgets draw. Nothing here knows of widgets.
 
 mod arrange;
+mod export_run;
 mod gesture;
 mod keying;
 mod placing;
@@ -11,6 +12,7 @@ mod render_run;
 mod selection;
 mod shown;
 
+pub use export_run::EXPORTS;
 pub use keying::EasePreset;
 pub use pointer::{Held, Ring};
 pub use render_run::{RenderRun, RunState};
@@ -19,6 +21,7 @@ pub use shown::{Onion, Shown, Wipe};
 
 use super::picture::{Picture, Quality};
 use super::playhead::Playhead;
+use super::reference::Reference;
 use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
@@ -70,10 +73,16 @@ pub struct Session {
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
+    /// The shot file was written, perhaps by another program.
+    is_written: bool,
     fault: Option<String>,
     message: Option<String>,
     copied: Vec<PinKey>,
     run: Option<RenderRun>,
+    /// What an export that runs will say.
+    export: Option<std::sync::mpsc::Receiver<String>>,
+    /// A picture to match by eye.
+    pub reference: Option<Reference>,
     next_question: u64,
 }
 
@@ -104,10 +113,13 @@ impl Session {
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
+            is_written: false,
             fault: None,
             message: None,
             copied: Vec::new(),
             run: None,
+            export: None,
+            reference: None,
             next_question: 0,
         };
         session.refresh(Purpose::Look);
@@ -173,6 +185,11 @@ impl Session {
         self.is_idle
     }
 
+    /// Whether the shot file was written since the last call.
+    pub const fn take_written(&mut self) -> bool {
+        std::mem::replace(&mut self.is_written, false)
+    }
+
     /// Why there is no picture of what the document says.
     #[must_use]
     pub fn fault(&self) -> Option<&str> {
@@ -201,7 +218,7 @@ impl Session {
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
         let has_run_on = self.run.as_mut().is_some_and(RenderRun::pump);
-        is_any || has_run_on
+        self.pump_export() || is_any || has_run_on
     }
 
     /// Waits until the frame that is seen is there as it is rendered. False: it is not, after so long.
@@ -240,6 +257,11 @@ impl Session {
                 self.progress = None;
             }
             Reply::Idle => self.is_idle = true,
+            Reply::ShotWritten => self.is_written = true,
+            Reply::SceneWritten => {
+                self.reload();
+                self.say("The scene changed on disk: it was read again.");
+            }
         }
     }
 

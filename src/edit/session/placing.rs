@@ -33,8 +33,8 @@ impl Session {
         }
         let found = point.and_then(|point| Some((point.layer?, point)));
         let Some((layer, point)) = found else {
+            self.selection.clear();
             if is_up {
-                self.selection.clear();
                 self.gesture = Gesture::Idle;
             } else {
                 self.gesture = Gesture::Box { from, to: at };

@@ -11,6 +11,7 @@ impl Editor {
         match action {
             Action::Open => self.browse(Task::Open),
             Action::SaveAs if self.session.is_some() => self.browse(Task::SaveAs),
+            Action::Reference if self.session.is_some() => self.browse(Task::Reference),
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => self.shows_keys = !self.shows_keys,
@@ -47,7 +48,11 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
     match action {
         Action::Undo => session.undo(),
         Action::Redo => session.redo(),
-        Action::Copy => session.copy_keys(),
+        Action::Copy => {
+            session.copy_keys();
+            // Hosts tell of pasting where there is something to paste.
+            ctx.copy_text("keys of pinwarp".to_owned());
+        }
         Action::Paste => session.paste_keys(),
         Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
         Action::Delete => session.delete_keys(),

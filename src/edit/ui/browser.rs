@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 pub(super) enum Task {
     Open,
     SaveAs,
+    Reference,
 }
 
 /// Endings of what can be opened.
@@ -38,7 +39,7 @@ impl Browser {
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let path = match task {
             Task::SaveAs => folder.join(near.file_name().unwrap_or_default()),
-            Task::Open => folder.clone(),
+            Task::Open | Task::Reference => folder.clone(),
         };
         let mut browser = Self { task, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
         browser.list();
@@ -61,6 +62,7 @@ impl Browser {
         let title = match self.task {
             Task::Open => "Open",
             Task::SaveAs => "Save as",
+            Task::Reference => "Reference picture",
         };
         let mut choice = Choice::None;
         let window = egui::Window::new(title).collapsible(false).resizable(true).default_size(vec2(560.0, 420.0));
@@ -81,13 +83,13 @@ impl Browser {
             ScrollArea::vertical().auto_shrink(false).max_height(360.0).show(ui, |ui| {
                 let mut entered = None;
                 if let Some(above) = self.folder.parent()
-                    && ui.selectable_label(false, "\u{1f5c1} ..").clicked()
+                    && ui.selectable_label(false, "../").clicked()
                 {
                     entered = Some(above.to_owned());
                 }
                 for (name, is_folder) in &self.entries {
-                    let sign = if *is_folder { "\u{1f5c1}" } else { "\u{1f5cb}" };
-                    let response = ui.selectable_label(false, format!("{sign} {name}"));
+                    let sign = if *is_folder { "/" } else { "" };
+                    let response = ui.selectable_label(false, format!("{name}{sign}"));
                     let path = self.folder.join(name);
                     if response.clicked() && *is_folder {
                         entered = Some(path);

@@ -18,20 +18,7 @@ pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path:
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
         ui.horizontal_top(|ui| {
             for groups in [["File", "Edit", "Help"], ["Time", "Hold", ""], ["View", "", ""]] {
-                ui.vertical(|ui| {
-                    ui.set_min_width(210.0);
-                    for group in groups.into_iter().filter(|group| !group.is_empty()) {
-                        ui.strong(group);
-                        Grid::new(group).num_columns(2).min_col_width(90.0).show(ui, |ui| {
-                            for action in Action::ALL.iter().filter(|action| action.group() == group) {
-                                ui.label(RichText::new(super::keys::words(shortcuts, *action)).monospace());
-                                ui.label(action.words());
-                                ui.end_row();
-                            }
-                        });
-                        ui.add_space(8.0);
-                    }
-                });
+                ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, shortcuts, group)));
             }
         });
         ui.separator();
@@ -39,6 +26,23 @@ pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path:
         ui.weak(format!("Own keys: {{ \"undo\": \"Ctrl+Z\" }} in {}", file.display()));
     });
     is_open && !ctx.input(|input| input.key_pressed(Key::Escape))
+}
+
+/// The keys of what belongs together.
+fn key_group(ui: &mut egui::Ui, shortcuts: &Shortcuts, group: &str) {
+    if group.is_empty() {
+        return;
+    }
+    ui.set_min_width(210.0);
+    ui.strong(group);
+    Grid::new(group).num_columns(2).min_col_width(90.0).show(ui, |ui| {
+        for action in Action::ALL.iter().filter(|action| action.group() == group) {
+            ui.label(RichText::new(super::keys::words(shortcuts, *action)).monospace());
+            ui.label(action.words());
+            ui.end_row();
+        }
+    });
+    ui.add_space(8.0);
 }
 
 /// A render that runs or ran. False: it was closed.

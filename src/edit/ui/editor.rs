@@ -7,12 +7,9 @@ use super::start::Wish;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, inspector, keys, layers, menus, nudges, start, theme, viewport};
-use crate::edit::{DiskChange, Document, EditError, Session, Shortcuts, Unfinished, unfinished};
+use crate::edit::{DiskChange, Document, EditError, Reference, Session, Shortcuts, Unfinished, unfinished};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
-
-/// Seconds between two looks whether the file changed on disk.
-const DISK_SECS: f64 = 1.0;
 
 /// What waits until it is known what becomes of unsaved work.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +33,6 @@ pub struct Editor {
     conflict: Option<String>,
     unsaved: Option<Then>,
     may_close: bool,
-    looked_at_disk: f64,
 }
 
 impl Editor {
@@ -63,7 +59,6 @@ impl Editor {
             conflict: None,
             unsaved: None,
             may_close: false,
-            looked_at_disk: 0.0,
         }
     }
 
@@ -129,7 +124,7 @@ impl Editor {
                 ctx.request_repaint_after(std::time::Duration::from_secs_f64(secs));
             }
         }
-        self.look_at_disk(now);
+        self.look_at_disk();
         for action in keys::pressed(&ctx, &self.shortcuts) {
             self.act(&ctx, action, now);
         }
@@ -161,7 +156,7 @@ impl Editor {
                 nudges::show(&ctx, session);
             }
         }
-        self.windows(&ctx, now);
+        self.windows(&ctx);
         self.close(&ctx);
     }
 
@@ -224,11 +219,10 @@ impl Editor {
         }
     }
 
-    fn look_at_disk(&mut self, now: f64) {
-        if now - self.looked_at_disk < DISK_SECS || self.conflict.is_some() {
+    fn look_at_disk(&mut self) {
+        if self.conflict.is_some() || !self.session.as_mut().is_some_and(Session::take_written) {
             return;
         }
-        self.looked_at_disk = now;
         let Some(session) = &mut self.session else { return };
         match session.document_mut().check_disk() {
             Ok(DiskChange::None) => {}
@@ -241,7 +235,7 @@ impl Editor {
         }
     }
 
-    fn windows(&mut self, ctx: &egui::Context, now: f64) {
+    fn windows(&mut self, ctx: &egui::Context) {
         if self.shows_keys {
             self.shows_keys = dialogs::keys(ctx, &self.shortcuts, &self.options.keys());
         }
@@ -263,7 +257,7 @@ impl Editor {
             }
         }
         self.conflicts(ctx);
-        self.ask_unsaved(ctx, now);
+        self.ask_unsaved(ctx);
     }
 
     fn chosen(&mut self, ctx: &egui::Context, task: Task, path: &Path) {
@@ -274,7 +268,11 @@ impl Editor {
                     self.tell(&error);
                 }
             }
-            _ => {}
+            (Task::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
+                Ok(reference) => session.reference = Some(reference),
+                Err(error) => session.say(error.to_string()),
+            },
+            (_, None) => {}
         }
     }
 
@@ -294,7 +292,7 @@ impl Editor {
         }
     }
 
-    fn ask_unsaved(&mut self, ctx: &egui::Context, _now: f64) {
+    fn ask_unsaved(&mut self, ctx: &egui::Context) {
         let Some(then) = self.unsaved.clone() else { return };
         let asked = dialogs::ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
         let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };

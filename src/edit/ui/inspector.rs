@@ -1,5 +1,6 @@
 //! Numbers of the chosen pin, and the report of the frame.
 
+use super::icons;
 use super::theme::heat;
 use super::timeline::Accessible;
 use crate::edit::Session;
@@ -47,9 +48,8 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
     let Some(key) = session.key_here(at) else { return };
     let is_keyed = session.has_key_here(at);
     ui.horizontal(|ui| {
-        let (sign, words) = if is_keyed { ("\u{25c6}", "keyed in this frame") } else { ("\u{25c7}", "between keys") };
-        ui.label(RichText::new(sign).color(super::theme::ACCENT));
-        ui.weak(words);
+        icons::key_sign(ui, is_keyed);
+        ui.weak(if is_keyed { "keyed in this frame" } else { "between keys" });
     });
     Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         place(ui, session, (at, key));
@@ -189,7 +189,7 @@ fn report(ui: &mut Ui, session: &mut Session) {
     }
     for text in &solve.report.warnings {
         ui.add_space(4.0);
-        ui.label(RichText::new(text).color(warning(ui)).small());
+        ui.label(RichText::new(text).color(warning(ui)).size(12.0));
     }
 }
 

@@ -1,5 +1,6 @@
 //! The list of layers and the settings of the chosen one.
 
+use super::icons::{self, Icon};
 use super::shot_panel;
 use super::timeline::Accessible;
 use crate::edit::Session;
@@ -21,14 +22,15 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     ui.horizontal(|ui| {
         ui.strong("Layers");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("\u{2796}").accessible("Delete layer").clicked() {
+            if icons::button(ui, Icon::Minus, "Delete layer").clicked() {
                 session.delete_layer();
             }
-            ui.menu_button("\u{2795}", |ui| add_menu(ui, session)).response.accessible("Add layer");
-            if ui.small_button("\u{23f7}").accessible("Layer down").clicked() {
+            let add = icons::button(ui, Icon::Plus, "Add layer");
+            egui::Popup::menu(&add).show(|ui| add_menu(ui, session));
+            if icons::button(ui, Icon::Down, "Layer down").clicked() {
                 session.move_layer(1);
             }
-            if ui.small_button("\u{23f6}").accessible("Layer up").clicked() {
+            if icons::button(ui, Icon::Up, "Layer up").clicked() {
                 session.move_layer(-1);
             }
         });
@@ -61,9 +63,8 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
     let is_chosen = session.selection.layer == index;
     let is_muted = session.is_muted(&layer.name);
     ui.horizontal(|ui| {
-        let eye = if is_muted { RichText::new("\u{25cb}").weak() } else { RichText::new("\u{25cf}") };
-        let name = if is_muted { "Unmute" } else { "Mute" };
-        if ui.small_button(eye).accessible(&format!("{name} {}", layer.name)).clicked() {
+        let (eye, name) = if is_muted { (Icon::Unseen, "Unmute") } else { (Icon::Seen, "Mute") };
+        if icons::button(ui, eye, &format!("{name} {}", layer.name)).clicked() {
             *click = Some(Click::Mute(layer.name.clone()));
         }
         let solo = ui.selectable_label(session.is_solo(&layer.name), "S").accessible(&format!("Solo {}", layer.name));
@@ -84,11 +85,13 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
         ui.horizontal(|ui| {
             ui.add_space(52.0);
             let is_chosen = session.selection.pins.contains(&[index, pin]);
-            let keys =
-                if own.keys.len() > 1 { format!("{}  \u{25c6}{}", own.name, own.keys.len()) } else { own.name.clone() };
+            let keys = own.name.clone();
             if ui.selectable_label(is_chosen, keys).clicked() {
                 let adds = ui.input(|input| input.modifiers.shift || input.modifiers.command);
                 *click = Some(Click::Pin([index, pin], adds));
+            }
+            if own.keys.len() > 1 {
+                ui.weak(crate::spelling::counted(own.keys.len(), "key", "keys"));
             }
         });
     }

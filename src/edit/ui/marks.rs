@@ -7,7 +7,7 @@ use super::theme::heat;
 use crate::edit::{Lens, Session};
 use crate::pipeline::{LayerMarks, PinMark};
 use crate::space::ScreenPoint;
-use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use std::collections::BTreeMap;
 
 /// Radius of the ring around a chosen pin, points.
@@ -138,13 +138,20 @@ impl Over<'_> {
             self.painter.circle_stroke(rest, 4.0, Stroke::new(3.0, over::SHADE));
             self.painter.circle_stroke(rest, 4.0, Stroke::new(1.4, over::REST));
         }
-        let radius = if is_chosen { 6.0 } else { 4.5 };
+        let is_near = layer == session.selection.layer;
+        let radius = if is_chosen {
+            6.0
+        } else if is_near {
+            4.5
+        } else {
+            3.0
+        };
         self.painter.circle_filled(target, radius + 1.5, over::SHADE);
         self.painter.circle_filled(target, radius, over::PIN);
         if is_chosen {
             self.painter.circle_stroke(target, radius, Stroke::new(2.0, over::CHOSEN));
         }
-        if session.shown.names {
+        if session.shown.names && layer == session.selection.layer {
             let named = session.shot().layers.get(layer).and_then(|layer| layer.pins.get(pin.pin));
             let color = if is_chosen { over::CHOSEN } else { Color32::from_gray(225) };
             named.into_iter().for_each(|named| self.label(target + vec2(10.0, 0.0), &named.name, color));
@@ -214,6 +221,5 @@ impl Over<'_> {
             self.painter.line_segment([middle - arm, middle + arm], Stroke::new(1.0, over::GUIDE));
         }
         self.painter.rect_stroke(frame, 0, Stroke::new(1.0, over::GUIDE), StrokeKind::Outside);
-        let _ = pos2(0.0, 0.0);
     }
 }

@@ -1,11 +1,11 @@
 //! The bar at the top: menus, the file's name, what goes on.
 
 use super::keys::words;
-use crate::edit::{Action, Onion, RunState, Session, Shortcuts, Wipe};
+use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
 
 /// The menus. Gives the actions that were chosen.
-pub(super) fn show(ui: &mut Ui, session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
+pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
     let mut chosen = Vec::new();
     let is_open = session.is_some();
     egui::MenuBar::new().ui(ui, |ui| {
@@ -21,6 +21,10 @@ pub(super) fn show(ui: &mut Ui, session: Option<&mut Session>, shortcuts: &Short
             entry(ui, Action::SaveAs, is_open);
             ui.separator();
             entry(ui, Action::Render, is_open);
+            entry(ui, Action::Reference, is_open);
+            if let Some(session) = session.as_deref_mut() {
+                exports(ui, session);
+            }
             ui.separator();
             entry(ui, Action::Quit, true);
         });
@@ -38,6 +42,7 @@ pub(super) fn show(ui: &mut Ui, session: Option<&mut Session>, shortcuts: &Short
             ui.separator();
             if let Some(session) = session {
                 switches(ui, session, shortcuts);
+                reference(ui, session);
             }
             ui.separator();
             theme(ui);
@@ -89,6 +94,36 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
     }
 }
 
+/// What `pinwarp export` writes.
+fn exports(ui: &mut Ui, session: &mut Session) {
+    ui.menu_button("Export", |ui| {
+        for (format, name) in EXPORTS {
+            if ui.button(name).clicked() {
+                let wake = ui.ctx().clone();
+                session.export(format, move || wake.request_repaint());
+            }
+        }
+    });
+}
+
+/// A reference picture: how it lies over the frame.
+fn reference(ui: &mut Ui, session: &mut Session) {
+    let Some(reference) = &mut session.reference else { return };
+    ui.separator();
+    ui.strong("Reference");
+    ui.add(egui::Slider::new(&mut reference.opacity, 0.0..=1.0).text("opacity"));
+    ui.checkbox(&mut reference.is_above, "above the frame");
+    ui.horizontal(|ui| {
+        ui.label("Right, up, size");
+        ui.add(egui::DragValue::new(&mut reference.offset[0]).speed(0.002));
+        ui.add(egui::DragValue::new(&mut reference.offset[1]).speed(0.002));
+        ui.add(egui::DragValue::new(&mut reference.scale).range(0.01..=20.0).speed(0.002));
+    });
+    if ui.button("Remove the reference").clicked() {
+        session.reference = None;
+    }
+}
+
 fn onion(ui: &mut Ui, onion: &mut Onion) {
     ui.indent("onion", |ui| {
         ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
@@ -119,7 +154,7 @@ fn theme(ui: &mut Ui) {
 /// The file's name in the middle of the bar, and what goes on at its right end.
 pub(super) fn state(ui: &mut Ui, session: &Session) {
     let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let sign = if session.document().is_dirty() { "\u{25cf} not saved" } else { "" };
+    let sign = if session.document().is_dirty() { "not saved" } else { "" };
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
         if let Some(part) = session.progress() {

@@ -7,6 +7,7 @@ mod browser;
 mod bundled;
 mod dialogs;
 mod editor;
+mod icons;
 mod inspector;
 mod keys;
 mod layers;

@@ -3,7 +3,7 @@
 use super::bundled::BUNDLED;
 use super::theme;
 use crate::edit::Unfinished;
-use eframe::egui::{self, Align2, Color32, FontId, RichText, Ui, vec2};
+use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
 
 /// What was clicked.
 pub(super) enum Wish {
@@ -41,15 +41,15 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
             ui.add_space(18.0);
             ui.label(RichText::new("Or begin with one of these").strong());
             ui.add_space(6.0);
-            ui.horizontal_wrapped(|ui| {
-                let line = 3.0 * 190.0 + 12.0;
-                ui.add_space(((ui.available_width() - line) / 2.0).max(0.0));
-                for (index, scene) in BUNDLED.iter().enumerate() {
-                    if card(ui, scene.title, scene.words).clicked() {
-                        wish = Some(Wish::Bundled(index));
-                    }
-                }
-            });
+            for (row, scenes) in BUNDLED.chunks(3).enumerate() {
+                let line = 3.0 * 186.0 + 2.0 * ui.spacing().item_spacing.x;
+                ui.horizontal(|ui| {
+                    ui.add_space(((ui.available_width() - line) / 2.0).max(0.0));
+                    let cards: Vec<_> = scenes.iter().map(|scene| card(ui, scene.title, scene.words)).collect();
+                    let clicked = cards.iter().position(egui::Response::clicked);
+                    wish = clicked.map(|place| Wish::Bundled(3 * row + place)).or(wish.take());
+                });
+            }
             ui.add_space(14.0);
             ui.weak("Two minutes: open the walking gnome, drag the hand, press play.");
         });
@@ -94,5 +94,4 @@ fn recover(ui: &mut Ui, left: &[Unfinished], wish: &mut Option<Wish>) {
             });
         }
     });
-    let _ = Color32::WHITE;
 }

@@ -1,10 +1,11 @@
 //! The timeline: transport, ruler, and a row of keys for each pin of the chosen layer.
 
+use super::icons::{self, Icon};
 use super::theme::ACCENT;
 use crate::edit::{AutoKey, EasePreset, Pace, Session};
-use crate::shot::{Ease, OffsetUnit};
+use crate::shot::Ease;
 use eframe::egui::{
-    self, Align2, Color32, ComboBox, DragValue, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape,
+    Align2, Color32, ComboBox, DragValue, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape,
     Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
@@ -162,7 +163,9 @@ impl Timeline {
             }
         }
         for key in keys {
-            diamond(&painter, place(key), key.1, session.selection.has_key(at, key.0), ui.visuals().dark_mode);
+            let usual = Color32::from_gray(if ui.visuals().dark_mode { 200 } else { 90 });
+            let fill = if session.selection.has_key(at, key.0) { ACCENT } else { usual };
+            diamond(&painter, place(key), key.1, fill);
         }
         self.row_pen(ui, session, (&response, names), (at, keys, scale));
     }
@@ -211,12 +214,7 @@ fn playhead(painter: &Painter, rect: Rect, session: &Session, scale: Scale) {
 }
 
 /// A key: a diamond; one that is held a square, a smooth one round.
-fn diamond(painter: &Painter, at: Pos2, ease: Ease, is_chosen: bool, is_dark: bool) {
-    let fill = match (is_chosen, is_dark) {
-        (true, _) => ACCENT,
-        (false, true) => Color32::from_gray(200),
-        (false, false) => Color32::from_gray(90),
-    };
+fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
     let size = 5.0;
     match ease {
         Ease::Hold => _ = painter.rect_filled(Rect::from_center_size(at, vec2(8.0, 8.0)), 0, fill),
@@ -238,25 +236,20 @@ fn transport(ui: &mut Ui, session: &mut Session, now: f64) {
     ui.horizontal(|ui| {
         ui.add_space(4.0);
         let [first, last] = session.playhead.range();
-        if ui.button("\u{23ee}").accessible("First frame").clicked() {
+        if icons::button(ui, Icon::First, "First frame").clicked() {
             session.go(first);
         }
-        if ui.button("\u{23f4}").accessible("Frame back").clicked() {
+        if icons::button(ui, Icon::Back, "Frame back").clicked() {
             session.step(-1);
         }
-        let is_playing = session.playhead.is_playing();
-        let play = if is_playing { "\u{23f8}" } else { "\u{25b6}" };
-        if ui
-            .add(egui::Button::new(play).min_size(vec2(34.0, 22.0)))
-            .accessible(if is_playing { "Stop" } else { "Play" })
-            .clicked()
-        {
+        let (play, name) = if session.playhead.is_playing() { (Icon::Pause, "Stop") } else { (Icon::Play, "Play") };
+        if icons::button(ui, play, name).clicked() {
             session.toggle_play(now);
         }
-        if ui.button("\u{23f5}").accessible("Frame forward").clicked() {
+        if icons::button(ui, Icon::Forward, "Frame forward").clicked() {
             session.step(1);
         }
-        if ui.button("\u{23ed}").accessible("Last frame").clicked() {
+        if icons::button(ui, Icon::Last, "Last frame").clicked() {
             session.go(last);
         }
         let mut frame = session.playhead.frame();
@@ -321,7 +314,6 @@ fn exposure(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    let _ = OffsetUnit::Frame;
 }
 
 /// A widget whose face is a sign gets a name.

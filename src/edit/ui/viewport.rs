@@ -66,6 +66,11 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
     let lens = session.zoom.lens(session.shot().size, DVec2::new(rect.width().into(), rect.height().into()));
     session.viewport = lens.viewport;
+    if response.has_focus() {
+        // Arrow keys nudge; they do not go to the next widget.
+        let own = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, escape: true, tab: false };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
+    }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
     let before = is_held(ui.ctx(), shortcuts, Action::Before);
     match (before, session.shown.wipe) {
@@ -139,7 +144,7 @@ fn pen(
     }
 }
 
-fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &Session, textures: &mut Textures) {
+fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures: &mut Textures) {
     let painter = ui.painter_at(rect);
     let [low, high] = lens.corners().map(|corner| rect.min + vec2(corner.x as f32, corner.y as f32));
     let frame = Rect::from_min_max(low, high);
@@ -149,10 +154,18 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &Session, textures: &m
     for (picture, color) in onions(session) {
         draw(textures.of_frame(ui.ctx(), picture), color);
     }
+    let reference = reference(ui.ctx(), (frame, lens), session, textures);
+    let draw_reference = |is_above: bool| {
+        if let Some((id, place, color, _)) = reference.filter(|(.., above)| *above == is_above) {
+            painter.image(id, place, whole, color);
+        }
+    };
+    draw_reference(false);
     let is_before = session.shown.wipe == Wipe::Before;
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
         draw(textures.of(ui.ctx(), "picture", picture), Color32::WHITE);
     }
+    draw_reference(true);
     let Some(before) = session.before().filter(|_| session.shown.wipe != Wipe::Off) else { return };
     let id = textures.of(ui.ctx(), "before", before);
     match session.shown.wipe {
@@ -174,6 +187,24 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &Session, textures: &m
         }
         Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
     }
+}
+
+/// The reference picture: where it lies, how much of it is seen, whether it lies above.
+fn reference(
+    ctx: &egui::Context,
+    (frame, lens): (Rect, Lens),
+    session: &mut Session,
+    textures: &mut Textures,
+) -> Option<(egui::TextureId, Rect, Color32, bool)> {
+    let number = session.playhead.frame();
+    let reference = session.reference.as_mut()?;
+    let picture = reference.at(number)?;
+    let height = reference.scale * lens.frame_height() as f32;
+    let size = vec2(height * picture.size[0] as f32 / picture.size[1].max(1) as f32, height);
+    let moved = vec2(reference.offset[0], -reference.offset[1]) * lens.frame_height() as f32;
+    let place = Rect::from_center_size(frame.center() + moved, size);
+    let color = Color32::WHITE.gamma_multiply(reference.opacity);
+    Some((textures.of(ctx, "reference", &picture), place, color, reference.is_above))
 }
 
 /// Neighbouring frames, the farthest first, each with its tint.

@@ -65,6 +65,10 @@ pub(in crate::edit) enum Reply {
     Failed(String),
     /// Nothing is left to do.
     Idle,
+    /// The shot file was written, perhaps by another program.
+    ShotWritten,
+    /// The scene or a picture was written by another program.
+    SceneWritten,
 }
 
 /// What is known of a loaded shot.

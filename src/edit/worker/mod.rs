@@ -5,6 +5,7 @@
 
 mod draft_size;
 mod drag_solve;
+mod file_watch;
 mod handle;
 mod mail;
 mod studio;

@@ -4,6 +4,7 @@
 
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
+use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report};
@@ -12,7 +13,7 @@ use crate::shot::{LayerSpace, Shot};
 use crate::space::FrameSize;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A picture under the hand has to be there in this time, solve included.
 const DRAG_MS: f64 = 22.0;
@@ -22,6 +23,9 @@ const PLAY_MS: f64 = 30.0;
 
 /// The first one of a frame that is looked at.
 const LOOK_MS: f64 = 80.0;
+
+/// How long nothing has to come until files are looked at.
+const WATCH: Duration = Duration::from_secs(1);
 
 /// Loads, solves and draws.
 pub(super) struct Studio {
@@ -33,19 +37,31 @@ pub(super) struct Studio {
     jerk: JerkMeter,
     /// The last solve, for questions.
     seen: Option<Arc<TimeSample>>,
+    watch: FileWatch,
 }
 
 /// What one look into the inbox finds.
 enum Task {
     Job(Job, u64),
     Answer(Question),
+    /// Nothing came for a while.
+    Watch,
     Over,
 }
 
 impl Studio {
     pub(super) fn new(choice: DeviceChoice) -> Self {
         let (open, device, drag, seen) = (None, None, None, None);
-        Self { choice, open, device, drag, drafts: DraftSize::default(), jerk: JerkMeter::default(), seen }
+        Self {
+            choice,
+            open,
+            device,
+            drag,
+            drafts: DraftSize::default(),
+            jerk: JerkMeter::default(),
+            seen,
+            watch: FileWatch::default(),
+        }
     }
 
     /// Works until the window goes.
@@ -53,6 +69,11 @@ impl Studio {
         loop {
             match next(inbox, &mut self.open) {
                 Task::Over => return,
+                Task::Watch => {
+                    let Changed { shot, scene } = self.watch.look();
+                    shot.then(|| teller.tell(Reply::ShotWritten));
+                    scene.then(|| teller.tell(Reply::SceneWritten));
+                }
                 Task::Answer(question) => teller.tell(self.answer(question)),
                 Task::Job(job, serial) => {
                     let is_stale = || inbox.newest.load(Ordering::Acquire) != serial;
@@ -103,6 +124,7 @@ impl Studio {
                 self.device = Some(raster::open(&self.choice, &open.prepared().scene)?.0);
             }
             (self.drafts, self.jerk) = (DraftSize::default(), JerkMeter::default());
+            self.watch = FileWatch::of(open);
         }
         if rework >= Rework::Pins {
             teller.tell(Reply::Loaded(Arc::new(self.facts(open))));
@@ -133,7 +155,7 @@ impl Studio {
         self.seen = Some(Arc::clone(&sample));
         self.tell_solved(job, (&sample, was_settled), teller);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw(job.frame, job, (&sample, quality), LOOK_MS, teller)?;
+        self.draw((job.frame, job), (&sample, quality), LOOK_MS, teller)?;
         if is_stale() {
             return Ok(());
         }
@@ -193,7 +215,7 @@ impl Studio {
         let own = Job { frame, ..job.clone() };
         self.tell_solved(&own, (&sample, is_settled), teller);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw(frame, job, (&sample, quality), PLAY_MS, teller)
+        self.draw((frame, job), (&sample, quality), PLAY_MS, teller)
     }
 
     fn drag(&mut self, job: &Job, layers: &[usize], teller: &Teller) -> Result<(), PipelineError> {
@@ -214,7 +236,7 @@ impl Studio {
         teller.tell(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
-        let drawn = self.draw(job.frame, job, (drag.sample(), Quality::Provisional), left_ms, teller);
+        let drawn = self.draw((job.frame, job), (drag.sample(), Quality::Provisional), left_ms, teller);
         self.drag = Some(drag);
         drawn
     }
@@ -241,8 +263,7 @@ impl Studio {
     /// A quick picture.
     fn draw(
         &mut self,
-        frame: i32,
-        job: &Job,
+        (frame, job): (i32, &Job),
         (sample, quality): (&TimeSample, Quality),
         longest_ms: f64,
         teller: &Teller,
@@ -307,6 +328,10 @@ fn next(inbox: &Inbox, open: &mut Option<OpenShot>) -> Task {
         if let Some(job) = job.take() {
             return Task::Job(job, inbox.newest.load(Ordering::Acquire));
         }
-        mail = inbox.changed.wait(mail).unwrap_or_else(PoisonError::into_inner);
+        let (next, waited) = inbox.changed.wait_timeout(mail, WATCH).unwrap_or_else(PoisonError::into_inner);
+        if waited.timed_out() {
+            return Task::Watch;
+        }
+        mail = next;
     }
 }

@@ -88,12 +88,12 @@ pub fn remove_pin(text: &str, at: PinName) -> Result<String, ShotError> {
 pub fn put_handle(text: &str, layer: &str, index: &[usize], keys: &[HandleKey]) -> Result<String, ShotError> {
     edit_layer(text, layer, "handle", |layer| {
         let handles = layer.entry("handle").or_insert_with(no_tables);
-        let is_this = |table: &&mut dyn TableLike| {
+        let is_this = |table: &&mut dyn TableLike| -> bool {
             let list = table.get("index").and_then(Item::as_array);
             let places = list.map(|list| list.iter().filter_map(Value::as_integer).map(|place| place as usize));
             places.is_some_and(|places| places.collect::<Vec<_>>() == index)
         };
-        let known = tables(handles).and_then(|tables| tables.iter().position(|table| is_this(&table)));
+        let known = tables(handles).and_then(|tables| tables.iter().position(is_this));
         match (known, keys.is_empty()) {
             (Some(place), true) => take_out(handles, place),
             (None, true) => {}

@@ -1,0 +1,60 @@
+//! A picture to match by eye, above or below the frame: a director's draw-over. It belongs to the window, not to the shot.
+//!
+//! In: a picture, or a sequence of them. Out: the one of a frame, decoded.
+
+use super::EditError;
+use super::picture::{Picture, Quality};
+use crate::image::{SequencePath, read_any};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A reference picture.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    path: PathBuf,
+    /// 0 to 1.
+    pub opacity: f32,
+    /// It covers the frame; else it lies behind.
+    pub is_above: bool,
+    /// Moved right and up, frame heights.
+    pub offset: [f32; 2],
+    /// Its height, frame heights.
+    pub scale: f32,
+    loaded: Option<(PathBuf, Arc<Picture>)>,
+}
+
+impl Reference {
+    /// Takes a picture, or a path with a frame counter.
+    ///
+    /// # Errors
+    /// [`EditError`] where it cannot be read.
+    pub fn open(path: &Path, frame: i32) -> Result<Self, EditError> {
+        let mut reference =
+            Self { path: path.to_owned(), opacity: 0.5, is_above: true, offset: [0.0; 2], scale: 1.0, loaded: None };
+        let file = reference.file_of(frame)?;
+        reference.load(&file)?;
+        Ok(reference)
+    }
+
+    /// The picture of a frame; one that a sequence lacks is none.
+    pub fn at(&mut self, frame: i32) -> Option<Arc<Picture>> {
+        let file = self.file_of(frame).ok()?;
+        if self.loaded.as_ref().is_none_or(|(known, _)| *known != file) {
+            self.load(&file).ok()?;
+        }
+        self.loaded.as_ref().map(|(_, picture)| Arc::clone(picture))
+    }
+
+    fn file_of(&self, frame: i32) -> Result<PathBuf, EditError> {
+        if self.path.is_file() {
+            return Ok(self.path.clone());
+        }
+        Ok(SequencePath::parse(&self.path)?.path_of(frame))
+    }
+
+    fn load(&mut self, file: &Path) -> Result<(), EditError> {
+        let frame = read_any(file)?.into_frame();
+        self.loaded = Some((file.to_owned(), Arc::new(Picture::of(&frame, (0, 0), Quality::Final))));
+        Ok(())
+    }
+}
