@@ -148,7 +148,7 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             let mut temporal = layer.settings.temporal;
             let value = DragValue::new(&mut temporal).range(0.0..=10.0).speed(0.02).max_decimals(2);
             let hint = "Frames are solved together, so that nothing snaps; 0: each alone";
-            if ui.add(value).on_hover_text(hint).changed() {
+            if ui.add(value).accessible_name("Over time").on_hover_text(hint).changed() {
                 session.set_layer(
                     "Change weight over time",
                     &["solve", "temporal"],
@@ -183,11 +183,12 @@ fn dims_row(ui: &mut Ui, session: &mut Session, (dims, is_auto): ([usize; 2], bo
 
 fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
     let name = serde_json::to_value(basis).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
-    ComboBox::from_id_salt("basis").selected_text(&name).width(110.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("basis").selected_text(&name).width(110.0).show_ui(ui, |ui| {
         for other in ["bspline", "bilinear", "bernstein", "barytri"] {
             if ui.selectable_label(other == name, other).clicked() {
                 session.set_layer("Change basis", &["lattice", "basis"], &Setting::Text(other.into()), None);
             }
         }
     });
+    list.response.accessible("Basis");
 }

@@ -38,13 +38,14 @@ fn clip(ui: &mut Ui, session: &mut Session) {
         None => clips[0].0.clone(),
     };
     ui.label("Clip");
-    ComboBox::from_id_salt("clip").selected_text(&chosen).width(140.0).height(320.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("clip").selected_text(&chosen).width(140.0).height(320.0).show_ui(ui, |ui| {
         for (name, secs) in &clips {
             if ui.selectable_label(*name == chosen, format!("{name}  {secs:.2} s")).clicked() {
                 session.choose_clip(name, *secs);
             }
         }
     });
+    list.response.accessible("Clip");
     ui.end_row();
 }
 
@@ -80,13 +81,14 @@ fn camera(ui: &mut Ui, session: &mut Session) {
         _ => own.first().cloned().unwrap_or_else(|| "fit".into()),
     };
     ui.label("Camera");
-    ComboBox::from_id_salt("camera").selected_text(&chosen).width(140.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("camera").selected_text(&chosen).width(140.0).show_ui(ui, |ui| {
         for name in own.iter().map(String::as_str).chain(VIEWS) {
             if ui.selectable_label(name == chosen, name).clicked() {
                 session.set_shot("Choose camera", &["camera"], &Setting::Text(name.to_owned()), None);
             }
         }
     });
+    list.response.accessible("Camera");
     ui.end_row();
 }
 

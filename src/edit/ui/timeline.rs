@@ -290,13 +290,14 @@ fn eases(ui: &mut Ui, session: &mut Session) {
         pin.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
     });
     let text = chosen.map_or("Ease", |ease| EasePreset::of(ease).map_or("Curve", EasePreset::name));
-    ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
         for preset in EasePreset::ALL {
             if ui.selectable_label(chosen == Some(preset.ease()), preset.name()).clicked() {
                 session.ease_keys(preset);
             }
         }
     });
+    list.response.accessible("Ease");
 }
 
 fn exposure(ui: &mut Ui, session: &mut Session) {
@@ -307,13 +308,14 @@ fn exposure(ui: &mut Ui, session: &mut Session) {
         3 => "On threes".to_owned(),
         more => format!("On {more}s"),
     };
-    ComboBox::from_id_salt("exposure").selected_text(name(step)).width(84.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("exposure").selected_text(name(step)).width(84.0).show_ui(ui, |ui| {
         for wanted in [1, 2, 3, 4] {
             if ui.selectable_label(step == wanted, name(wanted)).clicked() {
                 session.set_exposure(wanted);
             }
         }
     });
+    list.response.accessible("Exposure");
 }
 
 /// A widget whose face is a sign gets a name.
