@@ -172,7 +172,7 @@ fn what_can_be_clicked_has_a_name() {
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
     let nameless: Vec<String> = window
-        .get_all(egui_kittest::kittest::by().predicate(|node| {
+        .query_all(egui_kittest::kittest::by().predicate(|node| {
             let is_control = matches!(node.role(), egui::accesskit::Role::Button | egui::accesskit::Role::CheckBox);
             is_control && node.label().is_none_or(|label| label.trim().is_empty())
         }))
