@@ -144,3 +144,12 @@ fn pulled_balls_do_not_fold_with_the_barrier() {
     eprintln!("{folded} of 20 fold without the barrier; with it pins give way in {given_way}; {slowest:.2} s at most");
     assert!(folded > 10, "{folded}");
 }
+
+#[test]
+fn a_twisted_ball_converges_with_the_barrier() {
+    let (grid, shape) = (cube(5), ball());
+    let pins = turned(0.6, [(-0.8, 0.0), (0.8, 120_f64.to_radians())].into_iter());
+    let settings = Settings { guard: Guard::Limit, ..Settings::default() };
+    let held = solved(&grid, &shape, &pins, &settings).report;
+    assert!(held.is_converged && held.folded_model_cells == 0 && held.min_cell_det > 0.0, "{held:?}");
+}

@@ -154,9 +154,8 @@ impl<const D: usize> Distortion<D> for Area<D> {
         normal: &mut NormalMatrix,
         cancel: &Cancel,
     ) {
-        // In space the constant matrix stands in for the second derivative: it is convex, and above it.
         if D != 2 {
-            return;
+            return self.subtract_rotation_hessian_in_space(handles, hessian, normal, cancel);
         }
         let Self { gradients, areas, .. } = self;
         dispatch(SubtractRotationHessian { gradients, areas, handles, hessian, normal, cancel });

@@ -16,6 +16,7 @@ mod packets;
 mod pin_neighbourhoods;
 mod polar;
 mod rotation_hessian;
+mod rotation_hessian_in_space;
 mod rotation_response;
 mod sample_tasks;
 mod set_edges;

@@ -218,6 +218,10 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
         cancel: &Cancel,
     ) {
         self.shape.subtract_rotation_hessian(handles, hessian, normal, cancel);
+        // In space what regions turn is left out: the matrix stays above the second derivative.
+        if D != 2 {
+            return;
+        }
         for region in &self.regions {
             let differential = rotation_differential(&region.gradient_at(handles), hessian.limit);
             let row = region.mean.iter().flat_map(|(handle, mean)| {

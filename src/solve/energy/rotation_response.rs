@@ -45,6 +45,21 @@ impl<const D: usize> SampleResponse<D> {
         Self { rotation, inverse: limited_inverse(&spread(&stretch), limit) }
     }
 
+    /// Matrices Q of unit changes of the gradient with weight · axial · M⁻¹ axial = Σ ⟨Q, dJ⟩²: one an eigenvalue of M⁻¹.
+    pub(super) fn squares(&self, weight: f64) -> [SquareMatrix<D>; D] {
+        let (values, vectors) = symmetric_eigen(&self.inverse);
+        std::array::from_fn(|k| {
+            let root = (weight * values[k].max(0.0)).sqrt();
+            // ⟨v, axial(Rᵀ dJ)⟩ by the entries of dJ: R times the cross product matrix of v.
+            std::array::from_fn(|row| {
+                std::array::from_fn(|axis| {
+                    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                    root * (vectors[last][k] * self.rotation[row][next] - vectors[next][k] * self.rotation[row][last])
+                })
+            })
+        })
+    }
+
     /// dR for a change of the gradient.
     pub(super) fn turned(&self, change: &SquareMatrix<D>) -> SquareMatrix<D> {
         let local = times(&transpose(&self.rotation), change);

@@ -1,0 +1,89 @@
+//! The rotation Hessian of energy `area` in space as a matrix, for factorisations beside the barrier.
+//!
+//! In: gradients of samples, handles. Out: the matrix of all coordinates minus three squares a sample: with R and M as in
+//! [`super::rotation_response`], the second derivative of ‖J − R‖² is 2 ‖dJ‖² − 2 axial · M⁻¹ axial, axial = axial(RᵀdJ).
+
+use super::Area;
+use super::distortion::RotationHessian;
+use super::rotation_response::SampleResponse;
+use crate::solve::cancel::Cancel;
+use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
+use crate::solve::linalg::normal_matrix::NormalMatrix;
+use crate::solve::linalg::simd::{LANES, dispatch, lane_of};
+
+impl<const D: usize> Area<D> {
+    /// Subtracts the squares of all samples; rows are D·handle + coordinate.
+    pub(super) fn subtract_rotation_hessian_in_space(
+        &self,
+        handles: &[[f64; D]],
+        hessian: RotationHessian,
+        normal: &mut NormalMatrix,
+        cancel: &Cancel,
+    ) {
+        let at_samples = self.gradients.gradients_at(handles);
+        let mut gram = GramMatrix::default();
+        for block in &self.gradients.blocks {
+            if cancel.is_requested() {
+                return;
+            }
+            let rows: Vec<usize> =
+                block.handles.iter().flat_map(|&handle| (0..D).map(move |d| D * handle + d)).collect();
+            gram.clear(rows.len());
+            for packet in block.packets.clone() {
+                let coefficients = self.gradients.packet(block, packet);
+                for lane in (0..LANES).filter(|&lane| self.areas[packet][lane] > 0.0) {
+                    let response = SampleResponse::at(&lane_of(&at_samples[packet], lane), hessian.limit);
+                    for square in response.squares(self.areas[packet][lane]) {
+                        let slots = gram.push().chunks_exact_mut(D).zip(coefficients);
+                        slots.for_each(|(slots, lanes)| {
+                            let along: [f64; D] = lanes.map(|x| x[lane]);
+                            slots.iter_mut().zip(&square).for_each(|(slot, row)| {
+                                *slot = row.iter().zip(&along).map(|(x, y)| x * y).sum();
+                            });
+                        });
+                    }
+                }
+            }
+            dispatch(Sum(&mut gram));
+            normal.add_gram(-2.0 * hessian.scale, &rows, &gram);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Distortion;
+    use super::*;
+    use crate::lattice::{Basis, Grid};
+    use crate::solve::samples::Sample;
+
+    #[test]
+    fn the_matrix_gives_the_products_of_directions() {
+        let grid = Grid { dims: [5, 4, 4], basis: Basis::Bspline, lo: [0.0; 3], hi: [1.0, 0.8, 0.6] };
+        let wave = |k: usize| (12.9898 * k as f64).sin();
+        let at = |k: usize| std::array::from_fn(|d| grid.hi[d] * (0.5 + 0.45 * wave(3 * k + d)));
+        let samples: Vec<Sample<3>> =
+            (0..30).map(|k| Sample { at: at(k), area: 1.0 + 0.5 * wave(k), stiffness: 1.0 }).collect();
+        let never = Cancel::never();
+        let area = Area::new(&grid, &samples, &never);
+        let mut handles = grid.rest_handles();
+        handles.iter_mut().enumerate().for_each(|(k, x)| (0..3).for_each(|d| x[d] += 0.06 * wave(7 * k + d)));
+        let along: Vec<[f64; 3]> =
+            (0..handles.len()).map(|k| std::array::from_fn(|d| wave(11 * k + 5 * d + 1))).collect();
+        for limit in [f64::INFINITY, 0.75, 0.5] {
+            let mut normal = NormalMatrix::zero(3 * handles.len(), 3 * handles.len() - 1);
+            let hessian = RotationHessian { scale: 1.7, limit };
+            area.subtract_rotation_hessian_in_space(&handles, hessian, &mut normal, &never);
+            let mut found = vec![[0.0; 3]; handles.len()];
+            let flat = along.as_flattened().as_chunks::<1>().0;
+            normal.subtract_matvec(flat, found.as_flattened_mut().as_chunks_mut::<1>().0);
+            let response = area.rotation_response(&handles, limit).expect("of space");
+            let mut wanted = vec![[0.0; 3]; handles.len()];
+            area.subtract_rotation_product(&response, (&along, 1.7), &mut wanted, &never);
+            for (found, wanted) in found.as_flattened().iter().zip(wanted.as_flattened()) {
+                assert!((found + wanted).abs() < 1e-9, "{limit}: {found} {wanted}");
+            }
+            assert!(wanted.as_flattened().iter().any(|x| x.abs() > 1.0));
+        }
+    }
+}
