@@ -239,10 +239,7 @@ impl<const D: usize> Descent<'_, D> {
             let is_convex = self.level > 0;
             let mut second = wide.kron_identity::<D>(Vec::new());
             let hessian = RotationHessian { scale: problem.scales.shape, limit };
-            // In space it costs more than what it saves far from the minimum.
-            if D == 2 || !is_convex {
-                distortion.subtract_rotation_hessian(&state.handles, hessian, &mut second, cancel);
-            }
+            distortion.subtract_rotation_hessian(&state.handles, hessian, &mut second, cancel);
             points.add_curvature(scale, &narrow, is_convex, &mut second);
             reactions.correct_curvature(&state.handles, is_convex, &mut second);
             cancel.check()?;
