@@ -111,12 +111,13 @@ fn spare_nodes(scene: &Scene) -> Vec<String> {
 /// [`PipelineError`] where folder or file are not there.
 pub fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let absolute = |path: &Path, hint: &str| {
-        let unusable =
-            |error| PipelineError::Unusable { what: format!("{}: {error}", path.display()), hint: hint.into() };
-        path.canonicalize().map_err(unusable)
-    };
-    let folder = absolute(folder, "make the folder of the shot file first")?;
-    let file = absolute(file, "name a file that is there")?;
+    let folder = folder.canonicalize().map_err(|_| PipelineError::Unusable {
+        what: format!("the folder {} of the shot file is not there", folder.display()),
+        hint: "make it first".into(),
+    })?;
+    let file = file.canonicalize().map_err(|error| PipelineError::Unusable {
+        what: format!("{}: {error}", file.display()),
+        hint: "name a file that is there".into(),
+    })?;
     Ok(file.strip_prefix(&folder).map(Path::to_owned).unwrap_or(file))
 }
