@@ -2,12 +2,13 @@
 //!
 //! In: a [`PreparedShot`], a layer. Out: its problem at any time.
 
-use super::screen_layer::{LayerSolver, LayerTask, unfactored};
-use super::screen_shape::screen_shape;
+use super::screen_layer::{LayerSolver, LayerTask, held_triangle, is_branching, unfactored};
+use super::screen_shape::{ScreenShape, screen_shape_with_starts};
 use super::{PinAnchor, PreparedShot, TimeSample};
 use crate::lattice::Grid;
+use crate::screen::primitive;
 use crate::shot::{Layer, LayerSpace, PinTargets};
-use crate::solve::{Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
+use crate::solve::{ModelPoint, Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
 
 /// Time of the first knot of a layer. Drawings on twos change half a frame from the middles of exposures, which are their knots.
 pub(super) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
@@ -42,6 +43,14 @@ impl LayerTimeline<'_> {
         &self.prepared.shot.layers[self.index]
     }
 
+    /// Triangles of the layer's model.
+    fn triangle_count(&self) -> usize {
+        let PreparedShot { scene, assignment, .. } = self.prepared;
+        let (pose, _) = self.prepared.view(f64::from(self.prepared.shot.solve_range[0]));
+        let parts = assignment.parts_of_layer[self.index].iter();
+        parts.map(|&part| primitive(scene, &pose.parts[part]).triangles.len()).sum()
+    }
+
     /// The layer's box and pins at a time, and where they have to go.
     pub(super) fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
         let layer = self.layer();
@@ -54,7 +63,7 @@ impl LayerTimeline<'_> {
     pub(super) fn problem(
         &self,
         sample: &TimeSample,
-        solver: &LayerSolver,
+        solver: &mut LayerSolver,
         targets: &PinTargets,
     ) -> Option<TimedProblem<2>> {
         let layer = self.layer();
@@ -62,6 +71,11 @@ impl LayerTimeline<'_> {
         if goal.pins.is_empty() && goal.handles.is_empty() {
             return None;
         }
+        let ScreenShape { shape, starts } = screen_shape_with_starts(self.prepared, sample, self.index);
+        if is_branching(layer) {
+            solver.hold_triangles(self.prepared.anchors_of(self.index), &starts);
+        }
+        let (_, goal) = solver.targets(layer, targets);
         let shot = &self.prepared.shot;
         let mut path = Vec::new();
         if sample.frame <= first_knot(self.prepared, self.index) {
@@ -71,8 +85,11 @@ impl LayerTimeline<'_> {
         path.pop();
         path.push(goal);
         let mesh = sample.mesh();
-        let points = self.points.iter().map(|point| point.rest(&mesh, &sample.camera).point.0.to_array());
-        let (grid, shape) = (solver.grid().clone(), screen_shape(self.prepared, sample, self.index));
+        let points = self.points.iter().map(|point| ModelPoint {
+            at: point.rest(&mesh, &sample.camera).point.0.to_array(),
+            triangle: held_triangle(point, solver.starts()),
+        });
+        let grid = solver.grid().clone();
         let drawing = shot.drawing(self.index, self.prepared.key_frame(layer, sample.frame));
         Some(TimedProblem { grid, shape, path, points: points.collect(), drawing })
     }
@@ -91,14 +108,15 @@ impl Timeline<2> for LayerTimeline<'_> {
             return Err(SolveError::Cancelled);
         }
         let Ok(sample) = self.prepared.unsolved_at(time) else { return Ok(None) };
-        let Some((solver, targets)) = self.unfactored(&sample) else { return Ok(None) };
-        Ok(self.problem(&sample, &solver, &targets))
+        let Some((mut solver, targets)) = self.unfactored(&sample) else { return Ok(None) };
+        Ok(self.problem(&sample, &mut solver, &targets))
     }
 
     fn window(&self) -> usize {
         match self.layer().space {
             LayerSpace::Screen { dims, .. } => {
-                knots_per_gib(&Grid { dims, basis: self.layer().basis, lo: [0.0; 2], hi: [1.0; 2] })
+                let grid = Grid { dims, basis: self.layer().basis, lo: [0.0; 2], hi: [1.0; 2] };
+                knots_per_gib(&grid, is_branching(self.layer()).then(|| self.triangle_count()))
             }
             LayerSpace::World { .. } => usize::MAX,
         }

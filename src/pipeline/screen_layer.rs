@@ -96,11 +96,9 @@ impl PreparedShot {
     ) -> Result<Option<LayerSolver>, PipelineError> {
         let LayerTask { index, layer, anchors, .. } = *task;
         let Some(mut solver) = unfactored(self, sample, task) else { return Ok(None) };
-        let is_branching = layer.settings.topology == Topology::Branching;
-        let branching = is_branching.then(|| screen_shape_with_starts(self, sample, index));
+        let branching = is_branching(layer).then(|| screen_shape_with_starts(self, sample, index));
         if let Some(ScreenShape { starts, .. }) = &branching {
-            solver.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
-            solver.starts.clone_from(starts);
+            solver.hold_triangles(anchors, starts);
         }
         if let Some((_, goal)) = path.last().map(|targets| solver.targets(layer, targets)) {
             let shape = || branching.map_or_else(|| screen_shape(self, sample, index), |branching| branching.shape);
@@ -134,8 +132,13 @@ pub(super) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &La
     })
 }
 
+/// Whether parts of a layer's shape may have lattices of their own.
+pub(super) fn is_branching(layer: &Layer) -> bool {
+    layer.settings.topology == Topology::Branching
+}
+
 /// The triangle of the shape that a pin holds.
-fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
+pub(super) fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
     let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
     let starts = &parts.iter().find(|own| own.part == part)?.starts;
     let [start, end] = [*starts.get(triangle)?, *starts.get(triangle + 1)?];
@@ -161,6 +164,17 @@ pub(super) fn border_rests(source: &Source, layer: &Layer) -> bool {
 }
 
 impl LayerSolver {
+    /// Ties the pins to triangles of the shape.
+    pub(super) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartStarts]) {
+        self.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
+        self.starts = starts.to_vec();
+    }
+
+    /// Where the layer's parts lie in the shape; none where its lattice does not branch.
+    pub(super) fn starts(&self) -> &[PartStarts] {
+        &self.starts
+    }
+
     /// The lattice's rest state.
     #[must_use]
     pub fn grid(&self) -> &Grid<2> {

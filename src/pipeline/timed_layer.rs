@@ -33,19 +33,20 @@ fn solve_on(
 ) -> Result<LayerState, PipelineError> {
     let layer = &prepared.shot.layers[index];
     let timeline = LayerTimeline { prepared, index, points: &kept.points, watcher: Watcher::PATIENT };
-    let Some((solver, targets)) = timeline.unfactored(sample) else { return Ok(LayerState::default()) };
+    let Some((mut solver, targets)) = timeline.unfactored(sample) else { return Ok(LayerState::default()) };
+    let Some(problem) = timeline.problem(sample, &mut solver, &targets) else { return Ok(LayerState::default()) };
     let (states, goal) = solver.targets(layer, &targets);
-    let Some(problem) = timeline.problem(sample, &solver, &targets) else { return Ok(LayerState::default()) };
     let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: sample.frame, source };
     let shape = problem.shape.clone();
     let solved = kept.trajectory.solve_at(sample.frame, problem, &layer.settings, &Cancel::never());
     let mut solution = solved.map_err(fault)?;
     let presence = states.iter().map(|pin| pin.presence).fold(0.0, f64::max);
+    let starts = solver.starts().to_vec();
     if goal.handles.is_empty() && presence < 1.0 {
         let Targets { pins, handles } = &goal;
         let (grid, settings) = (solver.grid(), &layer.settings);
         let solver = Solver::new(&Problem { grid, shape: &shape, pins, handles, settings }).map_err(fault)?;
         fade(&mut solution, (&solver, pins), presence);
     }
-    Ok(LayerState { solution: Some(solution), pins: states, ..LayerState::default() })
+    Ok(LayerState { solution: Some(solution), pins: states, starts, ..LayerState::default() })
 }

@@ -10,7 +10,7 @@ use crate::lattice::{BoxFrame, Grid};
 use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive};
 use crate::shot::{Goal, OffsetUnit, PinTarget, PinTargets, Rotation};
-use crate::solve::{PointPin, Shape, Targets, TimedProblem};
+use crate::solve::{ModelPoint, PointPin, Shape, Targets, TimedProblem};
 use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec3};
 
@@ -62,7 +62,8 @@ impl<'a> WorldLayer<'a> {
         }
         let layer = &self.prepared.shot.layers[self.index];
         let points = points.iter().filter_map(|point| point.in_scene(self.pose));
-        let points = points.map(|point| self.frame.box_from_scene(point).to_array()).collect();
+        let place = |point| ModelPoint { at: self.frame.box_from_scene(point).to_array(), triangle: None };
+        let points = points.map(place).collect();
         let drawing = self.prepared.shot.drawing(self.index, self.prepared.key_frame(layer, time));
         Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
     }

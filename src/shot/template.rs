@@ -169,8 +169,19 @@ fn layer(facts: &TemplateFacts) -> String {
     // A shot of one frame has room for one key.
     let is_moving = middle > f64::from(first);
     let later = if is_moving { pin_key(middle) } else { String::new() };
-    let world = if facts.subject == Subject::Scene { WORLD } else { "" };
     let handle_later = if is_moving { format!(", {{ frame = {middle}, offset = [0.0, 0.1] }}") } else { String::new() };
+    let handle = format!(
+        "  ## A handle of the lattice moved by hand, in sizes of its box:
+  # [[layer.handle]]
+  # index = [9, 4]
+  # keys  = [ {{ frame = {first}, offset = [0.0, 0.0] }}{handle_later} ]
+"
+    );
+    let (lattice, region, handle) = match facts.subject {
+        Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
+        // Lattices that branch have neither.
+        Subject::Image => (IMAGE_LATTICE, "", ""),
+    };
     format!(
         "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
 [[layer]]
@@ -181,10 +192,7 @@ solve   = {{ temporal = 0.3 }}            # frames are solved together: nothing 
 ##        guard = \"limit\" in it keeps anything from folding; preset = \"paper\" instead is the method as published
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
-lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
-## Limbs that cross on the screen, or hang close to something else, move apart with
-## lattice = {{ dims = \"auto\", topology = \"branching\" }}, without `temporal`
-{world}
+{lattice}
   ## A pin. `pinwarp pick SHOT --frame {first} --at X,Y` prints one for the surface seen there:
   ##   anchor = {{ node = {node}, primitive = 0, triangle = 0, barycentric = [0.2, 0.5, 0.3] }}
   ## A pin without keys holds its place. Instead of offsets all keys may give a target: a place on the screen.
@@ -192,19 +200,14 @@ lattice = {{ dims = [10, 10], basis = \"bspline\", box = \"follow\" }}
   # name   = \"pin1\"
   # anchor = {{ screen = [{center:?}, 0.5], frame = {first} }}      # follows the surface seen there in frame {first}
   # unit   = \"frame\"                         # or \"box\": offsets in sizes of the lattice's box
-  # region = {{ radius = 0.1, rigidity = 1.0, stiffness = 1.0 }}   # takes what is around it along as one piece, stiffens it
-  # keys   = [ {{ frame = {first}, offset = [0.0, 0.0], ease = {{ bezier = [0.4, 0.0, 0.2, 1.0] }} }},{later} ]
+{region}  # keys   = [ {{ frame = {first}, offset = [0.0, 0.0], ease = {{ bezier = [0.4, 0.0, 0.2, 1.0] }} }},{later} ]
 
   ## Parts that keep their shape more than the rest: nodes, a material, or a channel of the vertex colours (\"r\").
   # [[layer.stiffness]]
   # nodes = [{node}]
   # value = 4.0
 
-  ## A handle of the lattice moved by hand, in sizes of its box:
-  # [[layer.handle]]
-  # index = [9, 4]
-  # keys  = [ {{ frame = {first}, offset = [0.0, 0.0] }}{handle_later} ]
-",
+{handle}",
     )
 }
 
@@ -217,9 +220,23 @@ fn pin_key(frame: f64) -> String {
     )
 }
 
-/// The other space of lattices.
-const WORLD: &str = "## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
+/// The lattice of a scene, and others.
+const SCENE_LATTICE: &str = "lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
+## Limbs that cross on the screen, or hang close to something else, move apart with
+## lattice = { dims = \"auto\", topology = \"branching\" }
+## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
 ## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
+";
+
+/// That of a drawing, whose parts hang close to each other.
+const IMAGE_LATTICE: &str = "## Parts that are close to each other move apart; dims fit the thinnest of them.
+lattice = { dims = \"auto\", topology = \"branching\" }
+## One piece, with handles that can be moved one by one and pins with a radius:
+## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
+";
+
+/// The neighbourhood of a pin.
+const REGION: &str = "  # region = { radius = 0.1, rigidity = 1.0, stiffness = 1.0 }   # takes what is around it along as one piece, stiffens it
 ";
 
 const IMAGE_OUTPUT: &str = "[output]

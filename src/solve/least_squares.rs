@@ -32,25 +32,18 @@ impl<const D: usize> LeastSquaresRows<D> {
 
     /// Adds all rows of another term.
     pub(crate) fn extend(&mut self, other: &Self) {
-        self.extend_where(other, |_| true);
-    }
-
-    /// Adds the rows of another term that are wanted.
-    pub(crate) fn extend_where(&mut self, other: &Self, mut is_wanted: impl FnMut(&[(usize, f64)]) -> bool) {
-        for index in (0..other.len()).filter(|&index| is_wanted(other.row(index))) {
+        for index in 0..other.len() {
             self.push(other.weights[index], other.row(index).iter().copied(), other.targets[index]);
         }
     }
 
-    /// The rows over other unknowns. A row with a handle that has none is left out where rows are `whole`, else its other entries stay.
-    pub(crate) fn mapped(&self, unknown_of: impl Fn(usize) -> Option<usize>, is_whole: bool) -> Self {
+    /// The rows over other unknowns, without the entries of handles that have none.
+    pub(crate) fn mapped(&self, unknown_of: impl Fn(usize) -> Option<usize>) -> Self {
         let mut mapped = Self::new();
         for index in 0..self.len() {
             let row = self.row(index).iter();
-            let row: Vec<_> = row.filter_map(|&(handle, value)| Some((unknown_of(handle)?, value))).collect();
-            if !is_whole || row.len() == self.row(index).len() {
-                mapped.push(self.weights[index], row, self.targets[index]);
-            }
+            let row = row.filter_map(|&(handle, value)| Some((unknown_of(handle)?, value)));
+            mapped.push(self.weights[index], row, self.targets[index]);
         }
         mapped
     }

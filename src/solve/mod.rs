@@ -59,7 +59,7 @@ pub use drag::Drag;
 pub use error::SolveError;
 pub use minimization::Energies;
 pub use pin_residuals::{PinResidual, ResidualReason};
-pub use problem::{HandlePin, PointPin, Problem, Region, Shape};
+pub use problem::{HandlePin, ModelPoint, PointPin, Problem, Region, Shape};
 pub use report::{Solution, SolveReport, Stationarity};
 pub use settings::{
     DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling,

@@ -4,7 +4,7 @@
 
 use super::least_squares::LeastSquaresRows;
 use super::linalg::small_matrix::{SquareMatrix, apply, best_rotation, distance, identity, minus};
-use super::problem::{HandlePin, PointPin};
+use super::problem::{HandlePin, ModelPoint, PointPin};
 use super::settings::{OutsidePins, Settings};
 use crate::lattice::Grid;
 use std::collections::BTreeMap;
@@ -145,14 +145,17 @@ pub(crate) fn retarget<const D: usize>(
 }
 
 /// Rows of points of the model, together of weight 1.
-pub(crate) fn point_rows<const D: usize>(grid: &Grid<D>, points: &[[f64; D]]) -> LeastSquaresRows<D> {
+pub(crate) fn point_rows<const D: usize>(grid: &Grid<D>, points: &[ModelPoint<D>]) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     let weight = 1.0 / points.len().max(1) as f64;
-    for &point in points {
-        let point = grid.clamp_to_box(point);
-        rows.push(weight, grid.weights(point), point);
-    }
+    points.iter().for_each(|point| push_point(&mut rows, grid, point.at, weight));
     rows
+}
+
+/// Adds the row of a point; its target is where it rests.
+pub(crate) fn push_point<const D: usize>(rows: &mut LeastSquaresRows<D>, grid: &Grid<D>, point: [f64; D], weight: f64) {
+    let point = grid.clamp_to_box(point);
+    rows.push(weight, grid.weights(point), point);
 }
 
 /// Rows of the moved handles, λgp = 1 (paper, equation 7).

@@ -31,6 +31,15 @@ impl<const D: usize> Shape<D> {
     }
 }
 
+/// A point of the model at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelPoint<const D: usize> {
+    /// Its place; outside the box it counts where it is nearest to it.
+    pub at: [f64; D],
+    /// The triangle of the shape that it lies on, where parts of the shape lie over each other; `None`: the nearest one.
+    pub triangle: Option<u32>,
+}
+
 /// A point with a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointPin<const D: usize> {

@@ -246,8 +246,6 @@ impl Settings {
             Some(["another energy than `area`", "use energy = \"area\" and no preset"])
         } else if self.regularizer != Regularizer::Bend {
             Some(["another regulariser than `bend`", "use regularizer = \"bend\""])
-        } else if self.temporal > 0.0 {
-            Some(["a temporal weight", "take `temporal` out"])
         } else {
             None
         }

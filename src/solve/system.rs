@@ -4,7 +4,7 @@
 
 use super::active_cells::active_cells;
 use super::barrier::{Barrier, BarrierPart};
-use super::branching::{BranchedLattice, Branching, settings_for};
+use super::branching::{BranchedLattice, Branching, CopyName, settings_for};
 use super::cancel::Cancel;
 use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
 use super::error::SolveError;
@@ -16,7 +16,7 @@ use super::minimization::{FinalPhase, Minimization, MinimizationResult};
 use super::pin_residuals::Evidence;
 use super::pins::RigidMotion;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
-use super::problem::{HandlePin, PointPin, Problem, Shape};
+use super::problem::{HandlePin, ModelPoint, PointPin, Problem, Shape};
 use super::regularizer::RegularizerTerm;
 use super::report::{Solution, SolveReport, Stationarity};
 use super::settings::{Guard, Scaling, Settings, Start};
@@ -68,6 +68,9 @@ pub(crate) struct Parts<const D: usize> {
     pub(crate) proximal: LeastSquaresRows<D>,
 }
 
+/// Weight of known displacements, where others are interpolated, relative to that of the shape.
+const INTERPOLATION: f64 = 100.0;
+
 /// Part of the mean diagonal of shape and regulariser that draws handles to the rigid fit (Tikhonov regularisation): it
 /// determines what nothing else constrains, and changes the rest by less than the tolerance.
 const TIKHONOV: f64 = 1e-9;
@@ -86,25 +89,23 @@ impl<const D: usize> System<D> {
     }
 
     /// As [`Self::new`], with points of the model that a proximal term may draw to places ([`Self::draw_points`]), and without active cells.
-    pub(crate) fn with_points(problem: &Problem<D>, points: &[[f64; D]], cancel: &Cancel) -> Result<Self, SolveError> {
+    pub(crate) fn with_points(
+        problem: &Problem<D>,
+        points: &[ModelPoint<D>],
+        cancel: &Cancel,
+    ) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
         let warnings = shape_warnings(problem);
         if let Some(branching) = Branching::of(problem)? {
             let settings = &settings_for(grid, settings);
             let problem = &Problem { settings, ..*problem };
-            if !points.is_empty() {
-                return Err(SolveError::Invalid {
-                    what: "a branching lattice over time".into(),
-                    hint: "solve it frame by frame, or set topology = \"plain\"".into(),
-                });
-            }
             let parts = Parts {
                 distortion: branching.distortion(problem.shape, problem.pins, settings, cancel),
                 pin_rows: branching.pin_rows(problem.pins, settings),
+                proximal: branching.point_rows(points),
                 branching: Some(branching),
                 warnings,
-                proximal: LeastSquaresRows::new(),
             };
             return Self::assemble(problem, parts, cancel);
         }
@@ -215,7 +216,12 @@ impl<const D: usize> System<D> {
             return Vec::new();
         }
         let firmness = self.scales.pins / (self.scales.shape * self.distortion.mass());
-        yielding_pairs(&self.grid, (pins, handles), &self.settings, firmness)
+        let mut pairs = yielding_pairs(&self.grid, (pins, handles), &self.settings, firmness);
+        if let Some(branching) = &self.branching {
+            pairs.iter_mut().for_each(|pair| pair.compliance *= branching.coupling(pair.pins.map(|pin| &pins[pin])));
+            pairs.retain(|pair| pair.compliance > 0.0);
+        }
+        pairs
     }
 
     /// A matrix with pins that hold, with the rows of those that give way instead.
@@ -258,6 +264,43 @@ impl<const D: usize> System<D> {
         let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
         self.distortion.subtract_rotation_hessian(handles, hessian, &mut second, cancel);
         Factorization::of_positive(second, cancel).is_some()
+    }
+
+    /// The unknowns by what tells them apart at any time; empty where every handle is one.
+    pub(crate) fn copy_names(&self) -> Vec<CopyName> {
+        self.branching.as_ref().map_or_else(Vec::new, |branching| branching.copy_names())
+    }
+
+    /// The displacements of all unknowns that go best with those that are known and with those of the points of the proximal term, in
+    /// least squares of gradients over the shape; `None` where they are not determined.
+    pub(crate) fn interpolated(
+        &self,
+        known: &[Option<[f64; D]>],
+        points: &[[f64; D]],
+        cancel: &Cancel,
+    ) -> Option<Vec<[f64; D]>> {
+        let mut normal = self.constant.clone();
+        self.terms.pins.add_normal(-self.scales.pins, &mut normal, cancel);
+        self.terms.handles.add_normal(-self.scales.handles, &mut normal, cancel);
+        let weight = INTERPOLATION * self.scales.shape * self.distortion.mass();
+        let mut displacements = vec![[0.0; D]; known.len()];
+        let mut rows = self.terms.proximal.clone();
+        points.iter().enumerate().for_each(|(row, point)| rows.set_target(row, *point));
+        rows.add_normal(weight, &mut normal, cancel);
+        rows.add_right_side(weight, &mut displacements);
+        for (unknown, known) in known.iter().enumerate() {
+            if let Some(known) = known {
+                normal.add(unknown, unknown, weight);
+                (0..D).for_each(|d| displacements[unknown][d] += weight * known[d]);
+            }
+        }
+        Factorization::new(&normal, cancel)?.solve(&mut displacements);
+        Some(displacements)
+    }
+
+    /// Where the points of the proximal term are drawn to; at first, where they rest.
+    pub(crate) fn point_targets(&self) -> Vec<[f64; D]> {
+        (0..self.terms.proximal.len()).map(|row| self.terms.proximal.target(row)).collect()
     }
 
     /// Where the points of the proximal term are under `handles`.

@@ -114,11 +114,11 @@ fn branching_lattices_need_a_shape_and_local_handles() {
     let branching = "lattice.topology = 'branching'";
     assert_eq!(fault("image = 'a.png'", branching), Ok(()));
     assert_eq!(fault("scene = 'a.glb'", branching), Ok(()));
+    assert_eq!(fault("image = 'a.png'", &format!("{branching}\nsolve.temporal = 0.3")), Ok(()));
     for (from, layer, says) in [
         ("plate = 'p.####.exr'", branching.to_owned(), "needs a shape"),
         ("image = 'a.png'", format!("{branching}\nlattice.basis = 'bernstein'"), "local support"),
         ("image = 'a.png'", format!("{branching}\nsolve.preset = 'paper'"), "energy than `area`"),
-        ("image = 'a.png'", format!("{branching}\nsolve.temporal = 0.3"), "temporal weight"),
         ("image = 'a.png'", format!("{branching}\nsolve.regularizer = 'rest'"), "regulariser than `bend`"),
     ] {
         let told = fault(from, &layer).expect_err(&layer);

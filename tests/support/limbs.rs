@@ -3,7 +3,7 @@
 //! In: a seed. Out: the problem at any time, in frame heights. The same seed gives the same animation everywhere.
 
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::{PointPin, Settings, Shape, SolveError, Targets, TimedProblem, Timeline};
+use pinwarp::solve::{ModelPoint, PointPin, Settings, Shape, SolveError, Targets, TimedProblem, Timeline};
 
 /// One pixel at 1080 lines.
 pub(crate) const PIXEL: f64 = 1.0 / 1080.0;
@@ -131,7 +131,7 @@ impl Timeline<2> for Limb {
     fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
         let goal = Targets { pins: self.pins(time), handles: Vec::new() };
         let step = self.shape.points.len().div_ceil(WATCHED);
-        let points = self.shape.points.iter().copied().step_by(step).collect();
+        let points = self.shape.points.iter().step_by(step).map(|&at| ModelPoint { at, triangle: None }).collect();
         Ok(Some(TimedProblem {
             grid: self.grid.clone(),
             shape: self.shape.clone(),

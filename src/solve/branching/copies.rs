@@ -24,9 +24,11 @@ pub(super) struct Tie {
 pub(super) struct Copies {
     /// The handle of each copy, ascending.
     pub(super) handles: Vec<usize>,
+    /// The first triangle in the piece of each copy.
+    pub(super) first_triangles: Vec<usize>,
     /// Copies that act on a cut, in the order of the cell's handles: #cuts times #handles of a cell.
     pub(super) of_cuts: Vec<usize>,
-    /// Copies of one handle that are near each other.
+    /// Copies of one handle that are near each other, in the order of the copies.
     pub(super) ties: Vec<Tie>,
 }
 
@@ -56,11 +58,17 @@ pub(super) fn copies<const D: usize>(
         cuts_of_cell: cuts_by_cell(grid.cell_count(), cuts),
         place_of: vec![usize::MAX; cuts.last().map_or(0, |cut| cut.triangle + 1)],
     };
-    let mut copies = Copies { handles: Vec::new(), of_cuts: vec![0; cuts.len() * handles_per_cell], ties: Vec::new() };
+    let mut copies = Copies {
+        handles: Vec::new(),
+        first_triangles: Vec::new(),
+        of_cuts: vec![0; cuts.len() * handles_per_cell],
+        ties: Vec::new(),
+    };
     for handle in 0..grid.handle_count() {
         let support = SupportBox::of(grid, width, handle);
         finder.add(handle, &support, width, &mut copies);
     }
+    copies.ties.sort_by_key(|tie| tie.copies);
     copies
 }
 
@@ -94,11 +102,12 @@ impl<const D: usize> Finder<'_, D> {
         }
         let first = copies.handles.len();
         let mut copy_of_root = vec![usize::MAX; triangles.len()];
-        for place in 0..triangles.len() {
+        for (place, &triangle) in triangles.iter().enumerate() {
             let root = pieces.root(place);
             if copy_of_root[root] == usize::MAX {
                 copy_of_root[root] = copies.handles.len();
                 copies.handles.push(handle);
+                copies.first_triangles.push(triangle);
             }
         }
         let of_triangle: Vec<usize> = (0..triangles.len()).map(|place| copy_of_root[pieces.root(place)]).collect();

@@ -18,6 +18,7 @@ mod link;
 mod pieces;
 mod ray;
 mod rest_links;
+mod row_shares;
 mod solid_links;
 mod support_box;
 mod terms;
@@ -40,6 +41,15 @@ use cuts::{Cut, cuts};
 use pieces::Pieces;
 use std::ops::Range;
 
+/// A copy of a handle, as it is known at other times, when pieces of the shape are others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct CopyName {
+    /// The handle.
+    pub(crate) handle: usize,
+    /// The first triangle of its piece of the shape.
+    pub(crate) triangle: usize,
+}
+
 /// How a shape splits the handles of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Branching<const D: usize> {
@@ -52,6 +62,8 @@ pub(crate) struct Branching<const D: usize> {
     cuts: Vec<Cut<D>>,
     /// The handle of each copy, ascending.
     handles: Vec<usize>,
+    /// The first triangle in the piece of each copy.
+    first_triangles: Vec<usize>,
     ties: Vec<Tie>,
     pieces: Pieces,
     /// The branch of each piece.
@@ -80,7 +92,7 @@ impl<const D: usize> Branching<D> {
     fn split(grid: &Grid<D>, shape: &Shape<D>, width: usize) -> Self {
         let cuts = cuts(grid, shape);
         let copies = copies(grid, width, &cuts, &Adjacency::of(shape));
-        let pieces = Pieces::of(grid, &cuts, &copies);
+        let pieces = Pieces::of(grid, width, &cuts, &copies);
         let (branch_of, branches) = pieces.branches(grid, width);
         let corner = |&corner: &u32| shape.points[corner as usize];
         Self {
@@ -89,6 +101,7 @@ impl<const D: usize> Branching<D> {
             triangles: shape.triangles.iter().map(|corners| corners.each_ref().map(corner)).collect(),
             cuts,
             handles: copies.handles,
+            first_triangles: copies.first_triangles,
             ties: copies.ties,
             pieces,
             branch_of,
@@ -109,15 +122,29 @@ impl<const D: usize> Branching<D> {
     /// The point of the shape that a pin holds, and its piece. A pin beside the shape holds the nearest point, with the same
     /// displacement.
     pub(crate) fn held(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
-        let (at, piece) = match pin.triangle.map(|triangle| triangle as usize) {
-            Some(triangle) if triangle < self.triangles.len() => {
-                let at = nearest_of_triangle(&pin.at, &self.triangles[triangle]);
-                (at, self.piece_at(triangle..triangle + 1, &at))
-            }
-            _ => self.nearest(pin.at),
-        };
+        let (at, piece) = self.held_point(pin.at, pin.triangle);
         let target = std::array::from_fn(|d| pin.target[d] + at[d] - pin.at[d]);
         (PointPin { at, target, ..*pin }, piece)
+    }
+
+    /// The point of the shape, or of a triangle of it, that is nearest to a point, and its piece.
+    pub(crate) fn held_point(&self, point: [f64; D], triangle: Option<u32>) -> ([f64; D], usize) {
+        match triangle.map(|triangle| triangle as usize) {
+            Some(triangle) if triangle < self.triangles.len() => {
+                let at = nearest_of_triangle(&point, &self.triangles[triangle]);
+                (at, self.piece_at(triangle..triangle + 1, &at))
+            }
+            _ => self.nearest(point),
+        }
+    }
+
+    /// What tells each copy from others of its handle at any time.
+    pub(crate) fn copy_names(&self) -> Vec<CopyName> {
+        self.handles
+            .iter()
+            .zip(&self.first_triangles)
+            .map(|(&handle, &triangle)| CopyName { handle, triangle })
+            .collect()
     }
 
     /// The branch of a piece.

@@ -5,7 +5,7 @@
 use super::copies::{Copies, handles_of_cell};
 use super::cuts::Cut;
 use crate::lattice::Grid;
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::VecDeque;
 
 /// What one cell holds of the shape under the same copies.
 #[derive(Clone, Debug)]
@@ -25,13 +25,15 @@ pub(super) struct Pieces {
     pub(super) list: Vec<Piece>,
     /// The piece of each cut, #cuts.
     pub(super) of_cuts: Vec<usize>,
-    /// Pieces of neighbouring cells that a triangle joins, #pieces, ascending.
+    /// Pieces of cells side by side that have all copies in common that they can have, #pieces, ascending.
     pub(super) neighbours: Vec<Vec<usize>>,
+    /// All pieces of cells side by side, #pieces, each with the copies of the same handles that the two have.
+    pub(super) beside: Vec<Vec<(usize, Vec<[usize; 2]>)>>,
 }
 
 impl Pieces {
     /// Groups cuts by cell and copies.
-    pub(super) fn of<const D: usize>(grid: &Grid<D>, cuts: &[Cut<D>], copies: &Copies) -> Self {
+    pub(super) fn of<const D: usize>(grid: &Grid<D>, width: usize, cuts: &[Cut<D>], copies: &Copies) -> Self {
         let per_cut = copies.of_cuts.len() / cuts.len().max(1);
         let copies_of = |cut: usize| &copies.of_cuts[cut * per_cut..][..per_cut];
         let key = |&cut: &usize| (cuts[cut].cell, copies_of(cut));
@@ -43,23 +45,10 @@ impl Pieces {
             let area = same.iter().map(|&cut| cuts[cut].area).sum();
             list.push(Piece { cell: cuts[same[0]].cell, copies: copies_of(same[0]).to_vec(), area });
         }
-        let mut neighbours = vec![BTreeSet::new(); list.len()];
-        let mut start = 0;
-        for cuts_of_triangle in cuts.chunk_by(|a, b| a.triangle == b.triangle) {
-            for (a, one) in cuts_of_triangle.iter().enumerate() {
-                for (b, other) in cuts_of_triangle.iter().enumerate().skip(a + 1) {
-                    // A triangle that meets two cells side by side crosses the face between them: both are convex.
-                    if are_side_by_side(grid.cell_coords(one.cell), grid.cell_coords(other.cell)) {
-                        let [a, b] = [a, b].map(|place| of_cuts[start + place]);
-                        neighbours[a].insert(b);
-                        neighbours[b].insert(a);
-                    }
-                }
-            }
-            start += cuts_of_triangle.len();
-        }
-        let neighbours = neighbours.into_iter().map(|set| set.into_iter().collect()).collect();
-        Self { list, of_cuts, neighbours }
+        let beside = beside(grid, width, &list);
+        let is_one = |(_, copies): &&(usize, Vec<[usize; 2]>)| copies.iter().all(|[own, other]| own == other);
+        let neighbours = beside.iter().map(|own| own.iter().filter(is_one).map(|(next, _)| *next).collect()).collect();
+        Self { list, of_cuts, neighbours, beside }
     }
 
     /// The branch of every piece, and for every branch the copy of each handle (`None`: the branch has none), from the
@@ -99,6 +88,31 @@ impl Pieces {
     }
 }
 
-fn are_side_by_side<const D: usize>(one: [usize; D], other: [usize; D]) -> bool {
-    one.iter().zip(&other).map(|(a, b)| a.abs_diff(*b)).sum::<usize>() == 1
+/// The pieces of cells side by side with each piece, ascending, and the copies of handles over both cells that the two have.
+fn beside<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<Vec<(usize, Vec<[usize; 2]>)>> {
+    let mut beside = vec![Vec::new(); list.len()];
+    let strides: [usize; D] =
+        std::array::from_fn(|axis| (0..axis).map(|before| grid.basis.spans(grid.dims[before])).product());
+    for (number, piece) in list.iter().enumerate() {
+        let place = grid.cell_coords(piece.cell);
+        let own = handles_of_cell(grid, width, piece.cell);
+        for axis in (0..D).filter(|&axis| place[axis] + 1 < grid.basis.spans(grid.dims[axis])) {
+            let cell = piece.cell + strides[axis];
+            let others = handles_of_cell(grid, width, cell);
+            let slots = own.iter().enumerate();
+            let slots: Vec<[usize; 2]> =
+                slots.filter_map(|(slot, handle)| Some([slot, others.binary_search(handle).ok()?])).collect();
+            let first = list.partition_point(|other| other.cell < cell);
+            for (index, other) in list[first..].iter().take_while(|other| other.cell == cell).enumerate() {
+                let copies = |turn: bool| {
+                    let pair = |&[own, theirs]: &[usize; 2]| [piece.copies[own], other.copies[theirs]];
+                    slots.iter().map(pair).map(|[a, b]| if turn { [b, a] } else { [a, b] }).collect()
+                };
+                beside[number].push((first + index, copies(false)));
+                beside[first + index].push((number, copies(true)));
+            }
+        }
+    }
+    beside.iter_mut().for_each(|own| own.sort_unstable_by_key(|(next, _)| *next));
+    beside
 }

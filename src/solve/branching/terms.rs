@@ -2,6 +2,7 @@
 //!
 //! In: a [`Branching`], pins, settings. Out: distortion, rows of pins and regulariser.
 
+use super::copies::Tie;
 use super::{Branching, handles_of_cell};
 use crate::lattice::Support;
 use crate::solve::barrier::{Barrier, BarrierPart};
@@ -9,7 +10,7 @@ use crate::solve::cancel::Cancel;
 use crate::solve::energy::{Area, Distortion, WithPinNeighbourhoods};
 use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::pins;
-use crate::solve::problem::{PointPin, Shape};
+use crate::solve::problem::{ModelPoint, PointPin, Shape};
 use crate::solve::samples::samples_of_pieces;
 use crate::solve::second_differences::SecondDifferences;
 use crate::solve::settings::{Scaling, Settings};
@@ -20,13 +21,13 @@ use std::collections::{BTreeMap, BTreeSet};
 const TIE: f64 = 1e-4;
 
 /// Ties are never stiffer than this multiple of that.
-const STIFFEST: f64 = 1e6;
+const STIFFEST: f64 = 1e8;
 
-/// Second differences of a piece have their full weight from this share of its cell on, and at least [`LEAST_BEND`].
-const FULL_PIECE: f64 = 0.02;
+/// The power that makes a copy without area choose one of its siblings, continuously.
+const CHOICE: i32 = 16;
 
-/// What remains of the weight of second differences over nearly empty pieces, so that their copies are determined.
-const LEAST_BEND: f64 = 1e-2;
+/// Rows over a part of the shape have their full weight from this share of a cell on.
+const FULL_SHARE: f64 = 0.02;
 
 impl<const D: usize> Branching<D> {
     /// `area` over all branches, with the discs of pins and the ties of copies.
@@ -50,6 +51,8 @@ impl<const D: usize> Branching<D> {
                 }
             }
             let mut samples = samples_of_pieces(&self.grid, &parts);
+            // Rounding may move a sliver across the border of its cell.
+            samples.retain(|sample| self.acts_at(branch, sample.at));
             samples.iter_mut().for_each(|sample| sample.stiffness *= region_stiffness_at(pins, sample.at));
             let mut area = Area::new(&self.grid, &samples, cancel);
             area.relabel(|handle| self.copy(branch, handle));
@@ -83,43 +86,115 @@ impl<const D: usize> Branching<D> {
         all
     }
 
+    /// How far two pins hold the same handles, 0 to 1: those on parts that are apart can go their own ways.
+    pub(crate) fn coupling(&self, pins: [&PointPin<D>; 2]) -> f64 {
+        let [one, other] = pins.map(|pin| {
+            let (held, piece) = self.held(pin);
+            let copies = &self.branches[self.branch_of(piece)];
+            let weights = self.grid.weights(self.grid.clamp_to_box(held.at)).into_iter();
+            weights.filter_map(|(handle, weight)| Some((handle, (copies[handle]?, weight)))).collect::<BTreeMap<_, _>>()
+        });
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (handle, (copy, weight)) in &one {
+            if let Some((theirs, other)) = other.get(handle) {
+                sum += weight * other * self.oneness(&[[*copy, *theirs]]);
+                total += weight * other;
+            }
+        }
+        if total > 0.0 { sum / total } else { 0.0 }
+    }
+
+    /// Rows of points of the model over copies, together of weight 1.
+    pub(crate) fn point_rows(&self, points: &[ModelPoint<D>]) -> LeastSquaresRows<D> {
+        let mut rows = LeastSquaresRows::new();
+        let weight = 1.0 / points.len().max(1) as f64;
+        for point in points {
+            let (at, piece) = self.held_point(point.at, point.triangle);
+            let mut row = LeastSquaresRows::new();
+            pins::push_point(&mut row, &self.grid, at, weight);
+            rows.extend(&self.clipped(self.branch_of(piece), &row));
+        }
+        rows
+    }
+
     /// The regulariser `bend`: every second difference of copies that act on a common piece, once.
     pub(crate) fn bend(&self, scaling: Scaling) -> LeastSquaresRows<D> {
         let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
-        let cell = (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>();
         let mut rows = LeastSquaresRows::new();
         for kind in SecondDifferences::of(&self.grid) {
-            let mut known: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+            let mut areas: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
             for piece in &self.pieces.list {
                 let handles = handles_of_cell(&self.grid, width, piece.cell);
-                let fill = (piece.area / (FULL_PIECE * cell)).clamp(LEAST_BEND, 1.0);
                 for &start in &handles {
                     let places = kind.entries(start).map(|(handle, _)| handles.binary_search(&handle).ok());
                     if let Some(places) = places.collect::<Option<Vec<usize>>>() {
                         let copies = places.into_iter().map(|place| piece.copies[place]).collect();
-                        let share = known.entry(copies).or_insert(0.0);
-                        *share = share.max(fill);
+                        *areas.entry(copies).or_insert(0.0) += piece.area;
                     }
                 }
             }
             let weight = kind.weight(&self.grid, scaling);
             let coefficients: Vec<f64> = kind.entries(0).map(|(_, coefficient)| coefficient).collect();
-            for (copies, share) in known {
+            for (copies, share) in self.shares(areas) {
                 rows.push(weight * share, copies.into_iter().zip(coefficients.iter().copied()), [0.0; D]);
             }
         }
         rows
     }
 
-    /// Differences of tied copies, free where the support has to grow by a whole span, equal where it does not have to.
+    /// Differences of tied copies, free where the support has to grow by a whole span, equal where it does not have to. Copies that are
+    /// nearer to each other than to a third have one tie to it between them: their shares of it are those of the area that they hold. A
+    /// copy that holds hardly any area goes with one sibling, and does not join others.
     fn tie_rows(&self) -> LeastSquaresRows<D> {
-        let mut rows = LeastSquaresRows::new();
+        let mut area = vec![0.0; self.handles.len()];
+        for piece in &self.pieces.list {
+            piece.copies.iter().for_each(|&copy| area[copy] += piece.area);
+        }
+        let mut siblings = vec![Vec::new(); self.handles.len()];
         for tie in &self.ties {
             let [one, other] = tie.copies;
-            let weight = (TIE * ((1.0 - tie.growth) / tie.growth).powi(2)).min(TIE * STIFFEST);
+            siblings[one].push((other, tie.growth));
+            siblings[other].push((one, tie.growth));
+        }
+        let weight = |growth: f64| (TIE * ((1.0 - growth) / growth).powi(2)).min(TIE * STIFFEST);
+        let among_near = |copy: usize, growth: f64| {
+            let nearer = siblings[copy].iter().filter(|(_, own)| *own < growth);
+            let others: f64 = nearer.map(|(sibling, own)| area[*sibling] * (1.0 - own / growth)).sum();
+            if others > 0.0 { area[copy] / (area[copy] + others) } else { 1.0 }
+        };
+        // Of the ties of a copy, the share of the one to a sibling: nearly 1 for the nearest and largest.
+        let pull = |copy: usize, sibling: usize, growth: f64| weight(growth) * area[sibling] * among_near(copy, growth);
+        let sums = (0..self.handles.len()).map(|copy| {
+            let pulls = || siblings[copy].iter().map(|&(sibling, growth)| pull(copy, sibling, growth));
+            let greatest = pulls().fold(f64::MIN_POSITIVE, f64::max);
+            (greatest, pulls().map(|pull| (pull / greatest).powi(CHOICE)).sum::<f64>())
+        });
+        let sums: Vec<(f64, f64)> = sums.collect();
+        let choice = |copy: usize, sibling: usize, growth: f64| {
+            let (greatest, sum) = sums[copy];
+            if sum > 0.0 { (pull(copy, sibling, growth) / greatest).powi(CHOICE) / sum } else { 1.0 }
+        };
+        let needs = |copy: usize| (area[copy] / self.full_area()).min(1.0);
+        let mut rows = LeastSquaresRows::new();
+        for Tie { copies: [one, other], growth } in self.ties.iter().copied() {
+            let alone = [(one, other), (other, one)].map(|(copy, to)| (1.0 - needs(copy)) * choice(copy, to, growth));
+            let share = (needs(one) * needs(other) + alone[0] + alone[1]).min(1.0);
+            let weight = weight(growth) * share * among_near(one, growth) * among_near(other, growth);
             rows.push(weight, [(one, 1.0), (other, -1.0)], [0.0; D]);
         }
         rows
+    }
+
+    /// Whether a branch has copies of all handles that have a weight at a point.
+    fn acts_at(&self, branch: usize, point: [f64; D]) -> bool {
+        let mut acts = true;
+        self.grid.for_each_weight(point, |term| acts &= self.branches[branch][term.handle].is_some());
+        acts
+    }
+
+    /// The area from which on a part of the shape counts fully: a share of a cell.
+    pub(super) fn full_area(&self) -> f64 {
+        FULL_SHARE * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
     }
 
     /// The copy of a handle in a branch.
@@ -130,27 +205,48 @@ impl<const D: usize> Branching<D> {
         self.branches[branch][handle].expect("a branch has copies of all handles over its pieces")
     }
 
-    /// Rows over handles around a point of a piece as rows over copies: of each, those that act on a common piece from which the
-    /// way to this one leads over pieces with such rows, so that no row joins what is apart.
+    /// Rows over handles around a point of a piece as rows over copies: of each, those that act on a common piece. They count as far as
+    /// the way from this piece leads over pieces that hang together, so that no row joins what is apart.
     fn rows_around(&self, piece: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
-        let (mut around, mut known) = (LeastSquaresRows::new(), BTreeSet::new());
-        let (mut waiting, mut is_seen) = (vec![piece], BTreeSet::from([piece]));
-        while let Some(number) = waiting.pop() {
-            let piece = &self.pieces.list[number];
-            let handles = handles_of_cell(&self.grid, width, piece.cell);
-            let copy_of = |handle: usize| Some(piece.copies[handles.binary_search(&handle).ok()?]);
-            let here = rows.mapped(copy_of, true);
-            if here.len() > 0 {
-                waiting.extend(self.pieces.neighbours[number].iter().filter(|&&next| is_seen.insert(next)));
+        let (mut areas, mut found) = (BTreeMap::new(), BTreeMap::new());
+        let mut reach = vec![0.0; self.pieces.list.len()];
+        let mut waiting = vec![(piece, 1.0_f64)];
+        while let Some((number, near)) = waiting.pop() {
+            if near <= reach[number] {
+                continue;
             }
-            around.extend_where(&here, |row| known.insert(row.iter().map(|entry| entry.0).collect::<Vec<usize>>()));
+            let is_new = reach[number] == 0.0;
+            reach[number] = near;
+            let here = &self.pieces.list[number];
+            let handles = handles_of_cell(&self.grid, width, here.cell);
+            let area = if number == piece { here.area.max(self.full_area()) } else { here.area };
+            let mut has_rows = false;
+            for row in 0..rows.len() {
+                let copy_of = |entry: &(usize, f64)| Some(here.copies[handles.binary_search(&entry.0).ok()?]);
+                if let Some(copies) = rows.row(row).iter().map(copy_of).collect::<Option<Vec<usize>>>() {
+                    *areas.entry(copies.clone()).or_insert(0.0) += if is_new { area } else { 0.0 };
+                    let known = found.entry(copies).or_insert((row, near));
+                    known.1 = near.max(known.1);
+                    has_rows = true;
+                }
+            }
+            if has_rows {
+                let beside = self.pieces.beside[number].iter();
+                waiting.extend(beside.map(|(next, copies)| (*next, near.min(self.oneness(copies)))));
+            }
+        }
+        let mut around = LeastSquaresRows::new();
+        for (copies, share) in self.shares(areas) {
+            let (row, near) = found[&copies];
+            let coefficients = rows.row(row).iter().map(|entry| entry.1);
+            around.push(rows.weight(row) * share * near, copies.into_iter().zip(coefficients), rows.target(row));
         }
         around
     }
 
     /// Rows over copies instead of handles; handles without a copy have no weight but that of rounding.
     fn clipped(&self, branch: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
-        rows.mapped(|handle| self.branches[branch][handle], false)
+        rows.mapped(|handle| self.branches[branch][handle])
     }
 }

@@ -3,8 +3,9 @@
 //! In: a [`Trajectory`]. Out: little-endian bytes: 64-bit counts, 64-bit floats by their bits; and the trajectory again. What is not
 //! such bytes is refused, never misread: a count is believed only where so many bytes follow.
 
-use super::knot::Displacement;
+use super::displacement::Displacement;
 use super::{Coupling, Spread, Trajectory};
+use crate::solve::branching::CopyName;
 
 /// Marks a knot at which nothing is solved.
 const NOTHING: u64 = u64::MAX;
@@ -22,10 +23,15 @@ impl<const D: usize> Trajectory<D> {
             out.word(drawing.cast_unsigned());
             match state {
                 None => out.word(NOTHING),
-                Some(Displacement { handles, points }) => {
+                Some(Displacement { handles, copies, points }) => {
                     out.count(handles.len());
+                    out.count(copies.len());
                     out.count(points.len());
                     out.floats(handles.as_flattened());
+                    for copy in copies {
+                        out.count(copy.handle);
+                        out.count(copy.triangle);
+                    }
                     out.floats(points.as_flattened());
                 }
             }
@@ -117,8 +123,19 @@ impl Reader<'_> {
             return Some(None);
         }
         let handles = self.fitting(handles, D)?;
+        let copies = self.count(2)?;
         let points = self.count(D)?;
-        Some(Some(Displacement { handles: self.places(handles)?, points: self.places(points)? }))
+        if copies != 0 && copies != handles {
+            return None;
+        }
+        let handles = self.places(handles)?;
+        let copies = (0..copies).map(|_| self.copy()).collect::<Option<Vec<_>>>()?;
+        Some(Some(Displacement { handles, copies, points: self.places(points)? }))
+    }
+
+    fn copy(&mut self) -> Option<CopyName> {
+        let [handle, triangle] = [self.word()?, self.word()?].map(usize::try_from);
+        Some(CopyName { handle: handle.ok()?, triangle: triangle.ok()? })
     }
 
     fn spread(&mut self) -> Option<Spread> {
@@ -132,10 +149,16 @@ mod tests {
     use super::*;
 
     fn trajectory() -> Trajectory<2> {
-        let state = |x: f64| Displacement { handles: vec![[x, -0.0]; 3], points: vec![[f64::MIN_POSITIVE, x]; 2] };
+        let state = |x: f64| Displacement {
+            handles: vec![[x, -0.0]; 3],
+            copies: Vec::new(),
+            points: vec![[f64::MIN_POSITIVE, x]; 2],
+        };
+        let copies = [[0, 4], [2, 1], [2, usize::MAX]].map(|[handle, triangle]| CopyName { handle, triangle });
+        let branching = Displacement { copies: copies.to_vec(), ..state(-7e300) };
         Trajectory {
             coupling: Coupling { first: -3.5, last: 9.0, knots_per_frame: 2, weight: 0.3, least_speed: 1e-3 },
-            states: vec![Some(state(1.0 / 3.0)), None, Some(state(-7e300)), Some(state(0.1))],
+            states: vec![Some(state(1.0 / 3.0)), None, Some(branching), Some(state(0.1))],
             drawings: vec![3, -1, i64::MAX, 0],
             weights: vec![0.0, 0.0, 12.5],
             weight: 0.6,

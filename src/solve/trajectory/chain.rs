@@ -7,7 +7,8 @@
 //! knots than pins, surface and rigid fit give reason for, ω is raised over as many knots as that move needs: the multiplier of
 //! a limit of the speed (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4).
 
-use super::knot::{Descent, Displacement, Knot};
+use super::displacement::Displacement;
+use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
@@ -33,6 +34,9 @@ const TAPER: f64 = 0.5;
 
 /// Doublings of a weight until the energy is convex, at most.
 const DOUBLINGS: usize = 16;
+
+/// A weight is raised by at most this factor in all: beyond it nothing moves that the points tell of.
+const MOST: f64 = 1e5;
 
 /// Limits of the factor by which a weight is raised at once.
 const GROWTH: [f64; 2] = [1.5, 30.0];
@@ -141,7 +145,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             let Some(knot) = &mut rest[0] else { continue };
             match before.last() {
                 Some(Some(before)) => {
-                    knot.displacement = before.displacement.clone();
+                    knot.start_from(&before.displacement);
                     let points = &before.displacement.points;
                     knot.solve_near((points, weight), Descent::Cold, self.cancel)?;
                 }
@@ -204,7 +208,8 @@ impl<'a, const D: usize> Chain<'a, D> {
         let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
         for (index, &excess) in excess.iter().enumerate().filter(|(_, excess)| **excess > 1.0) {
-            let weight = self.weights[index] * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
+            let wanted = self.weights[index] * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
+            let weight = wanted.min(MOST * self.weight);
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
         }
@@ -295,23 +300,24 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) weight: Option<f64>,
 }
 
-/// The weight of an interval, doubled until the energy is convex between its ends.
-fn convex_weight<const D: usize>(ends: &[Option<Knot<D>>], mut weight: f64) -> f64 {
-    let [Some(knot), Some(next)] = ends else { return weight };
+/// The weight of an interval, doubled until the energy is convex between its ends; as it was, where no weight achieves that, because what
+/// is not convex lies where there are no points.
+fn convex_weight<const D: usize>(ends: &[Option<Knot<D>>], initial: f64) -> f64 {
+    let [Some(knot), Some(next)] = ends else { return initial };
     // Between two drawings nothing is continuous.
     if knot.drawing != next.drawing {
-        return weight;
+        return initial;
     }
-    let never = Cancel::never();
+    let (never, mut weight) = (Cancel::never(), initial);
     for _ in 0..DOUBLINGS {
         let held = CONVEX_SHARE * weight;
         if knot.is_convex(held, &never)
             && next.is_convex(held, &never)
             && knot.is_convex_towards(&next.displacement, held, &never)
         {
-            break;
+            return weight;
         }
         weight *= 2.0;
     }
-    weight
+    initial
 }

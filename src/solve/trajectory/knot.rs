@@ -3,6 +3,7 @@
 //! In: a [`TimedProblem`], displacements of its points. Out: displacements of its points and handles.
 //! Displacements are measured from the rigid motion that fits the pins best: where all pins move rigidly they are constant.
 
+use super::displacement::Displacement;
 use super::timeline::TimedProblem;
 use crate::lattice::Grid;
 use crate::solve::cancel::Cancel;
@@ -16,32 +17,6 @@ use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
 
-/// How far handles and points of the model are from where the rigid fit of the pins takes them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Displacement<const D: usize> {
-    /// #handles.
-    pub(crate) handles: Vec<[f64; D]>,
-    /// #points.
-    pub(crate) points: Vec<[f64; D]>,
-}
-
-impl<const D: usize> Displacement<D> {
-    /// (1 − t) · self + t · to.
-    pub(crate) fn interpolated(&self, to: &Self, t: f64) -> Self {
-        Self { handles: mix(&self.handles, &to.handles, t), points: mix(&self.points, &to.points, t) }
-    }
-
-    /// Farthest that a point moves to another displacement.
-    pub(crate) fn farthest(&self, to: &Self) -> f64 {
-        self.points.iter().zip(&to.points).map(|(a, b)| distance(a, b)).fold(0.0, f64::max)
-    }
-}
-
-fn mix<const D: usize>(from: &[[f64; D]], to: &[[f64; D]], t: f64) -> Vec<[f64; D]> {
-    let between = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t);
-    from.iter().zip(to).map(between).collect()
-}
-
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
 pub(crate) struct Knot<const D: usize> {
@@ -49,8 +24,7 @@ pub(crate) struct Knot<const D: usize> {
     path: Vec<Targets<D>>,
     /// The points of the model at rest.
     points: Vec<[f64; D]>,
-    /// Where the rigid fit takes handles and points.
-    rigid: Displacement<D>,
+    rigid: RigidImage<D>,
     factor: CachedFactor,
     /// Which drawing it belongs to.
     pub(crate) drawing: i64,
@@ -58,6 +32,13 @@ pub(crate) struct Knot<const D: usize> {
     convex_from: f64,
     /// The state.
     pub(crate) displacement: Displacement<D>,
+}
+
+/// Where the rigid fit of the pins takes handles and points.
+#[derive(Debug)]
+struct RigidImage<const D: usize> {
+    handles: Vec<[f64; D]>,
+    points: Vec<[f64; D]>,
 }
 
 /// How a knot is solved.
@@ -78,11 +59,14 @@ impl<const D: usize> Knot<D> {
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
         let system = System::with_points(&bare, &points, cancel)?;
         let rigid = RigidMotion::fit(&grid, pins, handles).continuous();
-        let images = |points: &[[f64; D]]| points.iter().map(|point| rigid.image(point)).collect();
-        let clamped: Vec<_> = points.iter().map(|&point| grid.clamp_to_box(point)).collect();
-        let rigid = Displacement { handles: images(&grid.rest_handles()), points: images(&clamped) };
-        let displacement =
-            Displacement { handles: vec![[0.0; D]; rigid.handles.len()], points: vec![[0.0; D]; rigid.points.len()] };
+        let images = |points: &[[f64; D]]| points.iter().map(|point| rigid.image(point)).collect::<Vec<_>>();
+        let rigid = RigidImage { handles: images(&system.rest()), points: images(&system.point_targets()) };
+        let points = points.iter().map(|point| point.at).collect();
+        let displacement = Displacement {
+            handles: vec![[0.0; D]; rigid.handles.len()],
+            copies: system.copy_names(),
+            points: vec![[0.0; D]; rigid.points.len()],
+        };
         let factor = CachedFactor::default();
         Ok(Self { system, path, points, rigid, factor, drawing, convex_from: f64::INFINITY, displacement })
     }
@@ -94,6 +78,23 @@ impl<const D: usize> Knot<D> {
     /// The targets.
     pub(crate) fn goal(&self) -> Option<&Targets<D>> {
         self.path.last()
+    }
+
+    /// Makes the state of another time its own. Copies of handles that there were none of then go with what is around them.
+    pub(crate) fn start_from(&mut self, state: &Displacement<D>) {
+        self.displacement = self.carried(state);
+    }
+
+    /// The state of another time, by the handles of this one.
+    fn carried(&self, state: &Displacement<D>) -> Displacement<D> {
+        let copies = &self.displacement.copies;
+        if *copies == state.copies {
+            return state.clone();
+        }
+        let known = state.handles_by_name(copies, self.rigid.handles.len());
+        let handles = self.system.interpolated(&known, &state.points, &Cancel::never());
+        let handles = handles.unwrap_or_else(|| known.iter().map(|known| known.unwrap_or([0.0; D])).collect());
+        Displacement { handles, copies: copies.clone(), points: state.points.clone() }
     }
 
     /// Solves for this time alone, as a frame without neighbours is solved.
@@ -146,7 +147,7 @@ impl<const D: usize> Knot<D> {
 
     /// Whether it is halfway to another state.
     pub(crate) fn is_convex_towards(&self, to: &Displacement<D>, weight: f64, cancel: &Cancel) -> bool {
-        let middle = self.displacement.interpolated(to, 0.5).handles;
+        let middle = self.displacement.interpolated(&self.carried(to), 0.5).handles;
         self.system.is_convex(&self.displaced(&middle), weight, cancel)
     }
 
@@ -159,8 +160,8 @@ impl<const D: usize> Knot<D> {
         self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
         let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
-        self.displacement =
-            Displacement { handles: by(handles, &self.rigid.handles), points: by(&points, &self.rigid.points) };
+        self.displacement.handles = by(handles, &self.rigid.handles);
+        self.displacement.points = by(&points, &self.rigid.points);
     }
 
     /// Farthest that pins' targets, the model's points and their rigid images move to the next knot.

@@ -6,6 +6,7 @@
 
 mod bits;
 mod chain;
+mod displacement;
 mod knot;
 mod timeline;
 
@@ -18,12 +19,13 @@ use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
 use chain::Chain;
-use knot::{Descent, Displacement, Knot};
+use displacement::Displacement;
+use knot::{Descent, Knot};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nearer to a knot than this part of an interval, the state is the knot's.
-const AT_KNOT: f64 = 1e-7;
+const AT_KNOT: f64 = 1e-5;
 
 /// A window holds at least so many knots.
 const LEAST_WINDOW: usize = 16;
@@ -132,7 +134,7 @@ impl<const D: usize> Trajectory<D> {
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::At(state) => {
-                knot.displacement = state.clone();
+                knot.start_from(state);
                 Ok(MinimizationResult {
                     handles: knot.handles(),
                     iterations: 0,
@@ -143,9 +145,8 @@ impl<const D: usize> Trajectory<D> {
                 })
             }
             Neighbourhood::Near(state, weight) => {
-                knot.displacement = state;
-                let points = knot.displacement.points.clone();
-                knot.solve_near((&points, weight), Descent::Cold, cancel)
+                knot.start_from(&state);
+                knot.solve_near((&state.points, weight), Descent::Cold, cancel)
             }
         }
     }

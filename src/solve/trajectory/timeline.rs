@@ -4,7 +4,7 @@
 
 use crate::lattice::Grid;
 use crate::solve::error::SolveError;
-use crate::solve::problem::Shape;
+use crate::solve::problem::{ModelPoint, Shape};
 use crate::solve::settings::Settings;
 use crate::solve::targets::Targets;
 
@@ -17,8 +17,8 @@ pub struct TimedProblem<const D: usize> {
     pub shape: Shape<D>,
     /// How pins and handles came to their targets, which are the last; see [`crate::solve::Solver::follow`].
     pub path: Vec<Targets<D>>,
-    /// Points of the model, the same ones at every time, #points; those outside the box count where they are nearest to it.
-    pub points: Vec<[f64; D]>,
+    /// Points of the model, the same ones at every time, #points.
+    pub points: Vec<ModelPoint<D>>,
     /// Which drawing is shown, where targets are held over several times and then jump ("on twos"); else 0. A trajectory is continuous
     /// within a drawing.
     pub drawing: i64,
@@ -72,14 +72,19 @@ const KNOT_BYTES: usize = 1 << 20;
 /// Bytes of the knots of a window.
 const WINDOW_BYTES: usize = 1 << 30;
 
-/// How many knots with such a grid take a GiB.
+/// Bytes of a branching knot for each triangle of its shape: the triangle, its parts in cells, the copies over them.
+const TRIANGLE_BYTES: usize = 1024;
+
+/// How many knots with such a grid take a GiB; `branching`: the number of triangles in the shape of a branching lattice. It has copies of
+/// handles where parts are close, and none where nothing of the shape is: as a rule not more than a plain one has handles.
 #[must_use]
-pub fn knots_per_gib<const D: usize>(grid: &Grid<D>) -> usize {
+pub fn knots_per_gib<const D: usize>(grid: &Grid<D>, branching: Option<usize>) -> usize {
     let handles = grid.handle_count();
     let apart = grid.basis.min_handles() - 1;
     let bandwidth = if grid.basis.is_local() { (0..D).map(|axis| apart * grid.stride(axis)).sum() } else { handles };
     let entries = handles * (1 + bandwidth.min(handles));
-    WINDOW_BYTES / (KNOT_BYTES + entries * BAND_BYTES[usize::from(D > 2)])
+    let shape = branching.unwrap_or(0) * TRIANGLE_BYTES;
+    WINDOW_BYTES / (KNOT_BYTES + shape + entries * BAND_BYTES[usize::from(D > 2)])
 }
 
 impl Coupling {

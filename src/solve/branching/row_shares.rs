@@ -1,0 +1,51 @@
+//! Weights of rows over copies: of those that are one row of a plain lattice, each has its share.
+//!
+//! In: rows by their copies, with the area of the shape that they act on. Out: their weights. Where pieces have just split, the weights of
+//! their rows add up to that of the row before; pieces that are apart have a whole row each; rows of what has hardly any area fade. So the
+//! energy is continuous while pieces split, join, appear and vanish.
+
+use super::Branching;
+use std::collections::BTreeMap;
+
+/// What remains of the weight of rows over nearly nothing, so that their copies are determined.
+const LEAST: f64 = 1e-3;
+
+/// The growth of a support at which copies count half as one.
+const HALF_APART: f64 = 0.1;
+
+impl<const D: usize> Branching<D> {
+    /// The weight of each row relative to one of a plain lattice. `areas`: rows by their copies, with the area that they act on.
+    pub(super) fn shares(&self, areas: BTreeMap<Vec<usize>, f64>) -> Vec<(Vec<usize>, f64)> {
+        let handles = |copies: &[usize]| copies.iter().map(|&copy| self.handles[copy]).collect::<Vec<_>>();
+        let mut same: BTreeMap<Vec<usize>, Vec<(Vec<usize>, f64)>> = BTreeMap::new();
+        for (copies, area) in areas {
+            same.entry(handles(&copies)).or_default().push((copies, area));
+        }
+        let weighed = same.into_values().flat_map(|rows| {
+            let share = |(copies, area): &(Vec<usize>, f64)| {
+                let oneness = |others: &[usize]| {
+                    let pairs: Vec<_> = copies.iter().zip(others).map(|(&one, &other)| [one, other]).collect();
+                    self.oneness(&pairs)
+                };
+                let together: f64 = rows.iter().map(|(others, area)| area * oneness(others)).sum();
+                let fill = (together / self.full_area()).clamp(LEAST, 1.0);
+                if together > 0.0 { (fill * area / together).max(LEAST) } else { fill }
+            };
+            let shares: Vec<f64> = rows.iter().map(share).collect();
+            rows.into_iter().zip(shares).map(|((copies, _), share)| (copies, share))
+        });
+        weighed.collect()
+    }
+
+    /// How far pairs of copies count as one: 1 where they are or have just split, 0 where some are a span apart.
+    pub(super) fn oneness(&self, pairs: &[[usize; 2]]) -> f64 {
+        let growth = |&[one, other]: &[usize; 2]| {
+            let copies = [one.min(other), one.max(other)];
+            let tie = || self.ties.binary_search_by_key(&copies, |tie| tie.copies);
+            if one == other { 0.0 } else { tie().map_or(1.0, |place| self.ties[place].growth) }
+        };
+        let growth = pairs.iter().map(growth).fold(0.0, f64::max).min(1.0);
+        let near = (1.0 - growth).powi(2);
+        near / (near + (growth / HALF_APART).powi(2))
+    }
+}

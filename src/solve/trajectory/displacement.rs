@@ -1,0 +1,92 @@
+//! How far a model is from where the rigid fit of its pins takes it: the state of a knot, which neighbouring times can start from.
+//!
+//! In: displacements of handles, or of copies of handles, and of points. Out: displacements between two, and those of other copies.
+
+use crate::solve::branching::CopyName;
+use crate::solve::linalg::small_matrix::distance;
+use std::collections::BTreeMap;
+
+/// How far handles and points of the model are from where the rigid fit of the pins takes them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Displacement<const D: usize> {
+    /// #handles, or #copies.
+    pub(crate) handles: Vec<[f64; D]>,
+    /// The names of copies; empty where every handle is one unknown.
+    pub(crate) copies: Vec<CopyName>,
+    /// #points.
+    pub(crate) points: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Displacement<D> {
+    /// (1 − t) · self + t · to. Copies that `to` does not have go as they are: whoever starts from them fits them to the points.
+    pub(crate) fn interpolated(&self, to: &Self, t: f64) -> Self {
+        let points = mix(&self.points, &to.points, t);
+        if self.copies == to.copies {
+            return Self { handles: mix(&self.handles, &to.handles, t), copies: self.copies.clone(), points };
+        }
+        let known = to.handles_by_name(&self.copies, self.handles.len());
+        let ends = self.handles.iter().zip(known).map(|(own, known)| known.unwrap_or(*own));
+        let ends: Vec<_> = ends.collect();
+        Self { handles: mix(&self.handles, &ends, t), copies: self.copies.clone(), points }
+    }
+
+    /// Farthest that a point moves to another displacement.
+    pub(crate) fn farthest(&self, to: &Self) -> f64 {
+        self.points.iter().zip(&to.points).map(|(a, b)| distance(a, b)).fold(0.0, f64::max)
+    }
+
+    /// The displacements of other copies, `count` of them (no names: of handles): of the same name, or the only one of the same handle.
+    pub(crate) fn handles_by_name(&self, names: &[CopyName], count: usize) -> Vec<Option<[f64; D]>> {
+        let mut by_handle: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for index in 0..self.handles.len() {
+            by_handle.entry(self.copies.get(index).map_or(index, |copy| copy.handle)).or_default().push(index);
+        }
+        let of = |index: usize| {
+            let name = names.get(index);
+            let own = by_handle.get(&name.map_or(index, |name| name.handle))?;
+            let same = own.iter().find(|&&place| name.is_some() && self.copies.get(place) == name);
+            let found = same.or(if own.len() == 1 { own.first() } else { None })?;
+            Some(self.handles[*found])
+        };
+        (0..count).map(of).collect()
+    }
+}
+
+fn mix<const D: usize>(from: &[[f64; D]], to: &[[f64; D]], t: f64) -> Vec<[f64; D]> {
+    let between = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t);
+    from.iter().zip(to).map(between).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn name(handle: usize, triangle: usize) -> CopyName {
+        CopyName { handle, triangle }
+    }
+
+    #[test]
+    fn copies_find_their_own_or_the_only_one_of_their_handle() {
+        let copies = vec![name(0, 3), name(1, 3), name(1, 8)];
+        let state = Displacement { handles: vec![[1.0], [2.0], [3.0]], copies, points: Vec::new() };
+        // One that splits, one that has changed its name among others, one that stays, one of a handle that had none.
+        let wanted = [name(0, 3), name(0, 7), name(1, 5), name(1, 8), name(2, 3)];
+        let found = state.handles_by_name(&wanted, wanted.len());
+        assert_eq!(found, [Some([1.0]), Some([1.0]), None, Some([3.0]), None]);
+        assert_eq!(state.handles_by_name(&[], 3), [Some([1.0]), None, None], "without copies");
+        let plain = Displacement { handles: vec![[1.0], [2.0]], copies: Vec::new(), points: Vec::new() };
+        assert_eq!(plain.handles_by_name(&[name(1, 3), name(1, 8)], 2), [Some([2.0]); 2]);
+    }
+
+    #[test]
+    fn states_between_keep_the_copies_of_the_first() {
+        let state = |names: &[CopyName], x: f64| Displacement {
+            handles: vec![[x]; names.len()],
+            copies: names.to_vec(),
+            points: vec![[x]],
+        };
+        let middle = state(&[name(0, 1), name(0, 4)], 1.0).interpolated(&state(&[name(0, 1), name(0, 2)], 3.0), 0.5);
+        assert_eq!(middle.copies, [name(0, 1), name(0, 4)]);
+        assert_eq!((middle.handles, middle.points), (vec![[2.0], [1.0]], vec![[2.0]]));
+    }
+}

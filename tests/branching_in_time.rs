@@ -1,0 +1,237 @@
+//! Branching lattices over time: their pieces split and join as the box moves over a figure, and nothing jumps.
+
+#[path = "support/puppet.rs"]
+mod puppet;
+
+use pinwarp::lattice::{Basis, Grid};
+use pinwarp::solve::{
+    Cancel, Coupling, ModelPoint, PointPin, Problem, Settings, Shape, Solution, SolveError, Targets, TimedProblem,
+    Timeline, Topology, Trajectory, solve,
+};
+use puppet::{Puppet, Random};
+use std::collections::BTreeSet;
+
+/// Edges of the mesh.
+const SPACING: f64 = 0.03;
+
+/// A figure is 1 high; 1080 pixels.
+const PIXEL: f64 = 1.0 / 1080.0;
+
+const LAST: f64 = 10.0;
+
+/// A figure whose arms come off its sides and back, under a box that wanders, with pins on their way to a pose.
+struct Scene {
+    rest: Shape<2>,
+    pins: [Vec<PointPin<2>>; 2],
+    dims: [usize; 2],
+    settings: Settings,
+}
+
+impl Scene {
+    fn new(figure: &Puppet, pose: Vec<PointPin<2>>, dims: [usize; 2]) -> Self {
+        let settings = Settings { topology: Topology::Branching, ..Settings::default() };
+        Self { rest: figure.mesh(SPACING), pins: [figure.pins(), pose], dims, settings }
+    }
+
+    /// Where a point of the figure is at rest at a time: what is beside the body swings out by up to 6 % of the height.
+    fn place(&self, [x, y]: [f64; 2], time: f64) -> [f64; 2] {
+        let beside = ((x.abs() - 0.09) / 0.05).clamp(0.0, 1.0) * ((0.72 - y) / 0.1).clamp(0.0, 1.0);
+        let out = 0.06 * (0.5 * time).sin().powi(2);
+        [x + x.signum() * out * beside * beside * (3.0 - 2.0 * beside), y]
+    }
+
+    fn shape(&self, time: f64) -> Shape<2> {
+        Shape { points: self.rest.points.iter().map(|&point| self.place(point, time)).collect(), ..self.rest.clone() }
+    }
+
+    fn pins_at(&self, time: f64) -> Vec<PointPin<2>> {
+        let t = (time / LAST).clamp(0.0, 1.0);
+        let eased = t * t * (3.0 - 2.0 * t);
+        let [from, to] = &self.pins;
+        let pins = from.iter().zip(to).map(|(from, to)| {
+            let at = self.place(from.at, time);
+            let target = [0, 1].map(|d| at[d] + eased * (to.target[d] - to.at[d]));
+            PointPin::new(at, target)
+        });
+        pins.collect()
+    }
+
+    /// Where the shape's points go.
+    fn images(&self, solution: &Solution<2>, time: f64) -> Vec<[f64; 2]> {
+        let shape = self.shape(time);
+        let mut images = vec![[0.0; 2]; shape.points.len()];
+        for (triangle, corners) in shape.triangles.iter().enumerate() {
+            for &corner in corners {
+                let point = shape.points[corner as usize];
+                images[corner as usize] = match &solution.branches {
+                    Some(branches) => branches.evaluate(triangle, point),
+                    None => solution.lattice.evaluate(point),
+                };
+            }
+        }
+        images
+    }
+}
+
+impl Timeline<2> for Scene {
+    type Error = SolveError;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
+        let (shape, pins) = (self.shape(time), self.pins_at(time));
+        // The box drifts by more than a span, and grows.
+        let (shift, grown) = (0.012 * time, 0.004 * time);
+        let grid = Grid {
+            dims: self.dims,
+            basis: Basis::Bspline,
+            lo: [-0.42 - shift - grown, -0.12 + shift - grown],
+            hi: [0.42 - shift + grown, 1.1 + shift + grown],
+        };
+        let on = |(triangle, corners): (usize, &[u32; 3])| {
+            let at = [0, 1].map(|d| corners.iter().map(|&k| shape.points[k as usize][d]).sum::<f64>() / 3.0);
+            ModelPoint { at, triangle: Some(triangle as u32) }
+        };
+        let points = shape.triangles.iter().enumerate().step_by(3).map(on).collect();
+        let path = vec![Targets { pins, handles: Vec::new() }];
+        Ok(Some(TimedProblem { grid, shape, path, points, drawing: 0 }))
+    }
+}
+
+/// A layer over time.
+struct Motion<'a> {
+    scene: &'a Scene,
+    trajectory: Trajectory<2>,
+}
+
+impl Motion<'_> {
+    fn solution(&self, time: f64) -> Solution<2> {
+        let problem = self.scene.at(time).expect("a problem").expect("pins act");
+        let solved = self.trajectory.solve_at(time, problem, self.scene.settings(), &Cancel::never());
+        solved.unwrap_or_else(|error| panic!("at {time}: {error}"))
+    }
+
+    fn points(&self, time: f64) -> Vec<[f64; 2]> {
+        self.scene.images(&self.solution(time), time)
+    }
+
+    /// Farthest jump between two times, pixels: the half that moves farther is halved again.
+    fn jump(&self, from: (f64, &[[f64; 2]]), to: (f64, &[[f64; 2]])) -> f64 {
+        let moved = farthest(from.1, to.1);
+        if moved < 1.0 || to.0 - from.0 < 1e-6 {
+            return moved;
+        }
+        let middle = f64::midpoint(from.0, to.0);
+        let points = self.points(middle);
+        if farthest(from.1, &points) > farthest(&points, to.1) {
+            self.jump(from, (middle, &points))
+        } else {
+            self.jump((middle, &points), to)
+        }
+    }
+}
+
+/// Farthest move of a point, pixels.
+fn farthest(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max) / PIXEL
+}
+
+fn coupling() -> Coupling {
+    Coupling { first: 0.0, last: LAST, knots_per_frame: 1, weight: 0.3, least_speed: PIXEL }
+}
+
+/// What was found in a scene over time: the farthest jump, pixels; pins; how many branches there were.
+struct Finding {
+    jump: f64,
+    /// Farthest that a pin is off at a frame, pixels.
+    pin_error: f64,
+    branch_counts: BTreeSet<usize>,
+}
+
+fn look(scene: &Scene) -> Finding {
+    let trajectory = Trajectory::solve(scene, coupling(), &Cancel::never()).expect("solved");
+    let motion = Motion { scene, trajectory };
+    let mut finding = Finding { jump: 0.0, pin_error: 0.0, branch_counts: BTreeSet::new() };
+    let mut before = motion.points(0.0);
+    for frame in 1..=LAST as i32 {
+        let solution = motion.solution(f64::from(frame));
+        finding.pin_error =
+            solution.report.pin_errors.iter().map(|error| error / PIXEL).fold(finding.pin_error, f64::max);
+        finding.branch_counts.insert(solution.branches.as_ref().map_or(1, |branches| branches.branch_count()));
+        let points = scene.images(&solution, f64::from(frame));
+        finding.jump = finding.jump.max(motion.jump((f64::from(frame - 1), &before), (f64::from(frame), &points)));
+        before = points;
+    }
+    finding
+}
+
+/// A random figure in a random pose, under a coarse lattice.
+fn random_scene(seed: u64) -> Scene {
+    let figure = Puppet::random(seed);
+    let pose = figure.posed(&mut Random(200 + seed));
+    Scene::new(&figure, pose, [[10, 12], [14, 16], [18, 22]][seed as usize % 3])
+}
+
+#[test]
+fn nothing_jumps_while_pieces_split_and_join() {
+    let girl = Puppet::girl();
+    let scenes = [Scene::new(&girl, girl.raised(), [16, 20])].into_iter().chain((0..4).map(random_scene));
+    for (number, scene) in scenes.enumerate() {
+        let Finding { jump, pin_error, branch_counts } = look(&scene);
+        println!("figure {number}: jumps by at most {jump:.3} px; {branch_counts:?} branches");
+        assert!(branch_counts.len() > 1, "figure {number}: pieces never split or join");
+        assert!(jump <= 1.0 && pin_error < 0.05, "figure {number}: jumps by {jump} px, pins are off by {pin_error} px");
+    }
+}
+
+#[test]
+#[ignore = "minutes; PINWARP_FIGURES=count"]
+fn many_random_figures() {
+    let count = std::env::var("PINWARP_FIGURES").ok().and_then(|x| x.parse().ok()).unwrap_or(60);
+    let jumps: Vec<f64> = (0..count).map(|seed| look(&random_scene(seed)).jump).collect();
+    let of = |px: f64| jumps.iter().filter(|jump| **jump > px).count();
+    let greatest = jumps.iter().copied().fold(0.0, f64::max);
+    println!(
+        "of {count} figures {} jump by more than 1 px, {} by more than 5; at most {greatest:.2} px",
+        of(1.0),
+        of(5.0)
+    );
+    for (seed, jump) in jumps.iter().enumerate().filter(|(_, jump)| **jump > 1.0) {
+        println!("seed {seed}: {jump:.2} px");
+    }
+}
+
+#[test]
+fn no_order_and_no_thread_changes_a_bit_of_copies() {
+    let girl = Puppet::girl();
+    let scene = Scene::new(&girl, girl.raised(), [10, 12]);
+    let solve = || Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    let (first, second) = (solve(), alone.install(solve));
+    assert_eq!(first, second);
+    let read = Trajectory::from_bytes(&first.to_bytes()).expect("it was written so");
+    let of = |trajectory: Trajectory<2>| {
+        let motion = Motion { scene: &scene, trajectory };
+        [3.0, 7.25, -0.5].map(|time| motion.solution(time))
+    };
+    assert!(of(first) == of(read));
+}
+
+#[test]
+fn what_is_between_frames_is_near_what_is_solved_alone() {
+    let girl = Puppet::girl();
+    let scene = Scene::new(&girl, girl.raised(), [16, 20]);
+    let trajectory = Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");
+    let motion = Motion { scene: &scene, trajectory };
+    for time in [0.0, 4.0, 4.5, 10.0] {
+        let problem = scene.at(time).expect("a problem").expect("pins act");
+        let Targets { pins, handles } = &problem.path[0];
+        let bare = Problem { grid: &problem.grid, shape: &problem.shape, pins, handles, settings: &scene.settings };
+        let alone = scene.images(&solve(&bare).expect("solved"), time);
+        let off = farthest(&motion.points(time), &alone);
+        println!("at {time}: {off:.2} px from the solve alone");
+        assert!(off < 12.0, "{off} px at {time}");
+    }
+}
