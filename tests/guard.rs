@@ -115,7 +115,7 @@ fn a_box_of_space_is_guarded() {
     let grid = Grid { dims: [5, 5, 5], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3] };
     let flat = figure(0.12);
     let shape = Shape::of_triangles(flat.points.iter().map(|&[x, y]| [x, y, 0.3 * x * y]).collect(), flat.triangles);
-    let pins: Vec<_> = squashed(1.6)
+    let pins: Vec<_> = squashed(1.0)
         .iter()
         .map(|pin| PointPin::new([pin.at[0], pin.at[1], 0.0], [pin.target[0], pin.target[1], 0.0]))
         .collect();

@@ -62,8 +62,8 @@ pub use pin_residuals::{PinResidual, ResidualReason};
 pub use problem::{HandlePin, ModelPoint, PointPin, Problem, Region, Shape};
 pub use report::{Solution, SolveReport, Stationarity};
 pub use settings::{
-    DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling,
-    Settings, SmoothingDisc, Start, Topology,
+    DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, Minima, OutsidePins, PinHold, Regularizer, Sampling,
+    Scaling, Settings, SmoothingDisc, Start, Topology,
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;

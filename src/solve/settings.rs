@@ -121,6 +121,16 @@ pub enum Topology {
     Branching,
 }
 
+/// Which minimum a solve without neighbours in time ends in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Minima {
+    /// The one that the rigid fit leads to: continuous in the targets as long as it exists.
+    Nearest,
+    /// The least that several starts lead to; from frame to frame another one may be it.
+    #[default]
+    Least,
+}
+
 /// Handling of folds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -185,6 +195,8 @@ pub struct Settings {
     pub topology: Topology,
     /// Folds.
     pub guard: Guard,
+    /// Which minimum is looked for.
+    pub minima: Minima,
     /// Duplicate vertices.
     pub duplicate_vertices: DuplicateVertices,
     /// Maximum number of linear solves.
@@ -277,6 +289,7 @@ impl Default for Settings {
             outside_pins: OutsidePins::Nearest,
             topology: Topology::Plain,
             guard: Guard::Report,
+            minima: Minima::Least,
             duplicate_vertices: DuplicateVertices::Merged,
             iteration_limit: 200,
             tolerance: 1e-6,

@@ -8,6 +8,7 @@ use super::minimization::Energies;
 use super::prefactored::TargetTerms;
 use super::problem::{HandlePin, PointPin, Problem};
 use super::report::Solution;
+use super::settings::Minima;
 use super::system::{Parts, System};
 use super::targets::Targets;
 use crate::lattice::{Folds, Lattice};
@@ -161,7 +162,10 @@ impl<const D: usize> CancellableSolver<'_, D> {
         if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
             return Ok(system.unmoved(pins));
         }
-        let result = system.least(targets, observe, self.cancel)?;
+        let result = match system.settings().minima {
+            Minima::Least => system.least(targets, observe, self.cancel)?,
+            Minima::Nearest => system.minimization(targets, self.cancel).run(observe)?,
+        };
         self.cancel.check()?;
         let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
         Ok(system.finish(&goal, result))

@@ -9,7 +9,7 @@ use crate::shot::raw::{
     RawAuto, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
 };
 use crate::shot::{BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
-use crate::solve::{Settings, Topology};
+use crate::solve::{Minima, Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// Whether a layer over a plate says no part of it.
@@ -213,6 +213,8 @@ impl Check<'_> {
             Some(RawPreset::Paper) => Settings::paper(),
             Some(RawPreset::Default) | None => Settings::default(),
         };
+        // Frames that are solved alone stay near each other. Over time, the first knot looks for the least minimum, and others follow it.
+        settings.minima = Minima::Nearest;
         settings.energy = raw.energy.unwrap_or(settings.energy);
         if let Some(regularizer) = raw.regularizer {
             settings = settings.with_regularizer(regularizer);
