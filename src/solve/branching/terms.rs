@@ -210,14 +210,14 @@ impl<const D: usize> Branching<D> {
     fn rows_around(&self, piece: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
         let (mut areas, mut found) = (BTreeMap::new(), BTreeMap::new());
-        let mut reach = vec![0.0; self.pieces.list.len()];
+        let mut nearness = vec![0.0; self.pieces.list.len()];
         let mut waiting = vec![(piece, 1.0_f64)];
         while let Some((number, near)) = waiting.pop() {
-            if near <= reach[number] {
+            if near <= nearness[number] {
                 continue;
             }
-            let is_new = reach[number] == 0.0;
-            reach[number] = near;
+            let is_new = nearness[number] == 0.0;
+            nearness[number] = near;
             let here = &self.pieces.list[number];
             let handles = handles_of_cell(&self.grid, width, here.cell);
             let area = if number == piece { here.area.max(self.full_area()) } else { here.area };

@@ -9,7 +9,8 @@ use super::rotation_response::SampleResponse;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{LANES, dispatch, lane_of};
+use crate::solve::linalg::simd::{LANES, Lanes, dispatch, lane_of};
+use crate::solve::linalg::small_matrix::SquareMatrix;
 
 impl<const D: usize> Area<D> {
     /// Subtracts the squares of all samples; rows are D·handle + coordinate.
@@ -33,20 +34,21 @@ impl<const D: usize> Area<D> {
                 let coefficients = self.gradients.packet(block, packet);
                 for lane in (0..LANES).filter(|&lane| self.areas[packet][lane] > 0.0) {
                     let response = SampleResponse::at(&lane_of(&at_samples[packet], lane), hessian.limit);
-                    for square in response.squares(self.areas[packet][lane]) {
-                        let slots = gram.push().chunks_exact_mut(D).zip(coefficients);
-                        slots.for_each(|(slots, lanes)| {
-                            let along: [f64; D] = lanes.map(|x| x[lane]);
-                            slots.iter_mut().zip(&square).for_each(|(slot, row)| {
-                                *slot = row.iter().zip(&along).map(|(x, y)| x * y).sum();
-                            });
-                        });
-                    }
+                    let squares = response.squares(self.areas[packet][lane]);
+                    squares.iter().for_each(|square| write_row(gram.push(), square, (coefficients, lane)));
                 }
             }
             dispatch(Sum(&mut gram));
             normal.add_gram(-2.0 * hessian.scale, &rows, &gram);
         }
+    }
+}
+
+/// One square as a row over the coordinates of a block's handles, for the sample in a lane of their gradients.
+fn write_row<const D: usize>(row: &mut [f64], square: &SquareMatrix<D>, (coefficients, lane): (&[[Lanes; D]], usize)) {
+    for (slots, lanes) in row.chunks_exact_mut(D).zip(coefficients) {
+        let along = lanes.map(|x| x[lane]);
+        slots.iter_mut().zip(square).for_each(|(slot, row)| *slot = row.iter().zip(&along).map(|(x, y)| x * y).sum());
     }
 }
 
