@@ -57,3 +57,6 @@ pub mod cli;
 
 #[cfg(feature = "ofx")]
 pub mod ofx;
+
+#[cfg(feature = "python")]
+mod python;

@@ -156,6 +156,13 @@ impl FrameSize {
         Self { width, height, pixel_aspect: 1.0 }
     }
 
+    /// A scaled frame: whole pixels, at least one on a side.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let scaled = |length: u32| ((f64::from(length) * factor).round() as u32).max(1);
+        Self { width: scaled(self.width), height: scaled(self.height), ..self }
+    }
+
     /// Width of the frame in frame heights (1.778 for a 16:9 frame).
     #[must_use]
     pub fn aspect(self) -> f64 {

@@ -113,6 +113,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("ofx", &["image", "live", "memory", "plate", "shot", "space", "spelling"]),
     (
+        "python",
+        &[
+            "cli", "export", "image", "lattice", "live", "pipeline", "plate", "pose", "raster", "scene", "screen",
+            "shot", "solve", "space", "spelling",
+        ],
+    ),
+    (
         "cli",
         &[
             "compare", "edit", "export", "files", "image", "lattice", "memory", "pipeline", "plate", "pose", "raster",
@@ -138,6 +145,8 @@ const ENTERS_ONLY: &[(&str, &[&str])] = &[
     ("ctrlc", &["src/cli/"]),
     ("eframe", &["src/edit/ui/"]),
     ("egui", &["src/edit/ui/"]),
+    ("numpy", &["src/python/"]),
+    ("pyo3", &["src/python/"]),
 ];
 
 fn root() -> PathBuf {

@@ -72,8 +72,7 @@ impl FromStr for Scale {
 impl Scale {
     /// The scaled frame, at least one pixel on a side.
     pub(super) fn of(self, size: FrameSize) -> FrameSize {
-        let scaled = |length: u32| ((f64::from(length) * self.0).round() as u32).max(1);
-        FrameSize { width: scaled(size.width), height: scaled(size.height), ..size }
+        size.scaled(self.0)
     }
 }
 

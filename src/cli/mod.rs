@@ -45,13 +45,21 @@ use crate::shot::ShotError;
 use args::Command;
 use clap::{CommandFactory, Parser};
 use outcome::{Outcome, OutputCutOff, code_of, in_words, is_broken_pipe};
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 /// Runs the program on its own arguments.
 #[must_use]
 pub fn main() -> ExitCode {
-    let args = Args::parse();
+    ExitCode::from(main_with(std::env::args_os()))
+}
+
+/// Runs the program on other arguments, the first of which is its name. Out: the exit code. Usage errors, `--help` and `--version` end the
+/// process.
+#[must_use]
+pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let args = Args::parse_from(args);
     log_to_stderr(args.verbose);
     args.max_memory.into_iter().for_each(memory::set_limit);
     let outcome = run(args.command).and_then(|outcome| {
@@ -59,8 +67,8 @@ pub fn main() -> ExitCode {
         Ok(outcome)
     });
     match outcome {
-        Ok(outcome) => outcome.into(),
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Ok(outcome) => outcome.code(),
+        Err(error) if is_broken_pipe(&error) => 0,
         Err(error) => {
             report_error(&error);
             code_of(&error)

@@ -3,7 +3,6 @@
 //! In: a result. Out: exit code 0 (all done), 1 (some frames are missing, or the output was cut off), 2 (bad input or usage).
 
 use std::io;
-use std::process::ExitCode;
 
 /// What a command ends with, when it does not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,11 +13,12 @@ pub(super) enum Outcome {
     Partial,
 }
 
-impl From<Outcome> for ExitCode {
-    fn from(outcome: Outcome) -> Self {
-        match outcome {
-            Outcome::Complete => Self::SUCCESS,
-            Outcome::Partial => Self::from(1),
+impl Outcome {
+    /// Its exit code.
+    pub(super) const fn code(self) -> u8 {
+        match self {
+            Self::Complete => 0,
+            Self::Partial => 1,
         }
     }
 }
@@ -29,8 +29,8 @@ impl From<Outcome> for ExitCode {
 pub(super) struct OutputCutOff(#[source] pub(super) io::Error);
 
 /// The exit code of a command that failed.
-pub(super) fn code_of(error: &anyhow::Error) -> ExitCode {
-    ExitCode::from(if error.chain().any(|cause| cause.is::<OutputCutOff>()) { 1 } else { 2 })
+pub(super) fn code_of(error: &anyhow::Error) -> u8 {
+    if error.chain().any(|cause| cause.is::<OutputCutOff>()) { 1 } else { 2 }
 }
 
 /// The message, and its causes as far as it does not say them itself.

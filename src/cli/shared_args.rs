@@ -117,10 +117,5 @@ impl From<ExistingArgs> for Existing {
 
 /// `auto`, `cpu`, anything else by name.
 pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
-    clap::builder::NonEmptyStringValueParser::new().map(|text| match text.to_lowercase().as_str() {
-        "auto" => DeviceChoice::Auto,
-        "cpu" => DeviceChoice::Cpu,
-        "vulkan" => DeviceChoice::Vulkan,
-        _ => DeviceChoice::Named(text),
-    })
+    clap::builder::NonEmptyStringValueParser::new().map(|text| DeviceChoice::of_name(&text))
 }

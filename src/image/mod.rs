@@ -54,6 +54,8 @@ pub(crate) use kept::{Depth, Expected, Redo, check_kept};
 pub use kind::{FileKind, PictureKind};
 pub use mask::PaintedMap;
 pub use metadata::{CameraMatrices, FrameMetadata};
+#[cfg(feature = "python")]
+pub(crate) use picture::{bytes_of_plate, plate_of_bytes};
 pub use picture::{read_any, read_any_head, read_picture, write_any, write_picture};
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;

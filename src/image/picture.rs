@@ -116,6 +116,33 @@ pub fn write_picture<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Resul
     replace_file(to, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
 }
 
+/// An 8-bit picture in memory as [`read_picture`] would read it from a PNG: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA. `None`: other
+/// numbers of channels, or bytes that are not width x height x channels.
+#[cfg(feature = "python")]
+pub(crate) fn plate_of_bytes([width, height]: [u32; 2], channels: usize, bytes: Vec<u8>) -> Option<Plate> {
+    use ::image::ImageBuffer;
+    let picture = match channels {
+        1 => DynamicImage::ImageLuma8(ImageBuffer::from_raw(width, height, bytes)?),
+        2 => DynamicImage::ImageLumaA8(ImageBuffer::from_raw(width, height, bytes)?),
+        3 => DynamicImage::ImageRgb8(ImageBuffer::from_raw(width, height, bytes)?),
+        4 => DynamicImage::ImageRgba8(ImageBuffer::from_raw(width, height, bytes)?),
+        _ => return None,
+    };
+    Some(plate_from_picture(picture))
+}
+
+/// The display window of a plate as bytes, 1 to 4 channels as in [`plate_of_bytes`]: those that [`write_picture`] would write into a
+/// PNG of 8 bits. `None`: it has no colour.
+#[cfg(feature = "python")]
+pub(crate) fn bytes_of_plate(plate: &Plate, channels: usize) -> Option<Vec<u8>> {
+    let colour = Colour::of(plate)?;
+    let code = |light, alpha| {
+        let [red, green, blue, alpha] = straight(light, alpha, u16::from(u8::MAX));
+        if channels == 2 { [red, alpha, 0, 0] } else { [red, green, blue, alpha] }
+    };
+    Some(bytes_of(&colour.codes(plate.display, channels, code)))
+}
+
 /// What of a part is shown.
 struct Colour<'a> {
     window: PixelRect,

@@ -193,3 +193,16 @@ pub enum DeviceChoice {
     /// A Vulkan device by index or part of its name.
     Named(String),
 }
+
+impl DeviceChoice {
+    /// `auto`, `cpu`, `vulkan`, in any case; anything else is part of a device's name, or its index.
+    #[must_use]
+    pub fn of_name(name: &str) -> Self {
+        match name.to_lowercase().as_str() {
+            "auto" => Self::Auto,
+            "cpu" => Self::Cpu,
+            "vulkan" => Self::Vulkan,
+            _ => Self::Named(name.to_owned()),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! A lattice: handles over a box, on the screen or in the scene.
+//!
+//! In: arrays of handles and points. Out: warped points, gradients, folds. What points do is the library's business.
+
+use super::arrays::{described, from_points, points};
+use super::failure::Failure;
+use super::named::named;
+use crate::lattice::{self, Basis, Grid};
+use numpy::ndarray::ArrayViewD;
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+/// Points that a thread takes.
+const BATCH: usize = 1 << 12;
+
+/// A lattice of the library.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Handles {
+    /// On the screen.
+    Screen(lattice::Lattice<2>),
+    /// In the scene.
+    World(lattice::Lattice<3>),
+}
+
+/// The same for both spaces.
+macro_rules! in_either {
+    ($lattice:expr, $own:ident => $then:expr) => {
+        match &$lattice.0 {
+            Handles::Screen($own) => $then,
+            Handles::World($own) => $then,
+        }
+    };
+}
+
+/// A grid of handles over a box: on the screen (two coordinates) or in the scene (three).
+///
+/// handles: (ny, nx, 2), or (nz, ny, nx, 3) in the scene. box: ((x0, y0), (x1, y1)), or two corners with three numbers
+/// each. basis: "bspline", "bernstein", "bilinear" or "barytri". On the screen places are in frame heights, x right, y up, from the
+/// lower left corner of the frame; in the scene in metres.
+#[pyclass(frozen, from_py_object, module = "pinwarp")]
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Lattice(pub(super) Handles);
+
+#[pymethods]
+impl Lattice {
+    #[new]
+    #[pyo3(signature = (handles, r#box, basis="bspline"))]
+    fn new(handles: &Bound<'_, PyAny>, r#box: [Vec<f64>; 2], basis: &str) -> Result<Self, Failure> {
+        let basis = named("basis", basis)?;
+        let given: PyArrayLikeDyn<'_, f64, AllowTypeChange> = handles.extract().map_err(|_| shape_fault(handles))?;
+        let given = given.as_array();
+        match given.shape() {
+            [_, _, 2] => Ok(Self(Handles::Screen(moved(&given, &r#box, basis)?))),
+            [_, _, _, 3] => Ok(Self(Handles::World(moved(&given, &r#box, basis)?))),
+            _ => Err(shape_fault(handles)),
+        }
+    }
+
+    /// A lattice whose handles are all at rest: it moves nothing.
+    ///
+    /// box: two corners. dims: handles along x, y (and z).
+    #[staticmethod]
+    #[pyo3(signature = (r#box, dims, basis="bspline"))]
+    fn rest(r#box: [Vec<f64>; 2], dims: Vec<usize>, basis: &str) -> Result<Self, Failure> {
+        let basis = named("basis", basis)?;
+        match dims.as_slice() {
+            &[x, y] => Ok(Self(Handles::Screen(grid(&r#box, [x, y], basis)?.at_rest()))),
+            &[x, y, z] => Ok(Self(Handles::World(grid(&r#box, [x, y, z], basis)?.at_rest()))),
+            _ => Err(Failure::argument(
+                "dims",
+                format!("is {dims:?}"),
+                "give two numbers of handles, or three in the scene",
+            )),
+        }
+    }
+
+    /// "screen" or "world".
+    #[getter]
+    const fn space(&self) -> &'static str {
+        match self.0 {
+            Handles::Screen(_) => "screen",
+            Handles::World(_) => "world",
+        }
+    }
+
+    /// Handles along x, y (and z).
+    #[getter]
+    fn dims(&self) -> Vec<usize> {
+        in_either!(self, own => own.grid.dims.to_vec())
+    }
+
+    /// How handles are blended.
+    #[getter]
+    fn basis(&self) -> String {
+        in_either!(self, own => own.grid.basis.label().to_lowercase())
+    }
+
+    /// Lower and upper corner of the box at rest.
+    #[getter]
+    fn r#box(&self) -> [Vec<f64>; 2] {
+        in_either!(self, own => [own.grid.lo.to_vec(), own.grid.hi.to_vec()])
+    }
+
+    /// Where the handles are: a new array (ny, nx, 2), or (nz, ny, nx, 3).
+    #[getter]
+    fn handles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        in_either!(self, own => shaped(py, own.handles.clone(), own.grid.dims))
+    }
+
+    /// Where they are at rest, in the same shape.
+    #[getter]
+    fn rest_handles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        in_either!(self, own => shaped(py, own.grid.rest_handles(), own.grid.dims))
+    }
+
+    /// Where points go: (N, D) to (N, D). Outside the box they move as the nearest point of the box.
+    fn warp<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        in_either!(self, own => carried(py, points, |point| own.deform(point)))
+    }
+
+    /// As `warp`, but outside the box the polynomials go on.
+    fn evaluate<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        in_either!(self, own => carried(py, points, |point| own.evaluate(point)))
+    }
+
+    /// The gradient at points: (N, D) to (N, D, D); [n, row, column] is how much coordinate `row` grows along axis `column`.
+    fn gradient<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        in_either!(self, own => gradients(py, own, points))
+    }
+
+    /// The cells that turn over somewhere, as (column, row) or (column, row, layer).
+    fn folds(&self, py: Python<'_>) -> Vec<Vec<usize>> {
+        py.detach(|| in_either!(self, own => own.folded_cells().iter().map(|cell| cell.to_vec()).collect()))
+    }
+
+    /// The lattice with its moves scaled: 0 at rest, 1 as it is.
+    fn with_strength(&self, strength: f64) -> Result<Self, Failure> {
+        if !strength.is_finite() {
+            return Err(Failure::argument("strength", format!("is {strength}"), "give a finite number"));
+        }
+        Ok(Self(match &self.0 {
+            Handles::Screen(own) => Handles::Screen(own.with_strength(strength)),
+            Handles::World(own) => Handles::World(own.with_strength(strength)),
+        }))
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn __repr__(&self) -> String {
+        let dims: Vec<String> = self.dims().iter().map(ToString::to_string).collect();
+        format!("<Lattice of {} handles, {}, {}>", dims.join(" x "), self.basis(), self.space())
+    }
+}
+
+fn shape_fault(handles: &Bound<'_, PyAny>) -> Failure {
+    let hint = "give numbers of the shape (ny, nx, 2), or (nz, ny, nx, 3) in the scene";
+    Failure::argument("handles", format!("is {}", described(handles)), hint)
+}
+
+/// A checked grid.
+pub(super) fn grid<const D: usize>(
+    corners: &[Vec<f64>; 2],
+    dims: [usize; D],
+    basis: Basis,
+) -> Result<Grid<D>, Failure> {
+    let corner = |side: usize| {
+        <[f64; D]>::try_from(corners[side].as_slice()).map_err(|_| {
+            let hint = format!("give two corners of {D} numbers");
+            Failure::argument(format!("box[{side}]"), format!("is {:?}", corners[side]), hint)
+        })
+    };
+    let grid = Grid { dims, basis, lo: corner(0)?, hi: corner(1)? };
+    grid.check()?;
+    Ok(grid)
+}
+
+/// A grid with moved handles: the last axis holds coordinates, those before it count from z to x.
+fn moved<const D: usize>(
+    given: &ArrayViewD<'_, f64>,
+    corners: &[Vec<f64>; 2],
+    basis: Basis,
+) -> Result<lattice::Lattice<D>, Failure> {
+    let shape = given.shape();
+    let grid = grid(corners, std::array::from_fn(|axis| shape[D - 1 - axis]), basis)?;
+    let flat: Vec<f64> = given.iter().copied().collect();
+    if let Some(place) = flat.iter().position(|value| !value.is_finite()) {
+        let hint = "give finite numbers";
+        return Err(Failure::argument("handles", format!("has {} at handle {}", flat[place], place / D), hint));
+    }
+    let handles = flat.chunks_exact(D).map(|handle| std::array::from_fn(|axis| handle[axis])).collect();
+    Ok(lattice::Lattice { grid, handles })
+}
+
+/// Handles as an array whose axes count from z to x.
+fn shaped<const D: usize>(
+    py: Python<'_>,
+    handles: Vec<[f64; D]>,
+    dims: [usize; D],
+) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
+    let shape: Vec<usize> = dims.iter().rev().copied().chain([D]).collect();
+    PyArray1::from_vec(py, handles.into_flattened()).reshape(shape)
+}
+
+fn carried<'py, const D: usize>(
+    py: Python<'py>,
+    values: &Bound<'py, PyAny>,
+    carry: impl Fn([f64; D]) -> [f64; D] + Sync + Send,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = points::<D>(values, "points")?;
+    let carried = py.detach(|| points.into_par_iter().with_min_len(BATCH).map(carry).collect());
+    from_points(py, carried)
+}
+
+fn gradients<'py, const D: usize>(
+    py: Python<'py>,
+    own: &lattice::Lattice<D>,
+    values: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let points = points::<D>(values, "points")?;
+    let gradient = |point| own.evaluate_with_gradient(point).gradient;
+    let gradients: Vec<[[f64; D]; D]> =
+        py.detach(|| points.into_par_iter().with_min_len(BATCH).map(gradient).collect());
+    let count = gradients.len();
+    PyArray1::from_vec(py, gradients.into_flattened().into_flattened()).reshape([count, D, D])
+}

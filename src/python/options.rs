@@ -1,0 +1,47 @@
+//! Keyword arguments of functions that take many.
+//!
+//! In: the dict of `**options`. Out: one value after the other; what nobody asks for is a TypeError.
+
+use crate::spelling;
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Keyword arguments, each taken once.
+pub(super) struct Options<'a, 'py> {
+    given: Option<&'a Bound<'py, PyDict>>,
+    known: Vec<&'static str>,
+}
+
+impl<'a, 'py> Options<'a, 'py> {
+    pub(super) const fn new(given: Option<&'a Bound<'py, PyDict>>) -> Self {
+        Self { given, known: Vec::new() }
+    }
+
+    /// An argument as it was given; `None` counts as not given.
+    pub(super) fn any(&mut self, name: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.known.push(name);
+        let value = self.given.map(|given| given.get_item(name)).transpose()?.flatten();
+        Ok(value.filter(|value| !value.is_none()))
+    }
+
+    /// An argument of a type that Python's values convert to.
+    pub(super) fn take<T: FromPyObjectOwned<'py>>(&mut self, name: &'static str) -> PyResult<Option<T>> {
+        let Some(value) = self.any(name)? else { return Ok(None) };
+        let extracted = value.extract::<T>().map_err(Into::into);
+        extracted.map(Some).map_err(|error: PyErr| PyTypeError::new_err(format!("{name}: {}", error.value(value.py()))))
+    }
+
+    /// Refuses what was not asked for.
+    pub(super) fn end(self) -> PyResult<()> {
+        for name in self.given.iter().flat_map(|given| given.keys()) {
+            let name: String = name.extract()?;
+            if !self.known.contains(&name.as_str()) {
+                let hint = spelling::hint(&name, self.known.iter().copied());
+                return Err(PyTypeError::new_err(format!("there is no argument '{name}'; {hint}")));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,52 @@
+//! Frames rendered one after the other.
+//!
+//! In: a shot and frames. Out: an iterator of frames in memory; each is made when it is asked for.
+
+use super::frame::rendered;
+use super::shot::Shot;
+use super::work::away;
+use crate::raster::DeviceChoice;
+use pyo3::prelude::*;
+use std::collections::VecDeque;
+
+/// An iterator of Frames.
+#[pyclass(module = "pinwarp")]
+pub(super) struct RenderedFrames {
+    shot: Py<Shot>,
+    left: VecDeque<i32>,
+    of: usize,
+    device: DeviceChoice,
+    progress: Option<Py<PyAny>>,
+}
+
+impl RenderedFrames {
+    pub(super) fn new(shot: Py<Shot>, frames: Vec<i32>, device: DeviceChoice, progress: Option<Py<PyAny>>) -> Self {
+        Self { shot, of: frames.len(), left: frames.into(), device, progress }
+    }
+}
+
+#[pymethods]
+impl RenderedFrames {
+    fn __iter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    /// How many are left.
+    fn __length_hint__(&self) -> usize {
+        self.left.len()
+    }
+
+    fn __next__<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(frame) = self.left.pop_front() else { return Ok(None) };
+        let Self { shot, left, of, device, progress } = self;
+        let shot = shot.get();
+        let done = *of - left.len() - 1;
+        let drawn = away(py, progress.as_ref().map(|progress| progress.bind(py)), |watch| {
+            watch.tell(done, *of);
+            let drawn = shot.draw(frame, device, watch)?;
+            watch.tell(done + 1, *of);
+            Ok(drawn)
+        })?;
+        rendered(py, drawn, frame).map(Some)
+    }
+}

@@ -1,0 +1,366 @@
+//! A shot: opened, checked, rendered into arrays or files.
+//!
+//! In: a shot file and what the caller says instead. Out: frames, reports, lattices.
+
+use super::failure::Failure;
+use super::frame::rendered;
+use super::lattice_file::LatticeFile;
+use super::named::{channel_groups, device, group_names};
+use super::options::Options;
+use super::report::plain;
+use super::scene::{Scene, projected};
+use super::sequence::RenderedFrames;
+use super::work::{Watch, away};
+use crate::image::{Frame, SequencePath};
+use crate::pipeline::{self, Device, Event, Existing, FrameReport, JerkMeter, PreparedShot, RenderOptions};
+use crate::raster::{self, DeviceChoice};
+use crate::shot::CameraRule;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyRange};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A shot file, opened: its scene is loaded, its pins are tied.
+///
+/// camera: instead of the shot's. scale: of the picture's sides. samples: a pixel. channels: groups such as ["beauty", "depth"]. output:
+/// path with a frame counter for `write`. allow_outside: the scene may name files outside its folder. Frames are numbered as in the
+/// shot. Several threads may use one shot; what draws its scene is used by one at a time.
+#[pyclass(frozen, module = "pinwarp")]
+pub(super) struct Shot {
+    prepared: Arc<PreparedShot>,
+    /// What drew last.
+    device: Mutex<Option<(DeviceChoice, Box<Device>)>>,
+}
+
+/// What a check found.
+#[derive(Serialize)]
+struct CheckReport {
+    notes: Vec<String>,
+    frames: Vec<FrameReport>,
+    failures: Vec<FrameFailure>,
+}
+
+/// A frame that could not be made.
+#[derive(Serialize)]
+struct FrameFailure {
+    frame: i32,
+    error: String,
+}
+
+/// What became of a render into files.
+#[derive(Serialize)]
+struct WriteReport {
+    #[serde(flatten)]
+    summary: pipeline::Summary,
+    failures: Vec<FrameFailure>,
+}
+
+#[pymethods]
+impl Shot {
+    #[new]
+    #[pyo3(
+        signature = (path, **options),
+        text_signature = "(path, *, camera=None, scale=1.0, samples=None, channels=None, output=None, allow_outside=False)"
+    )]
+    fn new(py: Python<'_>, path: PathBuf, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut shot = py.detach(|| crate::shot::Shot::read(&path)).map_err(Failure::from)?;
+        let mut options = Options::new(options);
+        shot.camera = options.take("camera")?.map_or(shot.camera, CameraRule::Named);
+        shot.samples = options.take("samples")?.unwrap_or(shot.samples);
+        shot.output.path = options.take("output")?.unwrap_or(shot.output.path);
+        shot.allow_outside = options.take("allow_outside")?.unwrap_or(false);
+        let scale: f64 = options.take("scale")?.unwrap_or(1.0);
+        if let Some(names) = options.take::<Vec<String>>("channels")? {
+            shot.output.channels = channel_groups(&names)?;
+        }
+        options.end()?;
+        if !(scale > 0.0 && scale <= 16.0) {
+            return Err(Failure::argument("scale", format!("is {scale}"), "give a factor above 0 and up to 16").into());
+        }
+        if !(1..=4096).contains(&shot.samples) {
+            return Err(Failure::argument("samples", format!("is {}", shot.samples), "give 1 to 4096 a pixel").into());
+        }
+        shot.size = shot.size.scaled(scale);
+        let prepared = away(py, None, |_| Ok(PreparedShot::new(shot)?))?;
+        Ok(Self { prepared: Arc::new(prepared), device: Mutex::new(None) })
+    }
+
+    /// The shot file.
+    #[getter]
+    fn path(&self) -> &Path {
+        &self.prepared.shot.path
+    }
+
+    /// Its frames, as a range: the last is included.
+    #[getter]
+    fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyRange>> {
+        let frames = self.prepared.shot.frames;
+        PyRange::new(py, frames.first as isize, frames.last as isize + 1)
+    }
+
+    /// Frames a second.
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.prepared.shot.frames.rate
+    }
+
+    /// Width and height of the frame, pixels.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        (self.prepared.shot.size.width, self.prepared.shot.size.height)
+    }
+
+    /// Names of the layers.
+    #[getter]
+    fn layers(&self) -> Vec<&str> {
+        self.prepared.shot.layers.iter().map(|layer| layer.name.as_str()).collect()
+    }
+
+    /// Groups of channels that a frame has.
+    #[getter]
+    fn channels(&self) -> Vec<&'static str> {
+        group_names(&self.prepared.shot.output.channels)
+    }
+
+    /// Where `write` writes.
+    #[getter]
+    fn output(&self) -> &Path {
+        &self.prepared.shot.output.path
+    }
+
+    /// What was chosen or ignored when it was opened, in words.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.prepared.notes.clone()
+    }
+
+    /// Its scene; of pictures and plates the flat cards that stand for them.
+    #[getter]
+    fn scene(&self) -> Scene {
+        Scene { prepared: Arc::clone(&self.prepared) }
+    }
+
+    /// Renders a frame into arrays: a Frame, a dict of channels by their names in EXR files ("R", "depth.Z"), each float32 (H, W),
+    /// rows from the top, scene-linear, colour multiplied with alpha; nothing is copied. EXR files hold the same
+    /// samples, colour rounded to half. device: "auto", "cpu", "vulkan" or the name of a device. progress: called with (0, 1) about twenty
+    /// times a second; False cancels.
+    #[pyo3(signature = (frame, device="auto", progress=None))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        frame: i32,
+        device: &str,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let choice = self::device(device)?;
+        let drawn = away(py, progress, |watch| {
+            watch.tell(0, 1);
+            let drawn = self.draw(frame, &choice, watch)?;
+            watch.tell(1, 1);
+            Ok(drawn)
+        })?;
+        rendered(py, drawn, frame)
+    }
+
+    /// Renders frames one after the other: an iterator of Frames. frames: numbers in the order wanted; default: the shot's own. A frame
+    /// is made when it is asked for. progress: called with (frames done, frames in all); False cancels.
+    #[pyo3(signature = (frames=None, device="auto", progress=None))]
+    fn render_frames(
+        slf: Bound<'_, Self>,
+        frames: Option<Vec<i32>>,
+        device: &str,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<RenderedFrames> {
+        let choice = self::device(device)?;
+        let frames = slf.get().wanted(frames)?;
+        Ok(RenderedFrames::new(slf.unbind(), frames, choice, progress))
+    }
+
+    /// Renders frames into EXR files as `pinwarp render` does, and returns a dict: rendered, kept, failed, failures (frame and
+    /// error), times and more. existing: what happens to frames that are there, "refuse", "overwrite" or "resume". preview: a PNG
+    /// beside every frame. progress: called with (frames done, frames to make); False ends the render after the frames in flight.
+    #[pyo3(
+        signature = (frames=None, progress=None, **options),
+        text_signature = "($self, frames=None, progress=None, *, device='auto', existing='refuse', preview=False)"
+    )]
+    fn write<'py>(
+        &self,
+        py: Python<'py>,
+        frames: Option<Vec<i32>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut given = Options::new(options);
+        let options = RenderOptions {
+            frames: self.wanted(frames)?,
+            device: device(&given.take::<String>("device")?.unwrap_or_else(|| "auto".into()))?,
+            existing: existing(given.take::<String>("existing")?.as_deref())?,
+            has_preview: given.take("preview")?.unwrap_or(false),
+            ..RenderOptions::default()
+        };
+        given.end()?;
+        let report = away(py, progress, |watch| self.render_files(&options, watch))?;
+        plain(py, &report)
+    }
+
+    /// Solves frames and returns what a render would warn of, as a dict: notes; frames, each with frame, warnings and layers (layer,
+    /// pin_error_px, jerk, solve); failures. frames: default all. progress: called with (frames done, frames in all); False cancels.
+    #[pyo3(signature = (frames=None, progress=None))]
+    fn check<'py>(
+        &self,
+        py: Python<'py>,
+        frames: Option<Vec<i32>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let frames = self.wanted(frames)?;
+        let report = away(py, progress, |watch| self.checked(&frames, watch))?;
+        plain(py, &report)
+    }
+
+    /// The solved lattices of frames, as `pinwarp export --to lattice-json` writes them. frames: default all. progress: called with
+    /// (frames done, frames in all); False cancels.
+    #[pyo3(signature = (frames=None, progress=None))]
+    fn lattices(
+        &self,
+        py: Python<'_>,
+        frames: Option<Vec<i32>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<LatticeFile> {
+        let frames = self.wanted(frames)?;
+        away(py, progress, |watch| self.solved(&frames, watch)).map(LatticeFile)
+    }
+
+    /// The pins that act at a frame, at mid-shutter: dicts of layer, name, rest and target, (x, y) in frame heights, y up, and
+    /// presence, 1, or less where a pin fades near the camera.
+    fn pins<'py>(&self, py: Python<'py>, frame: i32) -> PyResult<Bound<'py, PyList>> {
+        let sample = away(py, None, |_| Ok(self.prepared.mid_exposure(frame)?))?;
+        let list = PyList::empty(py);
+        for (layer, state) in self.prepared.shot.layers.iter().zip(&sample.layers) {
+            for pin in &state.pins {
+                let dict = PyDict::new(py);
+                dict.set_item("layer", &layer.name)?;
+                dict.set_item("name", &layer.pins[pin.pin].name)?;
+                dict.set_item("rest", (pin.rest.0.x, pin.rest.0.y))?;
+                dict.set_item("target", (pin.target.0.x, pin.target.0.y))?;
+                dict.set_item("presence", pin.presence)?;
+                list.append(dict)?;
+            }
+        }
+        Ok(list)
+    }
+
+    /// Where the meshes lie on the screen at a frame, before any warp; see Scene.project.
+    fn project<'py>(&self, py: Python<'py>, frame: f64) -> PyResult<Bound<'py, PyList>> {
+        projected(py, &self.prepared, frame)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Shot {}>", self.prepared.shot.path.display())
+    }
+}
+
+impl Shot {
+    /// A frame in memory, as a render would write it.
+    pub(super) fn draw(&self, frame: i32, choice: &DeviceChoice, watch: &Watch) -> Result<Frame, Failure> {
+        let prepared = &self.prepared;
+        let stop = || watch.is_stopped();
+        // What cannot be solved over time is solved frame by frame, so a fault here is none of the frame's.
+        _ = prepared.settle(&stop, &|_| {});
+        watch.check()?;
+        let drawn = if prepared.needs_raster() {
+            let mut kept = self.device.lock().unwrap_or_else(PoisonError::into_inner);
+            if kept.as_ref().is_none_or(|(known, _)| known != choice) {
+                *kept = Some((choice.clone(), raster::open(choice, &prepared.scene)?.0));
+            }
+            let device = kept.as_mut().map(|(_, device)| &mut **device);
+            let drawn = prepared.finished(device, frame, &stop);
+            if !matches!(drawn, Ok(Some(_))) {
+                // It may be in the middle of a frame.
+                *kept = None;
+            }
+            drawn?
+        } else {
+            prepared.finished(None, frame, &stop)?
+        };
+        drawn.ok_or(Failure::Cancelled)
+    }
+
+    /// The frames asked for, else all.
+    fn wanted(&self, frames: Option<Vec<i32>>) -> Result<Vec<i32>, Failure> {
+        let own = self.prepared.shot.frames;
+        let frames = frames.unwrap_or_else(|| (own.first..=own.last).collect());
+        if frames.is_empty() {
+            return Err(Failure::argument("frames", "is empty", "give at least one frame"));
+        }
+        Ok(frames)
+    }
+
+    fn checked(&self, frames: &[i32], watch: &Watch) -> Result<CheckReport, Failure> {
+        let prepared = &*self.prepared;
+        let output = SequencePath::parse(&prepared.shot.output.path)?;
+        output.check_frame_count(frames.len())?;
+        let mut jerk = JerkMeter::default();
+        let mut found = CheckReport { notes: prepared.notes.clone(), frames: Vec::new(), failures: Vec::new() };
+        for (done, &frame) in frames.iter().enumerate() {
+            watch.tell(done, frames.len());
+            watch.check()?;
+            match prepared.mid_exposure(frame) {
+                Ok(sample) => {
+                    let mut report = pipeline::report(prepared, frame, &sample);
+                    jerk.watch(prepared, &sample, &mut report);
+                    found.frames.push(report);
+                }
+                Err(error) => found.failures.push(FrameFailure { frame, error: error.to_string() }),
+            }
+        }
+        watch.tell(frames.len(), frames.len());
+        Ok(found)
+    }
+
+    fn solved(&self, frames: &[i32], watch: &Watch) -> Result<crate::export::LatticeFile, Failure> {
+        watch.tell(0, frames.len());
+        _ = self.prepared.settle(&|| watch.is_stopped(), &|_| {});
+        // One frame at a time is enough for cancelling: what is solved is kept for all of them.
+        for (done, &frame) in frames.iter().enumerate() {
+            watch.check()?;
+            self.prepared.sample_at(f64::from(frame))?;
+            watch.tell(done + 1, frames.len());
+        }
+        Ok(pipeline::lattices(&self.prepared, frames, |_| {})?)
+    }
+
+    fn render_files(&self, options: &RenderOptions, watch: &Watch) -> Result<WriteReport, Failure> {
+        let of = options.frames.len();
+        let done = Mutex::new((0, Vec::new()));
+        watch.tell(0, of);
+        let tell = |event| {
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            match event {
+                Event::FrameDone(_) => done.0 += 1,
+                Event::FrameFailed { frame, error } => {
+                    done.0 += 1;
+                    done.1.push(FrameFailure { frame, error });
+                }
+                _ => return,
+            }
+            watch.tell(done.0, of);
+        };
+        let summary = pipeline::render(&self.prepared, options, watch.stop_flag(), &tell)?;
+        let (_, failures) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(WriteReport { summary, failures })
+    }
+}
+
+/// What happens to frames that are there.
+fn existing(name: Option<&str>) -> Result<Existing, Failure> {
+    match name {
+        None | Some("refuse") => Ok(Existing::Refuse),
+        Some("overwrite") => Ok(Existing::Overwrite),
+        Some("resume") => Ok(Existing::Resume),
+        Some(other) => {
+            let hint = "give \"refuse\", \"overwrite\" or \"resume\"";
+            Err(Failure::argument("existing", format!("is {other:?}"), hint))
+        }
+    }
+}
