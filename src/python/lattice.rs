@@ -64,9 +64,9 @@ impl Lattice {
     #[pyo3(signature = (r#box, dims, basis="bspline"))]
     fn rest(r#box: [Vec<f64>; 2], dims: Vec<usize>, basis: &str) -> Result<Self, Failure> {
         let basis = named("basis", basis)?;
-        match dims.as_slice() {
-            &[x, y] => Ok(Self(Handles::Screen(grid(&r#box, [x, y], basis)?.at_rest()))),
-            &[x, y, z] => Ok(Self(Handles::World(grid(&r#box, [x, y, z], basis)?.at_rest()))),
+        match *dims.as_slice() {
+            [x, y] => Ok(Self(Handles::Screen(grid(&r#box, [x, y], basis)?.at_rest()))),
+            [x, y, z] => Ok(Self(Handles::World(grid(&r#box, [x, y, z], basis)?.at_rest()))),
             _ => Err(Failure::argument(
                 "dims",
                 format!("is {dims:?}"),

@@ -11,6 +11,7 @@
 //! `docs/PYTHON.md` shows how it is used, `src/python/pinwarp/` holds what is written in Python.
 
 mod arrays;
+mod drawer;
 mod failure;
 mod frame;
 mod image;

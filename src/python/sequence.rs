@@ -2,17 +2,18 @@
 //!
 //! In: a shot and frames. Out: an iterator of frames in memory; each is made when it is asked for.
 
+use super::drawer::Drawer;
 use super::frame::rendered;
-use super::shot::Shot;
 use super::work::away;
 use crate::raster::DeviceChoice;
 use pyo3::prelude::*;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// An iterator of Frames.
 #[pyclass(module = "pinwarp")]
 pub(super) struct RenderedFrames {
-    shot: Py<Shot>,
+    drawer: Arc<Drawer>,
     left: VecDeque<i32>,
     of: usize,
     device: DeviceChoice,
@@ -20,8 +21,13 @@ pub(super) struct RenderedFrames {
 }
 
 impl RenderedFrames {
-    pub(super) fn new(shot: Py<Shot>, frames: Vec<i32>, device: DeviceChoice, progress: Option<Py<PyAny>>) -> Self {
-        Self { shot, of: frames.len(), left: frames.into(), device, progress }
+    pub(super) fn new(
+        drawer: Arc<Drawer>,
+        frames: Vec<i32>,
+        device: DeviceChoice,
+        progress: Option<Py<PyAny>>,
+    ) -> Self {
+        Self { drawer, of: frames.len(), left: frames.into(), device, progress }
     }
 }
 
@@ -38,12 +44,11 @@ impl RenderedFrames {
 
     fn __next__<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(frame) = self.left.pop_front() else { return Ok(None) };
-        let Self { shot, left, of, device, progress } = self;
-        let shot = shot.get();
+        let Self { drawer, left, of, device, progress } = self;
         let done = *of - left.len() - 1;
         let drawn = away(py, progress.as_ref().map(|progress| progress.bind(py)), |watch| {
             watch.tell(done, *of);
-            let drawn = shot.draw(frame, device, watch)?;
+            let drawn = drawer.draw(frame, device, watch)?;
             watch.tell(done + 1, *of);
             Ok(drawn)
         })?;

@@ -2,6 +2,7 @@
 //!
 //! In: a shot file and what the caller says instead. Out: frames, reports, lattices.
 
+use super::drawer::Drawer;
 use super::failure::Failure;
 use super::frame::rendered;
 use super::lattice_file::LatticeFile;
@@ -11,9 +12,8 @@ use super::report::plain;
 use super::scene::{Scene, projected};
 use super::sequence::RenderedFrames;
 use super::work::{Watch, away};
-use crate::image::{Frame, SequencePath};
-use crate::pipeline::{self, Device, Event, Existing, FrameReport, JerkMeter, PreparedShot, RenderOptions};
-use crate::raster::{self, DeviceChoice};
+use crate::image::SequencePath;
+use crate::pipeline::{self, Event, Existing, FrameReport, JerkMeter, PreparedShot, RenderOptions};
 use crate::shot::CameraRule;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyRange};
@@ -29,8 +29,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[pyclass(frozen, module = "pinwarp")]
 pub(super) struct Shot {
     prepared: Arc<PreparedShot>,
-    /// What drew last.
-    device: Mutex<Option<(DeviceChoice, Box<Device>)>>,
+    drawer: Arc<Drawer>,
 }
 
 /// What a check found.
@@ -83,7 +82,8 @@ impl Shot {
         }
         shot.size = shot.size.scaled(scale);
         let prepared = away(py, None, |_| Ok(PreparedShot::new(shot)?))?;
-        Ok(Self { prepared: Arc::new(prepared), device: Mutex::new(None) })
+        let prepared = Arc::new(prepared);
+        Ok(Self { drawer: Arc::new(Drawer::new(Arc::clone(&prepared))), prepared })
     }
 
     /// The shot file.
@@ -156,7 +156,7 @@ impl Shot {
         let choice = self::device(device)?;
         let drawn = away(py, progress, |watch| {
             watch.tell(0, 1);
-            let drawn = self.draw(frame, &choice, watch)?;
+            let drawn = self.drawer.draw(frame, &choice, watch)?;
             watch.tell(1, 1);
             Ok(drawn)
         })?;
@@ -167,14 +167,14 @@ impl Shot {
     /// is made when it is asked for. progress: called with (frames done, frames in all); False cancels.
     #[pyo3(signature = (frames=None, device="auto", progress=None))]
     fn render_frames(
-        slf: Bound<'_, Self>,
+        &self,
         frames: Option<Vec<i32>>,
         device: &str,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<RenderedFrames> {
         let choice = self::device(device)?;
-        let frames = slf.get().wanted(frames)?;
-        Ok(RenderedFrames::new(slf.unbind(), frames, choice, progress))
+        let frames = self.wanted(frames)?;
+        Ok(RenderedFrames::new(Arc::clone(&self.drawer), frames, choice, progress))
     }
 
     /// Renders frames into EXR files as `pinwarp render` does, and returns a dict: rendered, kept, failed, failures (frame and
@@ -261,31 +261,6 @@ impl Shot {
 }
 
 impl Shot {
-    /// A frame in memory, as a render would write it.
-    pub(super) fn draw(&self, frame: i32, choice: &DeviceChoice, watch: &Watch) -> Result<Frame, Failure> {
-        let prepared = &self.prepared;
-        let stop = || watch.is_stopped();
-        // What cannot be solved over time is solved frame by frame, so a fault here is none of the frame's.
-        _ = prepared.settle(&stop, &|_| {});
-        watch.check()?;
-        let drawn = if prepared.needs_raster() {
-            let mut kept = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-            if kept.as_ref().is_none_or(|(known, _)| known != choice) {
-                *kept = Some((choice.clone(), raster::open(choice, &prepared.scene)?.0));
-            }
-            let device = kept.as_mut().map(|(_, device)| &mut **device);
-            let drawn = prepared.finished(device, frame, &stop);
-            if !matches!(drawn, Ok(Some(_))) {
-                // It may be in the middle of a frame.
-                *kept = None;
-            }
-            drawn?
-        } else {
-            prepared.finished(None, frame, &stop)?
-        };
-        drawn.ok_or(Failure::Cancelled)
-    }
-
     /// The frames asked for, else all.
     fn wanted(&self, frames: Option<Vec<i32>>) -> Result<Vec<i32>, Failure> {
         let own = self.prepared.shot.frames;

@@ -1,0 +1,77 @@
+"""What the package carries: the command line, its types, and documents whose code runs."""
+
+import inspect
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import pinwarp
+import pytest
+from conftest import ROOT
+
+
+def test_the_script_is_the_command_line():
+    script = pathlib.Path(sys.executable).parent / "pinwarp"
+    said = subprocess.run([script, "--version"], capture_output=True, text=True)
+    assert (said.returncode, said.stdout) == (0, f"pinwarp {pinwarp.__version__}\n")
+    wrong = subprocess.run([script, "rendre"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "render" in wrong.stderr
+
+
+def test_types_are_packed_and_name_what_there_is():
+    folder = pathlib.Path(pinwarp.__file__).parent
+    assert (folder / "py.typed").is_file()
+    stub = (folder / "_pinwarp.pyi").read_text()
+    for name in ("Shot", "Scene", "Lattice", "LatticeFile", "Pin", "Solution", "RenderedFrames"):
+        body = re.search(rf"class {name}\b.*?(?=\n@final|\ndef |\Z)", stub, re.S).group()
+        own = {name for name in vars(getattr(pinwarp, name)) if not name.startswith("_")}
+        assert own == set(re.findall(r"def ([a-z]\w*)", body)), name
+    for function in (pinwarp.solve, pinwarp.warp):
+        body = re.search(rf"\ndef {function.__name__}\((.*?)\) ->", stub, re.S).group(1)
+        assert set(inspect.signature(function).parameters) == set(re.findall(r"^    (\w+):", body, re.M))
+
+
+def test_signatures_are_readable():
+    assert str(inspect.signature(pinwarp.Shot.render)) == "(self, /, frame, device='auto', progress=None)"
+
+
+@pytest.fixture
+def workplace(teapot, monkeypatch):
+    """A folder with the files that the documents speak of."""
+    folder = teapot.parent
+    shutil.copy(ROOT / "scenes/flag/flag.png", folder / "picture.png")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def run_blocks(blocks, name):
+    """Runs blocks of code one after the other, in one namespace."""
+    names = {"__name__": "__main__"}
+    for number, block in enumerate(blocks):
+        exec(compile(block, f"{name}, block {number + 1}", "exec"), names)
+    return names
+
+
+def test_the_guide_runs(workplace):
+    text = (ROOT / "docs/PYTHON.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+    assert len(blocks) >= 6
+    run_blocks(blocks, "docs/PYTHON.md")
+
+
+def test_the_notebook_runs(workplace):
+    notebook = json.loads((ROOT / "docs/python.ipynb").read_text())
+    assert notebook["nbformat"] == 4
+    cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    names = run_blocks(cells, "docs/python.ipynb")
+    assert len(cells) >= 5 and names["warped"].shape == names["image"].shape
+
+
+def test_blocks_that_fail_are_found():
+    with pytest.raises(NameError):
+        run_blocks(["a = 1", "b"], "a document")
+
+
