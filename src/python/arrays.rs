@@ -9,6 +9,10 @@ use pyo3::prelude::*;
 
 /// Points, (N, D): copied out of the array, since the library reads them without Python's lock.
 pub(super) fn points<const D: usize>(values: &Bound<'_, PyAny>, key: &str) -> Result<Vec<[f64; D]>, Failure> {
+    if values.len().is_ok_and(|rows| rows == 0) {
+        // An empty list has no columns.
+        return Ok(Vec::new());
+    }
     let array = table(values, key, D)?;
     let array = array.as_array();
     let rows = array.rows().into_iter().enumerate().map(|(row, point)| {
@@ -42,7 +46,7 @@ pub(super) fn triangles(values: &Bound<'_, PyAny>, key: &str) -> Result<Vec<[u32
     rows.collect()
 }
 
-/// A table with so many columns. An empty list is one, too.
+/// A table with so many columns.
 fn table<'py>(
     values: &Bound<'py, PyAny>,
     key: &str,

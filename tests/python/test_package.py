@@ -10,7 +10,7 @@ import sys
 
 import pinwarp
 import pytest
-from conftest import ROOT
+from conftest import ROOT, module
 
 
 def test_the_script_is_the_command_line():
@@ -21,17 +21,25 @@ def test_the_script_is_the_command_line():
     assert wrong.returncode == 2 and "render" in wrong.stderr
 
 
-def test_types_are_packed_and_name_what_there_is():
-    folder = pathlib.Path(pinwarp.__file__).parent
-    assert (folder / "py.typed").is_file()
-    stub = (folder / "_pinwarp.pyi").read_text()
-    for name in ("Shot", "Scene", "Lattice", "LatticeFile", "Pin", "Solution", "RenderedFrames"):
-        body = re.search(rf"class {name}\b.*?(?=\n@final|\ndef |\Z)", stub, re.S).group()
-        own = {name for name in vars(getattr(pinwarp, name)) if not name.startswith("_")}
-        assert own == set(re.findall(r"def ([a-z]\w*)", body)), name
-    for function in (pinwarp.solve, pinwarp.warp):
-        body = re.search(rf"\ndef {function.__name__}\((.*?)\) ->", stub, re.S).group(1)
-        assert set(inspect.signature(function).parameters) == set(re.findall(r"^    (\w+):", body, re.M))
+def test_types_are_packed_and_are_those_of_what_is_there():
+    assert (pathlib.Path(pinwarp.__file__).parent / "py.typed").is_file()
+    module("mypy")
+    said = subprocess.run([sys.executable, "-m", "mypy.stubtest", "pinwarp"], capture_output=True, text=True)
+    assert said.returncode == 0, said.stdout + said.stderr
+
+
+def test_type_checkers_see_wrong_calls(tmp_path):
+    module("mypy")
+    use = tmp_path / "use.py"
+    use.write_text(
+        "import numpy, pinwarp\n"
+        "image = numpy.zeros((4, 4), numpy.float32)\n"
+        "warped = pinwarp.warp(image, [[0.5, 0.5, 0.6, 0.5]], units='pixels')\n"
+        "picture = pinwarp.Shot('x').render(1).rgba()\n"
+        "pinwarp.warp(image, filter='soft')\n"
+    )
+    said = subprocess.run([sys.executable, "-m", "mypy", "--strict", use], cwd=tmp_path, capture_output=True, text=True)
+    assert said.returncode == 1 and "use.py:5: error" in said.stdout and "Found 1 error" in said.stdout, said.stdout
 
 
 def test_signatures_are_readable():

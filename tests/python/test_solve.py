@@ -46,6 +46,12 @@ def test_three_dimensions():
     assert numpy.abs(lattice.warp(points) - points - [0.2, 0, -0.1]).max() < 1e-6
 
 
+def test_without_pins_nothing_moves(strip):
+    points, triangles = strip
+    solution = pinwarp.solve(points, triangles, [])
+    assert numpy.abs(solution.lattice.warp(points) - points).max() < 1e-12 and solution.report["warnings"]
+
+
 def test_options_reach_the_solver(strip):
     points, triangles = strip
     pins = [[0.2, 0.5, 1.4, 0.5], [1.8, 0.5, 0.6, 0.5]]

@@ -1,4 +1,4 @@
-"""Types of the compiled part. Docstrings of the functions say more."""
+"""Types of the compiled part. Docstrings of the functions say more; stubtest compares them with what is there."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
@@ -10,6 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 from ._frame import Frame
 
 __version__: str
+__all__ = [
+    "Lattice",
+    "LatticeFile",
+    "Pin",
+    "RenderedFrames",
+    "Scene",
+    "Shot",
+    "Solution",
+    "__version__",
+    "main",
+    "solve",
+    "warp",
+]
 
 _Path = str | PathLike[str]
 # Called with (done, of) on the thread that called; False cancels.
@@ -21,15 +34,15 @@ _Image = TypeVar("_Image", bound=NDArray[Any] | dict[str, NDArray[Any]])
 
 @final
 class Pin:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         at: Sequence[float],
         to: Sequence[float],
         *,
         rotate: float | None = None,
         scale: float | None = None,
         weight: float = 1.0,
-    ) -> None: ...
+    ) -> Pin: ...
     @property
     def at(self) -> list[float]: ...
     @property
@@ -43,7 +56,7 @@ class Pin:
 
 @final
 class Lattice:
-    def __init__(self, handles: ArrayLike, box: Sequence[Sequence[float]], basis: _Basis = "bspline") -> None: ...
+    def __new__(cls, handles: ArrayLike, box: Sequence[Sequence[float]], basis: _Basis = "bspline") -> Lattice: ...
     @staticmethod
     def rest(box: Sequence[Sequence[float]], dims: Sequence[int], basis: _Basis = "bspline") -> Lattice: ...
     @property
@@ -66,9 +79,9 @@ class Lattice:
 
 @final
 class LatticeFile:
-    def __init__(
-        self, lattices: Mapping[str, Mapping[int, Lattice]], frame_aspect: float, rate: float = 24.0
-    ) -> None: ...
+    def __new__(
+        cls, lattices: Mapping[str, Mapping[int, Lattice]], frame_aspect: float, rate: float = 24.0
+    ) -> LatticeFile: ...
     @staticmethod
     def read(path: _Path) -> LatticeFile: ...
     def write(self, path: _Path) -> None: ...
@@ -83,15 +96,15 @@ class LatticeFile:
 
 @final
 class Scene:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         path: _Path,
         *,
         camera: str | None = None,
         size: tuple[int, int] = (1920, 1080),
         rate: float = 24.0,
         clip: str | None = None,
-    ) -> None: ...
+    ) -> Scene: ...
     @property
     def path(self) -> PathLike[str]: ...
     @property
@@ -112,8 +125,8 @@ class RenderedFrames(Iterator[Frame]):
 
 @final
 class Shot:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         path: _Path,
         *,
         camera: str | None = None,
@@ -122,7 +135,7 @@ class Shot:
         channels: Sequence[Literal["beauty", "depth", "motion", "normal", "id", "cryptomatte"]] | None = None,
         output: _Path | None = None,
         allow_outside: bool = False,
-    ) -> None: ...
+    ) -> Shot: ...
     @property
     def path(self) -> PathLike[str]: ...
     @property
