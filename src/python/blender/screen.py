@@ -1,0 +1,42 @@
+"""The screen as pinwarp counts it, seen through the scene's camera.
+
+Places are in frame heights, x right, y up, from the lower left corner of the frame.
+"""
+
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
+
+
+def size(scene):
+    """Width and height of the frame in pixels, and the width of a pixel divided by its height."""
+    render = scene.render
+    scale = render.resolution_percentage / 100
+    width, height = round(render.resolution_x * scale), round(render.resolution_y * scale)
+    return width, height, render.pixel_aspect_x / render.pixel_aspect_y
+
+
+def aspect(scene):
+    """Width of the frame in frame heights."""
+    width, height, pixel_aspect = size(scene)
+    return width * pixel_aspect / height
+
+
+def place(scene, point):
+    """Where a point of the world lies on the screen, in the scene's current frame."""
+    x, y, _ = world_to_camera_view(scene, scene.camera, Vector(point))
+    return x * aspect(scene), y
+
+
+def depth(scene, point):
+    """How far a point of the world lies along the camera's view."""
+    return world_to_camera_view(scene, scene.camera, Vector(point))[2]
+
+
+def camera_point(scene, x, y, depth):
+    """The point of the camera's space that is seen at a place, so far along its view."""
+    # Corners of the frame from the upper right, clockwise; of a perspective camera at some depth.
+    _, right, corner, upper = scene.camera.data.view_frame(scene=scene)
+    seen = corner + (right - corner) * (x / aspect(scene)) + (upper - corner) * y
+    if scene.camera.data.type == "ORTHO":
+        return Vector((seen.x, seen.y, -depth))
+    return seen * (depth / -seen.z)
