@@ -217,6 +217,8 @@ impl Document {
         (self.path, self.shot, self.on_disk) = (path.to_owned(), shot, Some(text.clone()));
         self.text = text;
         self.revision += 1;
+        let path = self.path.clone();
+        self.note(|journal| journal.note_path(&path));
         Ok(())
     }
 

@@ -28,6 +28,8 @@ enum Line {
     Join(Option<Command>),
     Undo,
     Redo,
+    /// The document is another file from here on.
+    Path(PathBuf),
 }
 
 /// The journal of one open document. It goes when it is dropped, unless the program is killed.
@@ -96,6 +98,14 @@ impl Journal {
         self.write(&Line::Redo)
     }
 
+    /// Notes that the document has another file now.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn note_path(&mut self, document: &Path) -> io::Result<()> {
+        self.write(&Line::Path(document.to_owned()))
+    }
+
     fn write(&mut self, line: &Line) -> io::Result<()> {
         let mut bytes = serde_json::to_vec(line)?;
         bytes.push(b'\n');
@@ -126,13 +136,19 @@ pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
 /// Replays a journal; a line that was cut off ends it. `None`: nothing was done, or its process lives.
 fn read(journal: &Path) -> Option<Unfinished> {
     let mut lines = BufReader::new(File::open(journal).ok()?).lines().map_while(Result::ok);
-    let Line::Begin { path, text: begun, process } = serde_json::from_str(&lines.next()?).ok()? else { return None };
+    let Line::Begin { mut path, text: begun, process } = serde_json::from_str(&lines.next()?).ok()? else {
+        return None;
+    };
     if process == std::process::id() || Path::new("/proc").join(process.to_string()).exists() {
         return None;
     }
     let (mut text, mut history) = (begun.clone(), History::default());
     for line in lines {
         let Ok(line) = serde_json::from_str::<Line>(&line) else { break };
+        if let Line::Path(moved) = line {
+            path = moved;
+            continue;
+        }
         let Some((after, next)) = replay(line, &text, history.clone()) else { break };
         (text, history) = (after, next);
     }
@@ -142,7 +158,7 @@ fn read(journal: &Path) -> Option<Unfinished> {
 /// The text and the history after a line.
 fn replay(line: Line, text: &str, mut history: History) -> Option<(String, History)> {
     let after = match line {
-        Line::Begin { .. } => return None,
+        Line::Begin { .. } | Line::Path(_) => return None,
         Line::Do(command) => {
             let after = command.apply(text)?;
             history.record(command, None, text);
@@ -189,12 +205,13 @@ mod tests {
         }
         (text, _) = history.undo(&text).expect("five");
         journal.note_undo().expect("written");
+        journal.note_path(Path::new("/shots/b.toml")).expect("written");
         assert_eq!((text.as_str(), unfinished(folder.path()).len()), ("four", 0), "it lives");
         killed(folder.path(), journal);
         let [left] = &unfinished(folder.path())[..] else { panic!("one is left") };
         assert_eq!(
             (left.text.as_str(), left.begun.as_str(), left.path.as_path()),
-            ("four", "one", Path::new("/shots/a.toml"))
+            ("four", "one", Path::new("/shots/b.toml"))
         );
         let mut history = left.history.clone();
         let (before, _) = history.undo(&left.text).expect("three and four are one series");

@@ -11,14 +11,17 @@
 //! ```
 
 mod command;
+mod curve;
 mod document;
 mod error;
 mod history;
 mod journal;
+mod mirror;
 mod open;
 mod picture;
 mod playhead;
 mod reference;
+mod regrid;
 mod session;
 mod shortcuts;
 mod track;
@@ -28,6 +31,7 @@ mod zoom;
 pub mod ui;
 
 pub use command::Command;
+pub use curve::Channel;
 pub use document::{DiskChange, Document};
 pub use error::EditError;
 pub use history::{History, Recorded};
@@ -36,7 +40,9 @@ pub use open::open;
 pub use picture::{Picture, Quality};
 pub use playhead::{Pace, Playhead};
 pub use reference::Reference;
-pub use session::{EXPORTS, EasePreset, Held, Onion, RenderRun, Ring, RunState, Selection, Session, Shown, Wipe};
+pub use session::{
+    EXPORTS, EasePreset, Held, MatteChoice, Onion, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown, Wipe,
+};
 pub use shortcuts::{Action, Chord, Shortcuts};
 pub use track::AutoKey;
 pub use worker::{Loaded, SolvedFrame};

@@ -68,9 +68,9 @@ impl Playhead {
         self.range.is_some()
     }
 
-    /// Plays from here on, or to here; the other end stays where that makes sense.
+    /// Plays a part alone; `None` and the whole range play all.
     pub fn set_range(&mut self, range: Option<[i32; 2]>) {
-        self.range = range.filter(|[first, last]| first <= last);
+        self.range = range.filter(|range| range[0] <= range[1] && *range != self.shot);
     }
 
     /// Goes to a frame of the shot.

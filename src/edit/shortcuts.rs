@@ -100,6 +100,7 @@ actions! {
     Copy "copy" "Edit" "Copy keys" "Ctrl+C",
     Paste "paste" "Edit" "Paste keys" "Ctrl+V",
     Delete "delete" "Edit" "Delete keys or pins" "Delete",
+    Mute "mute" "Edit" "Mute pins" "M",
     All "all" "Edit" "Choose all pins" "Ctrl+A",
     Play "play" "Time" "Play or stop" "Space",
     Back "back" "Time" "Frame back" "Comma",
@@ -122,10 +123,13 @@ actions! {
     Trails "trails" "View" "Motion trails" "T",
     Onion "onion" "View" "Onion skin" "N",
     SafeAreas "safe_areas" "View" "Safe areas" "A",
+    Curves "curves" "View" "Curves of keys" "C",
+    Mirror "mirror" "Edit" "Mirror edits" "X",
     Wipe "wipe" "View" "Wipe before and after" "W",
     Hide "hide" "Hold" "Hide everything over the picture" "H",
     Before "before" "Hold" "Show the frame without the warp" "B",
     Region "region" "Hold" "Drag a pin's region" "R",
+    Stiffness "stiffness" "Hold" "Drag a pin's stiffness" "S",
     Keys "keys" "Help" "List of keys" "F1",
 }
 

@@ -28,6 +28,17 @@ pub(in crate::edit) enum Move {
     Grow(f64),
 }
 
+impl Move {
+    /// What it is on the other side of the picture's middle.
+    pub(in crate::edit) fn mirrored(self) -> Self {
+        match self {
+            Self::By(by) => Self::By(DVec2::new(-by.x, by.y)),
+            Self::Turn(degrees) => Self::Turn(-degrees),
+            Self::Grow(factor) => Self::Grow(factor),
+        }
+    }
+}
+
 /// The time at which a layer's keys are set so that a frame shows them: layers on twos read theirs where the drawing began.
 #[must_use]
 pub(in crate::edit) fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) -> f64 {

@@ -74,6 +74,8 @@ fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot:
             rigidity: region.rigidity,
             stiffness: region.stiffness,
         }),
+        weight: 1.0,
+        is_muted: false,
         keys: vec![key(start, Goals::AtRest), key(start + 1.0, goals)],
     }
 }

@@ -1,12 +1,14 @@
 //! What a viewer draws over a solved frame: lines of lattices, handles, folded cells, pins.
 //!
-//! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer that is warped.
+//! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer that is in reach.
 
+use super::lattice_box::screen_box;
 use super::layer_pins::region;
 use super::screen_shape::screen_shape;
 use super::{LayerState, PinState, PreparedShot, TimeSample};
-use crate::lattice::{SceneLattice, ScreenLattice};
+use crate::lattice::{Grid, SceneLattice, ScreenLattice};
 use crate::screen::Camera;
+use crate::shot::LayerSpace;
 use crate::solve::{Shape, active_cells};
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::{DVec2, DVec3};
@@ -57,7 +59,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
         let marks = match (&state.solution, &state.world) {
             (Some(solution), _) => of_screen(marks, &solution.lattice, || screen_shape(prepared, sample, layer)),
             (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
-            (None, None) => return None,
+            (None, None) => of_screen(marks, &resting(prepared, sample, layer)?, Shape::default),
         };
         let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
         let pins = state.pins.iter().filter(|pin| pin.is_in_view);
@@ -70,6 +72,13 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
         Some(LayerMarks { pins: pins.map(pin).collect(), ..marks })
     };
     sample.layers.iter().enumerate().filter_map(marks).collect()
+}
+
+/// The lattice of a layer of the screen that nothing moves yet.
+fn resting(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Option<ScreenLattice> {
+    let layer = &prepared.shot.layers[index];
+    let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
+    Some(Grid::over(screen_box(prepared, sample, index, bounds)?, dims, layer.basis).at_rest())
 }
 
 fn rim(prepared: &PreparedShot, (layer, state): (usize, &PinState), lattice: &ScreenLattice) -> Vec<ScreenPoint> {

@@ -214,7 +214,8 @@ impl LayerSolver {
             solve_layer(solver, &way, goal, presence, cancel).map_err(|source| self.fault(layer, source))?;
         if self.border == Border::Rests {
             let whole_pins = path.last().map(|targets| {
-                let weights: Vec<f64> = pins.iter().map(|state| state.presence * self.weight(state.pin)).collect();
+                let weights: Vec<f64> =
+                    pins.iter().map(|state| state.presence * self.weight(layer, state.pin)).collect();
                 whole_layer::whole_pins(&pins, targets, &weights)
             });
             let whole = whole_pins.map(|pins| whole_layer::finish(&mut solution, &pins));
@@ -233,9 +234,9 @@ impl LayerSolver {
         (states, Targets { pins, handles })
     }
 
-    /// The weight of a pin of the layer.
-    fn weight(&self, pin: usize) -> f64 {
-        self.weights.get(pin).copied().unwrap_or(1.0)
+    /// The weight of a pin of the layer: its own times that which the solver was given.
+    fn weight(&self, layer: &Layer, pin: usize) -> f64 {
+        layer.pins[pin].weight * self.weights.get(pin).copied().unwrap_or(1.0)
     }
 
     fn fault(&self, layer: &Layer, source: SolveError) -> PipelineError {
@@ -247,7 +248,7 @@ impl LayerSolver {
         let mut states = Vec::new();
         let mut points = Vec::new();
         for (pin, (rest, target)) in self.rests.iter().zip(&targets.pins).enumerate() {
-            if rest.presence <= 0.0 {
+            if rest.presence <= 0.0 || layer.pins[pin].is_muted {
                 continue;
             }
             let goal = match target.goal {
@@ -274,7 +275,7 @@ impl LayerSolver {
             points.push(PointPin {
                 at: rest.point.0.to_array(),
                 target: goal.0.to_array(),
-                weight: faded_weight(rest.presence * self.weight(pin)),
+                weight: faded_weight(rest.presence * self.weight(layer, pin)),
                 gradient,
                 region: region(&layer.pins[pin], self.rest_box.size().length()),
                 triangle: self.triangles.get(pin).copied().flatten(),

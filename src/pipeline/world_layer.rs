@@ -103,16 +103,16 @@ impl<'a> WorldLayer<'a> {
             Goal::Target(_) => presence(seen.depth, self.camera),
             _ => 1.0,
         };
-        if presence <= 0.0 {
+        let layer = &self.prepared.shot.layers[self.index];
+        if presence <= 0.0 || layer.pins[pin].is_muted {
             return None;
         }
         let goal = rest + self.displacement(pin, (rest, seen), target.goal);
         let reached = self.camera.project_exact(goal);
         let is_in_view = [seen, reached].iter().all(|place| place.w > 0.0 && place.depth >= self.camera.near());
         let [at, to] = [rest, goal].map(|place| self.frame.box_from_scene(place).to_array());
-        let layer = &self.prepared.shot.layers[self.index];
         let region = region(&layer.pins[pin], self.grid.diagonal());
-        let (weight, gradient) = (faded_weight(presence), self.gradient(pin, target));
+        let (weight, gradient) = (faded_weight(presence * layer.pins[pin].weight), self.gradient(pin, target));
         let point = PointPin { weight, gradient, region, ..PointPin::new(at, to) };
         let [from, towards] =
             [seen, reached].map(|place| if is_in_view { place.point() } else { ScreenPoint::default() });

@@ -269,6 +269,10 @@ pub struct Pin {
     pub unit: OffsetUnit,
     /// What it takes along; `None`: its point alone.
     pub region: Option<PinRegion>,
+    /// 0..=1: how firmly it holds its point, in powers of ten; 1: exactly.
+    pub weight: f64,
+    /// It does not act.
+    pub is_muted: bool,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
 }

@@ -3,15 +3,50 @@
 //! In: what the person asks. Out: one change of the document each.
 
 use super::{Purpose, Session};
-use crate::shot::LayerSpace;
-use crate::shot::edit::{Setting, add_layer, layer_number, move_layer, put_layer_setting, put_setting, remove_layer};
+use crate::edit::regrid::regridded;
+use crate::plate::Matte;
+use crate::shot::edit::{
+    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, put_setting, remove_layer,
+};
+use crate::shot::{Layer, LayerSpace, Unmatted};
+
+/// What of a plate a layer moves, as the window offers it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MatteChoice {
+    /// Its own nodes, without a scene the whole picture.
+    Usual,
+    /// The whole picture, background and all.
+    Picture,
+    /// All that is there.
+    Alpha,
+    /// The values of a channel.
+    Channel(String),
+    /// Names in a Cryptomatte.
+    Cryptomatte(Vec<String>),
+}
+
+impl MatteChoice {
+    /// What a layer says; `None`: something that the window does not offer.
+    #[must_use]
+    pub fn of(layer: &Layer) -> Option<Self> {
+        match (&layer.matte, layer.unmatted) {
+            (None, Unmatted::OwnNodes) => Some(Self::Usual),
+            (None, Unmatted::Picture) => Some(Self::Picture),
+            (Some(Matte::Alpha), _) => Some(Self::Alpha),
+            (Some(Matte::Channel(name)), _) => Some(Self::Channel(name.clone())),
+            (Some(Matte::Cryptomatte { layer: None, names }), _) => Some(Self::Cryptomatte(names.clone())),
+            (Some(_), _) => None,
+        }
+    }
+}
 
 impl Session {
     /// Sets a value of the chosen layer. Values of one kind that are set in a row are undone together.
     pub fn set_layer(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = put_layer_setting(self.document.text(), &layer.name, key, setting);
-        self.change(label, text, series);
+        let series = series.map(|series| format!("{series} of {}", layer.name));
+        self.change(label, text, series.as_deref());
     }
 
     /// Sets a value of the shot.
@@ -62,18 +97,45 @@ impl Session {
         }
     }
 
-    /// Gives the chosen layer's lattice other dims; pins keep the edit. Handles that were moved by hand have no place in it.
+    /// Gives the chosen layer's lattice other dims. Pins keep the edit; of handles that were moved by hand those take over that rest nearest.
     pub fn set_dims(&mut self, dims: [usize; 2]) {
-        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
-        if !layer.handles.is_empty() {
-            return self
-                .say("Handles are moved by hand in this layer: `pinwarp resize` keeps them, the editor cannot yet.");
-        }
-        if matches!(layer.space, LayerSpace::World { .. }) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer).cloned() else { return };
+        let LayerSpace::Screen { dims: old, .. } = layer.space else {
             return self.say("A lattice in the scene has three dims: change them in the shot file.");
+        };
+        let mut text = Ok(self.document.text().to_owned());
+        for track in &layer.handles {
+            text = text.and_then(|text| put_handle(&text, &layer.name, &track.index[..2], &[]));
         }
-        let dims = Setting::Wholes(dims.iter().map(|&count| count as i64).collect());
-        self.set_layer("Resize lattice", &["lattice", "dims"], &dims, Some("dims"));
+        let setting = Setting::Wholes(dims.iter().map(|&count| count as i64).collect());
+        text = text.and_then(|text| put_layer_setting(&text, &layer.name, &["lattice", "dims"], &setting));
+        for track in regridded(&layer.handles, layer.basis, (old, dims)) {
+            text = text.and_then(|text| put_handle(&text, &layer.name, &track.index[..2], &track.keys));
+        }
+        self.selection.handles.clear();
+        // Dims are not joined where handles are moved: what comes to one handle on the way would be lost.
+        let series = layer.handles.is_empty().then(|| format!("dims {}", layer.name));
+        self.change("Resize lattice", text, series.as_deref());
+    }
+
+    /// Says what of a plate the chosen layer moves.
+    pub fn set_matte(&mut self, matte: &MatteChoice) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        let put = |text: &str, key: &[&str], setting: &Setting| put_layer_setting(text, &layer.name, key, setting);
+        let mut text = put(self.document.text(), &["matte"], &Setting::Default);
+        text = match matte {
+            MatteChoice::Usual => text,
+            MatteChoice::Picture => text.and_then(|text| put(&text, &["matte"], &Setting::Text("none".into()))),
+            MatteChoice::Alpha => text.and_then(|text| put(&text, &["matte"], &Setting::Text("alpha".into()))),
+            MatteChoice::Channel(name) => {
+                text.and_then(|text| put(&text, &["matte", "channel"], &Setting::Text(name.clone())))
+            }
+            MatteChoice::Cryptomatte(names) => {
+                text.and_then(|text| put(&text, &["matte", "cryptomatte"], &Setting::Texts(names.clone())))
+            }
+        };
+        let series = format!("matte {}", layer.name);
+        self.change("Change matte", text, Some(&series));
     }
 
     /// Whether a layer rests for now.

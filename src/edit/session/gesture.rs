@@ -33,6 +33,12 @@ pub(super) enum Gesture {
         rest: ScreenPoint,
         base: Arc<Shot>,
     },
+    /// Up is stiffer.
+    Stiffness {
+        pin: [usize; 2],
+        from: ScreenPoint,
+        base: Arc<Shot>,
+    },
     Box {
         from: ScreenPoint,
         to: ScreenPoint,

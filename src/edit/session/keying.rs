@@ -81,7 +81,7 @@ impl Session {
     pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
         let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
         let keys = with_key(&pin.keys, key);
-        self.write_keys("Type key", &[(at, keys)], Some("type"));
+        self.write_keys("Type key", &[(at, keys)], Some(&format!("type {at:?}")));
     }
 
     /// What the keys of a pin say in the frame that is seen.
@@ -156,34 +156,6 @@ impl Session {
             self.selection.keys = all;
         }
         self.change_keys(&format!("{} keys", preset.name()), |keys, times| eased(keys, times, preset.ease()));
-    }
-
-    /// Keeps the chosen keys for pasting: those of one pin.
-    pub fn copy_keys(&mut self) {
-        let Some(&(at, _)) = self.selection.keys.first() else {
-            return self.say("No key is chosen: click one in the timeline first.");
-        };
-        let times = self.selection.times_of(at);
-        let keys = &self.document.shot().layers[at[0]].pins[at[1]].keys;
-        self.copied = keys.iter().filter(|key| times.contains(&key.frame)).copied().collect();
-        self.say(format!("Copied {}", crate::spelling::counted(self.copied.len(), "key", "keys")));
-    }
-
-    /// Puts the copied keys into the chosen pins; the first stands in the frame that is seen.
-    pub fn paste_keys(&mut self) {
-        let Some(first) = self.copied.first() else { return self.say("Nothing was copied.") };
-        let shot = self.document.shot();
-        let mut keys = Vec::new();
-        for &at in &self.selection.pins {
-            let layer = &shot.layers[at[0]];
-            let by = key_time(&shot.frames, layer, self.playhead.frame()) - first.frame;
-            let pasted = self.copied.iter().map(|key| PinKey { frame: key.frame + by, ..*key });
-            keys.push((at, pasted.fold(layer.pins[at[1]].keys.clone(), |keys, key| with_key(&keys, key))));
-        }
-        if keys.is_empty() {
-            return self.say("No pin is chosen: click one first.");
-        }
-        self.write_keys("Paste keys", &keys, None);
     }
 
     /// Goes to the next or the last key of the chosen pins; where none is chosen, of the layer's.

@@ -3,6 +3,8 @@
 //! In: what the person does, what the thread of frames answers. Out: state that widgets draw. Nothing here knows of widgets.
 
 mod arrange;
+mod clipboard;
+mod curves;
 mod export_run;
 mod gesture;
 mod keying;
@@ -12,9 +14,10 @@ mod render_run;
 mod selection;
 mod shown;
 
+pub use arrange::MatteChoice;
 pub use export_run::EXPORTS;
 pub use keying::EasePreset;
-pub use pointer::{Held, Ring};
+pub use pointer::{Held, PinPart, Ring};
 pub use render_run::{RenderRun, RunState};
 pub use selection::Selection;
 pub use shown::{Onion, Shown, Wipe};
@@ -55,6 +58,8 @@ pub struct Session {
     pub shown: Shown,
     /// What a drag does to keys.
     pub auto_key: AutoKey,
+    /// What is done to a pin is done to its counterpart on the other side, mirrored.
+    pub mirrors: bool,
     /// Layers that rest while they are edited, by name.
     muted: BTreeSet<String>,
     /// The layer that alone is not muted.
@@ -77,7 +82,8 @@ pub struct Session {
     is_written: bool,
     fault: Option<String>,
     message: Option<String>,
-    copied: Vec<PinKey>,
+    /// Copied keys, by the names of their pins.
+    copied: Vec<(String, Vec<PinKey>)>,
     run: Option<RenderRun>,
     /// What an export that runs will say.
     export: Option<std::sync::mpsc::Receiver<String>>,
@@ -100,6 +106,7 @@ impl Session {
             selection: Selection::default(),
             shown: Shown::default(),
             auto_key: AutoKey::default(),
+            mirrors: false,
             muted: BTreeSet::new(),
             solo: None,
             revision: 1,

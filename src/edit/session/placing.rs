@@ -7,7 +7,7 @@ use super::{Purpose, Session};
 use crate::edit::track::key_time;
 use crate::edit::worker::Question;
 use crate::pipeline::PickedPoint;
-use crate::shot::edit::{PinName, add_pin, put_keys, put_region, remove_pin, rename_pin};
+use crate::shot::edit::{PinName, Setting, add_pin, put_keys, put_pin_setting, put_region, remove_pin, rename_pin};
 use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot};
 use crate::space::ScreenPoint;
 
@@ -103,8 +103,41 @@ impl Session {
     pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
-            self.change("Change region", text, Some("region"));
+            self.change("Change region", text, Some(&format!("region {layer}/{pin}")));
         }
+    }
+
+    /// How firmly a pin holds its point: 1 exactly, less gives way.
+    pub fn set_weight(&mut self, at: [usize; 2], weight: f64) {
+        let Some((layer, pin)) = self.names_of(at) else { return };
+        let weight = (weight.clamp(0.0, 1.0) * 1e3).round() / 1e3;
+        let setting = if weight == 1.0 { Setting::Default } else { Setting::Number(weight) };
+        let at = PinName { layer: &layer, pin: &pin };
+        let text = put_pin_setting(self.document.text(), at, "weight", &setting);
+        self.change("Change weight", text, Some(&format!("weight {layer}/{pin}")));
+    }
+
+    /// Lets the chosen pins rest, or act again.
+    pub fn mute_chosen(&mut self) {
+        let pins: Vec<[usize; 2]> = self.selection.pins.iter().copied().collect();
+        self.toggle_pin_mute(&pins);
+    }
+
+    /// Lets pins rest, or act again: all as the first of them will.
+    pub fn toggle_pin_mute(&mut self, pins: &[[usize; 2]]) {
+        let pin = |at: &[usize; 2]| self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
+        let Some(first) = pins.first().and_then(pin) else { return self.say("No pin is chosen: click one first.") };
+        let (setting, label) = match first.is_muted {
+            true => (Setting::Default, "Unmute"),
+            false => (Setting::Flag(true), "Mute"),
+        };
+        let mut text = Ok(self.document.text().to_owned());
+        for (layer, pin) in pins.iter().filter_map(|&at| self.names_of(at)) {
+            let at = PinName { layer: &layer, pin: &pin };
+            text = text.and_then(|text| put_pin_setting(&text, at, "mute", &setting));
+        }
+        let label = format!("{label} {}", if pins.len() == 1 { "pin" } else { "pins" });
+        self.change(&label, text, None);
     }
 
     /// Names of layer and pin.

@@ -5,6 +5,7 @@
 use super::gesture::Gesture;
 use super::{Purpose, Session};
 use crate::edit::EditError;
+use crate::edit::mirror::other_side;
 use crate::edit::track::{Move, handle_moved, key_time, moved};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
@@ -16,6 +17,27 @@ use std::sync::Arc;
 /// Most and least that a region can have.
 const RADII: [f64; 2] = [0.005, 4.0];
 
+/// Most and least stiffness that a drag gives.
+const STIFFNESSES: [f64; 2] = [0.01, 100.0];
+
+/// Powers of ten that the pen makes of a frame height.
+const STIFFNESS_PER_HEIGHT: f64 = 6.0;
+
+/// Radius of a region that a drag of the stiffness begins, frame heights.
+const USUAL_RADIUS: f64 = 0.1;
+
+/// What of a pin is dragged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PinPart {
+    /// Where it goes.
+    #[default]
+    Target,
+    /// The radius of its region.
+    Radius,
+    /// The stiffness of its region.
+    Stiffness,
+}
+
 /// Keys that are held while the pen goes down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Held {
@@ -23,8 +45,8 @@ pub struct Held {
     pub adds: bool,
     /// The part is meant as a whole.
     pub whole: bool,
-    /// The pin's region is meant.
-    pub region: bool,
+    /// What of a pin is dragged.
+    pub part: PinPart,
 }
 
 /// The ring around a chosen pin, as the viewport draws it.
@@ -58,9 +80,10 @@ impl Session {
                 self.selection.pins.remove(&pin);
                 return;
             }
-            self.gesture = match held.region {
-                true => Gesture::Region { pin, rest, base },
-                false => Gesture::Drag { from: at, base, has_moved: false },
+            self.gesture = match held.part {
+                PinPart::Target => Gesture::Drag { from: at, base, has_moved: false },
+                PinPart::Radius => Gesture::Region { pin, rest, base },
+                PinPart::Stiffness => Gesture::Stiffness { pin, from: at, base },
             };
             return;
         }
@@ -119,6 +142,17 @@ impl Session {
                 own.region = Some(PinRegion { radius: (radius * 1e4).round() / 1e4, ..old });
                 self.show_dragged(Ok(shot));
             }
+            Gesture::Stiffness { pin: [layer, pin], from, base } => {
+                let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
+                let tens = (to - *from).0.y * STIFFNESS_PER_HEIGHT;
+                let own = &mut shot.layers[layer].pins[pin];
+                let old = own.region.unwrap_or(PinRegion { radius: USUAL_RADIUS, rigidity: 0.0, stiffness: 1.0 });
+                let stiffness = (old.stiffness * 10.0_f64.powf(tens)).clamp(STIFFNESSES[0], STIFFNESSES[1]);
+                let stiffness = (stiffness * 1e2).round() / 1e2;
+                own.region = Some(PinRegion { stiffness, ..old });
+                self.say(format!("Stiffness {stiffness:.2}: up is stiffer, down softer; 1 is as the rest"));
+                self.show_dragged(Ok(shot));
+            }
         }
     }
 
@@ -138,7 +172,7 @@ impl Session {
             Gesture::Drag { has_moved: false, .. } => {}
             Gesture::Drag { base, .. } => self.commit("Move", &base),
             Gesture::Turn { base, .. } => self.commit("Turn", &base),
-            Gesture::Region { pin, .. } => {
+            Gesture::Region { pin, .. } | Gesture::Stiffness { pin, .. } => {
                 let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
                 self.document.end_series();
                 self.set_region(pin, region);
@@ -175,7 +209,8 @@ impl Session {
             Err(error) => self.say(error.to_string()),
             Ok(shot) => {
                 self.dragged = Some(Arc::new(shot));
-                self.commit_series("Nudge", &base, Some("nudge"));
+                let series = format!("nudge {:?} {:?}", self.selection.pins, self.selection.handles);
+                self.commit_series("Nudge", &base, Some(&series));
             }
         }
     }
@@ -183,7 +218,8 @@ impl Session {
     /// The shot with the chosen pins and handles changed.
     fn dragged_shot(&self, base: &Shot, change: Move) -> Result<Shot, EditError> {
         let (mut shot, frame) = (base.clone(), self.playhead.frame());
-        for &at in &self.selection.pins {
+        let chosen = self.selection.pins.iter().map(|&at| (at, change));
+        for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
             let keys = moved(base, at, (time, self.auto_key), change, self.box_size(at[0]))?;
             shot.layers[at[0]].pins[at[1]].keys = keys;
@@ -213,6 +249,20 @@ impl Session {
         Ok(shot)
     }
 
+    /// Pins on the other side of those that are chosen, where they are moved alike.
+    fn counterparts(&self, shot: &Shot) -> impl Iterator<Item = [usize; 2]> {
+        let chosen = if self.mirrors { self.selection.pins.iter().copied().collect() } else { Vec::new() };
+        let other = |at: [usize; 2]| {
+            let name = other_side(&shot.layers[at[0]].pins[at[1]].name)?;
+            // In its own layer first, else in that of the other side.
+            let named = |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name);
+            let layers = std::iter::once(at[0]).chain(0..shot.layers.len());
+            { layers }.find_map(|layer| Some([layer, named(layer)?]))
+        };
+        let found: Vec<[usize; 2]> = chosen.into_iter().filter_map(other).collect();
+        found.into_iter().filter(|at| !self.selection.pins.contains(at))
+    }
+
     fn show_dragged(&mut self, shot: Result<Shot, EditError>) {
         match shot {
             Err(error) => {
@@ -224,7 +274,11 @@ impl Session {
                     self.revision += 1;
                 }
                 self.dragged = Some(Arc::new(shot));
-                let layers = self.selection.layers();
+                let mut layers = self.selection.layers();
+                let others: Vec<usize> = self.counterparts(self.document.shot()).map(|[layer, _]| layer).collect();
+                layers.extend(others);
+                layers.sort_unstable();
+                layers.dedup();
                 self.refresh(Purpose::Drag(layers));
             }
         }
@@ -239,7 +293,8 @@ impl Session {
     fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
         let Some(shot) = self.dragged.clone() else { return };
         let mut keys: Vec<([usize; 2], Vec<PinKey>)> = Vec::new();
-        for &[layer, pin] in &self.selection.pins {
+        let all = self.selection.pins.iter().copied().chain(self.counterparts(base));
+        for [layer, pin] in all {
             let new = &shot.layers[layer].pins[pin].keys;
             if *new != base.layers[layer].pins[pin].keys {
                 keys.push(([layer, pin], new.clone()));

@@ -16,6 +16,7 @@ impl Editor {
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => self.shows_keys = !self.shows_keys,
             Action::Render => self.render(ctx),
+            Action::Curves => self.timeline.toggle_curves(),
             _ => {
                 if let Some(session) = &mut self.session {
                     on_session(ctx, session, action, now);
@@ -56,6 +57,8 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Paste => session.paste_keys(),
         Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
         Action::Delete => session.delete_keys(),
+        Action::Mute => session.mute_chosen(),
+        Action::Mirror => flip(&mut session.mirrors),
         Action::All => session.choose_all(),
         Action::Play => session.toggle_play(now),
         Action::Back => session.step(-1),

@@ -1,6 +1,6 @@
 //! Chooses a file in the editor's own window: to open, or to save.
 
-use super::timeline::Accessible;
+use super::accessible::Accessible;
 use eframe::egui::{self, Align2, Key, ScrollArea, TextEdit, vec2};
 use std::path::{Path, PathBuf};
 

@@ -26,7 +26,7 @@ pub struct Editor {
     left: Vec<Unfinished>,
     fault: Option<String>,
     pub(super) browser: Option<Browser>,
-    timeline: Timeline,
+    pub(super) timeline: Timeline,
     textures: Textures,
     pub(super) shows_keys: bool,
     pub(super) shows_render: bool,
@@ -125,6 +125,10 @@ impl Editor {
             }
         }
         self.look_at_disk();
+        if let Some(session) = self.session.as_mut().filter(|_| ctx.input(|input| input.pointer.any_pressed())) {
+            // Each drag of a number is undone by itself.
+            session.document_mut().end_series();
+        }
         for action in keys::pressed(&ctx, &self.shortcuts) {
             self.act(&ctx, action, now);
         }
@@ -136,7 +140,11 @@ impl Editor {
             }
             Some(session) => {
                 Panel::bottom("hint").exact_size(26.0).show(ui, |ui| menus::hint(ui, session));
-                Panel::bottom("timeline").resizable(true).default_size(200.0).size_range(110.0..=520.0).show(
+                // A small window keeps room for the picture.
+                let window = ctx.content_rect().size();
+                let height = (0.25 * window.y).clamp(130.0, 220.0);
+                let width = (0.19 * window.x).clamp(200.0, 262.0);
+                Panel::bottom("timeline").resizable(true).default_size(height).size_range(110.0..=520.0).show(
                     ui,
                     |ui| {
                         ui.add_space(3.0);
@@ -144,11 +152,11 @@ impl Editor {
                     },
                 );
                 Panel::left("layers")
-                    .default_size(262.0)
+                    .default_size(width)
                     .size_range(200.0..=420.0)
                     .show(ui, |ui| layers::show(ui, session));
                 Panel::right("pin")
-                    .default_size(258.0)
+                    .default_size(width)
                     .size_range(200.0..=420.0)
                     .show(ui, |ui| inspector::show(ui, session));
                 let central = CentralPanel::no_frame().frame(Frame::NONE);

@@ -1,8 +1,8 @@
 //! Numbers of the chosen pin, and the report of the frame.
 
+use super::accessible::Accessible;
 use super::icons;
 use super::theme::heat;
-use super::timeline::Accessible;
 use crate::edit::Session;
 use crate::pipeline::{FrameReport, LayerReport};
 use crate::shot::{Goal, PinKey, PinRegion, Rotation};
@@ -37,6 +37,9 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
             if ui.small_button("Delete").clicked() {
                 session.delete_pins();
             }
+            if ui.small_button(if own.is_muted { "Unmute" } else { "Mute" }).clicked() {
+                session.toggle_pin_mute(&[at]);
+            }
         });
     });
     ui.separator();
@@ -49,13 +52,30 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
     let is_keyed = session.has_key_here(at);
     ui.horizontal(|ui| {
         icons::key_sign(ui, is_keyed);
-        ui.weak(if is_keyed { "keyed in this frame" } else { "between keys" });
+        ui.weak(match (own.is_muted, is_keyed) {
+            (true, _) => "muted: it does not act",
+            (false, true) => "keyed in this frame",
+            (false, false) => "between keys",
+        });
     });
     Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         place(ui, session, (at, key));
         turn(ui, session, (at, key));
         region(ui, session, (at, own.region));
+        weight(ui, session, at, own.weight);
     });
+}
+
+/// How firmly it holds, from soft to hard.
+fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
+    ui.label("Weight");
+    let mut weight = old;
+    let hint = "1 holds the point exactly; less gives way to the shape and to other pins";
+    let slider = egui::Slider::new(&mut weight, 0.0..=1.0).max_decimals(2);
+    if ui.add(slider).accessible_name("Weight").on_hover_text(hint).changed() && weight != old {
+        session.set_weight(at, weight);
+    }
+    ui.end_row();
 }
 
 /// Two numbers in pixels.

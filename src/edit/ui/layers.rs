@@ -1,8 +1,8 @@
 //! The list of layers and the settings of the chosen one.
 
+use super::accessible::Accessible;
 use super::icons::{self, Icon};
-use super::shot_panel;
-use super::timeline::Accessible;
+use super::{matte, shot_panel};
 use crate::edit::Session;
 use crate::lattice::Basis;
 use crate::shot::LayerSpace;
@@ -15,6 +15,7 @@ enum Click {
     Mute(String),
     Solo(String),
     Pin([usize; 2], bool),
+    MutePin([usize; 2]),
 }
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
@@ -48,6 +49,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             }
             Some(Click::Mute(name)) => session.toggle_mute(&name),
             Some(Click::Solo(name)) => session.toggle_solo(&name),
+            Some(Click::MutePin(at)) => session.toggle_pin_mute(&[at]),
             Some(Click::Pin(at, true)) => _ = session.selection.pins.insert(at),
             Some(Click::Pin(at, false)) => session.selection.only_pin(at),
             None => {}
@@ -83,10 +85,15 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
     }
     for (pin, own) in layer.pins.iter().enumerate() {
         ui.horizontal(|ui| {
-            ui.add_space(52.0);
+            ui.add_space(26.0);
+            let (sign, word) = if own.is_muted { (Icon::Unseen, "Unmute") } else { (Icon::Seen, "Mute") };
+            if icons::button(ui, sign, &format!("{word} pin {}", own.name)).clicked() {
+                *click = Some(Click::MutePin([index, pin]));
+            }
             let is_chosen = session.selection.pins.contains(&[index, pin]);
-            let keys = own.name.clone();
-            if ui.selectable_label(is_chosen, keys).clicked() {
+            let name = RichText::new(&own.name);
+            let name = if own.is_muted { name.weak() } else { name };
+            if ui.selectable_label(is_chosen, name).clicked() {
                 let adds = ui.input(|input| input.modifiers.shift || input.modifiers.command);
                 *click = Some(Click::Pin([index, pin], adds));
             }
@@ -157,6 +164,11 @@ fn settings(ui: &mut Ui, session: &mut Session) {
                 );
             }
             ui.end_row();
+            if session.shot().plate.is_some() {
+                ui.label("Matte");
+                ui.vertical(|ui| matte::show(ui, session, &layer));
+                ui.end_row();
+            }
             ui.label("Name");
             let mut name = layer.name.clone();
             if ui.text_edit_singleline(&mut name).accessible("Layer name").changed() && !name.trim().is_empty() {

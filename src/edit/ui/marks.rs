@@ -16,6 +16,9 @@ pub(super) const RING: f32 = 44.0;
 /// Frames on either side of which trails tell.
 const TRAIL: i32 = 24;
 
+/// Lines of a lattice that lie so far apart are drawn in full, points.
+const WIDE: f32 = 36.0;
+
 /// Draws over a picture.
 pub(super) struct Over<'a> {
     pub(super) session: &'a Session,
@@ -61,6 +64,7 @@ impl Over<'_> {
             ordered.iter().for_each(|marks| self.handles(marks));
         }
         if shown.pins {
+            self.names(marks);
             ordered.iter().for_each(|marks| marks.pins.iter().for_each(|pin| self.pin(marks.layer, pin)));
             self.ring();
         }
@@ -78,6 +82,8 @@ impl Over<'_> {
 
     fn lattice(&self, marks: &LayerMarks, is_chosen: bool) {
         let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
+        // Lines that lie close together would cover the picture.
+        let color = color.gamma_multiply((self.line_spacing(marks) / WIDE).clamp(0.35, 1.0));
         let is_heat = self.session.shown.distortion && is_chosen;
         for (number, line) in marks.lines.iter().enumerate() {
             let points: Vec<Pos2> = line.iter().map(|&point| self.at(point)).collect();
@@ -92,6 +98,14 @@ impl Over<'_> {
                 }
             }
         }
+    }
+
+    /// How far lines of a lattice of the screen lie apart, points.
+    fn line_spacing(&self, marks: &LayerMarks) -> f32 {
+        let Some(rest) = marks.rest_box else { return WIDE };
+        let [low, high] = [rest.min, rest.max].map(|corner| self.at(corner));
+        let cells = (marks.lines.len() as f32 / 2.0 - 1.0).max(1.0);
+        (high.x - low.x).abs().max((high.y - low.y).abs()) / cells
     }
 
     fn fold(&self, cell: &[ScreenPoint]) {
@@ -151,18 +165,32 @@ impl Over<'_> {
         if is_chosen {
             self.painter.circle_stroke(target, radius, Stroke::new(2.0, over::CHOSEN));
         }
-        if session.shown.names && layer == session.selection.layer {
-            let named = session.shot().layers.get(layer).and_then(|layer| layer.pins.get(pin.pin));
-            let color = if is_chosen { over::CHOSEN } else { Color32::from_gray(225) };
-            named.into_iter().for_each(|named| self.label(target + vec2(10.0, 0.0), &named.name, color));
-        }
     }
 
-    fn label(&self, at: Pos2, text: &str, color: Color32) {
-        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), color);
-        let rect = Align2::LEFT_CENTER.anchor_size(at, galley.size());
-        self.painter.rect_filled(rect.expand2(vec2(3.0, 1.0)), 3, Color32::from_black_alpha(120));
-        self.painter.galley(rect.min, galley, color);
+    /// Names beside the pins of the chosen layer, chosen ones first; what would cover another name goes to the left, or away.
+    fn names(&self, marks: &[LayerMarks]) {
+        let session = self.session;
+        let Some(own) = marks.iter().find(|own| session.shown.names && own.layer == session.selection.layer) else {
+            return;
+        };
+        let is_chosen = |pin: &PinMark| session.selection.pins.contains(&[own.layer, pin.pin]);
+        let (chosen, others): (Vec<&PinMark>, Vec<&PinMark>) = own.pins.iter().partition(|pin| is_chosen(pin));
+        let mut taken: Vec<Rect> = Vec::new();
+        for pin in chosen.into_iter().chain(others) {
+            let named = session.shot().layers.get(own.layer).and_then(|layer| layer.pins.get(pin.pin));
+            let Some(named) = named else { continue };
+            let color = if is_chosen(pin) { over::CHOSEN } else { Color32::from_gray(225) };
+            let galley = self.painter.layout_no_wrap(named.name.clone(), FontId::proportional(12.0), color);
+            let beside = self.at(pin.target);
+            let right = Align2::LEFT_CENTER.anchor_size(beside + vec2(10.0, 0.0), galley.size());
+            let left = Align2::RIGHT_CENTER.anchor_size(beside - vec2(10.0, 0.0), galley.size());
+            let is_free = |place: &Rect| taken.iter().all(|other| !other.intersects(place.expand2(vec2(3.0, 0.0))));
+            let free = [right, left].into_iter().find(is_free).or_else(|| is_chosen(pin).then_some(right));
+            let Some(place) = free else { continue };
+            taken.push(place.expand2(vec2(3.0, 1.0)));
+            self.painter.rect_filled(place.expand2(vec2(3.0, 1.0)), 3, Color32::from_black_alpha(120));
+            self.painter.galley(place.min, galley, color);
+        }
     }
 
     fn ring(&self) {

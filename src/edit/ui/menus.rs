@@ -4,6 +4,10 @@ use super::keys::words;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
 
+/// What can be done, in a line.
+const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
+                    Wheel: zoom.  Middle button: pan.  F1: keys.";
+
 /// The menus. Gives the actions that were chosen.
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
     let mut chosen = Vec::new();
@@ -29,10 +33,22 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             entry(ui, Action::Quit, true);
         });
         ui.menu_button("Edit", |ui| {
-            for action in
-                [Action::Undo, Action::Redo, Action::Copy, Action::Paste, Action::Delete, Action::All, Action::Key]
-            {
+            for action in [
+                Action::Undo,
+                Action::Redo,
+                Action::Copy,
+                Action::Paste,
+                Action::Delete,
+                Action::Mute,
+                Action::All,
+                Action::Key,
+            ] {
                 entry(ui, action, is_open);
+            }
+            if let Some(session) = session.as_deref_mut() {
+                ui.separator();
+                let hint = "Pins named left and right, near and far, .L and .R are moved alike, mirrored";
+                ui.checkbox(&mut session.mirrors, Action::Mirror.words()).on_hover_text(hint);
             }
         });
         ui.menu_button("View", |ui| {
@@ -173,21 +189,19 @@ pub(super) fn state(ui: &mut Ui, session: &Session) {
 
 /// The line at the bottom: what the last action says, or what could be done.
 pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
-    ui.horizontal(|ui| {
-        ui.add_space(4.0);
-        if let Some(fault) = session.fault() {
-            ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
-        } else if let Some(message) = session.message() {
-            ui.label(message);
-        } else {
-            ui.weak(
-                "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
-                 Wheel: zoom.  Middle button: pan.  F1: keys.",
-            );
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add_space(6.0);
-            ui.weak(&session.loaded().device);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.add_space(6.0);
+        ui.weak(&session.loaded().device);
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.add_space(4.0);
+            let words = match (session.fault(), session.message()) {
+                (Some(fault), _) => RichText::new(fault).color(ui.visuals().error_fg_color),
+                (None, Some(message)) => RichText::new(message),
+                (None, None) => RichText::new(HINT).weak(),
+            };
+            // What does not fit is read on hover.
+            let full = words.text().to_owned();
+            ui.add(egui::Label::new(words).truncate()).on_hover_text(full);
         });
     });
 }

@@ -2,16 +2,20 @@
 //!
 //! In: events of the window. Out: calls of the session, shapes to draw. No other module knows the toolkit.
 
+mod accessible;
 mod actions;
 mod browser;
 mod bundled;
+mod curves;
 mod dialogs;
 mod editor;
+mod frame_scale;
 mod icons;
 mod inspector;
 mod keys;
 mod layers;
 mod marks;
+mod matte;
 mod menus;
 mod nudges;
 mod options;
@@ -22,6 +26,7 @@ mod software;
 mod start;
 mod theme;
 mod timeline;
+mod transport;
 mod viewport;
 mod window;
 

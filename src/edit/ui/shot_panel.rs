@@ -1,10 +1,10 @@
 //! Settings of the whole shot: clip, frames, camera, samples, what is hidden.
 
-use super::timeline::Accessible;
+use super::accessible::Accessible;
 use crate::edit::Session;
 use crate::shot::edit::Setting;
 use crate::shot::{CameraRule, ClipName};
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, ScrollArea, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, Label, ScrollArea, Ui};
 
 /// Views of scenes without a camera of their own.
 const VIEWS: [&str; 7] = ["fit", "front", "three-quarter", "left", "right", "back", "top"];
@@ -15,6 +15,12 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             clip(ui, session);
             frames(ui, session);
             camera(ui, session);
+            if let Some(plate) = session.shot().plate.clone() {
+                ui.label("Plate");
+                let name = plate.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                ui.add(Label::new(name).truncate()).on_hover_text(plate.display().to_string());
+                ui.end_row();
+            }
             ui.label("Samples");
             let mut samples = session.shot().samples;
             let value = DragValue::new(&mut samples).range(1..=256).speed(0.2);

@@ -1,16 +1,15 @@
-//! The timeline: transport, ruler, and a row of keys for each pin of the chosen layer.
+//! The timeline: transport, ruler, and a row of keys for each pin of the chosen layer, or their curves.
 
-use super::icons::{self, Icon};
+use super::curves::CurveView;
+use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use crate::edit::{AutoKey, EasePreset, Pace, Session};
+use super::transport::transport;
+use crate::edit::Session;
 use crate::shot::Ease;
 use eframe::egui::{
-    Align2, Color32, ComboBox, DragValue, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape,
-    Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
 };
-
-/// Width of the names left of the rows.
-const NAMES: f32 = 150.0;
 
 /// Height of a row of keys.
 const ROW: f32 = 20.0;
@@ -25,41 +24,37 @@ pub(super) struct Timeline {
     scrubs: bool,
     /// Frame at which a drag of keys began, and how far it is.
     moved: Option<(f32, i32)>,
-}
-
-/// Frames along a line of the window.
-#[derive(Clone, Copy)]
-struct Scale {
-    first: f32,
-    left: f32,
-    per_frame: f32,
-}
-
-impl Scale {
-    fn x(self, frame: f64) -> f32 {
-        self.left + (frame as f32 - self.first + 0.5) * self.per_frame
-    }
-
-    fn frame(self, x: f32) -> f32 {
-        (x - self.left) / self.per_frame - 0.5 + self.first
-    }
+    /// Curves are seen instead of rows of keys.
+    curves: Option<CurveView>,
 }
 
 impl Timeline {
+    /// Shows curves instead of rows, or rows again.
+    pub(super) fn toggle_curves(&mut self) {
+        self.curves = if self.curves.is_some() { None } else { Some(CurveView::default()) };
+    }
+
     pub(super) fn show(&mut self, ui: &mut Ui, session: &mut Session, now: f64) {
-        transport(ui, session, now);
+        if transport(ui, session, (now, self.curves.is_some())) {
+            self.toggle_curves();
+        }
         ui.add_space(2.0);
         let width = ui.available_width();
         let [first, last] = session.playhead.shot_range();
         let count = (last - first + 1).max(1) as f32;
         let rect = ui.available_rect_before_wrap();
         let per_frame = (width - NAMES - 16.0).max(40.0) / count;
-        let scale = Scale { first: first as f32, left: rect.left() + NAMES, per_frame };
+        let scale = FrameScale { first: first as f32, left: rect.left() + NAMES, per_frame };
         self.ruler(ui, session, scale);
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.rows(ui, session, scale));
+        match &mut self.curves {
+            Some(curves) => curves.show(ui, session, scale),
+            None => {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.rows(ui, session, scale));
+            }
+        }
     }
 
-    fn ruler(&mut self, ui: &mut Ui, session: &mut Session, scale: Scale) {
+    fn ruler(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) {
         let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), RULER), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Frames"));
         let rect = response.rect;
@@ -89,9 +84,14 @@ impl Timeline {
         }
         self.scrub(&response, session, scale);
         playhead(&painter, rect, session, scale);
+        let here = session.playhead.frame();
+        let galley = painter.layout_no_wrap(here.to_string(), FontId::proportional(10.5), Color32::BLACK);
+        let place = Align2::CENTER_TOP.anchor_size(pos2(scale.x(f64::from(here)), rect.top()), galley.size());
+        painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 3, ACCENT);
+        painter.galley(place.min, galley, Color32::BLACK);
     }
 
-    fn scrub(&mut self, response: &Response, session: &mut Session, scale: Scale) {
+    fn scrub(&mut self, response: &Response, session: &mut Session, scale: FrameScale) {
         if response.is_pointer_button_down_on()
             && let Some(at) = response.interact_pointer_pos()
         {
@@ -105,7 +105,7 @@ impl Timeline {
         }
     }
 
-    fn rows(&mut self, ui: &mut Ui, session: &mut Session, scale: Scale) {
+    fn rows(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) {
         let layer = session.selection.layer;
         let Some(owner) = session.shot().layers.get(layer) else { return };
         let pins: Vec<(String, Vec<(f64, Ease)>)> = owner
@@ -132,7 +132,7 @@ impl Timeline {
         ui: &mut Ui,
         session: &mut Session,
         (at, name, keys): ([usize; 2], &str, &[(f64, Ease)]),
-        scale: Scale,
+        scale: FrameScale,
     ) {
         let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), ROW), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("Keys of {name}")));
@@ -175,7 +175,7 @@ impl Timeline {
         ui: &Ui,
         session: &mut Session,
         (response, names): (&Response, Rect),
-        (at, keys, scale): ([usize; 2], &[(f64, Ease)], Scale),
+        (at, keys, scale): ([usize; 2], &[(f64, Ease)], FrameScale),
     ) {
         let pressed = ui.input(|input| input.pointer.primary_pressed());
         let shift = ui.input(|input| input.modifiers.shift);
@@ -208,11 +208,6 @@ impl Timeline {
     }
 }
 
-fn playhead(painter: &Painter, rect: Rect, session: &Session, scale: Scale) {
-    let x = scale.x(f64::from(session.playhead.frame()));
-    painter.vline(x, rect.y_range(), Stroke::new(1.5, ACCENT));
-}
-
 /// A key: a diamond; one that is held a square, a smooth one round.
 fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
     let size = 5.0;
@@ -230,102 +225,4 @@ fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
 fn nice_step(least: f32) -> i32 {
     let steps = [1, 2, 4, 6, 12, 24, 48, 120, 240, 480, 1200, 2400, 4800, 12_000, 48_000, 240_000];
     steps.into_iter().find(|&step| step as f32 >= least).unwrap_or(1_000_000)
-}
-
-fn transport(ui: &mut Ui, session: &mut Session, now: f64) {
-    ui.horizontal(|ui| {
-        ui.add_space(4.0);
-        let [first, last] = session.playhead.range();
-        if icons::button(ui, Icon::First, "First frame").clicked() {
-            session.go(first);
-        }
-        if icons::button(ui, Icon::Back, "Frame back").clicked() {
-            session.step(-1);
-        }
-        let (play, name) = if session.playhead.is_playing() { (Icon::Pause, "Stop") } else { (Icon::Play, "Play") };
-        if icons::button(ui, play, name).clicked() {
-            session.toggle_play(now);
-        }
-        if icons::button(ui, Icon::Forward, "Frame forward").clicked() {
-            session.step(1);
-        }
-        if icons::button(ui, Icon::Last, "Last frame").clicked() {
-            session.go(last);
-        }
-        let mut frame = session.playhead.frame();
-        let [least, most] = session.playhead.shot_range();
-        let value = ui.add(DragValue::new(&mut frame).range(least..=most.max(least)).speed(0.2)).accessible("Frame");
-        if value.changed() {
-            session.go(frame);
-        }
-        ui.weak(format!("of {most}"));
-        ui.separator();
-        let mut is_auto = session.auto_key == AutoKey::On;
-        if ui
-            .toggle_value(&mut is_auto, "Auto key")
-            .on_hover_text("Dragging keys this frame. Off: all keys of the pin move alike.")
-            .changed()
-        {
-            session.auto_key = if is_auto { AutoKey::On } else { AutoKey::Off };
-        }
-        if ui.button("Key").on_hover_text("Insert a key for the chosen pins").clicked() {
-            session.insert_keys();
-        }
-        eases(ui, session);
-        exposure(ui, session);
-        let mut is_every = session.playhead.pace == Pace::EveryFrame;
-        if ui
-            .toggle_value(&mut is_every, "Every frame")
-            .on_hover_text("Play every frame; off: in real time, dropping frames")
-            .changed()
-        {
-            session.playhead.pace = if is_every { Pace::EveryFrame } else { Pace::RealTime };
-        }
-    });
-}
-
-fn eases(ui: &mut Ui, session: &mut Session) {
-    let chosen = session.selection.keys.first().and_then(|(at, time)| {
-        let pin = session.shot().layers.get(at[0])?.pins.get(at[1])?;
-        pin.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
-    });
-    let text = chosen.map_or("Ease", |ease| EasePreset::of(ease).map_or("Curve", EasePreset::name));
-    let list = ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
-        for preset in EasePreset::ALL {
-            if ui.selectable_label(chosen == Some(preset.ease()), preset.name()).clicked() {
-                session.ease_keys(preset);
-            }
-        }
-    });
-    list.response.accessible("Ease");
-}
-
-fn exposure(ui: &mut Ui, session: &mut Session) {
-    let step = session.shot().layers.get(session.selection.layer).map_or(1, |layer| layer.step);
-    let name = |step: u32| match step {
-        1 => "On ones".to_owned(),
-        2 => "On twos".to_owned(),
-        3 => "On threes".to_owned(),
-        more => format!("On {more}s"),
-    };
-    let list = ComboBox::from_id_salt("exposure").selected_text(name(step)).width(84.0).show_ui(ui, |ui| {
-        for wanted in [1, 2, 3, 4] {
-            if ui.selectable_label(step == wanted, name(wanted)).clicked() {
-                session.set_exposure(wanted);
-            }
-        }
-    });
-    list.response.accessible("Exposure");
-}
-
-/// A widget whose face is a sign gets a name.
-pub(super) trait Accessible {
-    /// The name that screen readers and tests know it by, shown on hover, too.
-    fn accessible(self, name: &str) -> Self;
-}
-
-impl Accessible for Response {
-    fn accessible(self, name: &str) -> Self {
-        self.accessible_name(name).on_hover_text(name)
-    }
 }

@@ -5,7 +5,7 @@
 use super::keys::is_held;
 use super::marks::{Over, RING};
 use super::theme;
-use crate::edit::{Action, Held, Lens, Picture, Ring, Session, Shortcuts, Wipe, Zoom};
+use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
 use eframe::egui::{
     self, Align2, Color32, ColorImage, FontId, PointerButton, Pos2, Rect, Role, Sense, Stroke, TextureHandle,
     TextureOptions, Ui, WidgetInfo, vec2,
@@ -121,8 +121,13 @@ fn pen(
     let Some(at) = position.map(place) else { return };
     if pressed && response.contains_pointer() {
         response.request_focus();
-        let region = is_held(ui.ctx(), shortcuts, Action::Region);
-        let held = Held { adds: modifiers.shift, whole: modifiers.alt, region };
+        let is_down = |action: Action| is_held(ui.ctx(), shortcuts, action);
+        let part = match (is_down(Action::Region), is_down(Action::Stiffness)) {
+            (true, _) => PinPart::Radius,
+            (false, true) => PinPart::Stiffness,
+            (false, false) => PinPart::Target,
+        };
+        let held = Held { adds: modifiers.shift, whole: modifiers.alt, part };
         let ring = Ring { radius: f64::from(RING) / height, reach: 7.0 / height };
         session.press(at, (reach, ring), held);
     } else if session.is_dragging() {
@@ -270,6 +275,9 @@ fn menu(response: &egui::Response, session: &mut Session) {
         let has_pins = !session.selection.pins.is_empty();
         if ui.add_enabled(has_pins, egui::Button::new("Insert key")).clicked() {
             session.insert_keys();
+        }
+        if ui.add_enabled(has_pins, egui::Button::new("Mute or unmute pins")).clicked() {
+            session.mute_chosen();
         }
         if ui.add_enabled(has_pins, egui::Button::new("Delete pins")).clicked() {
             session.delete_pins();

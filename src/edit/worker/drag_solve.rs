@@ -3,7 +3,7 @@
 //! In: a prepared shot and the frame, then keys again and again. Out: the frame's [`TimeSample`], those layers solved.
 
 use crate::pipeline::{LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample};
-use crate::shot::LayerSpace;
+use crate::shot::{Layer, LayerSpace, PinRegion};
 use crate::solve::Cancel;
 
 /// A frame with layers under the hand.
@@ -13,8 +13,8 @@ pub(super) struct DragSolve {
     sample: TimeSample,
     /// One a layer of `layers`; `None`: it lies in the scene or out of sight.
     solvers: Vec<Option<LayerSolver>>,
-    /// Pins of the layers: a solver holds these.
-    pins: Vec<usize>,
+    /// What a solver holds of the layers.
+    held: Vec<HeldPins>,
 }
 
 impl DragSolve {
@@ -28,12 +28,12 @@ impl DragSolve {
             let path = prepared.shot.pin_path(index, prepared.key_frame(layer, sample.frame));
             solvers.push(prepared.layer_solver(&sample, &task, &path, &Cancel::never())?);
         }
-        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, pins: pins_of(prepared, layers) })
+        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, held: held_of(prepared, layers) })
     }
 
     /// Whether it goes on with that drag.
     pub(super) fn fits(&self, prepared: &PreparedShot, frame: i32, layers: &[usize]) -> bool {
-        self.frame == frame && self.layers == layers && self.pins == pins_of(prepared, layers)
+        self.frame == frame && self.layers == layers && self.held == held_of(prepared, layers)
     }
 
     /// Solves the frame with the keys that the shot has now.
@@ -59,8 +59,17 @@ impl DragSolve {
     }
 }
 
-fn pins_of(prepared: &PreparedShot, layers: &[usize]) -> Vec<usize> {
-    let count =
-        |&layer: &usize| prepared.shot.layers.get(layer).map_or(0, |layer| layer.pins.len() + layer.handles.len());
-    layers.iter().map(count).collect()
+/// What a factored solver depends on of a layer's pins: what they take along, whether they act; which handles are moved.
+#[derive(PartialEq)]
+struct HeldPins {
+    pins: Vec<(Option<PinRegion>, bool)>,
+    handles: usize,
+}
+
+fn held_of(prepared: &PreparedShot, layers: &[usize]) -> Vec<HeldPins> {
+    let held = |layer: &Layer| HeldPins {
+        pins: layer.pins.iter().map(|pin| (pin.region, pin.is_muted)).collect(),
+        handles: layer.handles.len(),
+    };
+    layers.iter().filter_map(|&index| prepared.shot.layers.get(index)).map(held).collect()
 }

@@ -26,6 +26,8 @@ impl Check<'_> {
                 region: raw
                     .region
                     .map(|region| self.region(&region, &format!("{}.region", key(index)), (raw.unit, shot))),
+                weight: raw.weight,
+                is_muted: raw.mute,
                 keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
                 name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
             })

@@ -13,7 +13,9 @@ pub use block::pin_block;
 pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin, rename_pin};
-pub use setting::{Setting, add_layer, layer_number, move_layer, put_layer_setting, put_setting, remove_layer};
+pub use setting::{
+    Setting, add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,
+};
 
 use super::{Anchor, ShotError};
 use block::{Digits, NewPin, anchor_table, resting};

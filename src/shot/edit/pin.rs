@@ -125,7 +125,7 @@ fn few(value: f64) -> Value {
     }
 }
 
-fn edit_pin(text: &str, at: PinName, edit: impl FnOnce(&mut dyn TableLike)) -> Result<String, ShotError> {
+pub(super) fn edit_pin(text: &str, at: PinName, edit: impl FnOnce(&mut dyn TableLike)) -> Result<String, ShotError> {
     edit_layer(text, at.layer, at.pin, |layer| {
         let pins = layer.get_mut("pin").ok_or_else(|| missing(at.pin))?;
         edit(find(pins, Some(at.pin), "pin").map_err(|(what, hint)| fault(at.pin, &what, &hint))?);

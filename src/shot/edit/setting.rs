@@ -3,7 +3,7 @@
 //! In: text, where, what. Out: the new text; everything else in it stays as it is, comments included.
 
 use super::layer::{replace, sub_table};
-use super::pin::edit_layer;
+use super::pin::{PinName, edit_layer, edit_pin};
 use super::text::EditableText;
 use super::{fault, find, no_tables, tables};
 use crate::shot::ShotError;
@@ -67,6 +67,27 @@ pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String
 /// As [`put_setting`], and where there is no such layer.
 pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
+}
+
+/// Sets a single value of a pin: `weight`, `mute`.
+///
+/// ```
+/// use pinwarp::shot::edit::{PinName, Setting, put_pin_setting};
+/// let text = "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\n";
+/// let at = PinName { layer: "a", pin: "p" };
+/// let edited = put_pin_setting(text, at, "mute", &Setting::Flag(true))?;
+/// assert_eq!(edited, "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\nmute = true\n");
+/// assert_eq!(put_pin_setting(&edited, at, "mute", &Setting::Default)?, text);
+/// # Ok::<(), pinwarp::shot::ShotError>(())
+/// ```
+///
+/// # Errors
+/// As [`put_setting`], and where there is no such pin.
+pub fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) -> Result<String, ShotError> {
+    edit_pin(text, at, |pin| match setting.value() {
+        Some(value) => replace(pin, key, value),
+        None => _ = pin.remove(key),
+    })
 }
 
 /// A number that a layer's table says; `None`: it says none.

@@ -243,6 +243,14 @@ pub(in crate::shot) struct RawPin {
     /// The neighbourhood it takes along; default: its point alone.
     #[schemars(example = serde_json::json!({ "radius": 0.1, "rigidity": 1.0, "stiffness": 5.0 }))]
     pub(in crate::shot) region: Option<RawRegion>,
+    /// How firmly it holds its point: 1 exactly; less gives way to the shape and to other pins, in powers of ten.
+    #[serde(default = "super::default_one")]
+    #[schemars(range(min = 0.0, max = 1.0), example = 0.4)]
+    pub(in crate::shot) weight: f64,
+    /// It does not act.
+    #[serde(default)]
+    #[schemars(example = true)]
+    pub(in crate::shot) mute: bool,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]

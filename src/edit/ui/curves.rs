@@ -1,0 +1,217 @@
+//! Keys of the chosen pins as curves: in what the timeline has for rows.
+//!
+//! In: a [`Session`], frames along the window. Out: curves; keys that are dragged to another time and number.
+
+use super::frame_scale::{FrameScale, NAMES, playhead};
+use super::theme::ACCENT;
+use crate::edit::{Channel, Session};
+use eframe::egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+
+/// Points of a curve in a frame, where frames are wide.
+const PER_FRAME: i32 = 4;
+
+/// How near to a key the pen has to be, points.
+const REACH: f32 = 8.0;
+
+/// Which curves are seen, and what the pen does to them.
+#[derive(Default)]
+pub(super) struct CurveView {
+    kind: Kind,
+    drag: Option<Drag>,
+}
+
+/// Channels that share an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Kind {
+    #[default]
+    Place,
+    Rotation,
+    Scale,
+}
+
+impl Kind {
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::Place, "Place"), (Self::Rotation, "Rotation"), (Self::Scale, "Scale")];
+
+    const fn channels(self) -> &'static [Channel] {
+        match self {
+            Self::Place => &[Channel::X, Channel::Y],
+            Self::Rotation => &[Channel::Rotation],
+            Self::Scale => &[Channel::Scale],
+        }
+    }
+}
+
+/// A key that is dragged. The axis stays as it was when the drag began.
+#[derive(Clone, Copy)]
+struct Drag {
+    at: [usize; 2],
+    channel: Channel,
+    time: f64,
+    axis: Axis,
+}
+
+/// Numbers along the height.
+#[derive(Clone, Copy)]
+struct Axis {
+    low: f64,
+    high: f64,
+    rect: Rect,
+}
+
+impl Axis {
+    fn y(&self, value: f64) -> f32 {
+        let part = (value - self.low) / (self.high - self.low);
+        self.rect.bottom() - part as f32 * self.rect.height()
+    }
+
+    fn value(&self, y: f32) -> f64 {
+        let part = f64::from((self.rect.bottom() - y) / self.rect.height());
+        self.low + part * (self.high - self.low)
+    }
+}
+
+/// A curve and its keys.
+struct Curve {
+    at: [usize; 2],
+    channel: Channel,
+    points: Vec<[f64; 2]>,
+    keys: Vec<[f64; 2]>,
+}
+
+impl CurveView {
+    pub(super) fn show(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Curves of keys"));
+        let names = Rect::from_min_max(rect.min, pos2(rect.left() + NAMES - 8.0, rect.bottom()));
+        ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui));
+        let curves = self.curves(session, scale);
+        let axis = self.drag.map_or_else(|| axis_of(&curves, rect.shrink2(vec2(0.0, 10.0))), |drag| drag.axis);
+        let plot = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
+        let painter = ui.painter_at(rect);
+        grid(&painter, plot, axis, ui.visuals().weak_text_color());
+        if curves.is_empty() {
+            let words = "No chosen pin has such numbers: click one in the picture.";
+            let weak = ui.visuals().weak_text_color();
+            painter.text(plot.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), weak);
+        }
+        playhead(&painter, plot, session, scale);
+        for curve in &curves {
+            draw(&painter, curve, (scale, axis), session);
+        }
+        let pressed = ui.input(|input| input.pointer.primary_pressed());
+        let Some(pen) = response.interact_pointer_pos() else {
+            self.drag = None;
+            return;
+        };
+        if pressed && response.contains_pointer() {
+            self.drag = nearest(&curves, pen, scale, axis);
+            match self.drag {
+                Some(drag) => session.choose_key(drag.at, drag.time, false),
+                None if pen.x >= plot.left() => session.go(scale.frame(pen.x).round() as i32),
+                None => {}
+            }
+        } else if let Some(drag) = self.drag.as_mut().filter(|_| response.dragged()) {
+            let time = f64::from(scale.frame(pen.x).round());
+            session.move_curve_key((drag.at, drag.time), drag.channel, [time, drag.axis.value(pen.y)]);
+            let times = session.selection.times_of(drag.at);
+            drag.time = times.first().copied().unwrap_or(drag.time);
+        }
+        if response.drag_stopped() {
+            self.drag = None;
+        }
+    }
+
+    fn kinds(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            for (kind, name) in Kind::ALL {
+                if ui.selectable_label(self.kind == kind, name).clicked() {
+                    self.kind = kind;
+                }
+            }
+        });
+        for channel in self.kind.channels() {
+            ui.colored_label(color(*channel), channel.name());
+        }
+    }
+
+    /// Curves of the chosen pins; where none is chosen, of the layer's.
+    fn curves(&self, session: &Session, scale: FrameScale) -> Vec<Curve> {
+        let [first, last] = session.playhead.shot_range();
+        let per_frame = if scale.x(1.0) - scale.x(0.0) > 4.0 { PER_FRAME } else { 1 };
+        let times: Vec<f64> =
+            (first * per_frame..=last * per_frame).map(|k| f64::from(k) / f64::from(per_frame)).collect();
+        let chosen = &session.selection;
+        let pins: Vec<[usize; 2]> = match chosen.pins.is_empty() {
+            false => chosen.pins.iter().copied().collect(),
+            true => {
+                let count = session.shot().layers.get(chosen.layer).map_or(0, |layer| layer.pins.len());
+                (0..count).map(|pin| [chosen.layer, pin]).collect()
+            }
+        };
+        let curve = |at: [usize; 2], channel: Channel| Curve {
+            at,
+            channel,
+            points: session.curve(at, channel, &times),
+            keys: session.curve_keys(at, channel),
+        };
+        let all = pins.into_iter().flat_map(|at| self.kind.channels().iter().map(move |&channel| (at, channel)));
+        all.map(|(at, channel)| curve(at, channel)).filter(|curve| !curve.points.is_empty()).collect()
+    }
+}
+
+/// Room for all curves, and some to drag keys into.
+fn axis_of(curves: &[Curve], rect: Rect) -> Axis {
+    let values = || curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.keys)).map(|point| point[1]);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+    let room = (0.15 * (high - low)).max(0.1 * high.abs().max(low.abs())).max(0.5);
+    Axis { low: low - room, high: high + room, rect }
+}
+
+const fn color(channel: Channel) -> Color32 {
+    match channel {
+        Channel::X => Color32::from_rgb(226, 92, 80),
+        Channel::Y => Color32::from_rgb(96, 176, 88),
+        Channel::Rotation => Color32::from_rgb(92, 146, 226),
+        Channel::Scale => Color32::from_rgb(196, 140, 220),
+    }
+}
+
+fn grid(painter: &Painter, plot: Rect, axis: Axis, weak: Color32) {
+    let least = (axis.high - axis.low) * 26.0 / f64::from(axis.rect.height().max(1.0));
+    let power = 10.0_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|part| part * power).into_iter().find(|step| *step >= least);
+    let Some(step) = step.filter(|step| step.is_finite() && *step > 0.0) else { return };
+    let decimals = usize::from(step < 1.0) + usize::from(step < 0.1);
+    for line in (axis.low / step).ceil() as i64..=(axis.high / step).floor() as i64 {
+        let value = line as f64 * step;
+        let width = if line == 0 { 1.2 } else { 0.6 };
+        painter.hline(plot.x_range(), axis.y(value), Stroke::new(width, weak.gamma_multiply(0.35)));
+        let place = pos2(plot.left() - 6.0, axis.y(value));
+        painter.text(place, Align2::RIGHT_CENTER, format!("{value:.decimals$}"), FontId::proportional(10.0), weak);
+    }
+}
+
+fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), session: &Session) {
+    let place = |point: &[f64; 2]| pos2(scale.x(point[0]), axis.y(point[1]));
+    let color = color(curve.channel);
+    painter.line(curve.points.iter().map(place).collect(), Stroke::new(1.6, color));
+    for key in &curve.keys {
+        let is_chosen = session.selection.has_key(curve.at, key[0]);
+        painter.circle_filled(place(key), 4.5, if is_chosen { ACCENT } else { color });
+        painter.circle_stroke(place(key), 4.5, Stroke::new(1.0, Color32::from_black_alpha(160)));
+    }
+}
+
+/// The key under the pen.
+fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option<Drag> {
+    let all = curves.iter().flat_map(|curve| curve.keys.iter().map(move |key| (curve, key)));
+    let far = |key: &[f64; 2]| pen.distance(pos2(scale.x(key[0]), axis.y(key[1])));
+    let near = all.map(|(curve, key)| (far(key), curve, key[0])).filter(|(far, ..)| *far <= REACH);
+    let (_, curve, time) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Drag { at: curve.at, channel: curve.channel, time, axis })
+}

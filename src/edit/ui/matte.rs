@@ -1,0 +1,59 @@
+//! What of a plate the chosen layer moves.
+
+use super::accessible::Accessible;
+use crate::edit::{MatteChoice, Session};
+use crate::shot::Layer;
+use eframe::egui::{ComboBox, TextEdit, Ui};
+
+/// A list of kinds, and the names that some kinds ask for.
+pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
+    let Some(now) = MatteChoice::of(layer) else {
+        ui.weak("as the shot file says");
+        return;
+    };
+    let list = ComboBox::from_id_salt("matte").selected_text(name(&now)).width(120.0).show_ui(ui, |ui| {
+        let kinds = [
+            MatteChoice::Usual,
+            MatteChoice::Picture,
+            MatteChoice::Alpha,
+            MatteChoice::Cryptomatte(vec!["*".into()]),
+            MatteChoice::Channel("A".into()),
+        ];
+        for kind in kinds {
+            let is_this = name(&kind) == name(&now);
+            if ui.selectable_label(is_this, name(&kind)).clicked() && !is_this {
+                session.set_matte(&kind);
+            }
+        }
+    });
+    list.response.accessible("Matte");
+    let Some((old, hint)) = words(&now) else { return };
+    let mut text = old.clone();
+    let edit = TextEdit::singleline(&mut text).desired_width(120.0);
+    if ui.add(edit).accessible_name("Names of the matte").on_hover_text(hint).changed() && text != old {
+        let names = || text.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
+        session.set_matte(&match now {
+            MatteChoice::Channel(_) => MatteChoice::Channel(text.trim().to_owned()),
+            _ => MatteChoice::Cryptomatte(names()),
+        });
+    }
+}
+
+const fn name(matte: &MatteChoice) -> &'static str {
+    match matte {
+        MatteChoice::Usual => "usual",
+        MatteChoice::Picture => "whole picture",
+        MatteChoice::Alpha => "alpha",
+        MatteChoice::Channel(_) => "channel",
+        MatteChoice::Cryptomatte(_) => "Cryptomatte",
+    }
+}
+
+/// What a kind asks for, and what that means.
+fn words(matte: &MatteChoice) -> Option<(String, &'static str)> {
+    match matte {
+        MatteChoice::Usual | MatteChoice::Picture | MatteChoice::Alpha => None,
+        MatteChoice::Channel(name) => Some((name.clone(), "Full name of a channel: mask.R")),
+        MatteChoice::Cryptomatte(names) => Some((names.join(", "), "Names with * and ?, with commas between them")),
+    }
+}
