@@ -4,6 +4,9 @@
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+mod foreign;
 mod model;
+mod pins;
+mod snapshot;
 mod stage;
 mod window;

@@ -314,7 +314,7 @@ impl Session {
         self.revision += 1;
         self.pictures.clear();
         self.solves.clear();
-        self.before = None;
+        (self.before, self.fault) = (None, None);
     }
 
     /// Changes the document. What cannot be is told, and nothing changes.

@@ -1,0 +1,154 @@
+//! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
+
+#[path = "../support/assets.rs"]
+mod assets;
+
+use crate::stage::{PATIENCE, SHOT, Stage, at, place_pin, press};
+use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
+use pinwarp::image::{Preview, write_png};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::scene::FileAccess;
+use pinwarp::shot::Shot;
+use std::fs;
+use std::path::Path;
+
+fn opened(path: &Path) -> Session {
+    let document = open(path, FileAccess::SceneFolder).expect("it opens");
+    let mut session = Session::new(document, DeviceChoice::Cpu, || ());
+    assert!(session.settle(PATIENCE), "{}: {:?}", path.display(), session.fault());
+    session
+}
+
+/// Places a pin, drags and keys it, undoes it all, does it again, saves, and opens what is saved.
+fn is_edited(session: &mut Session, on: [f64; 2]) {
+    let untouched = session.document().text().to_owned();
+    place_pin(session, at(on[0], on[1]));
+    let [layer, pin] = session.selection.single_pin().expect("the new pin is chosen");
+    let last = session.playhead.shot_range()[1].min(session.playhead.frame() + 3);
+    session.go(last);
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    let marks = session.marks().iter().find(|marks| marks.layer == layer).expect("it is warped").clone();
+    let from = marks.pins.iter().find(|mark| mark.pin == pin).expect("it is seen").target.0;
+    press(session, at(from.x, from.y));
+    session.motion(at(from.x + 0.04, from.y + 0.05));
+    session.release();
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert_eq!(session.document().shot().layers[layer].pins[pin].keys.len(), 2);
+    assert_eq!(session.picture().map(|picture| picture.quality), Some(Quality::Final));
+    let edited = session.document().text().to_owned();
+    session.undo();
+    session.undo();
+    assert_eq!(session.document().text(), untouched);
+    session.redo();
+    session.redo();
+    session.save().expect("writable");
+    let path = session.document().path().to_owned();
+    assert_eq!(fs::read_to_string(&path).expect("saved"), edited);
+    let again = Document::open(&path).expect("what is saved opens");
+    assert_eq!(again.shot(), session.document().shot());
+    for line in untouched.lines().filter(|line| line.contains('#')) {
+        assert!(edited.contains(line), "the comment is lost: {line}");
+    }
+}
+
+#[test]
+fn models_of_others_are_edited() {
+    // Places where something is seen in the first frame, in parts of the frame's width and height.
+    for (file, [x, y]) in [
+        ("kaykit/Knight.glb", [0.505, 0.33]),
+        ("gltf-samples/Fox.glb", [0.52, 0.55]),
+        ("gltf-samples/BoxVertexColors.glb", [0.5, 0.5]),
+    ] {
+        let Some(path) = assets::asset(file) else { continue };
+        let folder = tempfile::tempdir().expect("a folder");
+        let own = folder.path().join(path.file_name().expect("a file"));
+        fs::copy(&path, &own).expect("copied");
+        let document = open(&own, FileAccess::SceneFolder).expect("it opens");
+        let small = document.text().replace("1920, 1080", "192, 108");
+        let path = own.with_extension("toml");
+        fs::write(&path, small).expect("written");
+        let mut session = opened(&path);
+        let aspect = session.shot().size.aspect();
+        is_edited(&mut session, [x * aspect, y]);
+    }
+}
+
+#[test]
+fn a_picture_and_plates_are_edited() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut picture = Preview::transparent(96, 54);
+    for (index, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
+        let (x, y) = (index % 96, index / 96);
+        pixel.copy_from_slice(&[2 * x as u8, 4 * y as u8, if (x / 8 + y / 8) % 2 == 0 { 200 } else { 20 }, 255]);
+    }
+    let drawing = folder.path().join("drawing.png");
+    write_png(&drawing, &picture).expect("written");
+    is_edited(&mut opened(&drawing), [0.9, 0.5]);
+    for frame in 11..=14 {
+        write_png(&folder.path().join(format!("plate.{frame:04}.png")), &picture).expect("written");
+    }
+    let mut session = opened(&folder.path().join("plate.####.png"));
+    assert_eq!(session.playhead.shot_range(), [11, 14]);
+    is_edited(&mut session, [0.9, 0.5]);
+    for (matte, text) in [
+        (MatteChoice::Alpha, "matte = \"alpha\""),
+        (MatteChoice::Channel("A".into()), "matte = { channel = \"A\" }"),
+        (MatteChoice::Picture, "matte = \"none\""),
+    ] {
+        session.set_matte(&matte);
+        assert!(session.document().text().contains(text), "{}", session.document().text());
+        assert_eq!(MatteChoice::of(&session.document().shot().layers[0]), Some(matte));
+        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    }
+    session.set_matte(&MatteChoice::Cryptomatte(vec!["Body*".into()]));
+    assert!(!session.settle(PATIENCE), "the plate has no Cryptomatte");
+    assert!(session.fault().is_some_and(|text| text.to_lowercase().contains("cryptomatte")), "{:?}", session.fault());
+    session.undo();
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+}
+
+#[test]
+fn a_lattice_in_the_scene_is_edited_beside_one_of_the_screen() {
+    let stage = Stage::new();
+    let text =
+        SHOT.replacen("lattice = { dims = [6, 6] }   #", "lattice = { space = \"world\", dims = [4, 4, 4] }   #", 1);
+    fs::write(stage.shot(), text).expect("written");
+    let mut session = stage.session();
+    is_edited(&mut session, [0.4, 0.5]);
+    session.set_dims([8, 8]);
+    assert!(session.message().is_some_and(|text| text.contains("three dims")), "{:?}", session.message());
+    is_edited(&mut session, [1.25, 0.5]);
+}
+
+#[test]
+fn broken_files_are_told_and_a_shot_that_breaks_on_disk_changes_nothing() {
+    let stage = Stage::new();
+    let told = |path: &Path| open(path, FileAccess::SceneFolder).map(|_| ()).expect_err("it is broken").to_string();
+    let folder = stage.folder.path();
+    fs::write(folder.join("broken.toml"), "version = 1\nscene = \"cards.gltf").expect("written");
+    assert!(told(&folder.join("broken.toml")).contains("broken.toml:2"));
+    fs::write(folder.join("bad.glb"), "glTF").expect("written");
+    assert!(told(&folder.join("bad.glb")).contains("bad.glb"));
+    assert!(told(&folder.join("none.####.exr")).contains("no such file or sequence"));
+    // The scene is missing: the shot opens, and what fails is told.
+    fs::write(folder.join("lost.toml"), SHOT.replace("cards.gltf", "lost.gltf")).expect("written");
+    let mut session =
+        Session::new(Document::open(&folder.join("lost.toml")).expect("a shot"), DeviceChoice::Cpu, || ());
+    assert!(!session.settle(PATIENCE));
+    assert!(session.fault().is_some_and(|text| text.contains("lost.gltf")), "{:?}", session.fault());
+    session.set_shot("Choose scene", &["scene"], &pinwarp::shot::edit::Setting::Text("cards.gltf".into()), None);
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+
+    let mut session = stage.session();
+    place_pin(&mut session, at(0.4, 0.5));
+    fs::write(stage.shot(), "version = [").expect("written");
+    let text = session.document().text().to_owned();
+    assert!(session.document_mut().check_disk().is_ok(), "there are changes here: it asks");
+    session.undo();
+    let error = session.document_mut().check_disk().expect_err("what is on disk is no shot");
+    assert!(error.to_string().contains("TOML"), "{error}");
+    session.redo();
+    assert_eq!(session.document().text(), text);
+    session.save().expect("writable");
+    Shot::read(&stage.shot()).expect("whole again");
+}

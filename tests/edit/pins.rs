@@ -1,0 +1,179 @@
+//! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
+
+use crate::stage::{PATIENCE, REACH, SHOT, Stage, at, place_pin, press};
+use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
+use pinwarp::shot::{Goal, Pin};
+
+fn pin(session: &Session, layer: usize, pin: usize) -> &Pin {
+    &session.document().shot().layers[layer].pins[pin]
+}
+
+fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
+    press(session, at(from[0], from[1]));
+    session.motion(at(to[0], to[1]));
+    session.release();
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+}
+
+/// How far the picture is from the one at rest: mean difference of its bytes.
+fn change(session: &Session, rest: &[u8]) -> f64 {
+    let seen = &session.picture().expect("drawn").rgba;
+    seen.iter().zip(rest).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / rest.len() as f64
+}
+
+#[test]
+fn a_soft_pin_gives_way_and_a_muted_one_rests() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    for (x, y) in [(0.25, 0.3), (0.7, 0.3), (0.45, 0.75)] {
+        place_pin(&mut session, at(x, y));
+    }
+    let rest = session.picture().expect("drawn").rgba.clone();
+    drag(&mut session, [0.45, 0.75], [0.55, 0.9]);
+    let hard = change(&session, &rest);
+    let error = |session: &Session| session.solve().expect("solved").report.layers[0].pin_error_px;
+    assert!(hard > 0.5 && error(&session) < 0.01, "{hard}, {}", error(&session));
+    let text = session.document().text().to_owned();
+    session.set_weight([0, 2], 0.2);
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    let soft = change(&session, &rest);
+    assert!(soft < 0.9 * hard && error(&session) > 1.0, "{soft} of {hard}, {}", error(&session));
+    session.toggle_pin_mute(&[[0, 2]]);
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert_eq!((change(&session, &rest), session.marks()[0].pins.len()), (0.0, 2));
+    assert!(session.document().text().contains("mute = true"));
+    session.toggle_pin_mute(&[[0, 2]]);
+    session.set_weight([0, 2], 1.0);
+    assert_eq!(session.document().text(), text, "what is usual is not written");
+}
+
+#[test]
+fn what_is_done_to_one_side_is_done_to_the_other() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    for (index, (x, name)) in [(0.3, "ear left"), (0.65, "ear right")].into_iter().enumerate() {
+        place_pin(&mut session, at(x, 0.5));
+        session.rename_pin([0, index], name);
+    }
+    assert!(session.settle(PATIENCE));
+    session.mirrors = true;
+    drag(&mut session, [0.3, 0.5], [0.25, 0.6]);
+    let offset = |session: &Session, index: usize| match pin(session, 0, index).keys[0].goal {
+        Goal::Offset(offset) => offset.0.to_array(),
+        other => panic!("{other:?}"),
+    };
+    let (left, right) = (offset(&session, 0), offset(&session, 1));
+    assert!((left[0] + 0.05).abs() < 1e-6 && (left[1] - 0.1).abs() < 1e-6, "{left:?}");
+    assert!((right[0] + left[0]).abs() < 1e-9 && (right[1] - left[1]).abs() < 1e-9, "{right:?}");
+    let labels: Vec<&str> = session.document().history().labels().collect();
+    assert_eq!(labels.last(), Some(&"Move pins"), "both are undone at once");
+    session.mirrors = false;
+    session.undo();
+    assert!(session.settle(PATIENCE));
+    drag(&mut session, [0.3, 0.5], [0.25, 0.6]);
+    assert_eq!(offset(&session, 1), [0.0, 0.0]);
+}
+
+#[test]
+fn a_held_key_and_a_drag_stiffen_a_region() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    place_pin(&mut session, at(0.4, 0.5));
+    let mut held = |part: PinPart, to: [f64; 2]| {
+        let ring = Ring { radius: 9.0, reach: 0.0 };
+        session.press(at(0.4, 0.5), (REACH, ring), Held { part, ..Held::default() });
+        session.motion(at(to[0], to[1]));
+        session.release();
+        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        pin(&session, 0, 0).region.expect("it has one")
+    };
+    let region = held(PinPart::Radius, [0.6, 0.5]);
+    assert!((region.radius - 0.2).abs() < 1e-3, "{region:?}");
+    let stiffer = held(PinPart::Stiffness, [0.4, 0.6]);
+    assert!(stiffer.stiffness > 3.0 && stiffer.radius == region.radius, "{stiffer:?}");
+    let softer = held(PinPart::Stiffness, [0.4, 0.2]);
+    assert!(softer.stiffness < 0.5, "{softer:?}");
+}
+
+#[test]
+fn a_handle_of_a_layer_without_pins_is_dragged_and_kept_in_other_dims() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    session.shown.handles = true;
+    // The third of six columns and rows.
+    let handle = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
+    drag(&mut session, handle.to_array(), [handle.x + 0.05, handle.y + 0.08]);
+    let handles = |session: &Session| session.document().shot().layers[0].handles.clone();
+    assert_eq!(handles(&session).iter().map(|track| track.index).collect::<Vec<_>>(), [[2, 3, 0]]);
+    let moved = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
+    assert!((moved - handle - glam::DVec2::new(0.05, 0.08)).length() < 1e-6, "{moved} from {handle}");
+    let keys = handles(&session)[0].keys.clone();
+    session.set_dims([11, 11]);
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    let finer = handles(&session);
+    assert_eq!((finer.len(), &finer[0].keys), (1, &keys));
+    let [column, row, _] = finer[0].index;
+    let there = session.marks()[0].handles[column + 11 * row].expect("seen").0;
+    assert!((there - moved).length() < 0.06, "{there} instead of {moved}");
+    session.undo();
+    assert_eq!(handles(&session)[0].index, [2, 3, 0]);
+}
+
+#[test]
+fn a_curve_s_key_goes_to_another_time_and_number_at_once() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    place_pin(&mut session, at(0.4, 0.5));
+    session.go(4);
+    session.insert_keys();
+    let times: Vec<f64> = (1..=6).map(f64::from).collect();
+    assert_eq!(session.curve([0, 0], Channel::Y, &times).len(), 6);
+    let before = session.document().text().to_owned();
+    for value in [2.0, 5.0, 10.8] {
+        let time = if value > 6.0 { 5.0 } else { 4.0 };
+        session.move_curve_key(([0, 0], 4.0), Channel::Y, [time, value]);
+    }
+    assert_eq!(session.curve_keys([0, 0], Channel::Y), [[1.0, 0.0], [5.0, 10.8]]);
+    // A key does not pass another.
+    session.move_curve_key(([0, 0], 5.0), Channel::Y, [1.0, 3.0]);
+    assert_eq!(session.curve_keys([0, 0], Channel::Y)[1], [5.0, 3.0]);
+    assert!(session.curve([0, 0], Channel::Rotation, &times).is_empty());
+    session.undo();
+    assert_eq!(session.document().text(), before);
+}
+
+#[test]
+fn keys_of_many_pins_are_copied_to_pins_of_their_names() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    for x in [0.3, 0.6] {
+        place_pin(&mut session, at(x, 0.5));
+    }
+    session.nudge(glam::DVec2::new(0.1, 0.0));
+    for index in [0, 1] {
+        session.choose_key([0, index], 1.0, true);
+    }
+    session.copy_keys();
+    assert_eq!(session.message(), Some("Copied 2 keys"));
+    session.go(5);
+    session.selection.clear();
+    session.paste_keys();
+    let keys = |index: usize| pin(&session, 0, index).keys.iter().map(|key| (key.frame, key.goal)).collect::<Vec<_>>();
+    for index in [0, 1] {
+        assert_eq!((keys(index).len(), keys(index)[1].0, keys(index)[1].1), (2, 5.0, keys(index)[0].1));
+    }
+    assert_ne!(keys(0)[1].1, keys(1)[1].1);
+    session.undo();
+    assert!(session.document().text().starts_with(&SHOT[..60]));
+    assert_eq!(pin(&session, 0, 1).keys.len(), 1);
+}
+
+#[test]
+fn the_whole_range_is_no_range() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    session.playhead.set_range(Some([2, 5]));
+    assert!(session.playhead.has_range());
+    session.playhead.set_range(Some([1, 6]));
+    assert!(!session.playhead.has_range());
+}

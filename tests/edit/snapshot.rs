@@ -1,0 +1,85 @@
+//! The window as a picture, against one that is kept beside this file: layout, letters, marks, the frame itself.
+//!
+//! All of it is drawn on the CPU by code of this program, with the toolkit's own fonts, so pictures hardly differ from machine to machine.
+//! `UPDATE=1` writes them anew.
+
+use crate::stage::{PATIENCE, Stage, at, place_pin, press};
+use pinwarp::edit::ui::{EditorOptions, Theme, screenshot};
+use pinwarp::image::{Plate, read_picture};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::scene::FileAccess;
+use std::path::{Path, PathBuf};
+
+/// Differences up to this, of 1, are none: sines and roots may differ in their last bits.
+const SAME: f32 = 0.04;
+
+/// Pixels that may differ: a thousandth.
+const MOST: f64 = 1e-3;
+
+fn kept(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/edit/pictures").join(name)
+}
+
+fn samples(plate: &Plate) -> Vec<&[f32]> {
+    let channels = &plate.parts[0].channels;
+    ["R", "G", "B"]
+        .iter()
+        .filter_map(|name| channels.iter().find(|channel| channel.name == *name))
+        .map(|channel| &channel.samples[..])
+        .collect()
+}
+
+/// The share of pixels that differ.
+fn differing(a: &Plate, b: &Plate) -> f64 {
+    assert_eq!(a.display, b.display);
+    let (a, b) = (samples(a), samples(b));
+    let count = a[0].len();
+    let is_other = |&pixel: &usize| (0..3).any(|channel| (a[channel][pixel] - b[channel][pixel]).abs() > SAME);
+    (0..count).filter(is_other).count() as f64 / count as f64
+}
+
+fn drawn(shot: &Path, state: &Path, theme: Theme) -> PathBuf {
+    let output = state.join("window.png");
+    std::fs::create_dir_all(state).expect("a folder");
+    let options =
+        EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() };
+    screenshot(shot, Some(3), ([960, 600], theme, &output), options).expect("drawn");
+    output
+}
+
+#[test]
+fn the_window_looks_as_it_did() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    for (x, y) in [(0.3, 0.35), (0.65, 0.35), (0.45, 0.7), (1.2, 0.5)] {
+        place_pin(&mut session, at(x, y));
+    }
+    session.go(3);
+    assert!(session.settle(PATIENCE));
+    let mark = session.marks()[0].pins[2].target.0;
+    press(&mut session, at(mark.x, mark.y));
+    session.motion(at(mark.x + 0.06, mark.y + 0.08));
+    session.release();
+    session.save().expect("writable");
+    drop(session);
+    for (theme, name) in [(Theme::Dark, "dark.png"), (Theme::Light, "light.png")] {
+        let new = drawn(&stage.shot(), &stage.state(), theme);
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::create_dir_all(kept("")).expect("a folder");
+            std::fs::copy(&new, kept(name)).expect("kept");
+        }
+        let [new, old] = [new, kept(name)].map(|path| read_picture(&path).expect("a picture; UPDATE=1 writes it"));
+        let share = differing(&new, &old);
+        assert!(share < MOST, "{name}: {:.2} % of the pixels differ; UPDATE=1 writes it anew", 100.0 * share);
+    }
+}
+
+#[test]
+fn another_window_looks_different() {
+    let stage = Stage::new();
+    let [dark, light] = [Theme::Dark, Theme::Light]
+        .map(|theme| read_picture(&drawn(&stage.shot(), &stage.state(), theme)).expect("a picture"));
+    assert!(differing(&dark, &light) > 0.5);
+    let kept = read_picture(&kept("dark.png")).expect("kept");
+    assert!(differing(&dark, &kept) > MOST, "without pins it is another picture");
+}
