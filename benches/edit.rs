@@ -1,6 +1,12 @@
-//! What the editor takes under the hand: from a file to its first picture, from the pointer to new marks and to a new picture.
+//! What the editor takes under the hand: from a file to its first picture, from the pointer to new marks and to a new picture; at rest; and
+//! what memory it has after much work.
 //!
-//! `cargo bench --bench edit`. The walker at 1080p; Knight.glb where the shared assets lie beside the repository.
+//! `cargo bench --bench edit`. The walker at 1080p; Knight.glb where shared assets lie beside the repository, or in PINWARP_SHARED; a plane of a million
+//! vertices.
+
+#[allow(dead_code, reason = "other tests need more of it")]
+#[path = "../tests/support/tiny.rs"]
+mod tiny;
 
 use pinwarp::edit::{Document, Held, Ring, Session, open};
 use pinwarp::raster::DeviceChoice;
@@ -9,21 +15,36 @@ use pinwarp::space::ScreenPoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use tiny::{Tiny, grid};
 
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(180);
 
 /// Moves of the pen in a drag.
 const MOVES: usize = 60;
+
+/// Times that a pin is dragged, undone, keyed elsewhere.
+const ROUNDS: usize = 240;
+
+/// How long nothing is done.
+const REST: Duration = Duration::from_secs(5);
 
 fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let walker = root.join("scenes/walker/shot.toml");
     let text = std::fs::read_to_string(&walker).expect("a bundled scene");
     let text = text.replace("size    = [1280, 720]", "size    = [1920, 1080]");
+    assert!(text.contains("1920"), "the shot says its size as it did");
     measure("walker, 1920 x 1080", || Document::new(&walker, text.clone()).expect("a shot"));
-    if let Some(knight) = find(&root.join("../shared/assets"), "Knight.glb") {
+    let shared = std::env::var_os("PINWARP_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
+    if let Some(knight) = find(&shared.join("assets"), "Knight.glb") {
         measure("Knight.glb, 1920 x 1080", || open(&knight, FileAccess::SceneFolder).expect("a scene"));
     }
+    let folder = tempfile::tempdir().expect("a folder");
+    let plane = folder.path().join("plane.gltf");
+    let scene = Tiny::of(vec![grid("Plane", [-0.7, -0.4, 0.7, 0.4], 1000)]).json();
+    std::fs::write(&plane, scene.to_string()).expect("written");
+    measure("a million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
+    work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
 }
 
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
@@ -58,6 +79,22 @@ fn ms(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
+/// The ring is out of the way.
+const RING: Ring = Ring { radius: 9.0, reach: 0.0 };
+
+/// A pin that can be dragged; where the shot has none, one is placed.
+fn pin(session: &mut Session) -> ScreenPoint {
+    if let Some(pin) = session.marks().iter().flat_map(|marks| &marks.pins).next() {
+        return pin.target;
+    }
+    let aspect = session.shot().size.aspect();
+    session.press(ScreenPoint::new(0.5 * aspect, 0.55), (0.01, RING), Held::default());
+    session.release();
+    wait(session, |session| session.selection.single_pin());
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    session.marks()[0].pins[0].target
+}
+
 fn measure(name: &str, document: impl Fn() -> Document) {
     let begun = Instant::now();
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
@@ -65,19 +102,8 @@ fn measure(name: &str, document: impl Fn() -> Document) {
     println!("{name}: open to the first picture {:.0} ms", ms(begun));
     assert!(session.settle(PATIENCE), "{:?}", session.fault());
     println!("{name}: open to the rendered frame {:.0} ms", ms(begun));
-    let ring = Ring { radius: 9.0, reach: 0.0 };
-    let from = match session.marks().iter().flat_map(|marks| &marks.pins).next() {
-        Some(pin) => pin.target,
-        None => {
-            let aspect = session.shot().size.aspect();
-            session.press(ScreenPoint::new(0.5 * aspect, 0.55), (0.01, ring), Held::default());
-            session.release();
-            wait(&mut session, |session| session.selection.single_pin());
-            assert!(session.settle(PATIENCE), "{:?}", session.fault());
-            session.marks()[0].pins[0].target
-        }
-    };
-    session.press(from, (0.01, ring), Held::default());
+    let from = pin(&mut session);
+    session.press(from, (0.01, RING), Held::default());
     let (mut marks, mut pictures) = (Vec::new(), Vec::new());
     for step in 1..=MOVES {
         let (old_marks, old_picture) = (session.solve().map(Arc::clone), session.picture().map(Arc::clone));
@@ -102,6 +128,57 @@ fn measure(name: &str, document: impl Fn() -> Document) {
     println!("{name}: pointer to marks {}", spread(marks));
     println!("{name}: pointer to picture {}, {} x {}", spread(pictures), size[0], size[1]);
     println!("{name}: release to the rendered frame {:.0} ms", ms(released));
+    wait(&mut session, |session| session.is_idle().then_some(()));
+    if let Some(before) = processor_secs() {
+        std::thread::sleep(REST);
+        let spent = processor_secs().unwrap_or(before) - before;
+        println!("{name}: at rest {:.1} % of a core", 100.0 * spent / REST.as_secs_f64());
+    }
+}
+
+/// A long session: pins are dragged, undone, keyed in other frames; frames are looked at and rendered.
+fn work(name: &str, document: impl Fn() -> Document) {
+    let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
+    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    let begun = Instant::now();
+    let [first, last] = session.playhead.shot_range();
+    let mut told = Vec::new();
+    for round in 0..ROUNDS {
+        session.go(first + (7 * round as i32).rem_euclid(last - first + 1));
+        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        let from = pin(&mut session);
+        session.press(from, (0.01, RING), Held::default());
+        for step in 1..=8 {
+            let far = 0.01 * f64::from(step);
+            session.motion(ScreenPoint::new(from.0.x + far, from.0.y - 0.5 * far));
+            wait(&mut session, |session| session.solve().map(|_| ()));
+        }
+        session.release();
+        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        if round % 3 > 0 {
+            session.undo();
+        }
+        if (round + 1) % (ROUNDS / 4) == 0 {
+            told.extend(resident_mib().map(|mib| format!("{mib:.0}")));
+        }
+    }
+    println!("{name}: {ROUNDS} drags in {:.0} s; memory after each quarter {} MiB", ms(begun) / 1e3, told.join(", "));
+}
+
+/// Seconds of all cores that this process has taken; `None`: the system does not tell.
+fn processor_secs() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = |place: usize| fields.get(place)?.parse::<f64>().ok();
+    // Clock ticks are hundredths of a second on Linux.
+    Some((ticks(11)? + ticks(12)?) / 100.0)
+}
+
+/// Memory that this process holds.
+fn resident_mib() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
 }
 
 /// Median and worst; the first of a drag prepares the solver.

@@ -107,7 +107,7 @@ pub use events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
 pub use jerk::JerkMeter;
 pub use lattice_tracks::lattices;
 pub use layer_assignment::LayerAssignment;
-pub use layer_marks::{LayerMarks, PinMark, layer_marks};
+pub use layer_marks::{LayerMarks, PinMark, layer_marks, resting_marks};
 pub use layer_problem::{LayerProblem, layer_problem};
 pub use new_shot::{NewShot, new_shot, path_between};
 pub use open_shot::{OpenShot, Rework};

@@ -1,6 +1,6 @@
 //! What a viewer draws over a solved frame: lines of lattices, handles, folded cells, pins.
 //!
-//! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer that is in reach.
+//! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer.
 
 use super::lattice_box::screen_box;
 use super::layer_pins::region;
@@ -51,7 +51,7 @@ pub struct PinMark {
     pub rim: Vec<ScreenPoint>,
 }
 
-/// What is drawn over a solved frame.
+/// What is drawn over the layers of a solved frame that are warped.
 #[must_use]
 pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let marks = |(layer, state): (usize, &LayerState)| {
@@ -59,7 +59,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
         let marks = match (&state.solution, &state.world) {
             (Some(solution), _) => of_screen(marks, &solution.lattice, || screen_shape(prepared, sample, layer)),
             (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
-            (None, None) => of_screen(marks, &resting(prepared, sample, layer)?, Shape::default),
+            (None, None) => return None,
         };
         let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
         let pins = state.pins.iter().filter(|pin| pin.is_in_view);
@@ -74,7 +74,18 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
     sample.layers.iter().enumerate().filter_map(marks).collect()
 }
 
-/// The lattice of a layer of the screen that nothing moves yet.
+/// What is drawn over layers of the screen that nothing moves: their lattices at rest.
+#[must_use]
+pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
+    let is_resting = |(_, state): &(usize, &LayerState)| state.solution.is_none() && state.world.is_none();
+    let marks = |(layer, _): (usize, &LayerState)| {
+        let marks = LayerMarks { layer, ..LayerMarks::default() };
+        Some(of_screen(marks, &resting(prepared, sample, layer)?, Shape::default))
+    };
+    sample.layers.iter().enumerate().filter(is_resting).filter_map(marks).collect()
+}
+
+/// The lattice of a layer of the screen that nothing moves.
 fn resting(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Option<ScreenLattice> {
     let layer = &prepared.shot.layers[index];
     let LayerSpace::Screen { dims, bounds } = layer.space else { return None };

@@ -6,7 +6,7 @@ use super::{PreparedShot, TimeSample};
 use crate::plate::Field;
 use crate::pose::Pose;
 use crate::screen::{self, Hit, ScreenMesh, primitive};
-use crate::shot::Anchor;
+use crate::shot::{Anchor, Source};
 use crate::space::ScreenPoint;
 use glam::DVec3;
 
@@ -54,12 +54,16 @@ impl PreparedShot {
         let hit = screen::pick(&self.scene, pose, mesh, near, at)?;
         let part = &pose.parts[hit.part];
         let node = self.scene.nodes[part.node].name.clone();
-        let anchor = Anchor::Surface {
-            node: node.clone(),
-            primitive: part.primitive,
-            triangle: hit.triangle,
-            barycentric: hit.barycentric,
-            rest: Some(self.place_in_node(pose, &hit)),
+        let anchor = match self.shot.source {
+            // Plates have no nodes that a pin could name.
+            Source::Frame => Anchor::Screen { at, frame: None },
+            Source::Scene(_) | Source::Images(_) => Anchor::Surface {
+                node: node.clone(),
+                primitive: part.primitive,
+                triangle: hit.triangle,
+                barycentric: hit.barycentric,
+                rest: Some(self.place_in_node(pose, &hit)),
+            },
         };
         let layer = self.assignment.layer_of_triangle(hit.part, hit.triangle);
         Some(PickedPoint { anchor, node, layer, rest: at, depth: hit.depth })

@@ -165,6 +165,42 @@ fn a_bundled_scene_is_rendered_from_the_window() {
     assert!(session(&start).document().path().ends_with("teapot/shot.toml"));
 }
 
+/// Curves take the place of rows; a key is dragged up in them; weight and rest of a pin are set beside the picture.
+#[test]
+fn a_curve_is_dragged_and_a_pin_is_muted() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let on_card = place(&window, 0.4, 0.5);
+    pointer(&mut window, on_card, Some(true));
+    pointer(&mut window, on_card, Some(false));
+    until(&mut window, "a click places a pin", |window| pins(window) == 1);
+    settled(&mut window);
+    window.get_by_label("Curves").click();
+    window.run_steps(2);
+    let plot: Rect = window.get_by_label("Curves of keys").rect();
+    // The only key of x and y stands in the first of six frames, in the middle of the height.
+    let frames = egui::Rect::from_min_max(plot.min + egui::vec2(150.0, 0.0), plot.max - egui::vec2(16.0, 0.0));
+    let key = egui::pos2(frames.left() + frames.width() / 12.0, plot.center().y);
+    pointer(&mut window, key, Some(true));
+    for step in 1..=4 {
+        pointer(&mut window, key - egui::vec2(0.0, 5.0 * step as f32), None);
+    }
+    pointer(&mut window, key - egui::vec2(0.0, 20.0), Some(false));
+    let moved = |window: &Window| session(window).document().shot().layers[0].pins[0].keys[0].goal;
+    let pinwarp::shot::Goal::Offset(offset) = moved(&window) else { panic!("{:?}", moved(&window)) };
+    assert!(offset.0.length() > 1e-3, "{offset:?}");
+    let labels: Vec<&str> = session(&window).document().history().labels().collect();
+    assert_eq!(labels, ["Add pin", "Move key"], "a drag is undone at once");
+    window.get_by_label("Mute").click();
+    window.run_steps(2);
+    assert!(session(&window).document().shot().layers[0].pins[0].is_muted);
+    window.get_by_label("Unmute").click();
+    window.run_steps(2);
+    assert!(!session(&window).document().shot().layers[0].pins[0].is_muted);
+    assert!(window.query_all_by_label("Weight").next().is_some());
+}
+
 /// Every control that is seen has a name.
 #[test]
 fn what_can_be_clicked_has_a_name() {

@@ -4,6 +4,7 @@
 
 use super::Session;
 use crate::edit::curve::{Channel, samples, with_key_moved};
+use crate::shot::PinKey;
 
 impl Session {
     /// A curve at some times: time and number; empty: the pin has none of the kind.
@@ -21,6 +22,18 @@ impl Session {
         keys.filter_map(|key| Some([key.frame, channel.of(key, lines)?])).collect()
     }
 
+    /// Takes rotation or scale out of all keys of a pin.
+    pub fn free_channel(&mut self, at: [usize; 2], channel: Channel) {
+        let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
+        let free = |key: &PinKey| match channel {
+            Channel::Rotation => PinKey { rotate_degrees: None, ..*key },
+            Channel::Scale => PinKey { scale: None, ..*key },
+            Channel::X | Channel::Y => *key,
+        };
+        let keys = pin.keys.iter().map(free).collect();
+        self.write_keys("Free pin", &[(at, keys)], None);
+    }
+
     /// Gives a key another time and another number in a channel; what is done in one drag is undone at once.
     pub fn move_curve_key(&mut self, (at, from): ([usize; 2], f64), channel: Channel, [time, value]: [f64; 2]) {
         let lines = f64::from(self.shot().size.height);
@@ -31,7 +44,7 @@ impl Session {
         let after = pin.keys.iter().find(|key| key.frame > from).map_or(f64::INFINITY, |key| key.frame);
         let time = if time > before && time < after { time } else { from };
         let key = channel.put(key, value, lines);
-        let keys = with_key_moved(&pin.keys, from, crate::shot::PinKey { frame: time, ..key });
+        let keys = with_key_moved(&pin.keys, from, PinKey { frame: time, ..key });
         if self.write_keys("Move key", &[(at, keys)], Some(&format!("curve {at:?} {channel:?}"))) {
             self.selection.keys = vec![(at, time)];
         }

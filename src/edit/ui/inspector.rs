@@ -3,7 +3,7 @@
 use super::accessible::Accessible;
 use super::icons;
 use super::theme::heat;
-use crate::edit::Session;
+use crate::edit::{Channel, Session};
 use crate::pipeline::{FrameReport, LayerReport};
 use crate::shot::{Goal, PinKey, PinRegion, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
@@ -122,19 +122,49 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     if let Some(angle) = angle {
         ui.label("Rotation");
         let mut new = angle.unwrap_or(0.0);
-        let value = ui.add(DragValue::new(&mut new).speed(0.5).max_decimals(1).suffix("\u{b0}")).accessible("Rotation");
-        if value.changed() {
+        let number = free_number(DragValue::new(&mut new).speed(0.5), angle.is_none(), "\u{b0}");
+        if held_or_free(ui, session, (at, Channel::Rotation), (number, "Rotation", angle.is_none())) {
             session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
         }
         ui.end_row();
     }
     ui.label("Scale");
     let mut scale = key.scale.unwrap_or(1.0);
-    if ui.add(DragValue::new(&mut scale).range(0.05..=20.0).speed(0.005).max_decimals(3)).accessible("Scale").changed()
-    {
+    let number = DragValue::new(&mut scale).range(0.05..=20.0).speed(0.005);
+    let number = free_number(number, key.scale.is_none(), "");
+    if held_or_free(ui, session, (at, Channel::Scale), (number, "Scale", key.scale.is_none())) {
         session.put_key(at, PinKey { scale: Some(scale), ..key });
     }
     ui.end_row();
+}
+
+/// A number that says "free" where no key of the pin holds one.
+fn free_number<'a>(number: DragValue<'a>, is_free: bool, unit: &'static str) -> DragValue<'a> {
+    let write = move |value: f64, _: std::ops::RangeInclusive<usize>| match is_free {
+        true => "free".to_owned(),
+        false => format!("{}{unit}", (value * 1e3).round() / 1e3),
+    };
+    number.custom_formatter(write).custom_parser(move |text| text.trim_end_matches(unit).trim().parse().ok())
+}
+
+/// A number, and a button that frees the pin of it. Gives whether the number is another now.
+fn held_or_free(
+    ui: &mut Ui,
+    session: &mut Session,
+    (at, channel): ([usize; 2], Channel),
+    (number, name, is_free): (DragValue, &str, bool),
+) -> bool {
+    let row = ui.horizontal(|ui| {
+        let is_changed = ui.add(number).accessible(name).changed();
+        let hint = "The pin holds none of it: the shape turns and grows as it likes";
+        let is_freed = !is_free && ui.small_button("free").on_hover_text(hint).clicked();
+        (is_changed, is_freed)
+    });
+    let (is_changed, is_freed) = row.inner;
+    if is_freed {
+        session.free_channel(at, channel);
+    }
+    is_changed
 }
 
 fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<PinRegion>)) {

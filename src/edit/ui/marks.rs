@@ -182,8 +182,10 @@ impl Over<'_> {
             let color = if is_chosen(pin) { over::CHOSEN } else { Color32::from_gray(225) };
             let galley = self.painter.layout_no_wrap(named.name.clone(), FontId::proportional(12.0), color);
             let beside = self.at(pin.target);
-            let right = Align2::LEFT_CENTER.anchor_size(beside + vec2(10.0, 0.0), galley.size());
-            let left = Align2::RIGHT_CENTER.anchor_size(beside - vec2(10.0, 0.0), galley.size());
+            let has_ring = session.selection.single_pin() == Some([own.layer, pin.pin]);
+            let far = vec2(if has_ring { RING + 12.0 } else { 10.0 }, 0.0);
+            let right = Align2::LEFT_CENTER.anchor_size(beside + far, galley.size());
+            let left = Align2::RIGHT_CENTER.anchor_size(beside - far, galley.size());
             let is_free = |place: &Rect| taken.iter().all(|other| !other.intersects(place.expand2(vec2(3.0, 0.0))));
             let free = [right, left].into_iter().find(is_free).or_else(|| is_chosen(pin).then_some(right));
             let Some(place) = free else { continue };

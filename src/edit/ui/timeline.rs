@@ -24,6 +24,8 @@ pub(super) struct Timeline {
     scrubs: bool,
     /// Frame at which a drag of keys began, and how far it is.
     moved: Option<(f32, i32)>,
+    /// The pin whose row was brought into view last.
+    followed: Option<[usize; 2]>,
     /// Curves are seen instead of rows of keys.
     curves: Option<CurveView>,
 }
@@ -138,6 +140,10 @@ impl Timeline {
         response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("Keys of {name}")));
         let rect = response.rect;
         let is_chosen = session.selection.pins.contains(&at);
+        if session.selection.single_pin() == Some(at) && self.followed != Some(at) {
+            response.scroll_to_me(None);
+            self.followed = Some(at);
+        }
         if is_chosen {
             painter.rect_filled(rect, 0, ui.visuals().selection.bg_fill.gamma_multiply(0.35));
         }

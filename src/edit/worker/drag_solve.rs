@@ -2,7 +2,7 @@
 //!
 //! In: a prepared shot and the frame, then keys again and again. Out: the frame's [`TimeSample`], those layers solved.
 
-use crate::pipeline::{LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample};
+use crate::pipeline::{LayerMarks, LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample, resting_marks};
 use crate::shot::{Layer, LayerSpace, PinRegion};
 use crate::solve::Cancel;
 
@@ -13,6 +13,8 @@ pub(super) struct DragSolve {
     sample: TimeSample,
     /// One a layer of `layers`; `None`: it lies in the scene or out of sight.
     solvers: Vec<Option<LayerSolver>>,
+    /// Lattices of layers that nothing moves.
+    resting: Vec<LayerMarks>,
     /// What a solver holds of the layers.
     held: Vec<HeldPins>,
 }
@@ -28,7 +30,8 @@ impl DragSolve {
             let path = prepared.shot.pin_path(index, prepared.key_frame(layer, sample.frame));
             solvers.push(prepared.layer_solver(&sample, &task, &path, &Cancel::never())?);
         }
-        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, held: held_of(prepared, layers) })
+        let resting = resting_marks(prepared, &sample);
+        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held: held_of(prepared, layers) })
     }
 
     /// Whether it goes on with that drag.
@@ -51,6 +54,11 @@ impl DragSolve {
             self.sample.layers[index] = solver.solve(layer, &path)?;
         }
         Ok(())
+    }
+
+    /// Marks of layers that rest.
+    pub(super) fn resting(&self) -> &[LayerMarks] {
+        &self.resting
     }
 
     /// The frame as it was solved last.

@@ -7,7 +7,9 @@ use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
 use crate::edit::picture::{Picture, Quality};
-use crate::pipeline::{JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report};
+use crate::pipeline::{
+    JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
+};
 use crate::raster::{self, DeviceChoice, Raster};
 use crate::shot::{LayerSpace, Shot};
 use crate::space::FrameSize;
@@ -231,7 +233,7 @@ impl Studio {
             drag = DragSolve::begin(prepared, job.frame, layers)?;
             drag.solve(prepared)?;
         }
-        let marks = layer_marks(prepared, drag.sample());
+        let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
         let solved = self.solved(job, (drag.sample(), false), marks);
         teller.tell(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
@@ -243,7 +245,7 @@ impl Studio {
 
     fn tell_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), teller: &Teller) {
         let Some(open) = &self.open else { return };
-        let marks = layer_marks(open.prepared(), sample);
+        let marks = [layer_marks(open.prepared(), sample), resting_marks(open.prepared(), sample)].concat();
         let mut solved = self.solved(job, (sample, is_final), marks);
         if let Some(open) = &self.open {
             self.jerk.watch(open.prepared(), sample, &mut solved.report);
