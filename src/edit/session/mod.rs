@@ -289,7 +289,11 @@ impl Session {
         if picture.revision != self.revision {
             return;
         }
-        if picture.frame == self.playhead.frame() {
+        // What was looked at already is not drawn coarsely again.
+        let is_seen_better = self.current.as_ref().is_some_and(|seen| {
+            seen.frame == picture.frame && seen.revision == picture.revision && seen.quality > picture.quality
+        });
+        if picture.frame == self.playhead.frame() && !is_seen_better {
             self.current = Some(Arc::clone(&picture));
         }
         let is_better = |known: &Arc<Picture>| known.quality <= picture.quality;
@@ -359,7 +363,7 @@ impl Session {
         };
         let with_before = self.shown.wipe != Wipe::Off && purpose == Purpose::Look;
         let (revision, frame) = (self.revision, self.playhead.frame());
-        self.worker.want(Job { shot, revision, frame, purpose, next, with_before });
+        self.worker.want(Job { shot, revision, frame, purpose, next, with_before, is_shown: false });
     }
 
     /// Frames without a picture, in the order in which they would be played.

@@ -32,8 +32,7 @@ enum Kind {
 }
 
 impl Kind {
-    const ALL: [(Self, &'static str); 3] =
-        [(Self::Place, "Place"), (Self::Rotation, "Rotation"), (Self::Scale, "Scale")];
+    const ALL: [(Self, &'static str); 3] = [(Self::Place, "Place"), (Self::Rotation, "Turn"), (Self::Scale, "Scale")];
 
     const fn channels(self) -> &'static [Channel] {
         match self {

@@ -17,6 +17,7 @@ pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path:
     let window = egui::Window::new("Keys").open(&mut is_open).collapsible(false).resizable(false);
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
         ui.horizontal_top(|ui| {
+            ui.spacing_mut().item_spacing.x = 26.0;
             for groups in [["File", "Edit", "Help"], ["Time", "Hold", ""], ["View", "", ""]] {
                 ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, shortcuts, group)));
             }
@@ -35,7 +36,7 @@ fn key_group(ui: &mut egui::Ui, shortcuts: &Shortcuts, group: &str) {
     }
     ui.set_min_width(210.0);
     ui.strong(group);
-    Grid::new(group).num_columns(2).min_col_width(90.0).show(ui, |ui| {
+    Grid::new(group).num_columns(2).min_col_width(90.0).spacing([12.0, 5.0]).show(ui, |ui| {
         for action in Action::ALL.iter().filter(|action| action.group() == group) {
             ui.label(RichText::new(super::keys::words(shortcuts, *action)).monospace());
             ui.label(action.words());

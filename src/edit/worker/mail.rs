@@ -24,6 +24,8 @@ pub(in crate::edit) struct Job {
     pub next: Vec<i32>,
     /// The frame without any warp is wanted, too.
     pub with_before: bool,
+    /// The frame was told as it is rendered: a job that was interrupted goes on with the next frames.
+    pub is_shown: bool,
 }
 
 /// What a frame is wanted for.

@@ -77,9 +77,9 @@ impl Studio {
                     scene.then(|| teller.tell(Reply::SceneWritten));
                 }
                 Task::Answer(question) => teller.tell(self.answer(question)),
-                Task::Job(job, serial) => {
+                Task::Job(mut job, serial) => {
                     let is_stale = || inbox.newest.load(Ordering::Acquire) != serial;
-                    if let Err(error) = self.work(&job, &is_stale, teller)
+                    if let Err(error) = self.work(&mut job, &is_stale, teller)
                         && !is_stale()
                     {
                         teller.tell(Reply::Failed(error.to_string()));
@@ -94,13 +94,25 @@ impl Studio {
         }
     }
 
-    fn work(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
+    fn work(
+        &mut self,
+        job: &mut Job,
+        is_stale: &(dyn Fn() -> bool + Sync),
+        teller: &Teller,
+    ) -> Result<(), PipelineError> {
         self.load(job, teller)?;
-        match &job.purpose {
-            Purpose::Drag(layers) => self.drag(job, layers, teller),
-            Purpose::Play => self.play(job, is_stale, teller),
-            Purpose::Look => self.look(job, is_stale, teller),
+        match job.purpose.clone() {
+            Purpose::Drag(layers) => return self.drag(job, &layers, teller),
+            Purpose::Play => self.play_frame(job.frame, job, teller)?,
+            Purpose::Look if job.is_shown => {}
+            Purpose::Look => job.is_shown = self.look(job, is_stale, teller)?,
         }
+        // What was drawn is off the list, should a question interrupt.
+        while !is_stale() && !job.next.is_empty() {
+            let next = job.next.remove(0);
+            self.play_frame(next, job, teller)?;
+        }
+        Ok(())
     }
 
     /// Brings the loaded shot to what the job says.
@@ -146,9 +158,14 @@ impl Studio {
         }
     }
 
-    /// Quickly, then as it is rendered; then the frames that will be wanted.
-    fn look(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
-        let Some(open) = &self.open else { return Ok(()) };
+    /// Quickly, then as it is rendered. False: something newer came first.
+    fn look(
+        &mut self,
+        job: &Job,
+        is_stale: &(dyn Fn() -> bool + Sync),
+        teller: &Teller,
+    ) -> Result<bool, PipelineError> {
+        let Some(open) = &self.open else { return Ok(false) };
         self.drag = None;
         let prepared = open.prepared();
         let was_settled = prepared.is_settled();
@@ -159,33 +176,27 @@ impl Studio {
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
         self.draw((job.frame, job), (&sample, quality), LOOK_MS, teller)?;
         if is_stale() {
-            return Ok(());
+            return Ok(false);
         }
-        let Some(open) = &self.open else { return Ok(()) };
+        let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
             if !prepared.settle(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
-                return Ok(());
+                return Ok(false);
             }
             teller.tell(Reply::Progress(1.0));
             let sample = prepared.mid_exposure(job.frame)?;
             self.seen = Some(Arc::clone(&sample));
             self.tell_solved(job, (&sample, true), teller);
         }
-        let Some(open) = &self.open else { return Ok(()) };
+        let Some(open) = &self.open else { return Ok(false) };
         let drawn = open.prepared().finished(self.device.as_deref_mut(), job.frame, is_stale)?;
-        let Some(frame) = drawn else { return Ok(()) };
+        let Some(frame) = drawn else { return Ok(false) };
         if job.with_before {
             self.tell_before(job, teller)?;
         }
         teller.tell(Reply::Drawn(Arc::new(Picture::of(&frame, (job.frame, job.revision), Quality::Final))));
-        for &next in &job.next {
-            if is_stale() {
-                return Ok(());
-            }
-            self.play_frame(next, job, teller)?;
-        }
-        Ok(())
+        Ok(true)
     }
 
     fn tell_before(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
@@ -195,17 +206,6 @@ impl Studio {
         let drawn = prepared.draft(self.device.as_deref_mut(), &sample, prepared.shot.size)?;
         let picture = Picture::of(&drawn, (job.frame, job.revision), Quality::Draft);
         teller.tell(Reply::Before(Arc::new(picture)));
-        Ok(())
-    }
-
-    fn play(&mut self, job: &Job, is_stale: &(dyn Fn() -> bool + Sync), teller: &Teller) -> Result<(), PipelineError> {
-        self.play_frame(job.frame, job, teller)?;
-        for &next in &job.next {
-            if is_stale() {
-                return Ok(());
-            }
-            self.play_frame(next, job, teller)?;
-        }
         Ok(())
     }
 
