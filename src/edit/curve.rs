@@ -3,7 +3,7 @@
 //! In: keys, a channel. Out: numbers for people (pixels, degrees, factors), and keys with other numbers.
 
 use super::track::{key_at, with_key, without_keys};
-use crate::shot::{Goal, PinKey, Rotation, Shot};
+use crate::shot::{Ease, Goal, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
@@ -80,6 +80,64 @@ pub(in crate::edit) fn samples(shot: &Shot, at: [usize; 2], channel: Channel, ti
     times.iter().filter_map(value).collect()
 }
 
+/// An end of a curve's tangent at a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent {
+    /// Time of the key that holds the ease.
+    pub key: f64,
+    /// 0: it leaves that key; 1: it comes to the next one.
+    pub control: usize,
+    /// Time and number of the key that it touches.
+    pub from: [f64; 2],
+    /// Its own time and number.
+    pub to: [f64; 2],
+}
+
+/// The tangents of a channel at the keys of some times.
+#[must_use]
+pub(in crate::edit) fn tangents(keys: &[PinKey], times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
+    let mut found = Vec::new();
+    for pair in keys.windows(2) {
+        let ends = [0, 1].map(|end| Some([pair[end].frame, channel.of(&pair[end], lines)?]));
+        let ([Some(start), Some(end)], Some(controls)) = (ends, controls(pair[0].ease)) else { continue };
+        for control in [0, 1].into_iter().filter(|&control| times.contains(&pair[control].frame)) {
+            let part = |axis: usize| start[axis] + controls[2 * control + axis] * (end[axis] - start[axis]);
+            found.push(Tangent { key: start[0], control, from: [start, end][control], to: [part(0), part(1)] });
+        }
+    }
+    found
+}
+
+/// The ease of a key after an end of a tangent went to a time and a number; `None`: it holds, or nothing comes after it.
+#[must_use]
+pub(in crate::edit) fn bent(
+    keys: &[PinKey],
+    (key, control): (f64, usize),
+    channel: Channel,
+    ([time, value], lines): ([f64; 2], f64),
+) -> Option<Ease> {
+    let pair = keys.windows(2).find(|pair| pair[0].frame == key)?;
+    let mut controls = controls(pair[0].ease)?;
+    let (start, end) = (channel.of(&pair[0], lines)?, channel.of(&pair[1], lines)?);
+    let round = |value: f64| (value * 1e3).round() / 1e3;
+    controls[2 * control] = round(((time - pair[0].frame) / (pair[1].frame - pair[0].frame)).clamp(0.0, 1.0));
+    // Between equal numbers every tangent lies flat.
+    if (end - start).abs() > 1e-6 {
+        controls[2 * control + 1] = round(((value - start) / (end - start)).clamp(-10.0, 10.0));
+    }
+    Some(Ease::Bezier(controls))
+}
+
+/// The inner control points of an ease, x1, y1, x2, y2; `None`: it holds.
+const fn controls(ease: Ease) -> Option<[f64; 4]> {
+    match ease {
+        Ease::Hold => None,
+        Ease::Linear => Some([1.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]),
+        Ease::Smooth => Some([1.0 / 3.0, 0.0, 2.0 / 3.0, 1.0]),
+        Ease::Bezier(controls) => Some(controls),
+    }
+}
+
 /// Keys with that at one time in place of that at another.
 #[must_use]
 pub(in crate::edit) fn with_key_moved(keys: &[PinKey], from: f64, key: PinKey) -> Vec<PinKey> {
@@ -90,7 +148,6 @@ pub(in crate::edit) fn with_key_moved(keys: &[PinKey], from: f64, key: PinKey) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shot::Ease;
 
     fn key(frame: f64, x: f64) -> PinKey {
         let goal = Goal::Offset(ScreenVector::new(x, 0.25));
@@ -118,5 +175,26 @@ mod tests {
         let moved = with_key_moved(&keys, 5.0, key(9.0, 0.5));
         assert_eq!(moved, [key(1.0, 0.1), key(9.0, 0.5)]);
         assert_eq!(with_key_moved(&keys[..1], 1.0, key(4.0, 0.1)), [key(4.0, 0.1)]);
+    }
+
+    #[test]
+    fn a_tangent_s_end_is_where_it_was_put() {
+        let keys = [key(1.0, 0.0), key(5.0, 1.0), key(9.0, 1.0)];
+        let ends = tangents(&keys, &[1.0, 5.0], Channel::X, 100.0);
+        assert_eq!(ends.iter().map(|end| (end.key, end.control)).collect::<Vec<_>>(), [(1.0, 0), (1.0, 1), (5.0, 0)]);
+        let ease = bent(&keys, (1.0, 0), Channel::X, ([3.0, -25.0], 100.0)).expect("it bends");
+        let mut bent_keys = keys;
+        bent_keys[0].ease = ease;
+        let end = tangents(&bent_keys, &[1.0], Channel::X, 100.0)[0];
+        assert_eq!((end.from, end.to), ([1.0, 0.0], [3.0, -25.0]));
+        // Flat segments keep their tangents flat, held ones have none.
+        let flat = bent(&keys, (5.0, 0), Channel::X, ([6.0, 900.0], 100.0)).expect("it bends");
+        assert_eq!(
+            flat,
+            Ease::Bezier([0.25, 0.333_333_333_333_333_3, 0.666_666_666_666_666_6, 0.666_666_666_666_666_6])
+        );
+        bent_keys[0].ease = Ease::Hold;
+        assert!(bent(&bent_keys, (1.0, 0), Channel::X, ([3.0, 0.0], 100.0)).is_none());
+        assert!(bent(&keys, (9.0, 0), Channel::X, ([9.5, 0.0], 100.0)).is_none());
     }
 }

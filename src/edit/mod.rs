@@ -31,7 +31,7 @@ mod zoom;
 pub mod ui;
 
 pub use command::Command;
-pub use curve::Channel;
+pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
 pub use error::EditError;
 pub use history::{History, Recorded};

@@ -178,3 +178,24 @@ fn the_whole_range_is_no_range() {
     session.playhead.set_range(Some([1, 6]));
     assert!(!session.playhead.has_range());
 }
+
+#[test]
+fn tangents_of_chosen_keys_bend_the_curve() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    place_pin(&mut session, at(0.4, 0.5));
+    session.go(5);
+    session.insert_keys();
+    session.move_curve_key(([0, 0], 5.0), Channel::X, [5.0, 20.0]);
+    session.choose_key([0, 0], 1.0, false);
+    let [tangent] = session.tangents([0, 0], Channel::X)[..] else { panic!("one leaves the first key") };
+    let middle = |session: &Session| session.curve([0, 0], Channel::X, &[3.0])[0][1];
+    let before = middle(&session);
+    session.bend_curve([0, 0], (tangent.key, tangent.control), Channel::X, [3.0, 20.0]);
+    assert!(middle(&session) > before + 2.0, "{} from {before}", middle(&session));
+    session.undo();
+    assert_eq!(middle(&session), before);
+    session.put_key([0, 0], pinwarp::shot::PinKey { scale: Some(1.5), ..pin(&session, 0, 0).keys[0] });
+    session.free_channel([0, 0], Channel::Scale);
+    assert!(pin(&session, 0, 0).keys.iter().all(|key| key.scale.is_none()));
+}

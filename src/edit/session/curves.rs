@@ -3,7 +3,7 @@
 //! In: pins, channels, places in the curve view. Out: numbers; changes of the document, one for a drag.
 
 use super::Session;
-use crate::edit::curve::{Channel, samples, with_key_moved};
+use crate::edit::curve::{Channel, Tangent, bent, samples, tangents, with_key_moved};
 use crate::shot::PinKey;
 
 impl Session {
@@ -20,6 +20,24 @@ impl Session {
         let pin = self.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
         let keys = pin.into_iter().flat_map(|pin| &pin.keys);
         keys.filter_map(|key| Some([key.frame, channel.of(key, lines)?])).collect()
+    }
+
+    /// Tangents of a pin's chosen keys.
+    #[must_use]
+    pub fn tangents(&self, at: [usize; 2], channel: Channel) -> Vec<Tangent> {
+        let lines = f64::from(self.shot().size.height);
+        let pin = self.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
+        pin.map_or_else(Vec::new, |pin| tangents(&pin.keys, &self.selection.times_of(at), channel, lines))
+    }
+
+    /// Brings the end of a tangent to a time and a number.
+    pub fn bend_curve(&mut self, at: [usize; 2], tangent: (f64, usize), channel: Channel, to: [f64; 2]) {
+        let lines = f64::from(self.shot().size.height);
+        let Some(pin) = self.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
+        let Some(ease) = bent(&pin.keys, tangent, channel, (to, lines)) else { return };
+        let change = |key: &PinKey| if key.frame == tangent.0 { PinKey { ease, ..*key } } else { *key };
+        let keys = pin.keys.iter().map(change).collect();
+        self.write_keys("Bend curve", &[(at, keys)], Some(&format!("bend {at:?} {tangent:?}")));
     }
 
     /// Takes rotation or scale out of all keys of a pin.

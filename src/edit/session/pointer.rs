@@ -170,7 +170,10 @@ impl Session {
             }
             Gesture::Box { from, to } => self.choose_box([from, to]),
             Gesture::Drag { has_moved: false, .. } => {}
-            Gesture::Drag { base, .. } => self.commit("Move", &base),
+            Gesture::Drag { base, .. } => {
+                self.commit("Move", &base);
+                self.explain_lone_pin();
+            }
             Gesture::Turn { base, .. } => self.commit("Turn", &base),
             Gesture::Region { pin, .. } | Gesture::Stiffness { pin, .. } => {
                 let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
@@ -178,6 +181,15 @@ impl Session {
                 self.set_region(pin, region);
                 self.document.end_series();
             }
+        }
+    }
+
+    /// Who drags the only pin of a layer sees all of it move.
+    fn explain_lone_pin(&mut self) {
+        let layers = &self.document.shot().layers;
+        let is_alone = |at: [usize; 2]| layers.get(at[0]).is_some_and(|layer| layer.pins.len() == 1);
+        if self.selection.single_pin().is_some_and(is_alone) {
+            self.say("One pin moves the whole layer: click where the model shall stay, and drag again.");
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::accessible::Accessible;
 use eframe::egui::{self, Align2, Key, ScrollArea, TextEdit, vec2};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What a file is chosen for.
@@ -11,6 +12,9 @@ pub(super) enum Task {
     SaveAs,
     Reference,
 }
+
+/// Endings of pictures that come in sequences.
+const PICTURES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
 
 /// Endings of what can be opened.
 const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "json"];
@@ -55,6 +59,10 @@ impl Browser {
             (is_known && !name.starts_with('.')).then(|| (name, path.is_dir()))
         });
         self.entries = known.collect();
+        let names: Vec<&str> =
+            self.entries.iter().filter(|(_, is_folder)| !is_folder).map(|(name, _)| name.as_str()).collect();
+        let sequences: Vec<(String, bool)> = sequences(&names).into_iter().map(|name| (name, false)).collect();
+        self.entries.extend(sequences);
         self.entries.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
     }
 
@@ -121,5 +129,34 @@ impl Browser {
             return Choice::None;
         }
         Choice::File(path)
+    }
+}
+
+/// Frames that stand side by side, each sequence by its pattern: `frame.####.exr`.
+fn sequences(names: &[&str]) -> Vec<String> {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for name in names {
+        let Some((stem, ending)) = name.rsplit_once('.').filter(|(_, ending)| PICTURES.contains(ending)) else {
+            continue;
+        };
+        let start = stem.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let digits = stem.len() - start.len();
+        if digits > 0 {
+            *counts.entry(format!("{start}{}.{ending}", "#".repeat(digits))).or_default() += 1;
+        }
+    }
+    counts.into_iter().filter(|(_, count)| *count > 1).map(|(pattern, _)| pattern).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sequences;
+
+    #[test]
+    fn frames_of_one_name_are_a_sequence() {
+        let names =
+            ["a.0001.exr", "a.0002.exr", "a.0001.png", "b1.exr", "b2.exr", "b10.exr", "shot.toml", "c.exr", "7.glb"];
+        assert_eq!(sequences(&names), ["a.####.exr", "b#.exr"]);
+        assert!(sequences(&[]).is_empty());
     }
 }

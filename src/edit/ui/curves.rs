@@ -4,7 +4,7 @@
 
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use crate::edit::{Channel, Session};
+use crate::edit::{Channel, Session, Tangent};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
@@ -48,8 +48,24 @@ impl Kind {
 struct Drag {
     at: [usize; 2],
     channel: Channel,
+    /// Of the key, or of the key that holds the ease.
     time: f64,
+    /// The end of a tangent that is dragged, instead of the key.
+    control: Option<usize>,
     axis: Axis,
+}
+
+impl Drag {
+    /// The pen goes on.
+    fn go(&mut self, session: &mut Session, scale: FrameScale, pen: Pos2) {
+        let (time, value) = (f64::from(scale.frame(pen.x)), self.axis.value(pen.y));
+        if let Some(control) = self.control {
+            return session.bend_curve(self.at, (self.time, control), self.channel, [time, value]);
+        }
+        session.move_curve_key((self.at, self.time), self.channel, [time.round(), value]);
+        let times = session.selection.times_of(self.at);
+        self.time = times.first().copied().unwrap_or(self.time);
+    }
 }
 
 /// Numbers along the height.
@@ -78,6 +94,8 @@ struct Curve {
     channel: Channel,
     points: Vec<[f64; 2]>,
     keys: Vec<[f64; 2]>,
+    /// Of chosen keys.
+    tangents: Vec<Tangent>,
 }
 
 impl CurveView {
@@ -109,15 +127,13 @@ impl CurveView {
         if pressed && response.contains_pointer() {
             self.drag = nearest(&curves, pen, scale, axis);
             match self.drag {
-                Some(drag) => session.choose_key(drag.at, drag.time, false),
+                Some(Drag { control: None, at, time, .. }) => session.choose_key(at, time, false),
+                Some(_) => {}
                 None if pen.x >= plot.left() => session.go(scale.frame(pen.x).round() as i32),
                 None => {}
             }
         } else if let Some(drag) = self.drag.as_mut().filter(|_| response.dragged()) {
-            let time = f64::from(scale.frame(pen.x).round());
-            session.move_curve_key((drag.at, drag.time), drag.channel, [time, drag.axis.value(pen.y)]);
-            let times = session.selection.times_of(drag.at);
-            drag.time = times.first().copied().unwrap_or(drag.time);
+            drag.go(session, scale, pen);
         }
         if response.drag_stopped() {
             self.drag = None;
@@ -156,6 +172,7 @@ impl CurveView {
             channel,
             points: session.curve(at, channel, &times),
             keys: session.curve_keys(at, channel),
+            tangents: session.tangents(at, channel),
         };
         let all = pins.into_iter().flat_map(|at| self.kind.channels().iter().map(move |&channel| (at, channel)));
         all.map(|(at, channel)| curve(at, channel)).filter(|curve| !curve.points.is_empty()).collect()
@@ -199,6 +216,10 @@ fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), ses
     let place = |point: &[f64; 2]| pos2(scale.x(point[0]), axis.y(point[1]));
     let color = color(curve.channel);
     painter.line(curve.points.iter().map(place).collect(), Stroke::new(1.6, color));
+    for tangent in &curve.tangents {
+        painter.line_segment([place(&tangent.from), place(&tangent.to)], Stroke::new(1.0, color.gamma_multiply(0.8)));
+        painter.circle_filled(place(&tangent.to), 3.0, color);
+    }
     for key in &curve.keys {
         let is_chosen = session.selection.has_key(curve.at, key[0]);
         painter.circle_filled(place(key), 4.5, if is_chosen { ACCENT } else { color });
@@ -206,11 +227,19 @@ fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), ses
     }
 }
 
-/// The key under the pen.
+/// The key under the pen, or the end of a tangent.
 fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option<Drag> {
-    let all = curves.iter().flat_map(|curve| curve.keys.iter().map(move |key| (curve, key)));
-    let far = |key: &[f64; 2]| pen.distance(pos2(scale.x(key[0]), axis.y(key[1])));
-    let near = all.map(|(curve, key)| (far(key), curve, key[0])).filter(|(far, ..)| *far <= REACH);
-    let (_, curve, time) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(Drag { at: curve.at, channel: curve.channel, time, axis })
+    let mut found: Option<(f32, Drag)> = None;
+    let mut look = |at: &[f64; 2], drag: Drag| {
+        let far = pen.distance(pos2(scale.x(at[0]), axis.y(at[1])));
+        if far <= REACH && found.as_ref().is_none_or(|(other, _)| far < *other) {
+            found = Some((far, drag));
+        }
+    };
+    for &Curve { at, channel, ref keys, ref tangents, .. } in curves {
+        keys.iter().for_each(|key| look(key, Drag { at, channel, time: key[0], control: None, axis }));
+        let end = |end: &Tangent| Drag { at, channel, time: end.key, control: Some(end.control), axis };
+        tangents.iter().for_each(|tangent| look(&tangent.to, end(tangent)));
+    }
+    found.map(|(_, drag)| drag)
 }
