@@ -142,6 +142,8 @@ impl CurveView {
 
     fn kinds(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().button_padding.x = 4.0;
+            ui.spacing_mut().item_spacing.x = 3.0;
             for (kind, name) in Kind::ALL {
                 if ui.selectable_label(self.kind == kind, name).clicked() {
                     self.kind = kind;

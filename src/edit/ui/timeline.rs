@@ -94,7 +94,8 @@ impl Timeline {
     }
 
     fn scrub(&mut self, response: &Response, session: &mut Session, scale: FrameScale) {
-        if response.is_pointer_button_down_on()
+        // A quick click is over before it is seen as held.
+        if (response.is_pointer_button_down_on() || response.clicked())
             && let Some(at) = response.interact_pointer_pos()
         {
             self.scrubs = true;
