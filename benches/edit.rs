@@ -43,7 +43,7 @@ fn main() {
     let plane = folder.path().join("plane.gltf");
     let scene = Tiny::of(vec![grid("Plane", [-0.7, -0.4, 0.7, 0.4], 1000)]).json();
     std::fs::write(&plane, scene.to_string()).expect("written");
-    measure("a million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
+    crowd("a million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
     work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
 }
 
@@ -103,24 +103,7 @@ fn measure(name: &str, document: impl Fn() -> Document) {
     assert!(session.settle(PATIENCE), "{:?}", session.fault());
     println!("{name}: open to the rendered frame {:.0} ms", ms(begun));
     let from = pin(&mut session);
-    session.press(from, (0.01, RING), Held::default());
-    let (mut marks, mut pictures) = (Vec::new(), Vec::new());
-    for step in 1..=MOVES {
-        let (old_marks, old_picture) = (session.solve().map(Arc::clone), session.picture().map(Arc::clone));
-        let begun = Instant::now();
-        let far = 0.1 * step as f64 / MOVES as f64;
-        session.motion(ScreenPoint::new(from.0.x + far, from.0.y + 0.5 * far));
-        wait(&mut session, |session| {
-            let is_old = session.solve().zip(old_marks.as_ref()).is_some_and(|(new, old)| Arc::ptr_eq(new, old));
-            (!is_old).then_some(())
-        });
-        marks.push(ms(begun));
-        wait(&mut session, |session| {
-            let is_old = session.picture().zip(old_picture.as_ref()).is_some_and(|(new, old)| Arc::ptr_eq(new, old));
-            (!is_old).then_some(())
-        });
-        pictures.push(ms(begun));
-    }
+    let (marks, pictures) = drag(&mut session, from);
     let size = session.picture().map_or([0, 0], |picture| picture.size);
     let released = Instant::now();
     session.release();
@@ -134,6 +117,46 @@ fn measure(name: &str, document: impl Fn() -> Document) {
         let spent = processor_secs().unwrap_or(before) - before;
         println!("{name}: at rest {:.1} % of a core", 100.0 * spent / REST.as_secs_f64());
     }
+}
+
+/// Moves of a drag: how long marks and pictures took. The pen stays down.
+fn drag(session: &mut Session, from: ScreenPoint) -> (Vec<f64>, Vec<f64>) {
+    session.press(from, (0.01, RING), Held::default());
+    let (mut marks, mut pictures) = (Vec::new(), Vec::new());
+    for step in 1..=MOVES {
+        let (old_marks, old_picture) = (session.solve().map(Arc::clone), session.picture().map(Arc::clone));
+        let begun = Instant::now();
+        let far = 0.1 * step as f64 / MOVES as f64;
+        session.motion(ScreenPoint::new(from.0.x + far, from.0.y + 0.5 * far));
+        wait(session, |session| {
+            let is_old = session.solve().zip(old_marks.as_ref()).is_some_and(|(new, old)| Arc::ptr_eq(new, old));
+            (!is_old).then_some(())
+        });
+        marks.push(ms(begun));
+        wait(session, |session| {
+            let is_old = session.picture().zip(old_picture.as_ref()).is_some_and(|(new, old)| Arc::ptr_eq(new, old));
+            (!is_old).then_some(())
+        });
+        pictures.push(ms(begun));
+    }
+    (marks, pictures)
+}
+
+/// A model that is too large to wait for its frames: it is dragged as soon as a pin is there.
+fn crowd(name: &str, document: impl Fn() -> Document) {
+    let begun = Instant::now();
+    let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
+    wait(&mut session, |session| session.picture().map(|_| ()));
+    println!("{name}: open to the first picture {:.0} ms", ms(begun));
+    let aspect = session.shot().size.aspect();
+    session.press(ScreenPoint::new(0.5 * aspect, 0.55), (0.01, RING), Held::default());
+    session.release();
+    let seen = |session: &Session| session.marks().iter().flat_map(|marks| &marks.pins).next().map(|pin| pin.target);
+    let from = wait(&mut session, seen);
+    let (marks, pictures) = drag(&mut session, from);
+    let size = session.picture().map_or([0, 0], |picture| picture.size);
+    println!("{name}: pointer to marks {}", spread(marks));
+    println!("{name}: pointer to picture {}, {} x {}", spread(pictures), size[0], size[1]);
 }
 
 /// A long session: pins are dragged, undone, keyed in other frames; frames are looked at and rendered.
