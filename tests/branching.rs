@@ -5,7 +5,9 @@ mod puppet;
 
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::Arap;
-use pinwarp::solve::{Energy, PointPin, Problem, Region, Settings, Shape, Solution, Topology, solve};
+use pinwarp::solve::{
+    Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology, solve,
+};
 use puppet::{Puppet, Random};
 
 /// Edges of the meshes: about 2,000 triangles.
@@ -196,10 +198,86 @@ fn poses_of_other_figures_are_better_than_on_a_plain_lattice() {
     }
 }
 
+/// The region of a pin is that of its part: a hand that hangs beside the skirt does not stiffen it.
+#[test]
+fn regions_of_pins_end_where_their_part_does() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(SPACING);
+    let plain_pins = girl.raised();
+    let hand = plain_pins[3].at;
+    let middles: Vec<[f64; 2]> = (shape.triangles.iter())
+        .map(|corners| [0, 1].map(|d| corners.iter().map(|&k| shape.points[k as usize][d]).sum::<f64>() / 3.0))
+        .collect();
+    // The arm is to the right of a line beside the skirt.
+    let near = |k: usize| gap(middles[k], hand) < 0.09;
+    let part = |is_arm: bool| -> Vec<usize> {
+        let is_of_arm = |[x, y]: [f64; 2]| x > 0.091 + 0.25 * (0.5 - y).max(0.0) && y > 0.36;
+        (0..middles.len()).filter(|&k| near(k) && is_of_arm(middles[k]) == is_arm).collect()
+    };
+    let (arm, skirt) = (part(true), part(false));
+    assert!(arm.len() > 30 && skirt.len() > 30, "{} {}", arm.len(), skirt.len());
+    let of = |triangles: &[usize]| Shape {
+        triangles: triangles.iter().map(|&k| shape.triangles[k]).collect(),
+        ..shape.clone()
+    };
+    let measured = |solution: &Solution<2>, triangles: &[usize]| {
+        distortion(&of(triangles), |k, corner| image(solution, &shape, triangles[k], corner))
+    };
+    let before = solved(&shape, &plain_pins, [32, 42], Topology::Branching);
+    for (rigidity, stiffness, least) in [(1.0, 1.0, 8.0), (0.0, 30.0, 2.0)] {
+        let mut pins = plain_pins.clone();
+        pins[3].region = Some(Region { radius: 0.1, rigidity, stiffness });
+        let after = solved(&shape, &pins, [32, 42], Topology::Branching);
+        let [was, is] = [&before, &after].map(|solution| measured(solution, &arm));
+        println!("rigidity {rigidity}, stiffness {stiffness}: arm {was:.6?} to {is:.6?}");
+        assert!(is[0] * least < was[0], "{was:?} {is:?}");
+        let moved = skirt.iter().flat_map(|&k| shape.triangles[k].map(|corner| (k, corner)));
+        let gaps = moved.map(|(k, corner)| gap(image(&before, &shape, k, corner), image(&after, &shape, k, corner)));
+        let farthest = gaps.fold(0.0, f64::max);
+        println!("the skirt beside it moves by {farthest:.5}");
+        assert!(farthest < 2e-3, "{farthest}");
+        let plain = [&plain_pins, &pins].map(|pins| solved(&shape, pins, [32, 42], Topology::Plain));
+        let gaps = skirt.iter().flat_map(|&k| shape.triangles[k].map(|corner| (k, corner)));
+        let gaps =
+            gaps.map(|(k, corner)| gap(image(&plain[0], &shape, k, corner), image(&plain[1], &shape, k, corner)));
+        let of_plain = gaps.fold(0.0, f64::max);
+        println!("on a plain lattice by {of_plain:.5}");
+        assert!(of_plain > 3.0 * farthest, "a plain lattice would pass: {of_plain}");
+    }
+}
+
+/// A handle that is moved by hand moves all its copies.
+#[test]
+fn moved_handles_move_all_their_copies() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(SPACING);
+    let pins = girl.pins();
+    let (grid, settings) =
+        (grid_over(&shape, [16, 20]), Settings { topology: Topology::Branching, ..Settings::default() });
+    let rest = solved(&shape, &pins, [16, 20], Topology::Branching);
+    let branches = rest.branches.expect("parts are apart");
+    let index = (0..grid.handle_count()).find(|&handle| branches.copies_of(handle).len() > 1).expect("copies");
+    let idle = (0..grid.handle_count()).find(|&handle| branches.copies_of(handle).is_empty()).expect("an empty corner");
+    let [x, y] = grid.rest_handle(index);
+    let handles = [index, idle].map(|index| HandlePin { index, target: [x + 0.02, y - 0.01] });
+    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: &settings };
+    let solver = Solver::new(&problem).expect("a right problem");
+    let solution = solver.solve();
+    let places = |solution: &Solution<2>| solution.branches.as_ref().expect("branches").copies_of(index).to_vec();
+    assert!(places(&solution).iter().all(|place| gap(*place, handles[0].target) < 1e-9), "{:?}", places(&solution));
+    assert!(solution.report.handle_errors.iter().all(|&error| error < 1e-9), "{:?}", solution.report.handle_errors);
+    assert!(solution.report.pin_errors.iter().all(|&error| error < 1e-9));
+    let warned = |text: &&String| text.contains(&format!("handle {idle} acts on no part"));
+    assert_eq!(solution.report.warnings.iter().filter(warned).count(), 1, "{:?}", solution.report.warnings);
+    let back = handles.map(|handle| HandlePin { target: [x - 0.01, y], ..handle });
+    let solution = solver.update(&pins, &back).expect("the same handles");
+    assert!(places(&solution).iter().all(|place| gap(*place, [x - 0.01, y]) < 1e-9), "{:?}", places(&solution));
+}
+
 #[test]
 fn what_does_not_know_branches_is_refused() {
     let girl = Puppet::girl();
-    let (shape, mut pins) = (girl.mesh(0.04), girl.pins());
+    let (shape, pins) = (girl.mesh(0.04), girl.pins());
     let settings = Settings { topology: Topology::Branching, ..Settings::default() };
     let fault = |basis: Basis, pins: &[PointPin<2>], settings: &Settings| {
         let grid = Grid { basis, ..grid_over(&shape, [10, 10]) };
@@ -207,10 +285,8 @@ fn what_does_not_know_branches_is_refused() {
         solve(&problem).expect_err("a fault").to_string()
     };
     let edge = Settings { energy: Energy::Edge, ..settings.clone() };
-    let mut told = vec![fault(Basis::Bernstein, &pins, &settings), fault(Basis::Bspline, &pins, &edge)];
-    pins[0].region = Some(Region { radius: 0.1, rigidity: 1.0, stiffness: 1.0 });
-    told.push(fault(Basis::Bspline, &pins, &settings));
-    for (text, word) in told.iter().zip(["Bernstein", "`area`", "radius"]) {
+    let told = [fault(Basis::Bernstein, &pins, &settings), fault(Basis::Bspline, &pins, &edge)];
+    for (text, word) in told.iter().zip(["Bernstein", "`area`"]) {
         assert!(text.contains(word) && text.contains("topology = \"plain\""), "{text}");
     }
 }

@@ -46,13 +46,15 @@ fn has_stiff_regions<const D: usize>(pins: &[PointPin<D>]) -> bool {
     pins.iter().any(|pin| pin.region.is_some_and(|region| region.stiffness != 1.0))
 }
 
-/// Product of the stiffness multipliers of all regions at a point: full at a pin, fading to 1 at the rim of its region, and fading
-/// with the pin.
+/// Product of the stiffness multipliers of all regions at a point.
 pub(crate) fn region_stiffness_at<const D: usize>(pins: &[PointPin<D>], point: [f64; D]) -> f64 {
-    let regions = pins.iter().filter_map(|pin| Some((pin, pin.region?)));
-    let factors = regions.map(|(pin, region)| {
-        let away = minus(&point, &pin.at);
-        1.0 + (region.stiffness - 1.0) * pin.weight.min(1.0) * fade(dot(&away, &away).sqrt() / region.radius)
-    });
-    factors.product()
+    pins.iter().map(|pin| region_stiffness(pin, point)).product()
+}
+
+/// The stiffness multiplier of a pin's region at a point: full at the pin, fading to 1 at the rim of the region, and fading with the
+/// pin.
+pub(crate) fn region_stiffness<const D: usize>(pin: &PointPin<D>, point: [f64; D]) -> f64 {
+    let Some(region) = pin.region else { return 1.0 };
+    let away = minus(&point, &pin.at);
+    1.0 + (region.stiffness - 1.0) * pin.weight.min(1.0) * fade(dot(&away, &away).sqrt() / region.radius)
 }

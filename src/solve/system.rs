@@ -133,7 +133,7 @@ impl<const D: usize> System<D> {
         let count = branching.as_ref().map_or(grid.handle_count(), Branching::count);
         let terms = Terms {
             pins: pin_rows,
-            handles: pins::handle_rows(problem.handles),
+            handles: pins::handle_rows(&moved_unknowns(branching.as_ref(), problem.handles)),
             regularizer: Arc::new(regularizer),
             proximal,
             yielding: None,
@@ -345,7 +345,7 @@ impl<const D: usize> System<D> {
         validate::same_handles(&self.handles, handles)?;
         let mut terms = self.terms.clone();
         pins::retarget(&mut terms.pins, &self.grid, &self.held(pins), &self.settings);
-        for (row, handle) in handles.iter().enumerate() {
+        for (row, handle) in moved_unknowns(self.branching.as_deref(), handles).iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
         self.yielding((pins, handles), terms, cancel)
@@ -411,6 +411,13 @@ impl<const D: usize> System<D> {
     pub(crate) fn finish(&self, goal: &Targets<D>, result: MinimizationResult<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
+        if let Some(branching) = &self.branching {
+            let is_idle = |handle: &&HandlePin<D>| branching.moved_copies(&[**handle]).is_empty();
+            let idle = goal.handles.iter().filter(is_idle).map(|handle| handle.index);
+            warnings.extend(
+                idle.map(|index| format!("handle {index} acts on no part of the shape; move one nearer to it")),
+            );
+        }
         if result.is_converged && result.is_minimum == Some(false) {
             warnings
                 .push("the solve ended at a saddle: the shape may buckle to either side; move a pin or add one".into());
@@ -450,7 +457,7 @@ impl<const D: usize> System<D> {
             min_det: metrics.min_det(),
             angular: metrics.angular(),
             area: metrics.area(),
-            handle_errors: handles.iter().map(|held| distance(&lattice.handles[held.index], &held.target)).collect(),
+            handle_errors: handles.iter().map(|held| self.handle_error(&lattice, branches.as_ref(), held)).collect(),
             is_held_back: run.has_given_way,
             iterations: run.iterations,
             is_converged: run.is_converged,
@@ -495,6 +502,17 @@ impl<const D: usize> System<D> {
         self.branching.as_ref().map(|branching| BranchedLattice::new(branching, unknowns.to_vec()))
     }
 
+    /// How far a moved handle, or the farthest of its copies, is from its target.
+    fn handle_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, handle: &HandlePin<D>) -> f64 {
+        match branches {
+            Some(branches) => {
+                let copies = branches.copies_of(handle.index);
+                copies.iter().map(|copy| distance(copy, &handle.target)).fold(0.0, f64::max)
+            }
+            None => distance(&lattice.handles[handle.index], &handle.target),
+        }
+    }
+
     fn pin_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, pin: &PointPin<D>) -> f64 {
         if let (Some(branching), Some(branches)) = (&self.branching, branches) {
             let (held, piece) = branching.held(pin);
@@ -504,6 +522,14 @@ impl<const D: usize> System<D> {
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.evaluate(held), &target)
     }
+}
+
+/// The unknowns that moved handles are.
+fn moved_unknowns<'a, const D: usize>(
+    branching: Option<&Branching<D>>,
+    handles: &'a [HandlePin<D>],
+) -> Cow<'a, [HandlePin<D>]> {
+    branching.map_or(Cow::Borrowed(handles), |branching| Cow::Owned(branching.moved_copies(handles)))
 }
 
 fn shape_warnings<const D: usize>(problem: &Problem<D>) -> Vec<String> {

@@ -180,7 +180,6 @@ impl Check<'_> {
             (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
             (raw.lattice.space != RawSpace::Screen, "lies on the screen", "take `space` out"),
             (raw.transfer.is_some(), "cannot be taken from another shot", "use pins instead of `transfer`"),
-            (!raw.handle.is_empty(), "has no handles that can be moved one by one", "use pins instead of handles"),
             (
                 !matches!(raw.lattice.basis.support(), Support::Tensor { .. }),
                 "needs a basis with local support and no diagonals",

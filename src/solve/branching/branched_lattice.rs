@@ -94,6 +94,14 @@ impl<const D: usize> BranchedLattice<D> {
         self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
     }
 
+    /// Where the copies of a handle are; none where it acts on no part of the shape.
+    #[must_use]
+    pub fn copies_of(&self, handle: usize) -> &[[f64; D]] {
+        let handles = &self.branching.handles;
+        let first = handles.partition_point(|&own| own < handle);
+        &self.copies[first..handles.partition_point(|&own| own <= handle)]
+    }
+
     /// The cells that hold some of a branch, by column and row.
     #[must_use]
     pub fn cells(&self, branch: usize) -> Vec<[usize; D]> {

@@ -7,6 +7,7 @@
 //! M. Nesme et al., "Preserving Topology and Elasticity for Embedded Deformable Models", 2009). docs/METHOD.md has the proofs.
 
 mod adjacency;
+mod around_pin;
 mod bending;
 mod branched_lattice;
 mod continuation;
@@ -32,7 +33,7 @@ pub use solid_links::{link_length, solid_links};
 
 use super::error::SolveError;
 use super::linalg::small_matrix::{dot, minus};
-use super::problem::{PointPin, Problem, Shape};
+use super::problem::{HandlePin, PointPin, Problem, Shape};
 use super::settings::{Settings, Topology};
 use crate::lattice::{Grid, Support};
 use adjacency::Adjacency;
@@ -119,6 +120,17 @@ impl<const D: usize> Branching<D> {
         self.handles.iter().map(|&handle| self.grid.rest_handle(handle)).collect()
     }
 
+    /// Moved handles as moved copies: of each handle all copies, in their order.
+    pub(crate) fn moved_copies(&self, handles: &[HandlePin<D>]) -> Vec<HandlePin<D>> {
+        let copies = |pin: &HandlePin<D>| {
+            let first = self.handles.partition_point(|&handle| handle < pin.index);
+            let last = self.handles.partition_point(|&handle| handle <= pin.index);
+            let target = pin.target;
+            (first..last).map(move |index| HandlePin { index, target })
+        };
+        handles.iter().flat_map(copies).collect()
+    }
+
     /// The point of the shape that a pin holds, and its piece. A pin beside the shape holds the nearest point, with the same
     /// displacement.
     pub(crate) fn held(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
@@ -199,7 +211,7 @@ pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) 
 
 /// Handles that have a weight at a coordinate.
 fn checked_width<const D: usize>(problem: &Problem<D>) -> Result<usize, SolveError> {
-    let Problem { grid, shape, pins, handles, settings } = *problem;
+    let Problem { grid, shape, settings, .. } = *problem;
     let refused = |what: &str, hint: &str| {
         let what = format!("a branching lattice with {what}");
         Err(SolveError::Invalid { what, hint: format!("{hint}, or set topology = \"plain\"") })
@@ -212,12 +224,6 @@ fn checked_width<const D: usize>(problem: &Problem<D>) -> Result<usize, SolveErr
     }
     if let Some([what, hint]) = settings.branching_fault() {
         return refused(what, hint);
-    }
-    if !handles.is_empty() {
-        return refused("handles that are moved one by one", "use pins");
-    }
-    if pins.iter().any(|pin| pin.region.is_some()) {
-        return refused("a pin that has a radius", "take `radius` out");
     }
     if shape.triangles.is_empty() || !shape.strokes.is_empty() {
         return refused("lines, or without triangles", "use a shape of triangles alone");

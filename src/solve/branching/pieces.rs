@@ -6,6 +6,7 @@ use super::copies::{Copies, handles_of_cell};
 use super::cuts::Cut;
 use crate::lattice::Grid;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// What one cell holds of the shape under the same copies.
 #[derive(Clone, Debug)]
@@ -49,6 +50,11 @@ impl Pieces {
         let is_one = |(_, copies): &&(usize, Vec<[usize; 2]>)| copies.iter().all(|[own, other]| own == other);
         let neighbours = beside.iter().map(|own| own.iter().filter(is_one).map(|(next, _)| *next).collect()).collect();
         Self { list, of_cuts, neighbours, beside }
+    }
+
+    /// The pieces that a cell holds.
+    pub(super) fn in_cell(&self, cell: usize) -> Range<usize> {
+        self.list.partition_point(|piece| piece.cell < cell)..self.list.partition_point(|piece| piece.cell <= cell)
     }
 
     /// The branch of every piece, and for every branch the copy of each handle (`None`: the branch has none), from the

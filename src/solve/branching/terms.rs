@@ -2,6 +2,7 @@
 //!
 //! In: a [`Branching`], pins, settings. Out: distortion, rows of pins and regulariser.
 
+use super::around_pin::AroundPin;
 use super::copies::Tie;
 use super::{Branching, handles_of_cell};
 use crate::lattice::Support;
@@ -14,7 +15,6 @@ use crate::solve::problem::{ModelPoint, PointPin, Shape};
 use crate::solve::samples::samples_of_pieces;
 use crate::solve::second_differences::SecondDifferences;
 use crate::solve::settings::{Scaling, Settings};
-use crate::solve::stiffness::region_stiffness_at;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Stiffness of a tie at which the support has to grow by half a span, relative to that of the shape.
@@ -38,6 +38,7 @@ impl<const D: usize> Branching<D> {
         settings: &Settings,
         cancel: &Cancel,
     ) -> Box<dyn Distortion<D>> {
+        let around: Vec<AroundPin<D>> = pins.iter().map(|pin| AroundPin::of(self, pin)).collect();
         let area = |branch: usize| {
             let mut parts = Shape::default();
             let in_branch = self.pieces.of_cuts.iter().map(|&piece| self.branch_of[piece] == branch);
@@ -53,16 +54,15 @@ impl<const D: usize> Branching<D> {
             let mut samples = samples_of_pieces(&self.grid, &parts);
             // Rounding may move a sliver across the border of its cell.
             samples.retain(|sample| self.acts_at(branch, sample.at));
-            samples.iter_mut().for_each(|sample| sample.stiffness *= region_stiffness_at(pins, sample.at));
+            for pin in &around {
+                samples.iter_mut().for_each(|sample| sample.stiffness *= pin.stiffness_at(branch, sample.at));
+            }
             let mut area = Area::new(&self.grid, &samples, cancel);
             area.relabel(|handle| self.copy(branch, handle));
             area
         };
         let shape = Box::new(Area::joined((0..self.branches.len()).map(area)));
-        let held: Vec<(PointPin<D>, usize)> = pins.iter().map(|pin| self.held(pin)).collect();
-        let points: Vec<PointPin<D>> = held.iter().map(|(pin, _)| *pin).collect();
-        let relabel = |pin: usize, rows: &LeastSquaresRows<D>| self.rows_around(held[pin].1, rows);
-        WithPinNeighbourhoods::with_rows(shape, &self.grid, &points, settings, (&relabel, self.tie_rows()))
+        WithPinNeighbourhoods::over(shape, &self.grid, settings, (&around, self.tie_rows()))
     }
 
     /// The barrier over the pieces of all branches.
@@ -205,48 +205,8 @@ impl<const D: usize> Branching<D> {
         self.branches[branch][handle].expect("a branch has copies of all handles over its pieces")
     }
 
-    /// Rows over handles around a point of a piece as rows over copies: of each, those that act on a common piece. They count as far as
-    /// the way from this piece leads over pieces that hang together, so that no row joins what is apart.
-    fn rows_around(&self, piece: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
-        let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
-        let (mut areas, mut found) = (BTreeMap::new(), BTreeMap::new());
-        let mut nearness = vec![0.0; self.pieces.list.len()];
-        let mut waiting = vec![(piece, 1.0_f64)];
-        while let Some((number, near)) = waiting.pop() {
-            if near <= nearness[number] {
-                continue;
-            }
-            let is_new = nearness[number] == 0.0;
-            nearness[number] = near;
-            let here = &self.pieces.list[number];
-            let handles = handles_of_cell(&self.grid, width, here.cell);
-            let area = if number == piece { here.area.max(self.full_area()) } else { here.area };
-            let mut has_rows = false;
-            for row in 0..rows.len() {
-                let copy_of = |entry: &(usize, f64)| Some(here.copies[handles.binary_search(&entry.0).ok()?]);
-                if let Some(copies) = rows.row(row).iter().map(copy_of).collect::<Option<Vec<usize>>>() {
-                    *areas.entry(copies.clone()).or_insert(0.0) += if is_new { area } else { 0.0 };
-                    let known = found.entry(copies).or_insert((row, near));
-                    known.1 = near.max(known.1);
-                    has_rows = true;
-                }
-            }
-            if has_rows {
-                let beside = self.pieces.beside[number].iter();
-                waiting.extend(beside.map(|(next, copies)| (*next, near.min(self.oneness(copies)))));
-            }
-        }
-        let mut around = LeastSquaresRows::new();
-        for (copies, share) in self.shares(areas) {
-            let (row, near) = found[&copies];
-            let coefficients = rows.row(row).iter().map(|entry| entry.1);
-            around.push(rows.weight(row) * share * near, copies.into_iter().zip(coefficients), rows.target(row));
-        }
-        around
-    }
-
     /// Rows over copies instead of handles; handles without a copy have no weight but that of rounding.
-    fn clipped(&self, branch: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
+    pub(super) fn clipped(&self, branch: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         rows.mapped(|handle| self.branches[branch][handle])
     }
 }

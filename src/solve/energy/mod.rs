@@ -27,7 +27,7 @@ mod vertex;
 pub(crate) use area::Area;
 pub(crate) use distortion::{Distortion, RotationHessian};
 pub(crate) use mesh_edges::{HalfEdges, edges};
-pub(crate) use pin_neighbourhoods::WithPinNeighbourhoods;
+pub(crate) use pin_neighbourhoods::{Neighbourhood, WithPinNeighbourhoods};
 pub(crate) use rotation_response::RotationResponse;
 
 use super::cancel::{Cancel, Cancelled};

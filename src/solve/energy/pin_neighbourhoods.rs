@@ -33,8 +33,17 @@ struct PinNeighbourhood<const D: usize> {
     rigid: f64,
 }
 
-/// Rows over handles around a pin, by its index, as rows over other unknowns.
-type Relabel<'a, const D: usize> = dyn Fn(usize, &LeastSquaresRows<D>) -> LeastSquaresRows<D> + 'a;
+/// A pin, and how its neighbourhoods act on unknowns that are not the handles of a grid.
+pub(crate) trait Neighbourhood<const D: usize> {
+    /// The pin.
+    fn pin(&self) -> &PointPin<D>;
+
+    /// Rows over handles around the pin as rows over unknowns.
+    fn rows(&self, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D>;
+
+    /// The weighted mean of the gradients at points around the pin: unknowns, ascending, and their parts of it.
+    fn mean_gradient(&self, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])>;
+}
 
 /// J̄ of one neighbourhood, with its rotation.
 #[derive(Clone, Debug)]
@@ -74,25 +83,25 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
         Box::new(with_pins)
     }
 
-    /// As [`Self::around`] for unknowns other than handles: `relabel` turns rows over handles around a pin, by its index, into rows
-    /// over unknowns; more rows of the energy are given, as multiples of its mean.
-    pub(crate) fn with_rows(
+    /// As [`Self::around`] for unknowns other than handles; more rows of the energy are given, as multiples of its mean.
+    pub(crate) fn over(
         shape: Box<dyn Distortion<D>>,
         grid: &Grid<D>,
-        pins: &[PointPin<D>],
         settings: &Settings,
-        (relabel, rows): (&Relabel<D>, LeastSquaresRows<D>),
+        (pins, rows): (&[impl Neighbourhood<D>], LeastSquaresRows<D>),
     ) -> Box<dyn Distortion<D>> {
         let mass = shape.mass();
         let mut with_pins = Self { shape, discs: vec![(mass, rows)], regions: Vec::new() };
         let kinds = SecondDifferences::of(grid);
-        for (index, pin) in pins.iter().enumerate() {
-            for spec in PinNeighbourhood::of(grid, pin, settings) {
-                let first = with_pins.discs.len();
-                with_pins.add((grid, &kinds), &spec, mass * (spec.radius / grid.diagonal()).powi(2));
-                for (_, rows) in &mut with_pins.discs[first..] {
-                    *rows = relabel(index, rows);
+        for around in pins {
+            for spec in PinNeighbourhood::of(grid, around.pin(), settings) {
+                let size = mass * (spec.radius / grid.diagonal()).powi(2);
+                if spec.rigid > 0.0 {
+                    let mean = around.mean_gradient(&pattern(grid, &spec));
+                    with_pins.regions.push(RigidRegion { mean, weight: size * spec.rigid });
                 }
+                let rows = around.rows(&bend_around(&kinds, grid, (spec.at, spec.radius)));
+                with_pins.discs.push((size * spec.bend_weight(), rows));
             }
         }
         Box::new(with_pins)
@@ -107,9 +116,7 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
             self.regions
                 .push(RigidRegion { mean: mean_gradient(grid, &pattern(grid, spec)), weight: size * spec.rigid });
         }
-        // For a field with constant second derivative H, Σ_k ω_k ‖J_k − J̄‖² is ‖H‖² r² / (D + 6) for this fade.
-        let spread = spec.radius.powi(2) / (D + 6) as f64;
-        self.discs.push((size * spec.affine * spread, bend_around(kinds, grid, (spec.at, spec.radius))));
+        self.discs.push((size * spec.bend_weight(), bend_around(kinds, grid, (spec.at, spec.radius))));
     }
 }
 
@@ -129,6 +136,11 @@ impl<const D: usize> PinNeighbourhood<D> {
             Self { radius: region.radius, affine: firmness, rigid, ..disc }
         });
         [Some(disc), region].into_iter().flatten().filter(|spec| spec.radius > 0.0 && spec.affine > 0.0).collect()
+    }
+
+    /// Weight of the second derivative H: for a field where it is constant, Σ_k ω_k ‖J_k − J̄‖² is ‖H‖² r² / (D + 6) for this fade.
+    fn bend_weight(&self) -> f64 {
+        self.affine * (self.radius.powi(2) / (D + 6) as f64)
     }
 }
 

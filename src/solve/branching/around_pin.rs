@@ -1,0 +1,171 @@
+//! What lies around a pin along the shape: of parts that are near it in space, those that hang together with the part that it holds.
+//!
+//! In: a [`Branching`], a pin. Out: how near each piece is along the shape, and what the pin's neighbourhoods act on.
+
+use super::{Branching, handles_of_cell};
+use crate::lattice::Support;
+use crate::solve::energy::Neighbourhood;
+use crate::solve::least_squares::LeastSquaresRows;
+use crate::solve::linalg::small_matrix::distance;
+use crate::solve::problem::PointPin;
+use crate::solve::stiffness::region_stiffness;
+use std::collections::BTreeMap;
+
+/// A pin and the piece of the shape that it holds.
+#[derive(Debug)]
+pub(super) struct AroundPin<'a, const D: usize> {
+    branching: &'a Branching<D>,
+    /// The pin, on the shape.
+    pin: PointPin<D>,
+    piece: usize,
+    /// How near each piece within the pin's region is, #pieces; empty where it has none.
+    in_region: Vec<f64>,
+}
+
+impl<'a, const D: usize> AroundPin<'a, D> {
+    pub(super) fn of(branching: &'a Branching<D>, pin: &PointPin<D>) -> Self {
+        let (pin, piece) = branching.held(pin);
+        let is_within = |radius: f64| {
+            move |piece: usize| {
+                let nearest = branching.clamped_to_cell(branching.pieces.list[piece].cell, pin.at);
+                distance(&nearest, &pin.at) < radius
+            }
+        };
+        let in_region = pin.region.map_or_else(Vec::new, |region| branching.nearness(piece, is_within(region.radius)));
+        Self { branching, pin, piece, in_region }
+    }
+
+    /// The multiplier of the stiffness at a point of a branch: that of the pin's region, as far as the point hangs together with it.
+    pub(super) fn stiffness_at(&self, branch: usize, point: [f64; D]) -> f64 {
+        if self.pin.region.is_none_or(|region| region.stiffness == 1.0) {
+            return 1.0;
+        }
+        let in_cell = self.branching.pieces.in_cell(self.branching.cell_at(point));
+        let near =
+            in_cell.filter(|&piece| self.branching.branch_of(piece) == branch).map(|piece| self.in_region[piece]);
+        1.0 + (region_stiffness(&self.pin, point) - 1.0) * near.fold(0.0, f64::max)
+    }
+}
+
+impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
+    fn pin(&self) -> &PointPin<D> {
+        &self.pin
+    }
+
+    /// Of each row those over copies that act on a common piece. They count as far as the way from the pin leads over pieces that hang
+    /// together, so that no row joins what is apart.
+    fn rows(&self, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
+        let branching = self.branching;
+        let Support::Tensor { width } = branching.grid.basis.support() else { return LeastSquaresRows::new() };
+        let own_rows = |piece: usize| {
+            let piece = &branching.pieces.list[piece];
+            let handles = handles_of_cell(&branching.grid, width, piece.cell);
+            let copy_of = move |entry: &(usize, f64)| Some(piece.copies[handles.binary_search(&entry.0).ok()?]);
+            let copies = move |row: usize| rows.row(row).iter().map(&copy_of).collect::<Option<Vec<usize>>>();
+            (0..rows.len()).filter_map(move |row| Some((row, copies(row)?)))
+        };
+        let nearness = branching.nearness(self.piece, |piece| own_rows(piece).next().is_some());
+        let (mut areas, mut found) = (BTreeMap::new(), BTreeMap::new());
+        for (piece, near) in nearness.into_iter().enumerate().filter(|(_, near)| *near > 0.0) {
+            let area = branching.pieces.list[piece].area;
+            let area = if piece == self.piece { area.max(branching.full_area()) } else { area };
+            for (row, copies) in own_rows(piece) {
+                *areas.entry(copies.clone()).or_insert(0.0) += area;
+                let known = found.entry(copies).or_insert((row, near));
+                known.1 = near.max(known.1);
+            }
+        }
+        let mut around = LeastSquaresRows::new();
+        for (copies, share) in branching.shares(areas) {
+            let (row, near) = found[&copies];
+            let coefficients = rows.row(row).iter().map(|entry| entry.1);
+            around.push(rows.weight(row) * share * near, copies.into_iter().zip(coefficients), rows.target(row));
+        }
+        around
+    }
+
+    /// The mean over the pieces that hang together with the pin's own, by how near they are and how much they hold.
+    fn mean_gradient(&self, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])> {
+        let branching = self.branching;
+        let mut mean = BTreeMap::new();
+        let mut total = 0.0;
+        for (point, weight) in points {
+            let in_cell = branching.pieces.in_cell(branching.cell_at(*point));
+            let shares: Vec<(usize, f64)> = in_cell.map(|piece| (piece, self.share(piece))).collect();
+            let sum: f64 = shares.iter().map(|(_, share)| share).sum();
+            for (piece, share) in shares.into_iter().filter(|(_, share)| *share > 0.0) {
+                let weight = weight * share / sum.max(1.0);
+                total += weight;
+                add_gradient(branching, (branching.branch_of(piece), *point), weight, &mut mean);
+            }
+        }
+        if total <= 0.0 {
+            total = 1.0;
+            add_gradient(branching, (branching.branch_of(self.piece), self.pin.at), 1.0, &mut mean);
+        }
+        mean.into_iter().map(|(copy, gradient)| (copy, gradient.map(|entry| entry / total))).collect()
+    }
+}
+
+impl<const D: usize> AroundPin<'_, D> {
+    /// How far a piece counts in the region, 0 to 1.
+    fn share(&self, piece: usize) -> f64 {
+        if piece == self.piece {
+            return 1.0;
+        }
+        self.in_region[piece] * (self.branching.pieces.list[piece].area / self.branching.full_area()).min(1.0)
+    }
+}
+
+/// Adds a multiple of the gradients of the weights at a point of a branch.
+fn add_gradient<const D: usize>(
+    branching: &Branching<D>,
+    (branch, point): (usize, [f64; D]),
+    factor: f64,
+    sums: &mut BTreeMap<usize, [f64; D]>,
+) {
+    branching.grid.for_each_weight(point, |term| {
+        if let Some(copy) = branching.branches[branch][term.handle] {
+            let slot = sums.entry(copy).or_insert([0.0; D]);
+            (0..D).for_each(|axis| slot[axis] += factor * term.gradient[axis]);
+        }
+    });
+}
+
+impl<const D: usize> Branching<D> {
+    /// How near each piece is to one along the shape, #pieces: the best way over pieces that `leads_on` counts by its worst step, where two
+    /// pieces side by side hang together by their common copies, 0 to 1.
+    fn nearness(&self, piece: usize, leads_on: impl Fn(usize) -> bool) -> Vec<f64> {
+        let mut nearness = vec![0.0; self.pieces.list.len()];
+        let mut waiting = vec![(piece, 1.0_f64)];
+        while let Some((number, near)) = waiting.pop() {
+            if near <= nearness[number] {
+                continue;
+            }
+            nearness[number] = near;
+            if number == piece || leads_on(number) {
+                let beside = self.pieces.beside[number].iter();
+                waiting.extend(beside.map(|(next, copies)| (*next, near.min(self.oneness(copies)))));
+            }
+        }
+        nearness
+    }
+
+    /// The number of the cell that holds a point; beyond the grid the nearest.
+    fn cell_at(&self, point: [f64; D]) -> usize {
+        (0..D).rev().fold(0, |cell, axis| {
+            let spans = self.grid.basis.spans(self.grid.dims[axis]);
+            let place = ((point[axis] - self.grid.lo[axis]) / self.grid.spacing(axis)).max(0.0) as usize;
+            cell * spans + place.min(spans - 1)
+        })
+    }
+
+    /// The point of a cell that is nearest to a point.
+    fn clamped_to_cell(&self, cell: usize, point: [f64; D]) -> [f64; D] {
+        let place = self.grid.cell_coords(cell);
+        std::array::from_fn(|axis| {
+            let low = self.grid.lo[axis] + place[axis] as f64 * self.grid.spacing(axis);
+            point[axis].clamp(low, low + self.grid.spacing(axis))
+        })
+    }
+}
