@@ -27,6 +27,7 @@ mod rest_mesh;
 mod selection;
 mod stiffness;
 mod transfer;
+mod transferred_branches;
 mod visibility;
 
 // Once a time.
@@ -38,6 +39,7 @@ mod layer_pins;
 mod layer_solve;
 mod layer_timeline;
 mod moved_meshes;
+mod part_order;
 mod part_starts;
 mod screen_layer;
 mod screen_shape;

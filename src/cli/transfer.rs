@@ -9,6 +9,7 @@ use crate::image::{FileKind, SequencePath, replace_text};
 use crate::pipeline::path_between;
 use crate::scene;
 use crate::shot::{LayerSpace, Shot, Transfer, TransferFit};
+use crate::solve::Topology;
 use crate::space::ScreenPoint;
 use crate::spelling;
 use anyhow::{Context, bail};
@@ -112,7 +113,11 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
         bail!("{} has no layers on the screen that lattices could move; add a [[layer]]", args.onto.display());
     }
     for layer in shot.layers.iter_mut().filter(|layer| is_screen(&layer.space)) {
-        let name = track(args, file, Some(&layer.name))?.name.clone();
+        let track = track(args, file, Some(&layer.name))?;
+        let name = track.name.clone();
+        if !track.branches.is_empty() {
+            layer.settings.topology = Topology::Branching;
+        }
         layer.transfer =
             Some(Transfer { file: args.lattice.clone(), layer: Some(name), fit: fit.clone(), start: None });
         (layer.pins, layer.handles, layer.stiffness) = Default::default();
@@ -181,12 +186,13 @@ fn text(
         FileKind::Picture(_) => ("image", String::new()),
         _ => ("scene", format!("size    = [{}, {LINES}]\n", (file.frame_aspect * LINES).round())),
     };
+    let topology = if track.branches.is_empty() { "" } else { "lattice  = { topology = \"branching\" }\n" };
     let channels = if key == "image" { "channels = [\"beauty\", \"id\"]\n" } else { "" };
     Ok(format!(
         "# Lattices of another shot, laid over {what}.\nversion = 1\n{key}   = {what}\n\
          frames  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n{size}\n\
          [[layer]]\nname     = {name}\nstrength = {strength:?}\n\
-         transfer = {{ lattice = {lattice}, layer = {name}, fit = {fit} }}\n\n[output]\n{channels}",
+         transfer = {{ lattice = {lattice}, layer = {name}, fit = {fit} }}\n{topology}\n[output]\n{channels}",
         what = from_here(&args.onto)?,
         rate = file.rate,
         name = quoted(&track.name),

@@ -88,6 +88,19 @@ impl Lattice<2> {
         }
     }
 
+    /// The point of the old subject at rest that corresponds to a point of the new one.
+    #[must_use]
+    pub fn origin_of(&self, point: [f64; 2], fit: &LatticeFit) -> [f64; 2] {
+        match fit {
+            LatticeFit::AsIs => point,
+            LatticeFit::Box(target) => {
+                let unit = Grid::over(*target, self.grid.dims, self.grid.basis).unit_from_point(point);
+                std::array::from_fn(|axis| self.grid.lo[axis] + unit[axis] * self.grid.size(axis))
+            }
+            LatticeFit::Landmarks(pairs) => Similarity::between(pairs).origin(DVec2::from(point)).to_array(),
+        }
+    }
+
     /// Box to box, axis by axis.
     fn over(&self, target: ScreenBox) -> Self {
         let grid = Grid::over(target, self.grid.dims, self.grid.basis);
@@ -125,6 +138,23 @@ mod tests {
             *handle = [handle[0] + 0.04 * (k as f64).sin(), handle[1] + 0.04 * (1.7 * k as f64).cos()];
         }
         lattice
+    }
+
+    #[test]
+    fn points_of_the_new_subject_have_an_origin() {
+        let lattice = bent();
+        let turn = DVec2::from_angle(0.4) * 1.5;
+        let image = |point: DVec2| DVec2::new(3.0, -1.0) + turn.rotate(point);
+        let marks = [[0.3, 0.2], [1.0, 0.4]].map(DVec2::from);
+        let pairs = marks.map(|mark| [ScreenPoint(mark), ScreenPoint(image(mark))]).to_vec();
+        let target = ScreenBox::new(ScreenPoint::new(1.0, 1.0), ScreenPoint::new(3.0, 2.6));
+        for (fit, point, origin) in [
+            (LatticeFit::AsIs, [0.5, 0.6], [0.5, 0.6]),
+            (LatticeFit::Box(target), [1.5, 1.8], [0.45, 0.5]),
+            (LatticeFit::Landmarks(pairs), image(DVec2::new(0.7, 0.2)).to_array(), [0.7, 0.2]),
+        ] {
+            assert!(distance(ScreenPoint(lattice.origin_of(point, &fit).into()), origin.into()) < 1e-12, "{fit:?}");
+        }
     }
 
     fn distance(a: ScreenPoint, b: DVec2) -> f64 {

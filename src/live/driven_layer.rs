@@ -69,6 +69,7 @@ fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot:
         name: format!("live{}", index + 1),
         anchor: Anchor::Screen { at: pin.rest, frame: None },
         unit: OffsetUnit::Frame,
+        order: Vec::new(),
         region: pin.region.map(|region| crate::shot::PinRegion {
             radius: region.radius,
             rigidity: region.rigidity,

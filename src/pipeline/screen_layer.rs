@@ -67,7 +67,9 @@ pub(super) fn solve(
     let layer = &prepared.shot.layers[index];
     if let Some(loaded) = &prepared.layer_inputs.loaded[index] {
         let key_frame = prepared.key_frame(layer, sample.frame);
-        return Ok(loaded.state(&prepared.shot, layer, key_frame, || screen_box(prepared, sample, index, bounds)));
+        let rest_box = || screen_box(prepared, sample, index, bounds);
+        let shape = || screen_shape_with_starts(prepared, sample, index);
+        return Ok(loaded.state(&prepared.shot, layer, key_frame, (rest_box, shape)));
     }
     if layer.pins.is_empty() && layer.handles.is_empty() {
         return Ok(LayerState::default());

@@ -3,11 +3,14 @@
 //! In: lattice files that layers name. Out: [`Loaded`] lattices, and the layer's state at a frame.
 
 use super::layer_pins::unmeasured;
+use super::part_starts::PartStarts;
+use super::screen_shape::ScreenShape;
+use super::transferred_branches::SourceFrame;
 use super::{LayerState, PipelineError};
-use crate::export::{LatticeFile, Track, lattice_at};
-use crate::lattice::{Lattice, LatticeFit};
+use crate::export::{LatticeFile, Track};
+use crate::lattice::{Folds, LatticeFit};
 use crate::shot::{Layer, Shot, Transfer, TransferFit};
-use crate::solve::{Solution, SolveReport};
+use crate::solve::{BranchedLattice, Solution, SolveReport, Topology};
 use crate::space::ScreenBox;
 use crate::spelling;
 use std::collections::BTreeMap;
@@ -18,7 +21,8 @@ const TURNED_TOLERANCE_PX: f64 = 0.1;
 /// The lattices of a file, in frames of the shot that shows them.
 #[derive(Clone, Debug)]
 pub(super) struct Loaded {
-    lattices: BTreeMap<i32, Lattice<2>>,
+    frames: BTreeMap<i32, SourceFrame>,
+    has_branches: bool,
 }
 
 /// Loads what the layers name: one a layer.
@@ -50,12 +54,21 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
             return Err(PipelineError::mismatch(shot, &key, what, hint));
         }
     };
-    if !file.layers[place].branches.is_empty() {
-        let what = format!("the lattice '{}' of {} branches", names[place], transfer.file.display());
-        let hint = "warp the rendered frames of the new subject with it (`pinwarp warp --lattice`), or export it with \
-                    topology = \"plain\"";
-        return Err(PipelineError::mismatch(shot, &key, what, hint));
+    let has_branches = !file.layers[place].branches.is_empty();
+    if has_branches && shot.layers[index].settings.topology != Topology::Branching {
+        let what = format!(
+            "the lattice '{}' of {} branches, that of the layer does not",
+            names[place],
+            transfer.file.display()
+        );
+        return Err(PipelineError::mismatch(
+            shot,
+            &key,
+            what,
+            "add lattice = { topology = \"branching\" } to the layer",
+        ));
     }
+    let mut branches = std::mem::take(&mut file.layers[place].branches);
     let Track::Screen(lattices) = file.layers.swap_remove(place).track else {
         let what = format!("'{}' is a lattice of the world, this layer is warped on the screen", names[place]);
         return Err(PipelineError::mismatch(shot, &key, what, "take a layer that was solved on the screen"));
@@ -64,26 +77,30 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
         (Some(start), Some(first)) => start - first,
         _ => 0,
     };
-    let lattices: BTreeMap<_, _> = lattices.into_iter().map(|(frame, lattice)| (frame + shift, lattice)).collect();
-    if let (Some((&first, _)), Some((&last, _))) = (lattices.first_key_value(), lattices.last_key_value())
+    let of_frame = |(frame, lattice)| (frame + shift, SourceFrame::new(lattice, branches.remove(&frame)));
+    let frames: BTreeMap<i32, SourceFrame> = lattices.into_iter().map(of_frame).collect();
+    if let (Some((&first, _)), Some((&last, _))) = (frames.first_key_value(), frames.last_key_value())
         && (first > shot.frames.first || last < shot.frames.last)
     {
         let name = &shot.layers[index].name;
         notes.push(format!("layer '{name}': its lattices cover frames {first} to {last}; beyond them the ends hold"));
     }
-    Ok(Loaded { lattices })
+    Ok(Loaded { frames, has_branches })
 }
 
 impl Loaded {
-    /// The layer's lattice at a (fractional) frame of its keys; `rest_box` gives the box it is laid over, where it is wanted.
+    /// The layer's lattice at a (fractional) frame of its keys. `rest_box` gives the box it is laid over and `shape` what it moves, where
+    /// they are wanted.
     pub(super) fn state(
         &self,
         shot: &Shot,
         layer: &Layer,
         key_frame: f64,
-        rest_box: impl FnOnce() -> Option<ScreenBox>,
+        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> ScreenShape),
     ) -> LayerState {
-        let source = lattice_at(&self.lattices, key_frame);
+        let (ends, share) = self.around(key_frame);
+        let [before, after] = ends;
+        let source = before.lattice.mixed(&after.lattice, share);
         let fit = match layer.transfer.as_ref().map(|transfer| &transfer.fit) {
             Some(TransferFit::AsIs) => LatticeFit::AsIs,
             Some(TransferFit::Landmarks(pairs)) => LatticeFit::Landmarks(pairs.clone()),
@@ -94,20 +111,59 @@ impl Loaded {
         };
         let fitted = source.transferred(&fit);
         let lattice = fitted.lattice.with_strength(layer.strength);
-        let mut report = report_of(&lattice);
+        let mut state = LayerState::default();
+        let mut warnings = Vec::new();
+        let branched = self.has_branches.then(|| {
+            let ScreenShape { shape, starts } = shape();
+            let rest = BranchedLattice::at_rest(&lattice.grid, &shape);
+            let moved = rest.map(|rest| {
+                let moved = before.over(&rest, &fit).mixed(&after.over(&rest, &fit), share);
+                rest.mixed(&moved, layer.strength)
+            });
+            (moved, starts)
+        });
+        let branches: Option<(BranchedLattice<2>, Vec<PartStarts>)> = match branched {
+            Some((Ok(branches), starts)) => Some((branches, starts)),
+            Some((Err(fault), _)) => {
+                warnings.push(format!("only its largest branch is used: {fault}"));
+                None
+            }
+            None => None,
+        };
         let error_px = fitted.error * f64::from(shot.size.height);
         if error_px > TURNED_TOLERANCE_PX {
             let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
-            report.warnings.push(text);
+            warnings.push(text);
         }
-        LayerState { solution: Some(Solution { lattice, branches: None, report }), ..LayerState::default() }
+        let solution = match branches {
+            Some((branches, starts)) => {
+                state.starts = starts;
+                let report = SolveReport { warnings, ..report_of(branches.folds()) };
+                Solution { lattice: branches.lattice(0), branches: Some(branches), report }
+            }
+            None => {
+                let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+                Solution { lattice, branches: None, report: SolveReport { warnings, ..report_of(folds) } }
+            }
+        };
+        LayerState { solution: Some(solution), ..state }
+    }
+
+    /// The frames before and after a time, and how far it lies between them, 0 to 1; beyond the ends the nearest holds.
+    fn around(&self, key_frame: f64) -> ([&SourceFrame; 2], f64) {
+        let before = self.frames.range(..=key_frame.floor() as i32).next_back();
+        let after = self.frames.range(key_frame.ceil() as i32..).next();
+        match (before, after) {
+            (Some((&from, low)), Some((&to, high))) if from < to => {
+                ([low, high], (key_frame - f64::from(from)) / f64::from(to - from))
+            }
+            _ => ([before.or(after).expect("a track has frames").1; 2], 0.0),
+        }
     }
 }
 
-/// What can be said of a lattice that nobody solved here: every cell counts as holding some of the model, and distortion
-/// is not measured.
-fn report_of(lattice: &Lattice<2>) -> SolveReport {
-    let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
+/// What can be said of a lattice that nobody solved here: distortion is not measured.
+fn report_of(folds: Folds<2>) -> SolveReport {
     SolveReport {
         folded_cells: folds.cells.len(),
         folded_model_cells: folds.active_count,

@@ -273,8 +273,29 @@ pub struct Pin {
     pub weight: f64,
     /// It does not act.
     pub is_muted: bool,
+    /// Where parts of a picture overlap, that around the pin of the greater order lies in front: keys, held, frames strictly
+    /// increasing. Empty: 0.
+    pub order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
+}
+
+impl Pin {
+    /// The order at a (fractional) frame.
+    #[must_use]
+    pub fn order_at(&self, frame: f64) -> i32 {
+        let before = self.order.partition_point(|key| key.frame <= frame);
+        self.order.get(before.saturating_sub(1)).map_or(0, |key| key.value)
+    }
+}
+
+/// A key of a pin's order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderKey {
+    /// When.
+    pub frame: f64,
+    /// The order from there on.
+    pub value: i32,
 }
 
 /// The neighbourhood that a pin takes along.

@@ -1,7 +1,7 @@
 //! Branching lattices over a model: legs that cross on the screen stay apart, steadily.
 
 use crate::assets::asset;
-use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample};
+use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices};
 use pinwarp::shot::Shot;
 use std::path::Path;
 
@@ -173,4 +173,45 @@ fn dims_fit_the_thin_parts_of_a_model() {
     let [across, up, _] = prepared.shot.layers[0].space.dims();
     assert!((24..=64).contains(&across) && (10..=64).contains(&up), "{across} x {up}");
     assert!(prepared.notes.iter().any(|note| note.contains("thinnest parts")), "{:?}", prepared.notes);
+}
+
+/// A lattice file carries branches to another shot: each part of its shape goes with the branch that owns most of it.
+#[test]
+fn branches_are_laid_over_another_shape() {
+    let Some(fox) = asset("gltf-samples/Fox.glb") else { return };
+    let source = walking_fox(&fox, ([40, 30], "branching"), [0.16, 0.10]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("fox.json");
+    lattices(&source, &[5, 6], |_| ()).expect("solvable").write(&file).expect("it is written");
+    let transferred = |topology: &str, fit: &str| {
+        let text = format!(
+            "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 5, last = 6, rate = 24, clip = 'Walk', clip_start = 1 }}\n\
+             size = [960, 540]\nshutter = {{ angle = 0 }}\n[[layer]]\nname = 'all'\n\
+             lattice = {{ topology = '{topology}' }}\ntransfer = {{ lattice = '{}', fit = '{fit}' }}\n",
+            fox.display(),
+            file.display()
+        );
+        PreparedShot::new(Shot::parse(&text, Path::new("/fox.toml")).expect("a right shot"))
+    };
+    let plain = transferred("plain", "box").expect_err("a plain layer cannot take it").to_string();
+    assert!(plain.contains("topology = \"branching\""), "{plain}");
+    let own =
+        |prepared: &PreparedShot, frame: f64| displacements(prepared, &prepared.sample_at(frame).expect("solvable"));
+    let farthest = |a: &[[f64; 2]], b: &[[f64; 2]]| {
+        a.iter().zip(b).map(|(a, b)| 540.0 * length([a[0] - b[0], a[1] - b[1]])).fold(0.0, f64::max)
+    };
+    let wanted = own(&source, 5.0);
+    let moved = wanted.iter().map(|by| 540.0 * length(*by)).fold(0.0, f64::max);
+    for fit in ["as-is", "box"] {
+        let prepared = transferred("branching", fit).expect("the same fox");
+        let gap = farthest(&own(&prepared, 5.0), &wanted);
+        println!("{fit}: {gap:.2e} px of {moved:.0}");
+        assert!(moved > 50.0 && gap < 1e-6, "{fit}: {gap}");
+        // Between frames the branches of both are mixed.
+        let [before, between, after] = [5.0, 5.5, 6.0].map(|frame| own(&prepared, frame));
+        let mean: Vec<[f64; 2]> =
+            (before.iter().zip(&after)).map(|(a, b)| [0, 1].map(|d| f64::midpoint(a[d], b[d]))).collect();
+        println!("{fit}: {:.2} px beside the mean of {:.2}", farthest(&between, &mean), farthest(&before, &after));
+        assert!(farthest(&between, &mean) < 0.5 * farthest(&before, &after).max(4.0));
+    }
 }

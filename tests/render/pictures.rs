@@ -348,6 +348,60 @@ fn branches_leave_no_seams() {
     }
 }
 
+/// An arm that is laid over the body, or behind it, as its pin's order says.
+#[test]
+fn the_order_of_pins_says_which_part_is_in_front() {
+    let wall = Wall::new();
+    let red = |x: f32| x * 0.02 - 0.3;
+    let text_of = |order: &str| {
+        wall.hang("arm.exr", SIZE, drawn(SIZE, "", body_and_arm));
+        let pins = [(18.0, 10.0, 0.0), (38.0, 40.0, 0.0), (28.0, 55.0, 0.0), (55.0, 46.0, -25.0)].map(|(x, y, dx)| {
+            let order = if dx == 0.0 { "" } else { order };
+            format!(
+                "[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\n{order}\nkeys = [{{ frame = 1, offset = [{}, 0] }}]\n",
+                x / 64.0,
+                1.0 - y / 64.0,
+                dx / 64.0
+            )
+        });
+        let lattice = "{ dims = [16, 20], topology = \"branching\" }";
+        format!("version = 1\nimage = \"arm.exr\"\n[[layer]]\nlattice = {lattice}\n{}", pins.concat())
+    };
+    // What is seen where the hand now is, and how far it is from the colours of body and arm.
+    let seen = |order: &str| {
+        let (frame, _) = wall.render(wall.shot(&text_of(order)));
+        let found = at(&frame, "R", 30, 45);
+        [30.5, 55.5].map(|x| (found - red(x)).abs())
+    };
+    let behind = seen("order = -1");
+    let [in_front, keyed] = ["order = 1", "order = [{ frame = 1, value = 2 }, { frame = 2, value = -1 }]"].map(seen);
+    println!("behind {behind:?}, in front {in_front:?}, keyed {keyed:?}");
+    assert!(behind[0] < 0.02 && behind[1] > 0.3, "{behind:?}");
+    assert!([in_front, keyed].iter().all(|seen| seen[1] < 0.08 && seen[0] > 0.3), "{in_front:?} {keyed:?}");
+    // Lattice files list branches from back to front.
+    let owner_in_front = |order: &str, frame: i32| {
+        let prepared = PreparedShot::new(wall.shot(&text_of(order))).expect("the pictures are there");
+        let file = pinwarp::pipeline::lattices(&prepared, &[frame], |_| ()).expect("solvable");
+        let branches = &file.layers[0].branches[&frame];
+        let hand = [55.0 / 64.0, 1.0 - 46.0 / 64.0];
+        let holds = |branch: usize| {
+            branches.polygons(branch).any(|polygon| {
+                let range = |axis: usize| {
+                    let values = || polygon.iter().map(|corner| corner[axis]);
+                    [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+                };
+                (0..2).all(|axis| (range(axis)[0]..=range(axis)[1]).contains(&hand[axis]))
+            })
+        };
+        let count = branches.list.len();
+        ((0..count).position(holds).expect("some branch has the hand"), count)
+    };
+    let (place, _) = owner_in_front("order = -1", 1);
+    let (last, count) = owner_in_front("order = 1", 1);
+    assert!(place == 0 && last + 1 == count, "{place}, {last} of {count}");
+    assert_eq!(owner_in_front("order = [{ frame = 1, value = 2 }, { frame = 2, value = -1 }]", 2).0, 0);
+}
+
 #[test]
 fn where_branches_cannot_be_carried_they_are_refused() {
     let wall = Wall::new();

@@ -129,6 +129,20 @@ fn branching_lattices_need_a_shape_and_local_handles() {
         ("scene = 'a.glb'", "lattice = { space = 'world', dims = 'auto' }", "dims", "of the screen only"),
         ("image = 'a.png'", "lattice = { basis = 'bernstein', dims = 'auto' }", "dims", "bspline"),
         ("image = 'a.png'", "lattice = { dims = 'most' }", "dims", "auto"),
+        ("image = 'a.png'", "[[layer.pin]]\nanchor.screen = [0, 0]\norder = 1", "pin[0].order", "branching"),
+        (
+            "scene = 'a.glb'",
+            "lattice.topology = 'branching'\n[[layer.pin]]\nanchor.screen = [0, 0]\norder = 1",
+            "pin[0].order",
+            "by their depth",
+        ),
+        (
+            "image = 'a.png'",
+            "lattice.topology = 'branching'\n[[layer.pin]]\nanchor.screen = [0, 0]\n\
+             order = [{ frame = 2, value = 1 }, { frame = 2, value = 0 }]",
+            "pin[0].order[1].frame",
+            "does not come after",
+        ),
         ("image = 'a.png'", "lattice.cuts = [[[0, 0], [1, 1]]]", "cuts", "branching"),
         ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts[0]", "image"),
         ("image = 'a.png'", "lattice = { topology = 'branching', cuts = [[[0, 0]]] }", "cuts[0]", "at least 2 lists"),

@@ -1,6 +1,6 @@
 //! Which parts lie in front of which after the warp.
 //!
-//! In: the lattice of each label, what every pixel shows before the warp. Out: labels from back to front.
+//! In: the lattice and the order of each label, what every pixel shows before the warp. Out: labels from back to front.
 
 use super::drawn_pieces::{Front, NOTHING};
 use crate::lattice::ScreenLattice;
@@ -16,9 +16,10 @@ const BESIDE: i32 = 4;
 /// Surfaces whose nearness differs by less than this share lie at one distance, as those of a drawing do.
 const SAME: f64 = 1e-5;
 
-/// Those that are in front in more places where both land come later; of such as never meet, the one with the smaller index is behind.
+/// Those of a greater order come later. Of one order, those that are in front in more places where both land come later; of such as
+/// never meet, the one with the smaller index is behind.
 pub(super) fn from_back_to_front(
-    lattices: &[ScreenLattice],
+    (lattices, orders): (&[ScreenLattice], &[i32]),
     (front, window, frame): (&[Front], PixelRect, FrameSize),
 ) -> Vec<usize> {
     let wins = wins(lattices, (front, window, frame));
@@ -30,7 +31,7 @@ pub(super) fn from_back_to_front(
             let net = |&other: &usize| wins.get(&[label, other]).copied().unwrap_or(0).max(0);
             left.iter().map(net).sum()
         };
-        let place = (0..left.len()).min_by_key(|&place| wrong(&left[place])).unwrap_or(0);
+        let place = (0..left.len()).min_by_key(|&place| (orders[left[place]], wrong(&left[place]))).unwrap_or(0);
         order.push(left.remove(place));
     }
     order
@@ -92,12 +93,17 @@ mod tests {
         let mut moved = grid.at_rest();
         moved.handles.iter_mut().for_each(|handle| handle[0] -= 0.5);
         let lattices = [grid.at_rest(), moved];
-        let order = |nearness: [f64; 2]| {
+        let order = |nearness: [f64; 2], orders: [i32; 2]| {
             let label = |place: usize| usize::from(place % 64 >= 32);
             let front = |place: usize| Front { label: label(place) as u32, nearness: nearness[label(place)] };
             let front: Vec<Front> = (0..64 * 64).map(front).collect();
-            from_back_to_front(&lattices, (&front, frame.window(), frame))
+            from_back_to_front((&lattices, &orders), (&front, frame.window(), frame))
         };
-        assert_eq!([order([1.0, 2.0]), order([2.0, 1.0]), order([1.0 + 1e-9, 1.0])], [[0, 1], [1, 0], [0, 1]]);
+        let level = [0, 0];
+        assert_eq!(
+            [order([1.0, 2.0], level), order([2.0, 1.0], level), order([1.0 + 1e-9, 1.0], level)],
+            [[0, 1], [1, 0], [0, 1]]
+        );
+        assert_eq!([order([1.0, 2.0], [3, -1]), order([2.0, 1.0], [0, 1])], [[1, 0], [0, 1]], "the order leads");
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
 
+use super::super::part_order::{OrderedPart, OrderedParts};
 use super::super::part_starts::PartStarts;
 use super::super::{PreparedShot, TimeSample};
 use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
@@ -11,8 +12,8 @@ use std::collections::BTreeMap;
 /// What moves as one in a frame, and in the frames around where those count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Label {
-    /// The branch now.
-    pub(super) now: usize,
+    /// The branch now, and its order among parts that overlap.
+    pub(super) now: OrderedPart,
     /// In the frames before and after; `None`: nothing branches there, or it does not count.
     pub(super) around: [Option<usize>; 2],
 }
@@ -32,7 +33,7 @@ pub(super) struct LabelledPiece {
 
 /// The pieces of a layer.
 pub(super) struct LabelledPieces {
-    /// Every label that occurs, by branch: the largest branch first.
+    /// Every label that occurs, by order, then by branch: the largest first.
     pub(super) labels: Vec<Label>,
     pub(super) pieces: Vec<LabelledPiece>,
 }
@@ -60,7 +61,8 @@ impl LabelledPieces {
         let others = around.map(|samples| samples.map(|sample| Other::of(sample, layer)));
         let mut list: BTreeMap<Label, u32> = BTreeMap::new();
         let mut found = Vec::new();
-        for (triangle, branch, corners) in branches.pieces_of_triangles() {
+        let OrderedParts { list: parts, of_pieces } = OrderedParts::of(prepared, layer, (now, branches));
+        for (&part, (triangle, _, corners)) in of_pieces.iter().zip(branches.pieces_of_triangles()) {
             let Some(source) = triangles.get(&triangle) else { continue };
             let Some(outline) = corners.iter().map(|&corner| source.barycentric(corner)).collect::<Option<Vec<_>>>()
             else {
@@ -70,7 +72,7 @@ impl LabelledPieces {
             let middle = std::array::from_fn(|k| outline.iter().map(|weights| weights[k]).sum::<f64>() / count);
             let branch_in = |other: &Option<Other>| other.as_ref().and_then(|other| other.branch(source, middle));
             let label = Label {
-                now: branch,
+                now: parts[part as usize],
                 around: others.as_ref().map_or([None; 2], |others| others.each_ref().map(branch_in)),
             };
             list.insert(label, 0);

@@ -9,6 +9,7 @@ mod drawn_pieces;
 mod labels;
 mod shares;
 
+use super::part_order::{OrderedPart, OrderedParts};
 use super::passes::{PassPlan, mid_shutter, plan_passes};
 use super::{PreparedShot, TimeSample};
 use crate::export::LatticeBranches;
@@ -23,6 +24,7 @@ use drawn_pieces::{DrawnPieces, PlacedPieces};
 use labels::{Label, LabelledPieces};
 use rayon::prelude::*;
 use shares::Shares;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A branch, or what of it also hangs together in the frames around.
@@ -91,12 +93,22 @@ impl PreparedShot {
     /// The branches of a layer as a lattice file holds them; `None` where its lattice has none.
     pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
         let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
-        let mut regions = branches.regions();
         let seen = self.seen(layer, (now, None), (self.shot.size, Exposure::Instant));
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
+        let OrderedParts { list, of_pieces } = OrderedParts::of(self, layer, (now, branches));
         // Nothing of it is in the frame: then the largest is behind.
-        let order: Vec<usize> = order.unwrap_or_else(|| (0..branches.branch_count()).collect());
-        let branch = |branch: usize| (branches.handles_of(branch), std::mem::take(&mut regions[branch]));
+        let order: Vec<OrderedPart> = order.unwrap_or_else(|| list.clone());
+        let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = if list.iter().all(|part| part.order == 0) {
+            let regions = branches.regions().into_iter().enumerate();
+            regions.map(|(branch, region)| (OrderedPart { order: 0, branch }, region)).collect()
+        } else {
+            let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = BTreeMap::new();
+            for (&part, (_, corners)) in of_pieces.iter().zip(branches.pieces()) {
+                regions.entry(list[part as usize]).or_default().push(corners.to_vec());
+            }
+            regions
+        };
+        let branch = |part: OrderedPart| (branches.handles_of(part.branch), regions.remove(&part).unwrap_or_default());
         Some(LatticeBranches::of(order.into_iter().map(branch).collect()))
     }
 
@@ -120,8 +132,9 @@ impl PreparedShot {
         };
         let planned: Vec<_> = plan.iter().map(|pass| (*pass, place(begin + pass.time_frames, &mut placed))).collect();
         let of_branches = lattices_of(now.layers[layer].solution.as_ref()?);
-        let lattices: Vec<ScreenLattice> = labels.iter().map(|label| of_branches[label.now].clone()).collect();
-        let (order, shares, covered) = drawn((&placed, &planned), &lattices, size)?;
+        let lattices: Vec<ScreenLattice> = labels.iter().map(|label| of_branches[label.now.branch].clone()).collect();
+        let orders: Vec<i32> = labels.iter().map(|label| label.now.order).collect();
+        let (order, shares, covered) = drawn((&placed, &planned), (&lattices, &orders), size)?;
         Some(Seen { labels, lattices, order, shares, covered })
     }
 
@@ -156,7 +169,8 @@ pub(crate) fn parts_of_file(
     });
     let placed = [PlacedPieces::of_screen(polygons, size)];
     let planned: Vec<_> = plan_passes(FILE_SAMPLES, CLOSED).into_iter().map(|pass| (pass, 0)).collect();
-    let Some((_, shares, covered)) = drawn((&placed, &planned), &lattices, size) else { return Vec::new() };
+    let orders = vec![0; lattices.len()];
+    let Some((_, shares, covered)) = drawn((&placed, &planned), (&lattices, &orders), size) else { return Vec::new() };
     let covered = Arc::new(covered);
     let part = |(branch, (lattice, share)): (usize, (ScreenLattice, Option<Coverage>))| {
         let around = around.as_ref().map(|around| around.each_ref().map(|lattices| lattices.get(branch).cloned()));
@@ -180,7 +194,7 @@ const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 /// Labels from back to front, what each has of every pixel, and how much all cover; `None`: nothing is in the frame. `planned`: the moment of each pass.
 fn drawn(
     (placed, planned): (&[PlacedPieces], &[(PassPlan, usize)]),
-    lattices: &[ScreenLattice],
+    (lattices, orders): (&[ScreenLattice], &[i32]),
     size: FrameSize,
 ) -> Option<(Vec<usize>, Vec<Option<Coverage>>, Coverage)> {
     let window = placed.iter().map(PlacedPieces::window).reduce(PixelRect::union)?.intersection(size.window());
@@ -192,7 +206,7 @@ fn drawn(
     let data = planned.iter().find(|(pass, _)| pass.role != PassRole::Beauty);
     let front = data.map(|(pass, place)| placed[*place].front(window, pass.jitter_px)).unwrap_or_default();
     let shares = Shares::of(&seen, (window, size), lattices.len());
-    let order = from_back_to_front(lattices, (&front, window, size));
+    let order = from_back_to_front((lattices, orders), (&front, window, size));
     let of_labels = (0..lattices.len()).map(|label| shares.of_label(label as u32)).collect();
     Some((order, of_labels, shares.covered()))
 }

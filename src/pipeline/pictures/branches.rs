@@ -1,38 +1,39 @@
 //! Draws a picture whose lattice branches: every branch is cut out, warped by its own lattice, and laid over those behind it.
 //!
-//! In: a [`FlatPicture`] and a solved [`BranchedLattice`]. Out: the warped parts, from back to front: the largest branch lies behind.
+//! In: a [`FlatPicture`], a solved [`BranchedLattice`] and its [`OrderedParts`]. Out: the warped parts, from back to front.
 
+use super::super::part_order::OrderedParts;
 use super::read::{FlatPicture, pictured};
 use crate::image::{Frame, Plate};
 use crate::lattice::ScreenLattice;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 
-/// No branch.
+/// No part.
 const NONE: u32 = u32::MAX;
 
-/// A branch goes on under those before it by so many pixels, so that no seam shows where filters soften their edges.
+/// A part goes on under those before it by so many pixels, so that no seam shows where filters soften their edges.
 const OVERLAP: usize = 3;
 
-/// Lattices of two branches that differ by more than this at a pixel, in pixels, do not hang together there.
+/// Lattices of two parts that differ by more than this at a pixel, in pixels, do not hang together there.
 const SAME_PLACE: f64 = 0.5;
 
-/// The branch of every pixel of a picture, by window.
-pub(super) struct BranchMap {
+/// The part of every pixel of a picture, by window.
+pub(super) struct PartMap {
     window: PixelRect,
     frame: FrameSize,
-    /// #pixels; [`NONE`]: no branch is near.
+    /// #pixels; [`NONE`]: no part is near.
     labels: Vec<u32>,
 }
 
-impl BranchMap {
+impl PartMap {
     /// Pixels beside the shape belong to the nearest one inside.
-    pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>) -> Self {
+    pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Self {
         let (window, frame) = (flat_picture.window(), flat_picture.plate.frame_size());
         let mut map = Self { window, frame, labels: vec![NONE; window.area()] };
-        for (branch, corners) in branches.pieces() {
+        for (&part, (_, corners)) in parts.of_pieces.iter().zip(branches.pieces()) {
             let corners = corners.iter().map(|&[x, y]| frame.image_from_screen(ScreenPoint::new(x, y)).0.to_array());
-            map.fill(branch as u32, &corners.collect::<Vec<[f64; 2]>>());
+            map.fill(part, &corners.collect::<Vec<[f64; 2]>>());
         }
         let alpha = flat_picture.alpha();
         map.spread(|pixel| alpha[pixel] != 0.0);
@@ -40,7 +41,7 @@ impl BranchMap {
     }
 
     /// Fills a convex polygon, given in pixels of the frame.
-    fn fill(&mut self, branch: u32, corners: &[[f64; 2]]) {
+    fn fill(&mut self, part: u32, corners: &[[f64; 2]]) {
         let (width, height) = (self.window.width as usize, self.window.height as usize);
         // From the centre of the first pixel on.
         let origin = [f64::from(self.window.x) + 0.5, f64::from(self.window.y) + 0.5];
@@ -49,11 +50,11 @@ impl BranchMap {
             let crossings =
                 (0..corners.len()).flat_map(|k| crossings([corners[k], corners[(k + 1) % corners.len()]], row as f64));
             let columns = pixels_within(crossings, width);
-            self.labels[row * width + columns.start..row * width + columns.end].fill(branch);
+            self.labels[row * width + columns.start..row * width + columns.end].fill(part);
         }
     }
 
-    /// Gives pixels that are covered the branch of a neighbour, ring by ring.
+    /// Gives pixels that are covered the part of a neighbour, ring by ring.
     fn spread(&mut self, is_covered: impl Fn(usize) -> bool) {
         let mut ring: Vec<usize> = (0..self.labels.len()).filter(|&pixel| self.labels[pixel] != NONE).collect();
         while !ring.is_empty() {
@@ -89,18 +90,18 @@ impl BranchMap {
         self.frame.image_from_screen(lattice.warp(self.frame.screen_from_image(at))).0.to_array()
     }
 
-    /// The pixels of a branch, and those of branches before it that hang together with it, up to [`OVERLAP`] pixels away.
-    fn mask(&self, branch: usize, lattices: &[ScreenLattice]) -> Vec<bool> {
-        let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == branch as u32).collect();
+    /// The pixels of a part, and those of parts before it that hang together with it, up to [`OVERLAP`] pixels away.
+    fn mask(&self, part: usize, lattices: &[&ScreenLattice]) -> Vec<bool> {
+        let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == part as u32).collect();
         let mut ring: Vec<usize> = (0..mask.len()).filter(|&pixel| mask[pixel]).collect();
         for _ in 0..OVERLAP {
             let mut next = Vec::new();
             for neighbour in ring.iter().flat_map(|&pixel| self.neighbours(pixel)).flatten() {
                 let label = self.labels[neighbour];
-                if mask[neighbour] || label == NONE || label as usize <= branch {
+                if mask[neighbour] || label == NONE || label as usize <= part {
                     continue;
                 }
-                let [own, other] = [branch, label as usize].map(|index| self.image(&lattices[index], neighbour));
+                let [own, other] = [part, label as usize].map(|index| self.image(lattices[index], neighbour));
                 if (own[0] - other[0]).hypot(own[1] - other[1]) <= SAME_PLACE {
                     mask[neighbour] = true;
                     next.push(neighbour);
@@ -133,15 +134,16 @@ fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
 /// The parts of a picture, from back to front, each warped by `warp`, with what that has to say.
 pub(super) fn warped_branches(
     flat_picture: &FlatPicture,
-    (map, branches): (&BranchMap, &BranchedLattice<2>),
+    (map, branches, parts): (&PartMap, &BranchedLattice<2>, &OrderedParts),
     warp: impl Fn(&Plate, ScreenLattice) -> (Frame, Vec<String>),
 ) -> (Vec<Frame>, Vec<String>) {
-    let lattices: Vec<ScreenLattice> = (0..branches.branch_count()).map(|k| branches.extended_lattice(k)).collect();
+    let of_branches: Vec<ScreenLattice> = (0..branches.branch_count()).map(|k| branches.extended_lattice(k)).collect();
+    let lattices: Vec<&ScreenLattice> = parts.list.iter().map(|part| &of_branches[part.branch]).collect();
     let (mut pictures, mut warnings) = (Vec::new(), Vec::new());
-    for branch in 0..lattices.len() {
-        let mask = map.mask(branch, &lattices);
+    for part in 0..lattices.len() {
+        let mask = map.mask(part, &lattices);
         let Some(plate) = cut_out(flat_picture, map, &mask) else { continue };
-        let (picture, told) = warp(&plate, lattices[branch].clone());
+        let (picture, told) = warp(&plate, lattices[part].clone());
         pictures.push(picture);
         warnings.extend(told);
     }
@@ -149,7 +151,7 @@ pub(super) fn warped_branches(
 }
 
 /// The pixels of a mask, in the smallest window that holds them; `None`: there are none.
-fn cut_out(flat_picture: &FlatPicture, map: &BranchMap, mask: &[bool]) -> Option<Plate> {
+fn cut_out(flat_picture: &FlatPicture, map: &PartMap, mask: &[bool]) -> Option<Plate> {
     let width = map.window.width as usize;
     let rows: Vec<usize> =
         (0..map.window.height as usize).filter(|row| mask[row * width..][..width].contains(&true)).collect();

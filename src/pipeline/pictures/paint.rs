@@ -2,8 +2,9 @@
 //!
 //! In: a [`Gallery`] and solved samples. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
 
+use super::super::part_order::OrderedParts;
 use super::super::{PreparedShot, TimeSample};
-use super::branches::{BranchMap, warped_branches};
+use super::branches::{PartMap, warped_branches};
 use super::read::CHANNELS;
 use super::{FlatPicture, Gallery};
 use crate::image::{Channel, Frame, Plate, Storage};
@@ -23,8 +24,8 @@ struct Laid {
     warp: Option<Warp>,
     /// Its parts from back to front: the pixels that each may cover, with [`CHANNELS`].
     pictures: Vec<Frame>,
-    /// The branch of every pixel, where its lattice has branches.
-    branch_map: Option<BranchMap>,
+    /// The part of every pixel, where its lattice has branches.
+    part_map: Option<PartMap>,
     /// That it lies over itself, where that is seen; in words.
     warnings: Vec<String>,
 }
@@ -49,15 +50,16 @@ impl Gallery {
 #[derive(Clone, Debug, PartialEq)]
 enum Warp {
     Plain(ScreenLattice),
-    Branching(BranchedLattice<2>),
+    Branching(BranchedLattice<2>, OrderedParts),
 }
 
 impl Warp {
-    fn of(solution: &Solution<2>) -> Self {
-        match &solution.branches {
-            Some(branches) => Self::Branching(branches.clone()),
-            None => Self::Plain(solution.lattice.clone()),
-        }
+    fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
+        let Solution { lattice, branches, .. } = sample.layers[layer].solution.as_ref()?;
+        Some(match branches {
+            Some(branches) => Self::Branching(branches.clone(), OrderedParts::of(prepared, layer, (sample, branches))),
+            None => Self::Plain(lattice.clone()),
+        })
     }
 }
 
@@ -150,7 +152,7 @@ impl<'a> Painter<'a> {
     /// A picture, warped as at a sample.
     fn lay(&mut self, index: usize, sample: &TimeSample) -> &Laid {
         let owner = self.prepared.assignment.layer_of_part[index];
-        let warp = owner.and_then(|layer| sample.layers[layer].solution.as_ref()).map(Warp::of);
+        let warp = owner.and_then(|layer| Warp::of(self.prepared, sample, layer));
         let flat_picture = &self.gallery.flat_pictures[index];
         let laid = match self.laid[index].take() {
             Some(laid) if laid.warp == warp => laid,
@@ -182,28 +184,28 @@ fn warped(
         let (plate, report) = warp_plate(plate, &job).expect("a matte of all that is there names nothing");
         (plate.into_frame(), report.warnings)
     };
-    let (pictures, branch_map, warnings) = match &warp {
+    let (pictures, part_map, warnings) = match &warp {
         None => (vec![flat_picture.plate.clone().into_frame()], None, Vec::new()),
         Some(Warp::Plain(lattice)) => {
             let (picture, warnings) = of_lattice(&flat_picture.plate, lattice.clone());
             (vec![picture], None, warnings)
         }
-        Some(Warp::Branching(branches)) => {
+        Some(Warp::Branching(branches, parts)) => {
             let map = last
-                .and_then(|last| last.branch_map_of(branches))
-                .unwrap_or_else(|| BranchMap::of(flat_picture, branches));
-            let (pictures, warnings) = warped_branches(flat_picture, (&map, branches), of_lattice);
+                .and_then(|last| last.part_map_of(branches, parts))
+                .unwrap_or_else(|| PartMap::of(flat_picture, branches, parts));
+            let (pictures, warnings) = warped_branches(flat_picture, (&map, branches, parts), of_lattice);
             (pictures, Some(map), warnings)
         }
     };
-    Laid { warp, pictures, branch_map, warnings }
+    Laid { warp, pictures, part_map, warnings }
 }
 
 impl Laid {
-    /// The branch of every pixel, where the picture hangs together as under other branches.
-    fn branch_map_of(self, branches: &BranchedLattice<2>) -> Option<BranchMap> {
+    /// The part of every pixel, where the picture hangs together as under other branches.
+    fn part_map_of(self, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Option<PartMap> {
         match self.warp {
-            Some(Warp::Branching(last)) if last.has_same_pieces(branches) => self.branch_map,
+            Some(Warp::Branching(last, known)) if last.has_same_pieces(branches) && known == *parts => self.part_map,
             _ => None,
         }
     }

@@ -36,6 +36,14 @@ impl Check<'_> {
         let (nodes, is_rest) = nodes(raw.nodes);
         let selection = Selection { is_rest, ..self.selection(&raw.select, &key, shot) };
         let handles = self.handles(raw.handle, &key, space.dims(), shot);
+        let pins = self.pins(raw.pin, &key, shot);
+        if let Some(pin) = pins.iter().position(|pin| !pin.order.is_empty())
+            && settings.topology == Topology::Plain
+            && shot.source == Kind::Images
+        {
+            let hint = "add topology = \"branching\" to `lattice`";
+            self.fault(&format!("{key}.pin[{pin}].order"), "it acts on branching lattices only", hint);
+        }
         Layer {
             nodes,
             selection,
@@ -54,7 +62,7 @@ impl Check<'_> {
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             stiffness: self.stiffness(raw.stiffness, &key),
-            pins: self.pins(raw.pin, &key, shot),
+            pins,
             handles,
         }
     }
@@ -179,7 +187,6 @@ impl Check<'_> {
         let faults = [
             (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
             (raw.lattice.space != RawSpace::Screen, "lies on the screen", "take `space` out"),
-            (raw.transfer.is_some(), "cannot be taken from another shot", "use pins instead of `transfer`"),
             (
                 !matches!(raw.lattice.basis.support(), Support::Tensor { .. }),
                 "needs a basis with local support and no diagonals",

@@ -3,9 +3,9 @@
 //! In: raw pins and handles. Out: [`Pin`]s and [`HandleTrack`]s, each with at least one key.
 
 use super::place::PinKind;
-use super::{Check, LayerDefaults};
-use crate::shot::raw::{RawAnchor, RawHandle, RawPin, RawSpace};
-use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, Pin, PinKey};
+use super::{Check, Kind, LayerDefaults};
+use crate::shot::raw::{RawAnchor, RawHandle, RawOrder, RawOrderKey, RawPin, RawSpace};
+use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, OrderKey, Pin, PinKey};
 use crate::space::{ScreenPoint, ScreenVector};
 
 /// Frame heights (or box sizes) beyond which a number was surely meant as pixels.
@@ -28,6 +28,7 @@ impl Check<'_> {
                     .map(|region| self.region(&region, &format!("{}.region", key(index)), (raw.unit, shot))),
                 weight: raw.weight,
                 is_muted: raw.mute,
+                order: self.order(raw.order.as_ref(), &format!("{}.order", key(index)), shot),
                 keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
                 name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
             })
@@ -98,6 +99,24 @@ impl Check<'_> {
         let weights = weights.map(|weight| weight.max(0.0));
         let sum: f64 = weights.iter().sum();
         weights.map(|weight| weight / sum)
+    }
+
+    fn order(&mut self, raw: Option<&RawOrder>, key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
+        let Some(raw) = raw else { return Vec::new() };
+        if shot.source != Kind::Images {
+            let what = match shot.source {
+                Kind::Frame => "the parts of a plate have no shape that could overlap",
+                _ => "in a scene parts lie in front of each other by their depth",
+            };
+            self.fault(key, what, "remove it, or warp an `image`");
+        }
+        match raw {
+            RawOrder::Always(value) => vec![OrderKey { frame: 0.0, value: *value }],
+            RawOrder::Keys(keys) => {
+                self.increasing(keys.iter().map(|key| key.frame), key);
+                keys.iter().map(|&RawOrderKey { frame, value }| OrderKey { frame, value }).collect()
+            }
+        }
     }
 
     fn pin_keys(&mut self, raw: &RawPin, key: &str, shot: &LayerDefaults) -> Vec<PinKey> {

@@ -251,10 +251,35 @@ pub(in crate::shot) struct RawPin {
     #[serde(default)]
     #[schemars(example = true)]
     pub(in crate::shot) mute: bool,
+    /// What lies in front where parts of a picture overlap: of the parts around two pins that of the greater order; default: 0.
+    #[schemars(example = 1)]
+    pub(in crate::shot) order: Option<RawOrder>,
     /// Where it goes, frames increasing; none: it holds its place.
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
     pub(in crate::shot) keys: Vec<RawPinKey>,
+}
+
+/// An order, or one from each key on.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawOrder {
+    /// In all frames.
+    Always(#[schemars(range(min = -1000, max = 1000))] i32),
+    /// Held from each key to the next, frames increasing; before the first key as at it.
+    Keys(#[schemars(length(min = 1))] Vec<RawOrderKey>),
+}
+
+/// A key of an order.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawOrderKey {
+    /// When.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: f64,
+    /// The order from there on.
+    #[schemars(range(min = -1000, max = 1000), example = 1)]
+    pub(in crate::shot) value: i32,
 }
 
 /// The neighbourhood that a pin takes along, fading out to its rim.

@@ -3,16 +3,18 @@
 //! In: a [`Branching`] and moved copies. Out: places of points of the shape, lattices to draw with.
 
 use super::continuation::continued;
-use super::{Branching, handles_of_cell};
+use super::{Branching, checked_width, handles_of_cell};
 use crate::lattice::{Folds, Grid, Lattice};
-use crate::solve::problem::PointPin;
+use crate::solve::error::SolveError;
+use crate::solve::problem::{PointPin, Shape};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// A solved lattice with branches, the largest first.
 #[derive(Clone, Debug)]
 pub struct BranchedLattice<const D: usize> {
-    branching: Arc<Branching<D>>,
+    pub(super) branching: Arc<Branching<D>>,
     /// Where the copies are.
     copies: Vec<[f64; D]>,
 }
@@ -29,6 +31,52 @@ impl<const D: usize> PartialEq for BranchedLattice<D> {
 impl<const D: usize> BranchedLattice<D> {
     pub(crate) fn new(branching: &Arc<Branching<D>>, copies: Vec<[f64; D]>) -> Self {
         Self { branching: Arc::clone(branching), copies }
+    }
+
+    /// The lattice at rest over a shape.
+    ///
+    /// # Errors
+    /// [`SolveError::Invalid`] where the grid's basis, or the shape, does not branch.
+    pub fn at_rest(grid: &Grid<D>, shape: &Shape<D>) -> Result<Self, SolveError> {
+        let branching = Branching::split(grid, shape, checked_width(grid, shape)?);
+        let copies = branching.rest();
+        Ok(Self { branching: Arc::new(branching), copies })
+    }
+
+    /// The same shape moved by other lattices with as many handles, as lattices that branch otherwise are laid over it: each copy of a
+    /// handle goes where the lattice has it that owns most of the copy's piece. `owners` gives the indices of the lattices that own a
+    /// point of the shape at rest.
+    ///
+    /// # Panics
+    /// Where an owner is no index of a lattice, or a lattice has too few handles.
+    #[must_use]
+    pub fn moved_by(&self, lattices: &[Lattice<D>], mut owners: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
+        let Branching { handles, cuts, pieces, .. } = self.branching.as_ref();
+        let mut areas = vec![BTreeMap::new(); handles.len()];
+        for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
+            for owner in owners(cut.middle()) {
+                for &copy in &pieces.list[piece].copies {
+                    *areas[copy].entry(owner).or_insert(0.0) += cut.area;
+                }
+            }
+        }
+        let place = |(areas, &handle): (&BTreeMap<usize, f64>, &usize)| {
+            // Of equal ones the first.
+            let owner = areas.iter().rev().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(owner, _)| *owner);
+            lattices[owner].handles[handle]
+        };
+        let copies = areas.iter().zip(handles).map(place).collect();
+        Self { branching: Arc::clone(&self.branching), copies }
+    }
+
+    /// Linear interpolation over the same pieces: this lattice at 0, the other at 1.
+    ///
+    /// # Panics
+    /// Where the other has fewer copies.
+    #[must_use]
+    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+        let mix = |k: usize| std::array::from_fn(|d| self.copies[k][d] * (1.0 - share) + other.copies[k][d] * share);
+        Self { branching: Arc::clone(&self.branching), copies: (0..self.copies.len()).map(mix).collect() }
     }
 
     /// Number of branches.

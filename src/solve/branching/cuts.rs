@@ -24,6 +24,14 @@ pub(super) struct Cut<const D: usize> {
     pub(super) polygon: Polygon<D>,
 }
 
+impl<const D: usize> Cut<D> {
+    /// The mean of its corners.
+    pub(super) fn middle(&self) -> [f64; D] {
+        let corners = self.polygon.corners();
+        std::array::from_fn(|d| corners.iter().map(|corner| corner[d]).sum::<f64>() / corners.len() as f64)
+    }
+}
+
 /// All cuts, triangle by triangle.
 pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<D>> {
     let side = (0..D).map(|axis| grid.spacing(axis)).fold(f64::INFINITY, f64::min);

@@ -7,6 +7,7 @@
 //! M. Nesme et al., "Preserving Topology and Elasticity for Embedded Deformable Models", 2009). docs/METHOD.md has the proofs.
 
 mod adjacency;
+mod along_shape;
 mod around_pin;
 mod bending;
 mod branched_lattice;
@@ -84,7 +85,10 @@ impl<const D: usize> Branching<D> {
         if settings.topology == Topology::Plain {
             return Ok(None);
         }
-        let width = checked_width(problem)?;
+        if let Some([what, hint]) = settings.branching_fault() {
+            return Err(refusal(what, hint));
+        }
+        let width = checked_width(grid, shape)?;
         let branching = Self::split(grid, shape, width);
         Ok(branching.handles.windows(2).any(|pair| pair[0] == pair[1]).then_some(branching))
     }
@@ -210,25 +214,22 @@ pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) 
 }
 
 /// Handles that have a weight at a coordinate.
-fn checked_width<const D: usize>(problem: &Problem<D>) -> Result<usize, SolveError> {
-    let Problem { grid, shape, settings, .. } = *problem;
-    let refused = |what: &str, hint: &str| {
-        let what = format!("a branching lattice with {what}");
-        Err(SolveError::Invalid { what, hint: format!("{hint}, or set topology = \"plain\"") })
-    };
+fn checked_width<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Result<usize, SolveError> {
     let Support::Tensor { width } = grid.basis.support() else {
-        return refused(&format!("the {} basis", grid.basis.label()), "use basis = \"bspline\" or \"bilinear\"");
+        return Err(refusal(&format!("the {} basis", grid.basis.label()), "use basis = \"bspline\" or \"bilinear\""));
     };
     if D != 2 {
-        return refused("space = \"world\"", "use space = \"screen\"");
-    }
-    if let Some([what, hint]) = settings.branching_fault() {
-        return refused(what, hint);
+        return Err(refusal("space = \"world\"", "use space = \"screen\""));
     }
     if shape.triangles.is_empty() || !shape.strokes.is_empty() {
-        return refused("lines, or without triangles", "use a shape of triangles alone");
+        return Err(refusal("lines, or without triangles", "use a shape of triangles alone"));
     }
     Ok(width)
+}
+
+fn refusal(what: &str, hint: &str) -> SolveError {
+    let what = format!("a branching lattice with {what}");
+    SolveError::Invalid { what, hint: format!("{hint}, or set topology = \"plain\"") }
 }
 
 /// The point of a triangle that is nearest to a point (C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).

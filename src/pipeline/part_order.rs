@@ -1,0 +1,60 @@
+//! Which parts of a layer move as one, and their order where they overlap.
+//!
+//! In: a [`PreparedShot`], a solved [`TimeSample`], a layer whose lattice branches. Out: [`OrderedParts`].
+
+use super::screen_layer::held_triangle;
+use super::{PreparedShot, TimeSample};
+use crate::solve::BranchedLattice;
+use std::collections::BTreeMap;
+
+/// What of a branch has one order. Parts compare by order, then by branch: the largest first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct OrderedPart {
+    /// Of the pin that is nearest along the shape; 0 where no pin has one.
+    pub(super) order: i32,
+    pub(super) branch: usize,
+}
+
+/// The parts of a layer.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct OrderedParts {
+    /// From back to front, as far as the order and the size of branches say.
+    pub(super) list: Vec<OrderedPart>,
+    /// Place in the list of each piece, in the order of [`BranchedLattice::pieces`].
+    pub(super) of_pieces: Vec<u32>,
+}
+
+impl OrderedParts {
+    pub(super) fn of(
+        prepared: &PreparedShot,
+        layer: usize,
+        (now, branches): (&TimeSample, &BranchedLattice<2>),
+    ) -> Self {
+        let orders = orders(prepared, layer, (now, branches));
+        let order_of = |piece: usize| orders.as_ref().map_or(0, |orders| orders[piece]);
+        let parts: Vec<OrderedPart> = (branches.pieces().enumerate())
+            .map(|(piece, (branch, _))| OrderedPart { order: order_of(piece), branch })
+            .collect();
+        let mut places: BTreeMap<OrderedPart, u32> = parts.iter().map(|&part| (part, 0)).collect();
+        (0..).zip(places.values_mut()).for_each(|(number, place)| *place = number);
+        Self { of_pieces: parts.iter().map(|part| places[part]).collect(), list: places.into_keys().collect() }
+    }
+}
+
+/// The order of each piece; `None` where no pin has one.
+fn orders(
+    prepared: &PreparedShot,
+    index: usize,
+    (now, branches): (&TimeSample, &BranchedLattice<2>),
+) -> Option<Vec<i32>> {
+    let (layer, state) = (&prepared.shot.layers[index], &now.layers[index]);
+    if state.pins.is_empty() || layer.pins.iter().all(|pin| pin.order.is_empty()) {
+        return None;
+    }
+    let anchors = prepared.anchors_of(index);
+    let held = state.pins.iter().map(|pin| (pin.rest.0.to_array(), held_triangle(&anchors[pin.pin], &state.starts)));
+    let nearest = branches.nearest_along_shape(&held.collect::<Vec<_>>());
+    let key_frame = prepared.key_frame(layer, now.frame);
+    let of_pins: Vec<i32> = state.pins.iter().map(|pin| layer.pins[pin.pin].order_at(key_frame)).collect();
+    Some(nearest.into_iter().map(|pin| of_pins[pin]).collect())
+}
