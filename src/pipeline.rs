@@ -14,6 +14,7 @@
 // Once a shot.
 mod anchors;
 mod auto_dims;
+mod branch_lattices;
 mod cameras;
 mod layer_assignment;
 mod lighting;
@@ -101,7 +102,8 @@ mod registration;
 
 pub use anchors::{PinAnchor, RestPoint};
 pub use bake::BakeTimes;
-pub(crate) use branches::{BranchPart, Exposure, fields_of, lattices_of_file, parts_of_file};
+pub(crate) use branch_lattices::lattices_of_file;
+pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
 #[cfg(feature = "cli")]
 pub(crate) use contents::digest_with;
 pub use error::PipelineError;

@@ -2,7 +2,8 @@
 //!
 //! In: a [`PreparedShot`], a layer. Out: its problem at any time.
 
-use super::screen_layer::{LayerSolver, LayerTask, held_triangle, is_branching, unfactored};
+use super::part_starts::held_triangle;
+use super::screen_layer::{LayerSolver, LayerTask, is_branching, unfactored};
 use super::screen_shape::{ScreenShape, screen_shape_with_starts};
 use super::{PinAnchor, PreparedShot, TimeSample};
 use crate::lattice::Grid;

@@ -2,7 +2,7 @@
 //!
 //! In: a [`PreparedShot`], a solved [`TimeSample`], a layer whose lattice branches. Out: [`OrderedParts`].
 
-use super::screen_layer::held_triangle;
+use super::part_starts::held_triangle;
 use super::{PreparedShot, TimeSample};
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;

@@ -5,7 +5,7 @@
 use super::lattice_box::screen_box;
 use super::layer_pins::{faded_weight, held_border, moved_handles, region};
 use super::layer_solve::{factor, solve_layer};
-use super::part_starts::PartStarts;
+use super::part_starts::{PartStarts, held_triangle};
 use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample, whole_layer};
 use crate::lattice::Grid;
@@ -68,7 +68,10 @@ pub(super) fn solve(
     if let Some(loaded) = &prepared.layer_inputs.loaded[index] {
         let key_frame = prepared.key_frame(layer, sample.frame);
         let rest_box = || screen_box(prepared, sample, index, bounds);
-        let shape = || screen_shape_with_starts(prepared, sample, index);
+        let shape = || {
+            let ScreenShape { shape, starts } = screen_shape_with_starts(prepared, sample, index);
+            (shape, starts)
+        };
         return Ok(loaded.state(&prepared.shot, layer, key_frame, (rest_box, shape)));
     }
     if layer.pins.is_empty() && layer.handles.is_empty() {
@@ -137,14 +140,6 @@ pub(super) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &La
 /// Whether parts of a layer's shape may have lattices of their own.
 pub(super) fn is_branching(layer: &Layer) -> bool {
     layer.settings.topology == Topology::Branching
-}
-
-/// The triangle of the shape that a pin holds.
-pub(super) fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
-    let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
-    let starts = &parts.iter().find(|own| own.part == part)?.starts;
-    let [start, end] = [*starts.get(triangle)?, *starts.get(triangle + 1)?];
-    (start < end).then_some(start)
 }
 
 /// Where a layer moves a whole plate from edge to edge, nothing is known beyond the edge, and a background must not

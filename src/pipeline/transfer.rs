@@ -4,13 +4,12 @@
 
 use super::layer_pins::unmeasured;
 use super::part_starts::PartStarts;
-use super::screen_shape::ScreenShape;
 use super::transferred_branches::SourceFrame;
 use super::{LayerState, PipelineError};
 use crate::export::{LatticeFile, Track};
 use crate::lattice::{Folds, LatticeFit};
 use crate::shot::{Layer, Shot, Transfer, TransferFit};
-use crate::solve::{BranchedLattice, Solution, SolveReport, Topology};
+use crate::solve::{BranchedLattice, Shape, Solution, SolveReport, Topology};
 use crate::space::ScreenBox;
 use crate::spelling;
 use std::collections::BTreeMap;
@@ -96,7 +95,7 @@ impl Loaded {
         shot: &Shot,
         layer: &Layer,
         key_frame: f64,
-        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> ScreenShape),
+        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> (Shape<2>, Vec<PartStarts>)),
     ) -> LayerState {
         let (ends, share) = self.around(key_frame);
         let [before, after] = ends;
@@ -114,7 +113,7 @@ impl Loaded {
         let mut state = LayerState::default();
         let mut warnings = Vec::new();
         let branched = self.has_branches.then(|| {
-            let ScreenShape { shape, starts } = shape();
+            let (shape, starts) = shape();
             let rest = BranchedLattice::at_rest(&lattice.grid, &shape);
             let moved = rest.map(|rest| {
                 let moved = before.over(&rest, &fit).mixed(&after.over(&rest, &fit), share);

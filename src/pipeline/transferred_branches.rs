@@ -1,7 +1,7 @@
 //! The branches of a lattice file laid over another shape.
 //!
 //! In: the branches of a frame of the file, a [`LatticeFit`], a shape that splits by itself. Out: a [`BranchedLattice`] over that shape:
-//! each part of it goes with the branch of the file that owns most of it, or lies nearest.
+//! each part of it goes with the branch of the file that holds most of it, or lies nearest.
 
 use super::lattices_of_file;
 use crate::export::LatticeBranches;
@@ -23,12 +23,12 @@ pub(super) struct SourceFrame {
 #[derive(Clone, Debug)]
 struct SourceParts {
     lattices: Vec<ScreenLattice>,
-    regions: RTree<OwnedPolygon>,
+    regions: RTree<BranchPolygon>,
 }
 
 /// A convex polygon of the shape at rest.
 #[derive(Clone, Debug)]
-struct OwnedPolygon {
+struct BranchPolygon {
     branch: usize,
     corners: Vec<[f64; 2]>,
 }
@@ -42,7 +42,7 @@ impl SourceFrame {
     pub(super) fn over(&self, rest: &BranchedLattice<2>, fit: &LatticeFit) -> BranchedLattice<2> {
         let SourceParts { lattices, regions } = self.parts.get_or_init(|| self.parts());
         let lattices: Vec<ScreenLattice> = lattices.iter().map(|lattice| lattice.transferred(fit).lattice).collect();
-        rest.moved_by(&lattices, |point| owners(regions, self.lattice.origin_of(point, fit)))
+        rest.moved_by(&lattices, |point| branches_at(regions, self.lattice.origin_of(point, fit)))
     }
 
     fn parts(&self) -> SourceParts {
@@ -50,7 +50,7 @@ impl SourceFrame {
             return SourceParts { lattices: vec![self.lattice.clone()], regions: RTree::new() };
         };
         let polygons = (0..branches.list.len())
-            .flat_map(|branch| branches.polygons(branch).map(move |corners| OwnedPolygon { branch, corners }));
+            .flat_map(|branch| branches.polygons(branch).map(move |corners| BranchPolygon { branch, corners }));
         SourceParts {
             lattices: lattices_of_file(branches, &self.lattice.grid),
             regions: RTree::bulk_load(polygons.filter(|polygon| !polygon.corners.is_empty()).collect()),
@@ -58,18 +58,18 @@ impl SourceFrame {
     }
 }
 
-/// The branches that own a point: all that lie over it, else the nearest.
-fn owners(regions: &RTree<OwnedPolygon>, point: [f64; 2]) -> Vec<usize> {
-    let mut owners: Vec<usize> = regions.locate_all_at_point(point).map(|polygon| polygon.branch).collect();
-    owners.sort_unstable();
-    owners.dedup();
-    if owners.is_empty() {
-        owners.push(regions.nearest_neighbor(point).map_or(0, |polygon| polygon.branch));
+/// The branches that hold a point: all that lie over it, else the nearest.
+fn branches_at(regions: &RTree<BranchPolygon>, point: [f64; 2]) -> Vec<usize> {
+    let mut found: Vec<usize> = regions.locate_all_at_point(point).map(|polygon| polygon.branch).collect();
+    found.sort_unstable();
+    found.dedup();
+    if found.is_empty() {
+        found.push(regions.nearest_neighbor(point).map_or(0, |polygon| polygon.branch));
     }
-    owners
+    found
 }
 
-impl RTreeObject for OwnedPolygon {
+impl RTreeObject for BranchPolygon {
     type Envelope = AABB<[f64; 2]>;
 
     fn envelope(&self) -> Self::Envelope {
@@ -77,7 +77,7 @@ impl RTreeObject for OwnedPolygon {
     }
 }
 
-impl PointDistance for OwnedPolygon {
+impl PointDistance for BranchPolygon {
     fn distance_2(&self, point: &[f64; 2]) -> f64 {
         let sides = || self.corners.iter().zip(self.corners.iter().cycle().skip(1));
         // On the same side of all sides: inside.
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn points_belong_to_what_lies_over_them_or_nearest() {
-        let square = |branch: usize, x: f64| OwnedPolygon {
+        let square = |branch: usize, x: f64| BranchPolygon {
             branch,
             corners: vec![[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]],
         };
@@ -110,7 +110,7 @@ mod tests {
         for (point, wanted) in
             [([0.2, 0.5], vec![0]), ([0.7, 0.5], vec![0, 1]), ([3.0, 0.5], vec![2]), ([2.0, 5.0], vec![1])]
         {
-            assert_eq!(owners(&regions, point), wanted, "{point:?}");
+            assert_eq!(branches_at(&regions, point), wanted, "{point:?}");
         }
         let far = square(0, 0.0).distance_2(&[2.0, 2.0]);
         assert!((far - 2.0).abs() < 1e-12 && square(0, 0.0).distance_2(&[0.5, 0.5]) == 0.0, "{far}");

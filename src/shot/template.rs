@@ -179,8 +179,8 @@ fn layer(facts: &TemplateFacts) -> String {
     );
     let (lattice, region, handle) = match facts.subject {
         Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
-        // Lattices that branch have neither.
-        Subject::Image => (IMAGE_LATTICE, "", ""),
+        // Handles have numbers where dims have.
+        Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
     format!(
         "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
@@ -231,8 +231,13 @@ const SCENE_LATTICE: &str = "lattice = { dims = [10, 10], basis = \"bspline\", b
 /// That of a drawing, whose parts hang close to each other.
 const IMAGE_LATTICE: &str = "## Parts that are close to each other move apart; dims fit the thinnest of them.
 lattice = { dims = \"auto\", topology = \"branching\" }
-## One piece, with handles that can be moved one by one and pins with a radius:
+## One piece:
 ## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
+";
+
+/// The same, and what lies in front.
+const IMAGE_REGION: &str = "  # region = { radius = 0.1, rigidity = 1.0, stiffness = 1.0 }   # takes what is around it along as one piece, stiffens it
+  # order  = 1                              # the part around it lies in front of others; [{ frame = 9, value = -1 }]: from frame 9 behind
 ";
 
 /// The neighbourhood of a pin.

@@ -351,9 +351,8 @@ fn branches_leave_no_seams() {
 /// An arm that is laid over the body, or behind it, as its pin's order says.
 #[test]
 fn the_order_of_pins_says_which_part_is_in_front() {
-    let wall = Wall::new();
     let red = |x: f32| x * 0.02 - 0.3;
-    let text_of = |order: &str| {
+    let text_of = |wall: &Wall, order: &str| {
         wall.hang("arm.exr", SIZE, drawn(SIZE, "", body_and_arm));
         let pins = [(18.0, 10.0, 0.0), (38.0, 40.0, 0.0), (28.0, 55.0, 0.0), (55.0, 46.0, -25.0)].map(|(x, y, dx)| {
             let order = if dx == 0.0 { "" } else { order };
@@ -369,7 +368,8 @@ fn the_order_of_pins_says_which_part_is_in_front() {
     };
     // What is seen where the hand now is, and how far it is from the colours of body and arm.
     let seen = |order: &str| {
-        let (frame, _) = wall.render(wall.shot(&text_of(order)));
+        let wall = Wall::new();
+        let (frame, _) = wall.render(wall.shot(&text_of(&wall, order)));
         let found = at(&frame, "R", 30, 45);
         [30.5, 55.5].map(|x| (found - red(x)).abs())
     };
@@ -380,7 +380,8 @@ fn the_order_of_pins_says_which_part_is_in_front() {
     assert!([in_front, keyed].iter().all(|seen| seen[1] < 0.08 && seen[0] > 0.3), "{in_front:?} {keyed:?}");
     // Lattice files list branches from back to front.
     let owner_in_front = |order: &str, frame: i32| {
-        let prepared = PreparedShot::new(wall.shot(&text_of(order))).expect("the pictures are there");
+        let wall = Wall::new();
+        let prepared = PreparedShot::new(wall.shot(&text_of(&wall, order))).expect("the pictures are there");
         let file = pinwarp::pipeline::lattices(&prepared, &[frame], |_| ()).expect("solvable");
         let branches = &file.layers[0].branches[&frame];
         let hand = [55.0 / 64.0, 1.0 - 46.0 / 64.0];

@@ -13,11 +13,11 @@ use super::part_order::{OrderedPart, OrderedParts};
 use super::passes::{PassPlan, mid_shutter, plan_passes};
 use super::{PreparedShot, TimeSample};
 use crate::export::LatticeBranches;
-use crate::lattice::{Grid, ScreenLattice};
+use crate::lattice::ScreenLattice;
 use crate::plate::{Coverage, Field, SharedParts};
 use crate::raster::PassRole;
 use crate::shot::Shutter;
-use crate::solve::{Solution, continued};
+use crate::solve::Solution;
 use crate::space::{FrameSize, PixelRect};
 use depth_order::from_back_to_front;
 use drawn_pieces::{DrawnPieces, PlacedPieces};
@@ -148,11 +148,6 @@ impl PreparedShot {
             }
         }
     }
-}
-
-/// The lattices of the branches of a lattice file, over the grid of their frame.
-pub(crate) fn lattices_of_file(branches: &LatticeBranches, grid: &Grid<2>) -> Vec<ScreenLattice> {
-    branches.list.par_iter().map(|branch| continued(grid, &branch.handles)).collect()
 }
 
 /// The parts of a picture that the branches of a lattice file cut out of it, from back to front. `around`: where they go in the frames

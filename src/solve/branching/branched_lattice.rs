@@ -44,26 +44,43 @@ impl<const D: usize> BranchedLattice<D> {
     }
 
     /// The same shape moved by other lattices with as many handles, as lattices that branch otherwise are laid over it: each copy of a
-    /// handle goes where the lattice has it that owns most of the copy's piece. `owners` gives the indices of the lattices that own a
-    /// point of the shape at rest.
+    /// handle goes where the lattice has it that holds most of the copy's piece. `holders` gives the indices of the lattices that hold a
+    /// point of the shape at rest; where several do, as where legs cross, that one counts whose part is most like the branch of the point.
     ///
     /// # Panics
-    /// Where an owner is no index of a lattice, or a lattice has too few handles.
+    /// Where an holder is no index of a lattice, or a lattice has too few handles.
     #[must_use]
-    pub fn moved_by(&self, lattices: &[Lattice<D>], mut owners: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
-        let Branching { handles, cuts, pieces, .. } = self.branching.as_ref();
+    pub fn moved_by(&self, lattices: &[Lattice<D>], mut holders: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
+        let Branching { handles, cuts, pieces, branch_of, .. } = self.branching.as_ref();
+        let holders: Vec<Vec<usize>> = cuts.iter().map(|cut| holders(cut.middle())).collect();
+        let branch = |cut: usize| branch_of[pieces.of_cuts[cut]];
+        let mut whole = vec![0.0; self.branch_count()];
+        let mut held = vec![0.0; lattices.len()];
+        let mut common: BTreeMap<[usize; 2], f64> = BTreeMap::new();
+        for (cut, (area, holders)) in cuts.iter().map(|cut| cut.area).zip(&holders).enumerate() {
+            whole[branch(cut)] += area;
+            for &holder in holders {
+                held[holder] += area;
+                *common.entry([branch(cut), holder]).or_insert(0.0) += area;
+            }
+        }
+        // 1 where a branch and the part of an holder are the same, 0 where they are apart.
+        let likeness = |branch: usize, holder: usize| {
+            let common = common.get(&[branch, holder]).copied().unwrap_or(0.0);
+            common * common / (whole[branch] * held[holder])
+        };
         let mut areas = vec![BTreeMap::new(); handles.len()];
-        for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
-            for owner in owners(cut.middle()) {
-                for &copy in &pieces.list[piece].copies {
-                    *areas[copy].entry(owner).or_insert(0.0) += cut.area;
-                }
+        for (number, (cut, holders)) in cuts.iter().zip(&holders).enumerate() {
+            let like = |holder: &usize| likeness(branch(number), *holder);
+            // Of equal ones the first.
+            let holder = holders.iter().rev().max_by(|a, b| like(a).total_cmp(&like(b))).copied().unwrap_or(0);
+            for &copy in &pieces.list[pieces.of_cuts[number]].copies {
+                *areas[copy].entry(holder).or_insert(0.0) += cut.area;
             }
         }
         let place = |(areas, &handle): (&BTreeMap<usize, f64>, &usize)| {
-            // Of equal ones the first.
-            let owner = areas.iter().rev().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(owner, _)| *owner);
-            lattices[owner].handles[handle]
+            let holder = areas.iter().rev().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(holder, _)| *holder);
+            lattices[holder].handles[handle]
         };
         let copies = areas.iter().zip(handles).map(place).collect();
         Self { branching: Arc::clone(&self.branching), copies }
