@@ -185,7 +185,7 @@ fn branches_are_laid_over_another_shape() {
     lattices(&source, &[5, 6], |_| ()).expect("solvable").write(&file).expect("it is written");
     let transferred = |topology: &str, fit: &str| {
         let text = format!(
-            "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 5, last = 6, rate = 24, clip = 'Walk', clip_start = 1 }}\n\
+            "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 1, last = 17, rate = 24, clip = 'Walk' }}\n\
              size = [960, 540]\nshutter = {{ angle = 0 }}\n[[layer]]\nname = 'all'\n\
              lattice = {{ topology = '{topology}' }}\ntransfer = {{ lattice = '{}', fit = '{fit}' }}\n",
             fox.display(),
@@ -211,7 +211,13 @@ fn branches_are_laid_over_another_shape() {
         let [before, between, after] = [5.0, 5.5, 6.0].map(|frame| own(&prepared, frame));
         let mean: Vec<[f64; 2]> =
             (before.iter().zip(&after)).map(|(a, b)| [0, 1].map(|d| f64::midpoint(a[d], b[d]))).collect();
-        println!("{fit}: {:.2} px beside the mean of {:.2}", farthest(&between, &mean), farthest(&before, &after));
-        assert!(farthest(&between, &mean) < 0.5 * farthest(&before, &after).max(4.0));
+        let root_mean_square = |a: &[[f64; 2]], b: &[[f64; 2]]| {
+            let square = |(a, b): (&[f64; 2], &[f64; 2])| length([a[0] - b[0], a[1] - b[1]]).powi(2);
+            540.0 * (a.iter().zip(b).map(square).sum::<f64>() / a.len() as f64).sqrt()
+        };
+        let (beside, change) = (root_mean_square(&between, &mean), root_mean_square(&before, &after));
+        println!("{fit}: {beside:.2} px beside the mean, of {change:.2} px; at most {:.1}", farthest(&between, &mean));
+        // Either frame alone is half the change beside the mean; legs that move under the lattice bend the way a little.
+        assert!(beside < 0.35 * change, "{fit}: {beside} px of {change}");
     }
 }

@@ -7,7 +7,7 @@ use super::{Branching, checked_width, handles_of_cell};
 use crate::lattice::{Folds, Grid, Lattice};
 use crate::solve::error::SolveError;
 use crate::solve::problem::{PointPin, Shape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -43,46 +43,44 @@ impl<const D: usize> BranchedLattice<D> {
         Ok(Self { branching: Arc::new(branching), copies })
     }
 
-    /// The same shape moved by other lattices with as many handles, as lattices that branch otherwise are laid over it: each copy of a
-    /// handle goes where the lattice has it that holds most of the copy's piece. `holders` gives the indices of the lattices that hold a
-    /// point of the shape at rest; where several do, as where legs cross, that one counts whose part is most like the branch of the point.
+    /// The same shape moved by other lattices with as many handles, as branches of another shape are laid over it: each copy of a handle
+    /// goes where those lattices have it that hold the copy's piece. `holders` gives the indices of the lattices that hold a point of the
+    /// shape at rest. Where legs cross, several do: the ones that hold most of the piece count, and little beside it.
     ///
     /// # Panics
-    /// Where an holder is no index of a lattice, or a lattice has too few handles.
+    /// Where a holder is no index of a lattice, or a lattice has too few handles.
     #[must_use]
     pub fn moved_by(&self, lattices: &[Lattice<D>], mut holders: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
-        let Branching { handles, cuts, pieces, branch_of, .. } = self.branching.as_ref();
-        let holders: Vec<Vec<usize>> = cuts.iter().map(|cut| holders(cut.middle())).collect();
-        let branch = |cut: usize| branch_of[pieces.of_cuts[cut]];
-        let mut whole = vec![0.0; self.branch_count()];
-        let mut held = vec![0.0; lattices.len()];
-        let mut common: BTreeMap<[usize; 2], f64> = BTreeMap::new();
-        for (cut, (area, holders)) in cuts.iter().map(|cut| cut.area).zip(&holders).enumerate() {
-            whole[branch(cut)] += area;
-            for &holder in holders {
-                held[holder] += area;
-                *common.entry([branch(cut), holder]).or_insert(0.0) += area;
-            }
-        }
-        // 1 where a branch and the part of an holder are the same, 0 where they are apart.
-        let likeness = |branch: usize, holder: usize| {
-            let common = common.get(&[branch, holder]).copied().unwrap_or(0.0);
-            common * common / (whole[branch] * held[holder])
-        };
-        let mut areas = vec![BTreeMap::new(); handles.len()];
-        for (number, (cut, holders)) in cuts.iter().zip(&holders).enumerate() {
-            let like = |holder: &usize| likeness(branch(number), *holder);
-            // Of equal ones the first.
-            let holder = holders.iter().rev().max_by(|a, b| like(a).total_cmp(&like(b))).copied().unwrap_or(0);
-            for &copy in &pieces.list[pieces.of_cuts[number]].copies {
-                *areas[copy].entry(holder).or_insert(0.0) += cut.area;
+        let Branching { handles, cuts, pieces, .. } = self.branching.as_ref();
+        // Lattices that have a handle in the same place share a copy of it: the first stands for all.
+        let first_in_place: Vec<Vec<usize>> = (0..self.branching.grid.handle_count())
+            .map(|handle| {
+                let mut firsts = BTreeMap::new();
+                let place = |lattice: &Lattice<D>| lattice.handles[handle].map(f64::to_bits);
+                lattices.iter().enumerate().map(|(k, lattice)| *firsts.entry(place(lattice)).or_insert(k)).collect()
+            })
+            .collect();
+        // Areas that a lattice holds: of the piece of a copy, and of all pieces that a handle acts on.
+        let mut of_copies = vec![BTreeMap::new(); handles.len()];
+        let mut of_handles = vec![BTreeMap::new(); self.branching.grid.handle_count()];
+        for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
+            let holders = holders(cut.middle());
+            for &copy in &pieces.list[piece].copies {
+                let handle = handles[copy];
+                let firsts: BTreeSet<usize> = holders.iter().map(|&holder| first_in_place[handle][holder]).collect();
+                for first in firsts {
+                    *of_copies[copy].entry(first).or_insert(0.0) += cut.area;
+                    *of_handles[handle].entry(first).or_insert(0.0) += cut.area;
+                }
             }
         }
         let place = |(areas, &handle): (&BTreeMap<usize, f64>, &usize)| {
-            let holder = areas.iter().rev().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(holder, _)| *holder);
-            lattices[holder].handles[handle]
+            let likeness = |(holder, area): (&usize, &f64)| area * area / of_handles[handle][holder];
+            // Of equal ones the first.
+            let best = areas.iter().rev().max_by(|a, b| likeness(*a).total_cmp(&likeness(*b)));
+            lattices[best.map_or(0, |(holder, _)| *holder)].handles[handle]
         };
-        let copies = areas.iter().zip(handles).map(place).collect();
+        let copies = of_copies.iter().zip(handles).map(place).collect();
         Self { branching: Arc::clone(&self.branching), copies }
     }
 
