@@ -10,6 +10,11 @@ use std::fmt::Write;
 
 /// A strip that is pressed to two thirds, its upper end swinging from left to right: it buckles to one side, then to the other.
 pub(crate) fn swing(solve: &str) -> Studio {
+    swing_by(solve, 0.2)
+}
+
+/// The same, swinging as far to each side.
+fn swing_by(solve: &str, far: f64) -> Studio {
     let strip = grid("Strip", [-0.05, -0.42, 0.05, 0.42], 8);
     let mut pins = String::new();
     let mut pin = |triangle: usize, barycentric: &str, keys: &str| {
@@ -18,9 +23,9 @@ pub(crate) fn swing(solve: &str) -> Studio {
     };
     pin(0, "[1, 0, 0]", "");
     pin(14, "[0, 1, 0]", "");
-    let keys = "{ frame = 1, offset = [-0.2, -0.3] }, { frame = 9, offset = [0.2, -0.3] }";
-    pin(113, "[0, 0, 1]", keys);
-    pin(126, "[0, 0, 1]", keys);
+    let keys = format!("{{ frame = 1, offset = [-{far}, -0.3] }}, {{ frame = 9, offset = [{far}, -0.3] }}");
+    pin(113, "[0, 0, 1]", &keys);
+    pin(126, "[0, 0, 1]", &keys);
     Studio::tiny(&Tiny::of(vec![strip]), &format!("[[layer]]\nname = \"strip\"\nsolve = {{ {solve} }}\n{pins}"))
 }
 
@@ -88,7 +93,7 @@ fn frames_of_a_trajectory_are_the_same_alone_in_any_order_and_in_a_trimmed_shot(
 
 #[test]
 fn a_spread_snap_is_told() {
-    let prepared = swing("temporal = 0.3").prepared();
+    let prepared = swing_by("temporal = 0.3", 0.45).prepared();
     let warnings = |frame: i32| report(&prepared, frame, &prepared.mid_exposure(frame).expect("it is solved")).warnings;
     let told: Vec<String> =
         (1..=9).flat_map(warnings).filter(|text| text.contains("a snap is spread over frames")).collect();
