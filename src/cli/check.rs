@@ -37,7 +37,11 @@ impl Peaks {
             format!("; its warp jerks by at most {warp_px:.1} px, in frame {frame} (model and keys: {input_px:.1} px)")
         };
         let jerk = self.jerk.as_ref().map(jerk).unwrap_or_default();
-        format!("solved in at most {} a frame{jerk}", counted(self.iterations, "iteration", "iterations"))
+        // Frames that are solved together were solved before.
+        match self.iterations {
+            0 => format!("its frames are solved together{jerk}"),
+            most => format!("solved in at most {} a frame{jerk}", counted(most, "iteration", "iterations")),
+        }
     }
 }
 

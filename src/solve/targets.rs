@@ -29,6 +29,15 @@ impl<const D: usize> Targets<D> {
         Self { pins: pins.collect(), handles: handles.collect() }
     }
 
+    /// All pins and moved handles are where they rest, to the bit.
+    pub(crate) fn are_at_rest(&self, grid: &Grid<D>) -> bool {
+        let is_identity = |columns: &[[f64; D]; D]| {
+            (0..D).all(|row| (0..D).all(|column| columns[column][row] == f64::from(u8::from(row == column))))
+        };
+        self.pins.iter().all(|pin| pin.target == pin.at && pin.gradient.as_ref().is_none_or(is_identity))
+            && self.handles.iter().all(|handle| handle.target == grid.rest_handle(handle.index))
+    }
+
     /// Rest positions and targets of all pins and handles with a positive weight.
     pub(crate) fn ends(&self, grid: &Grid<D>) -> Vec<[[f64; D]; 2]> {
         let pins = self.pins.iter().filter(|pin| pin.weight > 0.0).map(|pin| [pin.at, pin.target]);

@@ -151,10 +151,11 @@ impl Ended {
     }
 }
 
-/// Names in a folder, sorted; none where there is no folder.
+/// Names in a folder, sorted, but for the folder of kept trajectories; none where there is no folder.
 pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.retain(|name| name != ".pinwarp-trajectories");
     names.sort();
     names
 }

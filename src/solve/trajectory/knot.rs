@@ -17,6 +17,9 @@ use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
 
+/// A state whose points are nearer to rest than this part of the box diagonal is rest, where all pins rest.
+const REST: f64 = 0.01;
+
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
 pub(crate) struct Knot<const D: usize> {
@@ -26,6 +29,8 @@ pub(crate) struct Knot<const D: usize> {
     points: Vec<[f64; D]>,
     rigid: RigidImage<D>,
     factor: CachedFactor,
+    /// Pins and handles are where they rest.
+    is_resting: bool,
     /// Which drawing it belongs to.
     pub(crate) drawing: i64,
     /// The least proximal weight with which the energy is known to be convex at the state.
@@ -58,9 +63,13 @@ impl<const D: usize> Knot<D> {
         let Targets { pins, handles } = &goal;
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
         let system = System::with_points(&bare, &points, cancel)?;
+        let is_resting = goal.are_at_rest(&grid);
         let rigid = RigidMotion::fit(&grid, pins, handles).continuous();
-        let images = |points: &[[f64; D]]| points.iter().map(|point| rigid.image(point)).collect::<Vec<_>>();
-        let rigid = RigidImage { handles: images(&system.rest()), points: images(&system.point_targets()) };
+        let images = |points: Vec<[f64; D]>| match is_resting {
+            true => points,
+            false => points.iter().map(|point| rigid.image(point)).collect(),
+        };
+        let rigid = RigidImage { handles: images(system.rest()), points: images(system.point_targets()) };
         let points = points.iter().map(|point| point.at).collect();
         let displacement = Displacement {
             handles: vec![[0.0; D]; rigid.handles.len()],
@@ -68,7 +77,7 @@ impl<const D: usize> Knot<D> {
             points: vec![[0.0; D]; rigid.points.len()],
         };
         let factor = CachedFactor::default();
-        Ok(Self { system, path, points, rigid, factor, drawing, convex_from: f64::INFINITY, displacement })
+        Ok(Self { system, path, points, rigid, factor, is_resting, drawing, convex_from: f64::INFINITY, displacement })
     }
 
     pub(crate) fn grid(&self) -> &Grid<D> {
@@ -83,6 +92,19 @@ impl<const D: usize> Knot<D> {
     /// Makes the state of another time its own. Copies of handles that there were none of then go with what is around them.
     pub(crate) fn start_from(&mut self, state: &Displacement<D>) {
         self.displacement = self.carried(state);
+    }
+
+    /// The same, as the result of a solve.
+    pub(crate) fn at(&mut self, state: &Displacement<D>) -> MinimizationResult<D> {
+        self.start_from(state);
+        MinimizationResult {
+            handles: self.handles(),
+            iterations: 0,
+            is_converged: true,
+            has_given_way: false,
+            is_minimum: None,
+            energy: None,
+        }
     }
 
     /// The state of another time, by the handles of this one.
@@ -130,6 +152,11 @@ impl<const D: usize> Knot<D> {
         Ok(result)
     }
 
+    /// Whether it rests where its neighbours, between which it is drawn to a state, do.
+    pub(crate) fn rests_at(&self, state: &Displacement<D>) -> bool {
+        self.is_resting && state.points.iter().chain(&state.handles).all(|by| *by == [0.0; D])
+    }
+
     /// The handles of the state.
     pub(crate) fn handles(&self) -> Vec<[f64; D]> {
         self.displaced(&self.displacement.handles)
@@ -156,12 +183,20 @@ impl<const D: usize> Knot<D> {
         self.convex_from = self.convex_from.min(weight);
     }
 
+    /// Takes a state. Where all pins are at rest that is rest itself, which is the least minimum: a neighbour that moves would draw it
+    /// away by fractions of a pixel. It is not, where the model is wound around once, or a snap is spread.
     fn take(&mut self, handles: &[[f64; D]]) {
         self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
         let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
         self.displacement.handles = by(handles, &self.rigid.handles);
         self.displacement.points = by(&points, &self.rigid.points);
+        let nearness = REST * self.grid().diagonal();
+        let is_near = |by: &[f64; D]| by.iter().all(|along| along.abs() < nearness);
+        if self.is_resting && self.displacement.points.iter().all(is_near) {
+            self.displacement.handles.fill([0.0; D]);
+            self.displacement.points.fill([0.0; D]);
+        }
     }
 
     /// Farthest that pins' targets, the model's points and their rigid images move to the next knot.

@@ -133,17 +133,8 @@ impl<const D: usize> Trajectory<D> {
     fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
-            Neighbourhood::At(state) => {
-                knot.start_from(state);
-                Ok(MinimizationResult {
-                    handles: knot.handles(),
-                    iterations: 0,
-                    is_converged: true,
-                    has_given_way: false,
-                    is_minimum: None,
-                    energy: None,
-                })
-            }
+            Neighbourhood::At(state) => Ok(knot.at(state)),
+            Neighbourhood::Near(state, _) if knot.rests_at(&state) => Ok(knot.at(&state)),
             Neighbourhood::Near(state, weight) => {
                 knot.start_from(&state);
                 knot.solve_near((&state.points, weight), Descent::Cold, cancel)
