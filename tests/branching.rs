@@ -6,7 +6,7 @@ mod puppet;
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::Arap;
 use pinwarp::solve::{
-    Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology, solve,
+    BranchedLattice, Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology, solve,
 };
 use puppet::{Puppet, Random};
 
@@ -272,6 +272,57 @@ fn moved_handles_move_all_their_copies() {
     let back = handles.map(|handle| HandlePin { target: [x - 0.01, y], ..handle });
     let solution = solver.update(&pins, &back).expect("the same handles");
     assert!(places(&solution).iter().all(|place| gap(*place, [x - 0.01, y]) < 1e-9), "{:?}", places(&solution));
+}
+
+#[test]
+fn drags_follow_all_branches() {
+    let girl = Puppet::girl();
+    let shape = girl.mesh(2.0 * SPACING);
+    let (grid, settings) =
+        (grid_over(&shape, [15, 15]), Settings { topology: Topology::Branching, ..Settings::default() });
+    let (rest, raised) = (girl.pins(), girl.raised());
+    let problem = Problem { grid: &grid, shape: &shape, pins: &rest, handles: &[], settings: &settings };
+    let solver = Solver::new(&problem).expect("a right problem");
+    let start = solver.solve();
+    let mut drag = solver.drag_from(&start).expect("a solution of the solver");
+    let moved = |share: f64| -> Vec<PointPin<2>> {
+        let towards = |(from, to): (&PointPin<2>, &PointPin<2>)| {
+            let target = [0, 1].map(|d| from.target[d] + share * (to.target[d] - from.target[d]));
+            PointPin { target, ..*from }
+        };
+        rest.iter().zip(&raised).map(towards).collect()
+    };
+    let farthest = |a: &BranchedLattice<2>, b: &BranchedLattice<2>| {
+        let corners = shape.triangles.iter().enumerate();
+        let gaps = corners.map(|(k, corners)| {
+            let point = shape.points[corners[0] as usize];
+            gap(a.evaluate(k, point), b.evaluate(k, point))
+        });
+        gaps.fold(0.0, f64::max)
+    };
+    for step in 1..=30 {
+        let pins = moved(f64::from(step) / 30.0);
+        let lattice = drag.follow(&pins, &[]).expect("the same pins");
+        let branches = drag.branches().expect("it branches");
+        assert_eq!(lattice, branches.lattice(0));
+        for pin in &pins {
+            assert!(gap(branches.pin_image(pin), pin.target) < 1e-9, "step {step}");
+        }
+        if step % 10 == 0 {
+            let solved = solver.update(&pins, &[]).expect("the same pins").branches.expect("it branches");
+            let lag = farthest(&branches, &solved);
+            println!("step {step}: {lag:.1e} heights behind");
+            assert!(lag < 1e-3, "step {step}: {lag}");
+        }
+    }
+    let settled = drag.settle(&raised, &[]).expect("the same pins");
+    let solved = solver.update(&raised, &[]).expect("the same pins");
+    assert!(settled.report.is_converged && settled.report.pin_residuals.is_empty());
+    let [settled, solved] = [settled, solved].map(|solution| solution.branches.expect("it branches"));
+    assert!(farthest(&settled, &solved) < 1e-5, "{}", farthest(&settled, &solved));
+    // From a solution of another solver, or a lattice alone, there is no way.
+    let plain = solve(&Problem { settings: &Settings::default(), ..problem }).expect("a right problem");
+    assert!(solver.drag_from(&plain).is_err() && solver.drag(&start.lattice).is_err());
 }
 
 #[test]

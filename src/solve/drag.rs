@@ -3,6 +3,7 @@
 //! In: a solver, a lattice to start from; then targets, move by move. Out: lattices, at the end a solution.
 //! A move is a step along the tangent of the last state and two or three corrections, one triangular solve each.
 
+use super::branching::BranchedLattice;
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult, largest_step};
@@ -51,6 +52,7 @@ const UNCHECKED: f64 = 0.02;
 #[derive(Debug)]
 pub struct Drag<'a, const D: usize> {
     solver: &'a Solver<D>,
+    /// Handles, or copies of them.
     handles: Vec<[f64; D]>,
     factor: CachedFactor,
     /// Where the second derivative was last looked at.
@@ -59,31 +61,44 @@ pub struct Drag<'a, const D: usize> {
 }
 
 impl<const D: usize> Solver<D> {
-    /// Starts a drag from a lattice, usually the last solution.
+    /// Starts a drag from a plain lattice, usually the last solution.
     ///
     /// # Errors
-    /// [`SolveError`] where the lattice has another number of handles.
+    /// [`SolveError`] where the lattice has another number of handles, and where the solver's lattice branches.
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
         if self.system().has_branches() {
             return Err(SolveError::Invalid {
-                what: "a drag of a lattice with branches".into(),
-                hint: "solve each move, or set topology = \"plain\"".into(),
+                what: "the drag starts from a lattice, the solver has branches".into(),
+                hint: "start from a whole solution: `drag_from`".into(),
             });
         }
-        let (found, wanted) = (from.handles.len(), self.system().grid().handle_count());
+        self.drag_unknowns(&from.handles)
+    }
+
+    /// Starts a drag from a solution of this solver, with all its branches.
+    ///
+    /// # Errors
+    /// [`SolveError`] where the solution is one of another solver.
+    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
+        match &from.branches {
+            Some(branches) if self.system().has_pieces_of(branches) => self.drag_unknowns(branches.copies()),
+            None if !self.system().has_branches() => self.drag_unknowns(&from.lattice.handles),
+            _ => Err(SolveError::Invalid {
+                what: "the drag starts from a solution with other branches".into(),
+                hint: "start from a solution of the same solver".into(),
+            }),
+        }
+    }
+
+    fn drag_unknowns(&self, from: &[[f64; D]]) -> Result<Drag<'_, D>, SolveError> {
+        let (found, wanted) = (from.len(), self.system().rest().len());
         if found != wanted {
             return Err(SolveError::Invalid {
                 what: format!("the drag starts from {}, the grid has {wanted}", counted(found, "handle", "handles")),
                 hint: "start from a solution of the same solver".into(),
             });
         }
-        Ok(Drag {
-            solver: self,
-            handles: from.handles.clone(),
-            factor: CachedFactor::default(),
-            checked: None,
-            cancel: None,
-        })
+        Ok(Drag { solver: self, handles: from.to_vec(), factor: CachedFactor::default(), checked: None, cancel: None })
     }
 }
 
@@ -95,11 +110,20 @@ impl<'a, const D: usize> CancellableSolver<'a, D> {
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'a, D>, SolveError> {
         Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag(from)? })
     }
+
+    /// As [`Solver::drag_from`]. A move that is cancelled leaves the drag where it was.
+    ///
+    /// # Errors
+    /// As [`Solver::drag_from`].
+    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'a, D>, SolveError> {
+        Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag_from(from)? })
+    }
 }
 
 impl<const D: usize> Drag<'_, D> {
     /// Follows the pins of the problem to new targets in a few steps, without a report. Pins reach their targets at once; the shape
     /// follows in the same move or, after a jump, within a few (docs/METHOD.md, "Convergence", has how far it lags).
+    /// Of a lattice with branches it gives the largest; [`Self::branches`] has all.
     ///
     /// # Errors
     /// As [`Solver::update`].
@@ -108,7 +132,16 @@ impl<const D: usize> Drag<'_, D> {
         // At most one factorisation per move, at its beginning, so that no move takes much longer than others.
         let factors = usize::from(!self.factor.is_some());
         self.run(pins, handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
-        Ok(Lattice { grid: self.solver.system().grid().clone(), handles: self.handles.clone() })
+        Ok(match self.branches() {
+            Some(branches) => branches.lattice(0),
+            None => Lattice { grid: self.solver.system().grid().clone(), handles: self.handles.clone() },
+        })
+    }
+
+    /// The branches as the last move left them; `None` where the solver's lattice is plain.
+    #[must_use]
+    pub fn branches(&self) -> Option<BranchedLattice<D>> {
+        self.solver.system().branches(&self.handles)
     }
 
     /// Follows to the tolerance of the settings, with a report: the end of a drag, or every move of one. Where a handle is
@@ -133,7 +166,10 @@ impl<const D: usize> Drag<'_, D> {
         }
         let never = Cancel::never();
         let solution = self.solver.with_cancel(self.cancel.unwrap_or(&never)).update(pins, handles)?;
-        self.handles.clone_from(&solution.lattice.handles);
+        self.handles = match &solution.branches {
+            Some(branches) => branches.copies().to_vec(),
+            None => solution.lattice.handles.clone(),
+        };
         Ok(solution)
     }
 

@@ -479,6 +479,11 @@ impl<const D: usize> System<D> {
         self.branching.is_some()
     }
 
+    /// The branches are copies of the same handles over the same shape.
+    pub(crate) fn has_pieces_of(&self, branches: &BranchedLattice<D>) -> bool {
+        self.branching.as_ref().is_some_and(|own| branches.is_of(own))
+    }
+
     /// How firmly the shape holds each unknown.
     pub(crate) fn stiffness(&self) -> &[f64] {
         &self.stiffness
@@ -498,7 +503,7 @@ impl<const D: usize> System<D> {
     }
 
     /// The branches of a state; `None` where every handle is one unknown.
-    fn branches(&self, unknowns: &[[f64; D]]) -> Option<BranchedLattice<D>> {
+    pub(crate) fn branches(&self, unknowns: &[[f64; D]]) -> Option<BranchedLattice<D>> {
         self.branching.as_ref().map(|branching| BranchedLattice::new(branching, unknowns.to_vec()))
     }
 

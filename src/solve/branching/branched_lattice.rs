@@ -109,8 +109,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// The same shape at rest under the same grid: the same parts belong to the same branches.
     #[must_use]
     pub fn has_same_pieces(&self, other: &Self) -> bool {
-        let (one, other) = (&self.branching, &other.branching);
-        Arc::ptr_eq(one, other) || one.grid == other.grid && one.triangles == other.triangles
+        self.is_of(&other.branching)
     }
 
     /// The shape at rest as convex polygons, each in one cell of the grid, with the branch of each.
@@ -155,6 +154,17 @@ impl<const D: usize> BranchedLattice<D> {
     #[must_use]
     pub fn handles_of(&self, branch: usize) -> Vec<Option<[f64; D]>> {
         self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
+    }
+
+    /// Where all copies are, by handle.
+    pub(crate) fn copies(&self) -> &[[f64; D]] {
+        &self.copies
+    }
+
+    /// It has the copies of a branching.
+    pub(crate) fn is_of(&self, branching: &Arc<Branching<D>>) -> bool {
+        let own = &self.branching;
+        Arc::ptr_eq(own, branching) || own.grid == branching.grid && own.triangles == branching.triangles
     }
 
     /// Where the copies of a handle are; none where it acts on no part of the shape.
