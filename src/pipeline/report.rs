@@ -40,6 +40,11 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
                 let text = "cannot be solved over time, so that each frame is solved alone";
                 report.warnings.push(format!("layer '{}' {text}: {why}", layer.name));
             }
+            Some(Told::Outside([first, last])) => report.warnings.push(format!(
+                "layer '{}': the frame lies outside solve_range, over which frames are solved together ({first} to {last}), and may \
+                 not fit its neighbours; widen solve_range in the shot",
+                layer.name
+            )),
             None => {}
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));

@@ -50,6 +50,8 @@ pub(super) enum Told {
     Spread(Spread),
     /// Why its frames are solved alone all the same.
     Alone(Arc<str>),
+    /// The frame lies outside the range over which it is solved.
+    Outside([i32; 2]),
 }
 
 /// What is to be told of a layer in a frame.
@@ -57,8 +59,10 @@ pub(super) fn told_at(prepared: &PreparedShot, index: usize, frame: i32) -> Opti
     if !has_trajectory(prepared, index) {
         return None;
     }
+    let range = prepared.shot.solve_range;
     match facts(prepared, index, Watcher::PATIENT).ok()? {
         Err(why) => Some(Told::Alone(why)),
+        Ok(_) if !(range[0]..=range[1]).contains(&frame) => Some(Told::Outside(range)),
         Ok(facts) => {
             let holds = |spread: &Spread| (spread.frames[0]..=spread.frames[1]).contains(&f64::from(frame));
             facts.spreads.into_iter().find(holds).map(Told::Spread)

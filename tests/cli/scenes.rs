@@ -84,6 +84,9 @@ fn a_scene_of_zero_area_only() {
     let bench = Bench::with_scene(&tiny.json());
     bench.render("").says(0, &["empty"]);
     assert_eq!(finite_frame(&bench, "out/f.0002.exr").data_window.area(), 1);
+    let together = HEAD.replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0.3 }");
+    let bench = Bench::with(&tiny.json(), &format!("{together}{PIN}{OUTPUT}"));
+    bench.render("").says(0, &["empty"]);
 }
 
 #[test]

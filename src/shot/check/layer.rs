@@ -221,8 +221,6 @@ impl Check<'_> {
         };
         // Frames that are solved alone stay near each other. Over time, the first knot looks for the least minimum, and others follow it.
         settings.minima = Minima::Nearest;
-        let is_paper = matches!(raw.preset, Some(RawPreset::Paper));
-        settings.temporal = raw.temporal.unwrap_or(if is_paper { 0.0 } else { Settings::TEMPORAL });
         settings.energy = raw.energy.unwrap_or(settings.energy);
         if let Some(regularizer) = raw.regularizer {
             settings = settings.with_regularizer(regularizer);
@@ -234,6 +232,7 @@ impl Check<'_> {
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
         }
         settings.max_stretch = raw.max_stretch.unwrap_or(settings.max_stretch);
+        settings.temporal = raw.temporal.unwrap_or(settings.temporal);
         settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
     }
 }

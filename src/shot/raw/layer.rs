@@ -212,7 +212,7 @@ pub(in crate::shot) struct RawSolve {
     #[schemars(range(min = 0.1, max = 10.0), example = 2.0)]
     pub(in crate::shot) smoothness: Option<f64>,
     /// Temporal weight, frames: above 0 the frames of a layer are solved together, so that its shape never
-    /// snaps from one frame to the next; more evens out slow sways, too. 0: each frame alone. Default: 0.3; with the paper preset 0.
+    /// snaps from one frame to the next; more evens out slow sways, too. Default: 0, each frame alone.
     #[schemars(range(min = 0.0, max = 100.0), example = 0.3)]
     pub(in crate::shot) temporal: Option<f64>,
 }
