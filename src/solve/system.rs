@@ -241,7 +241,7 @@ impl<const D: usize> System<D> {
         cancel: &Cancel,
     ) -> Result<(), SolveError> {
         places.into_iter().enumerate().for_each(|(row, place)| self.terms.proximal.set_target(row, place));
-        if weight == self.scales.proximal {
+        if weight == self.scales.proximal || self.terms.proximal.len() == 0 {
             return Ok(());
         }
         self.scales.proximal = weight;
@@ -255,7 +255,7 @@ impl<const D: usize> System<D> {
     /// Whether energy and proximal term of this weight are convex at `handles`: their second derivative is positive definite.
     /// True where the energy does not implement it.
     pub(crate) fn is_convex(&self, handles: &[[f64; D]], weight: f64, cancel: &Cancel) -> bool {
-        if self.distortion.flops().is_none() {
+        if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
             return true;
         }
         let mut normal = self.softened(&self.constant, &self.terms, cancel);
@@ -279,6 +279,9 @@ impl<const D: usize> System<D> {
         points: &[[f64; D]],
         cancel: &Cancel,
     ) -> Option<Vec<[f64; D]>> {
+        if self.terms.proximal.len() == 0 {
+            return None;
+        }
         let mut normal = self.constant.clone();
         self.terms.pins.add_normal(-self.scales.pins, &mut normal, cancel);
         self.terms.handles.add_normal(-self.scales.handles, &mut normal, cancel);
