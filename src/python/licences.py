@@ -1,12 +1,17 @@
-"""Writes `pinwarp/LICENSES.txt`: the licences of all crates that are compiled into the package, for the wheel to carry.
+"""Writes the licences of all crates that are compiled into an artefact, for it to carry: every text once, with the crates that it is for.
 
-Usage: python3 licences.py, before `maturin build`. In: what `cargo metadata` tells, the files that crates bring. Out: every text once, with
-the crates that it is for. Crates that bring no text are listed with the name of their licence.
+Usage: python3 licences.py, before `maturin build`: `pinwarp/LICENSES.txt` of the wheel. For others `-o FILE` and arguments of Cargo that say how they are
+built: python3 licences.py -o FILE --features=ofx --no-default-features --filter-platform=x86_64-pc-windows-gnu
+In: what `cargo metadata` tells, the files that crates bring. Crates that bring no text are listed with the name of their licence. Rust's own library,
+which every artefact holds, has its notices at the end, where the toolchain brings them.
 """
 
+import argparse
 import collections
+import html
 import json
 import pathlib
+import re
 import subprocess
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -14,12 +19,17 @@ ROOT = HERE.parents[1]
 NAMES = ("LICENSE*", "LICENCE*", "license*", "COPYING*", "COPYRIGHT*", "NOTICE*", "UNLICENSE*")
 
 
-def crates() -> list[dict]:
+def asked(*command: str) -> str:
+    """What a program prints."""
+    return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def crates(more: list[str]) -> list[dict]:
     """The package and all crates that it is built of, by name; those that only build or test it are left out."""
-    about = subprocess.run(["rustc", "-vV"], check=True, stdout=subprocess.PIPE, text=True).stdout
-    host = next(line.removeprefix("host: ") for line in about.splitlines() if line.startswith("host: "))
-    command = ["cargo", "metadata", "--locked", "--format-version=1", "--features=python", f"--filter-platform={host}"]
-    said = json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
+    if not any(word.startswith("--filter-platform") for word in more):
+        lines = asked("rustc", "-vV").splitlines()
+        more = [*more, "--filter-platform=" + next(line.removeprefix("host: ") for line in lines if line.startswith("host: "))]
+    said = json.loads(asked("cargo", "metadata", "--locked", "--format-version=1", *more))
     packages = {package["id"]: package for package in said["packages"]}
     nodes = {node["id"]: node for node in said["resolve"]["nodes"]}
     found, left = set(), [said["resolve"]["root"]]
@@ -36,14 +46,28 @@ def crates() -> list[dict]:
 def texts(package: dict) -> list[str]:
     """The texts that a crate brings."""
     folder = pathlib.Path(package["manifest_path"]).parent
-    files = sorted({file for name in NAMES for file in folder.glob(name) if file.is_file()})
+    # Fonts have theirs beside them.
+    names = [*NAMES, "fonts/*.txt"]
+    files = sorted({file for name in names for file in folder.glob(name) if file.is_file()})
     return [file.read_text(encoding="utf-8", errors="replace").strip() for file in files]
+
+
+def library() -> str:
+    """The notices of Rust's own library, without the tags of their page."""
+    page = pathlib.Path(asked("rustc", "--print", "sysroot").strip()) / "share/doc/rust/COPYRIGHT-library.html"
+    if not page.is_file():
+        return "Rust's standard library (MIT OR Apache-2.0): see https://github.com/rust-lang/rust\n"
+    text = html.unescape(re.sub(r"<(style|head)\b.*?</\1>|<[^>]+>", "", page.read_text(encoding="utf-8"), flags=re.S))
+    return re.sub(r"\n\s*\n\s*\n+", "\n\n", text).strip() + "\n"
 
 
 def main() -> None:
     """Writes the file."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=HERE / "pinwarp" / "LICENSES.txt")
+    options, more = parser.parse_known_args()
     by_text, without = collections.defaultdict(list), []
-    for package in crates():
+    for package in crates(more or ["--features=python"]):
         label = f"{package['name']} {package['version']} ({package['license'] or 'see its text'})"
         own = texts(package)
         for text in own:
@@ -52,10 +76,10 @@ def main() -> None:
             without.append(label)
     line = "=" * 100
     parts = [f"{line}\n" + "\n".join(labels) + f"\n{line}\n\n{text}\n" for text, labels in by_text.items()]
-    head = "Pinwarp's compiled part is made of these crates.\n"
+    head = "What is compiled into pinwarp, and its licences.\n"
     bare = "\n".join(["Crates that bring no text of their licence:", *without]) + "\n" if without else ""
-    (HERE / "pinwarp" / "LICENSES.txt").write_text("\n".join([head, bare, *parts]), encoding="utf-8")
-    print(f"LICENSES.txt: {len(by_text)} texts, {len(without)} crates without one")
+    options.output.write_text("\n".join([head, bare, *parts, line, library()]), encoding="utf-8")
+    print(f"{options.output.name}: {len(by_text)} texts, {len(without)} crates without one")
 
 
 if __name__ == "__main__":

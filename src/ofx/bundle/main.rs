@@ -115,15 +115,26 @@ fn build_folders(root: &Path) -> Vec<(PathBuf, &'static str)> {
     folders
 }
 
-/// The flags of the compiler: those that are set, and other names for folders. Parted by the character that Cargo wants.
+/// The flags of the compiler: those that are set, and, unless they have some, other names for folders. Parted by the character that Cargo wants.
 fn flags(folders: &[(PathBuf, &str)]) -> String {
     let encoded = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok();
     let plain =
         || std::env::var("RUSTFLAGS").ok().map(|flags| flags.split_whitespace().collect::<Vec<_>>().join(SPLIT));
     let own = encoded.or_else(plain).filter(|flags| !flags.is_empty());
-    let remap = |(folder, name): &(PathBuf, &str)| format!("--remap-path-prefix={}={name}", folder.display());
+    joined(own, folders)
+}
+
+/// Flags that give folders other names already stay as they are: whatever was built with them is not built again.
+fn joined(own: Option<String>, folders: &[(PathBuf, &str)]) -> String {
+    if let Some(own) = own.as_ref().filter(|own| own.contains(REMAP)) {
+        return own.clone();
+    }
+    let remap = |(folder, name): &(PathBuf, &str)| format!("{REMAP}={}={name}", folder.display());
     own.into_iter().chain(folders.iter().map(remap)).collect::<Vec<_>>().join(SPLIT)
 }
+
+/// The compiler's option for other names of folders.
+const REMAP: &str = "--remap-path-prefix";
 
 /// Parts flags in `CARGO_ENCODED_RUSTFLAGS`.
 const SPLIT: &str = "\u{1f}";
@@ -232,9 +243,11 @@ mod tests {
         assert!(named_folders(b"a pinwarp/src/lib.rs", &folders).is_empty());
         let named = named_folders(b"at /home/me/.cargo/registry/src/x.rs", &folders);
         assert!(named.len() == 1 && named[0].contains("/home/me"), "{named:?}");
-        let flags = flags(&folders);
+        let flags = joined(None, &folders);
         let last = flags.split(SPLIT).last();
         assert_eq!(last, Some("--remap-path-prefix=/home/me/source=pinwarp"), "the last that fits is taken");
+        assert_eq!(joined(Some("-Cx".into()), &folders).split(SPLIT).count(), 3);
+        assert_eq!(joined(Some(flags.clone()), &folders), flags, "names that are given already");
         let own = build_folders(Path::new("/work/somewhere/deep"));
         assert!(own.iter().any(|(_, name)| *name == "pinwarp"), "{own:?}");
     }
