@@ -28,7 +28,7 @@ impl Shot {
     #[must_use]
     pub fn pin_targets(&self, layer: usize, frame: f64) -> PinTargets {
         let Some(layer) = self.layers.get(layer) else { return PinTargets::default() };
-        targets_at(layer, held_frame(&self.frames, layer.step, frame))
+        targets_at(layer, &spoken_of(layer), held_frame(&self.frames, layer.step, frame))
     }
 
     /// Which drawing of layer `layer` the keys show at a (fractional) frame: the number of the frame whose keys are held; 0 where nothing is
@@ -71,34 +71,55 @@ impl Layer {
         times.push(held);
         times.sort_by(f64::total_cmp);
         times.dedup();
+        let spoken = spoken_of(self);
         let mut path = Vec::new();
         for ends in times.windows(2) {
-            let count = path_steps(self, [ends[0], ends[1]]);
+            let count = path_steps(self, &spoken, [ends[0], ends[1]]);
             let time = |step: usize| ends[0] + (ends[1] - ends[0]) * step as f64 / count as f64;
-            path.extend((0..count).map(|step| targets_at(self, time(step))));
+            path.extend((0..count).map(|step| targets_at(self, &spoken, time(step))));
         }
-        path.push(targets_at(self, held));
+        path.push(targets_at(self, &spoken, held));
         path
     }
 }
 
 /// How many places a path has between two key times. Within a frame pins go all but straight, and on straight ways no pair
 /// of them turns by half a turn: baked keys, one a frame, need no places between.
-fn path_steps(layer: &Layer, [from, to]: [f64; 2]) -> usize {
-    let angle = |pin: &Pin, time| match pin_at(pin, time, layer.strength).rotation {
+fn path_steps(layer: &Layer, spoken: &[Spoken], [from, to]: [f64; 2]) -> usize {
+    let angle = |(pin, spoken): (&Pin, &Spoken), time| match pin_at(pin, *spoken, time, layer.strength).rotation {
         Some(Rotation::InView(angle)) => angle,
         // Nothing winds in space.
         Some(Rotation::Axes(_)) | None => 0.0,
     };
-    let turns = layer.pins.iter().map(|pin| (angle(pin, to) - angle(pin, from)).abs());
+    let winding =
+        layer.pins.iter().zip(spoken).filter(|(_, spoken)| matches!(spoken.rotation, Some(Rotation::InView(_))));
+    let turns = winding.map(|pin| (angle(pin, to) - angle(pin, from)).abs());
     let most = turns.fold(0.0, f64::max);
     (to - from).clamp(1.0, PATH_STEPS).max(most / PATH_TURN).ceil() as usize
 }
 
+/// What the keys of a pin speak of. Rotation and scale are held as soon as one key says so; a key that is silent means 0 and 1.
+#[derive(Clone, Copy)]
+struct Spoken {
+    /// The first rotation that is said: its kind is that of all.
+    rotation: Option<Rotation>,
+    is_scaled: bool,
+}
+
+/// Of every pin. It takes a look at all keys, so it is asked for once a path: keys are many.
+fn spoken_of(layer: &Layer) -> Vec<Spoken> {
+    let spoken = |pin: &Pin| Spoken {
+        rotation: pin.keys.iter().find_map(|key| key.rotate_degrees),
+        is_scaled: pin.keys.iter().any(|key| key.scale.is_some()),
+    };
+    layer.pins.iter().map(spoken).collect()
+}
+
 /// What all keys of a layer say at a frame.
-fn targets_at(layer: &Layer, frame: f64) -> PinTargets {
+fn targets_at(layer: &Layer, spoken: &[Spoken], frame: f64) -> PinTargets {
+    let pins = layer.pins.iter().zip(spoken);
     PinTargets {
-        pins: layer.pins.iter().map(|pin| pin_at(pin, frame, layer.strength)).collect(),
+        pins: pins.map(|(pin, spoken)| pin_at(pin, *spoken, frame, layer.strength)).collect(),
         handles: layer.handles.iter().map(|handle| handle_at(handle, layer, frame)).collect(),
     }
 }
@@ -112,7 +133,7 @@ fn held_frame(frames: &FrameRange, step: u32, frame: f64) -> f64 {
     first + ((frame - first) / step).floor() * step
 }
 
-fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
+fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
     let Some(span) = Span::of(&pin.keys, frame, |key| (key.frame, key.ease)) else {
         return PinTarget { goal: Goal::Offset(ScreenVector::default()), rotation: None, log_scale: None };
     };
@@ -126,26 +147,24 @@ fn pin_at(pin: &Pin, frame: f64, strength: f64) -> PinTarget {
         // No pin mixes kinds: the checks refuse it.
         (from, _) => from,
     };
-    // Rotation and scale are held as soon as one key of the pin says so; a key that is silent means 0 and 1.
     let log_scale = |key: &PinKey| key.scale.map(f64::ln);
-    let is_scaled = pin.keys.iter().any(|key| key.scale.is_some());
     let mixed = mix(log_scale(span.from).unwrap_or(0.0), log_scale(span.to).unwrap_or(0.0), span.weight);
-    PinTarget { goal, rotation: rotation_at(pin, &span, strength), log_scale: is_scaled.then_some(mixed * strength) }
+    let rotation = spoken.rotation.map(|kind| rotation_at(kind, &span, strength));
+    PinTarget { goal, rotation, log_scale: spoken.is_scaled.then_some(mixed * strength) }
 }
 
 /// Each angle on its own, radians.
-fn rotation_at(pin: &Pin, span: &Span<PinKey>, strength: f64) -> Option<Rotation> {
-    let kind = pin.keys.iter().find_map(|key| key.rotate_degrees)?;
+fn rotation_at(kind: Rotation, span: &Span<PinKey>, strength: f64) -> Rotation {
     let angles = |key: &PinKey| match key.rotate_degrees {
         None => [0.0; 3],
         Some(Rotation::InView(angle)) => [angle, 0.0, 0.0],
         Some(Rotation::Axes(angles)) => angles,
     };
     let mixed = mix_all(angles(span.from), angles(span.to), span.weight).map(|angle| angle.to_radians() * strength);
-    Some(match kind {
+    match kind {
         Rotation::InView(_) => Rotation::InView(mixed[0]),
         Rotation::Axes(_) => Rotation::Axes(mixed),
-    })
+    }
 }
 
 fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 3] {
