@@ -3,7 +3,7 @@
 //! In: wanted frames, and a check of a single one. Out: [`Todo`].
 
 use super::output::prepare_folder;
-use super::run_lock::RunLock;
+use super::run_lock::{RunLock, remove_dead};
 use super::{PipelineError, Redone};
 use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
 use crate::spelling::{counted, ranges};
@@ -19,6 +19,8 @@ pub(crate) struct Todo {
     pub(crate) kept: usize,
     /// Frames to make that are there already.
     pub(crate) redone: Vec<Redone>,
+    /// All frames that were asked about.
+    wanted: Vec<i32>,
     /// Held while the frames are made.
     lock: Option<RunLock>,
 }
@@ -33,7 +35,7 @@ impl Todo {
         check: impl Fn(i32) -> Result<(), Redo>,
     ) -> Self {
         let (mut frames, mut redone, mut kept) = (Vec::new(), Vec::new(), 0);
-        for frame in wanted {
+        for &frame in &wanted {
             let outcome = if existing.is_resume() { check(frame) } else { Err(Redo::Missing) };
             match outcome {
                 Ok(()) => kept += 1,
@@ -44,10 +46,11 @@ impl Todo {
                 }
             }
         }
-        Self { frames, kept, redone, lock: None }
+        Self { frames, kept, redone, wanted, lock: None }
     }
 
-    /// Makes the folder of the frames, marks them as being made, and removes what dead runs left of them.
+    /// Makes the folder of the frames, marks them as being made, and removes what dead runs left of all that are wanted: a run may die
+    /// after its last frame, too.
     ///
     /// # Errors
     /// [`PipelineError`] where the folder cannot be written, or another run is making one of the frames.
@@ -56,7 +59,10 @@ impl Todo {
             prepare_folder(&output.path_of(first))?;
         }
         self.lock = RunLock::take(output, &self.frames)?;
-        let paths = self.frames.iter().map(|&frame| output.path_of(frame));
+        if let Some(&first) = self.wanted.first().filter(|_| self.lock.is_none()) {
+            remove_dead(&output.path_of(first));
+        }
+        let paths = self.wanted.iter().map(|&frame| output.path_of(frame));
         let stale = remove_stale(paths.flat_map(|path| [path.with_extension("png"), path]));
         if stale > 0 {
             tracing::info!("{} of runs that died removed", counted(stale, "temporary file", "temporary files"));

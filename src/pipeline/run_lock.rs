@@ -38,7 +38,7 @@ impl RunLock {
     pub(crate) fn take(output: &SequencePath, frames: &[i32]) -> Result<Option<Self>, PipelineError> {
         let Some(&first) = frames.first() else { return Ok(None) };
         let path = output.path_of(first);
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(&path);
         let sequence = output.path_of(0).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let claim = Claim { process: std::process::id(), sequence, frames: frames.to_vec() };
         let Ok(file) = write(folder, &claim) else { return Ok(None) };
@@ -48,6 +48,15 @@ impl RunLock {
             Some(Shared { process, frame }) => Err(PipelineError::Busy { process, frame, folder: folder.to_owned() }),
         }
     }
+}
+
+/// Removes the marks of dead runs beside a frame.
+pub(crate) fn remove_dead(frame: &Path) {
+    others(folder_of(frame), Path::new("")).for_each(drop);
+}
+
+fn folder_of(frame: &Path) -> &Path {
+    frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn write(folder: &Path, claim: &Claim) -> std::io::Result<NamedTempFile> {

@@ -282,6 +282,20 @@ fn what_dead_runs_left_is_removed() {
 }
 
 #[test]
+fn what_a_run_left_that_died_after_its_last_frame_is_removed() {
+    for Kind { bench, run, frames } in kinds() {
+        bench.run(run).says(0, &[]);
+        let clean = names_in(&bench.path("out"));
+        let [_, last] = frames.map(|frame| frame.trim_start_matches("out/"));
+        for name in [format!("out/.{last}Ab12Cd.tmp"), "out/.pinwarp-dead01.lock".to_owned()] {
+            bench.write(&name, b"part");
+        }
+        bench.run(&format!("{run} --resume")).says(0, &[]);
+        assert_eq!(names_in(&bench.path("out")), clean, "{run}");
+    }
+}
+
+#[test]
 fn runs_that_make_the_same_frames_exclude_each_other() {
     let head = HEAD.replace("last = 2", "last = 4000").replace("samples = 1", "samples = 4");
     let bench = Bench::with_shot(&format!("{head}{PIN}{OUTPUT}"));
