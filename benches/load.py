@@ -46,17 +46,18 @@ def grid(triangles: int, center: tuple[float, float], size: float) -> tuple[np.n
 
 
 def write_glb(path: pathlib.Path, meshes: list[tuple[np.ndarray, np.ndarray]]) -> None:
-    """A scene with a node `part N` for each mesh."""
+    """A scene with a node `part N` for each mesh. Normals let triangles share their vertices."""
     blob, views, accessors, nodes, own = bytearray(), [], [], [], []
     for number, (positions, indices) in enumerate(meshes):
-        for array, kind, component in ((positions, "VEC3", 5126), (indices, "SCALAR", 5125)):
+        normals = np.broadcast_to(np.float32([0, 0, 1]), positions.shape)
+        for array, kind, component in ((positions, "VEC3", 5126), (normals, "VEC3", 5126), (indices, "SCALAR", 5125)):
             views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": array.nbytes})
             accessor = {"bufferView": len(views) - 1, "componentType": component, "type": kind, "count": len(array)}
             if kind == "VEC3":
                 accessor |= {"min": array.min(0).tolist(), "max": array.max(0).tolist()}
             accessors.append(accessor)
             blob += array.tobytes()
-        own.append({"primitives": [{"attributes": {"POSITION": 2 * number}, "indices": 2 * number + 1}]})
+        own.append({"primitives": [{"attributes": {"POSITION": 3 * number, "NORMAL": 3 * number + 1}, "indices": 3 * number + 2}]})
         nodes.append({"name": f"part {number}", "mesh": number})
     gltf = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "meshes": own,
