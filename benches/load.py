@@ -2,8 +2,8 @@
 
     python3 benches/load.py target/release/pinwarp [--devices cpu,vulkan] [--only NAME] [--most SHARE]
 
-In: the program. Out: a table in Markdown: seconds of wall time and of all cores, peak memory of the process (`wait4`), and the exponent by which time
-and memory grew since the row above (1: linear). `--most 0.1` leaves out sizes above a tenth of the largest. Needs Python 3.10 and numpy.
+In: the program. Out: a table in Markdown: seconds of wall time and of all cores, peak memory of the process (`wait4`), and the exponent by which the seconds
+of cores and the memory grew since the row above (1: linear). `--most 0.1` leaves out sizes above a tenth of the largest. Needs Python 3.10 and numpy.
 """
 
 import argparse
@@ -121,9 +121,9 @@ class Load:
             for size in (size for size in sizes if size <= self.options.most * sizes[-1]):
                 shutil.rmtree(self.work / "out", ignore_errors=True)
                 wall, cores, memory = self.measure([*prepare(size), "--device", device])
-                growth = "" if before is None else growths(before, (size, wall, memory))
+                growth = "" if before is None else growths(before, (size, cores, memory))
                 print(f"| {what} | {device} | {size:,} | {wall:.2f} | {cores:.2f} | {memory:,.0f} | {growth} |", flush=True)
-                before = (size, wall, memory)
+                before = (size, cores, memory)
 
 
 def growths(before: tuple[float, float, float], now: tuple[float, float, float]) -> str:
