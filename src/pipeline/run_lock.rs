@@ -10,10 +10,13 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 use tempfile::NamedTempFile;
 
 const PREFIX: &str = ".pinwarp-";
 const ENDING: &str = ".lock";
+/// How long an empty mark counts as one that is being made.
+const NEWBORN: Duration = Duration::from_secs(1);
 
 /// What a run says about itself.
 #[derive(Deserialize, Serialize)]
@@ -61,7 +64,8 @@ fn folder_of(frame: &Path) -> &Path {
 
 fn write(folder: &Path, claim: &Claim) -> std::io::Result<NamedTempFile> {
     let mut file = tempfile::Builder::new().prefix(PREFIX).suffix(ENDING).tempfile_in(folder)?;
-    file.as_file().try_lock().map_err(std::io::Error::from)?;
+    // Nobody else holds it, but for the moment in which another run asks whether we live.
+    file.as_file().lock()?;
     file.write_all(serde_json::to_string(claim)?.as_bytes())?;
     Ok(file)
 }
@@ -77,12 +81,20 @@ fn others<'a>(folder: &Path, own: &'a Path) -> impl Iterator<Item = Claim> + 'a 
         entries.map(|entry| entry.path()).filter(is_lock).filter(move |path| path.file_name() != own.file_name());
     locks.filter_map(|path| {
         if File::open(&path).ok()?.try_lock().is_ok() {
-            let _ = std::fs::remove_file(&path);
+            if !is_newborn(&path) {
+                let _ = std::fs::remove_file(&path);
+            }
             return None;
         }
         // A claim that cannot be read was not written to its end: its run will find ours.
         serde_json::from_slice(&std::fs::read(&path).ok()?).ok()
     })
+}
+
+/// Whether a run may just have made the file and be about to lock it: then it finds our claim, which is written already.
+fn is_newborn(path: &Path) -> bool {
+    let age = |made: SystemTime| made.elapsed().unwrap_or_default();
+    path.metadata().is_ok_and(|file| file.len() == 0 && file.modified().is_ok_and(|made| age(made) < NEWBORN))
 }
 
 struct Shared {
@@ -125,5 +137,17 @@ mod tests {
         std::fs::write(&dead, serde_json::to_string(&claim).expect("JSON")).expect("written");
         RunLock::take(&sequence("f.####.exr"), &frames(1..=10)).expect("the other run is dead");
         assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 0, "no lock is left behind");
+    }
+
+    #[test]
+    fn marks_that_are_just_being_made_stay() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let newborn = folder.path().join(".pinwarp-new001.lock");
+        let file = File::create(&newborn).expect("made");
+        remove_dead(&folder.path().join("f.0001.exr"));
+        assert!(newborn.exists());
+        file.set_modified(SystemTime::now() - 2 * NEWBORN).expect("a time");
+        remove_dead(&folder.path().join("f.0001.exr"));
+        assert!(!newborn.exists(), "its run died before it wrote");
     }
 }
