@@ -4,7 +4,6 @@ use super::parse;
 use pinwarp::shot::{Goal, PinTarget, PinTargets, Rotation};
 use pinwarp::space::ScreenPoint;
 use std::f64::consts::{LN_2, PI};
-use std::time::Instant;
 
 /// A shot of frames 1 to 24 with one pin of these keys.
 fn targets(keys: &str, more: &str, frame: f64) -> PinTargets {
@@ -132,25 +131,4 @@ fn a_way_has_a_place_a_frame_and_more_where_a_pin_turns_far() {
     assert_eq!(places(far, 60.0), 9);
     let turned = "{ frame = 1, rotate = 0 }, { frame = 2, rotate = 720 }";
     assert_eq!(places(turned, 2.0), 25);
-}
-
-#[test]
-fn the_cost_of_a_way_grows_with_its_keys_and_no_more() {
-    let seconds = |count: u32| {
-        let keys: String = (1..=count).map(|frame| format!("{{ frame = {frame}, offset = [0.0, 0.1] }},")).collect();
-        let text = format!(
-            "scene = 'a.glb'\nframes = {{ first = 1, last = 99 }}\n[[layer]]\n[[layer.pin]]\n\
-             anchor = {{ screen = [0, 0] }}\nkeys = [{keys}]"
-        );
-        let shot = parse(&text).unwrap();
-        let run = || {
-            let start = Instant::now();
-            assert_eq!(shot.pin_path(0, f64::from(count)).len(), count as usize);
-            start.elapsed().as_secs_f64()
-        };
-        (0..3).map(|_| run()).fold(f64::MAX, f64::min)
-    };
-    let (few, many) = (seconds(1_000), seconds(16_000));
-    // 16 times the keys: linear growth is 16, quadratic 256.
-    assert!(many < 64.0 * few, "{few} s for 1,000 keys, {many} s for 16,000");
 }
