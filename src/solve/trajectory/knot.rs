@@ -18,7 +18,7 @@ use crate::solve::system::System;
 use crate::solve::targets::Targets;
 
 /// A state whose points are nearer to rest than this part of the box diagonal is rest, where all pins rest.
-const REST: f64 = 0.15;
+const REST: f64 = 0.01;
 
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
