@@ -5,8 +5,10 @@
 //! A pass forward continues every knot from the one before; block Gauss-Seidel sweeps, backward and forward in turn, then
 //! bring the sum to a minimum, so that no knot lags. Long chains are solved in windows: their first half is settled, the rest looks ahead. ω_k begins as the user's weight. Where the model moves farther between two
 //! knots than pins, surface and rigid fit give reason for, ω is raised over as many knots as that move needs: the multiplier of
-//! a limit of the speed (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4).
+//! a limit of the speed (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots
+//! jumps, ω is raised until it does not.
 
+use super::continuity::{Interval, LEAST_DEPTH};
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -32,8 +34,14 @@ const CONVEX_SHARE: f64 = 2.0;
 /// A weight is at least this part of its neighbours'.
 const TAPER: f64 = 0.5;
 
-/// Doublings of a weight until the energy is convex, at most.
-const DOUBLINGS: usize = 16;
+/// Motion whose speed changes by less than this from knot to knot, in least speeds, is steady.
+const STEADY: f64 = 2.0;
+
+/// Motion that is even to this part of the least speed has no jump.
+const EVEN: f64 = 0.25;
+
+/// Doublings of a weight until the motion is continuous, at most.
+const DOUBLINGS: i32 = 16;
 
 /// A weight is raised by at most this factor in all: beyond it nothing moves that the points tell of.
 const MOST: f64 = 1e5;
@@ -41,9 +49,16 @@ const MOST: f64 = 1e5;
 /// Limits of the factor by which a weight is raised at once.
 const GROWTH: [f64; 2] = [1.5, 30.0];
 
+/// The knot of a time, without a state; `None` where there is no problem.
+type Probe<'a, const D: usize> = &'a (dyn Fn(f64) -> Option<Knot<D>> + Sync);
+
 /// Knots and what couples them.
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
+    /// Knots that were taken out.
+    taken: usize,
+    /// Makes the knot of a time without a state; `None` where there is no problem.
+    probe: Probe<'a, D>,
     /// One an interval: ω, in squared units of the space.
     pub(crate) weights: Vec<f64>,
     /// Leading knots that are settled and stay as they are: none, or the last of the window before.
@@ -54,8 +69,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) weight: f64,
     /// One an interval: how far points may move, in units of the space.
     limits: Vec<f64>,
-    /// One an interval: known to be convex where its knots are.
-    is_convex: Vec<bool>,
+    /// One an interval: known to be continuous where its knots are.
+    is_continuous: Vec<bool>,
     coupling: Coupling,
     tolerance: f64,
     /// Polled by the thread that solves.
@@ -64,7 +79,12 @@ pub(crate) struct Chain<'a, const D: usize> {
 
 impl<'a, const D: usize> Chain<'a, D> {
     /// Couples the first knots; they are not solved yet.
-    pub(crate) fn new(knots: Vec<Option<Knot<D>>>, coupling: &Coupling, cancel: &'a Cancel<'a>) -> Self {
+    pub(crate) fn new(
+        knots: Vec<Option<Knot<D>>>,
+        probe: Probe<'a, D>,
+        coupling: &Coupling,
+        cancel: &'a Cancel<'a>,
+    ) -> Self {
         let diagonals = knots.iter().flatten().map(|knot| knot.grid().diagonal());
         let (sum, count) = diagonals.fold((0.0, 0.0), |(sum, count), diagonal| (sum + diagonal, count + 1.0));
         let diagonal: f64 = if count > 0.0 { sum / count } else { 1.0 };
@@ -72,12 +92,14 @@ impl<'a, const D: usize> Chain<'a, D> {
         let weight = coupling.weight * per_frame / diagonal.powi(2);
         let mut chain = Self {
             knots: Vec::new(),
+            taken: 0,
+            probe,
             weights: Vec::new(),
             settled: 0,
             passed: 0,
             weight,
             limits: Vec::new(),
-            is_convex: Vec::new(),
+            is_continuous: Vec::new(),
             coupling: *coupling,
             tolerance: TOLERANCE * diagonal,
             cancel,
@@ -100,7 +122,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             };
             self.weights.push(weight);
             self.limits.push(limit);
-            self.is_convex.push(false);
+            self.is_continuous.push(false);
         }
     }
 
@@ -116,8 +138,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         let front = front.collect();
         drop(weights);
         self.limits.drain(..intervals);
-        self.is_convex.drain(..intervals);
+        self.is_continuous.drain(..intervals);
         self.passed -= count;
+        self.taken += count;
         self.settled = 1;
         front
     }
@@ -174,7 +197,7 @@ impl<'a, const D: usize> Chain<'a, D> {
                 if std::mem::take(&mut is_stale[index]) && self.relax(index)? > self.tolerance {
                     is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
                     is_stale[index] = false;
-                    self.is_convex[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
+                    self.is_continuous[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
                 }
             }
             if !is_stale.contains(&true) {
@@ -213,8 +236,8 @@ impl<'a, const D: usize> Chain<'a, D> {
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
         }
-        for (slot, convex) in raised.iter_mut().zip(self.convex_weights()) {
-            *slot = slot.max(convex);
+        for (slot, continuous) in raised.iter_mut().zip(self.continuous_weights()) {
+            *slot = slot.max(continuous);
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
@@ -233,15 +256,14 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The weights of all intervals, each doubled until the energy is convex between its knots.
-    fn convex_weights(&mut self) -> Vec<f64> {
-        let (knots, weights, is_convex) = (&self.knots, &self.weights, &self.is_convex);
+    /// The weights of all intervals, each doubled until no jump is found between its knots.
+    fn continuous_weights(&mut self) -> Vec<f64> {
+        let (knots, weights, is_known) = (&self.knots, &self.weights, &self.is_continuous);
         // First the states themselves, once for both intervals beside a knot.
         let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {
             let beside = [index.checked_sub(1), Some(index)].map(|interval| Some(*weights.get(interval?)?));
             let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-            let is_new =
-                [index.checked_sub(1), Some(index)].iter().flatten().any(|&k| is_convex.get(k) == Some(&false));
+            let is_new = [index.checked_sub(1), Some(index)].iter().flatten().any(|&k| is_known.get(k) == Some(&false));
             let knot = knot.as_ref().filter(|_| is_new && least > 0.0 && least < f64::INFINITY)?;
             let held = CONVEX_SHARE * least;
             knot.is_convex(held, &Cancel::never()).then_some(held)
@@ -252,11 +274,21 @@ impl<'a, const D: usize> Chain<'a, D> {
                 knot.note_convex(held);
             }
         }
-        let intervals = self.knots.par_windows(2).zip(&self.weights).zip(&self.is_convex);
-        let weights =
-            intervals.map(|((ends, &weight), &is_known)| if is_known { weight } else { convex_weight(ends, weight) });
+        let between = Between {
+            knots: &self.knots,
+            weights: &self.weights,
+            taken: self.taken,
+            coupling: self.coupling,
+            probe: self.probe,
+        };
+        let intervals = self.is_continuous.par_iter().enumerate();
+        let weights = intervals.map(
+            |(index, &is_known)| {
+                if is_known { between.weights[index] } else { between.continuous_weight(index) }
+            },
+        );
         let weights = weights.collect();
-        self.is_convex.fill(true);
+        self.is_continuous.fill(true);
         weights
     }
 
@@ -300,24 +332,48 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) weight: Option<f64>,
 }
 
-/// The weight of an interval, doubled until the energy is convex between its ends; as it was, where no weight achieves that, because what
-/// is not convex lies where there are no points.
-fn convex_weight<const D: usize>(ends: &[Option<Knot<D>>], initial: f64) -> f64 {
-    let [Some(knot), Some(next)] = ends else { return initial };
-    // Between two drawings nothing is continuous.
-    if knot.drawing != next.drawing {
-        return initial;
-    }
-    let (never, mut weight) = (Cancel::never(), initial);
-    for _ in 0..DOUBLINGS {
-        let held = CONVEX_SHARE * weight;
-        if knot.is_convex(held, &never)
-            && next.is_convex(held, &never)
-            && knot.is_convex_towards(&next.displacement, held, &never)
-        {
-            return weight;
+/// Intervals whose motion is looked at, on any thread.
+struct Between<'a, const D: usize> {
+    knots: &'a [Option<Knot<D>>],
+    weights: &'a [f64],
+    taken: usize,
+    coupling: Coupling,
+    probe: Probe<'a, D>,
+}
+
+impl<const D: usize> Between<'_, D> {
+    /// The weight of an interval, doubled until no jump is found in it; the initial one where no weight achieves that, because what jumps
+    /// lies where there are no points. Nothing is looked for where the energy is convex at both knots and halfway between them,
+    /// and the motion is steady around them.
+    fn continuous_weight(&self, index: usize) -> f64 {
+        let initial = self.weights[index];
+        let [Some(knot), Some(next)] = &self.knots[index..=index + 1] else { return initial };
+        // Between two drawings nothing is continuous.
+        if knot.drawing != next.drawing {
+            return initial;
         }
-        weight *= 2.0;
+        let is_convex = knot.is_convex_up_to(next, CONVEX_SHARE * initial);
+        if is_convex && self.is_steady(index) {
+            return initial;
+        }
+        let times = [index, index + 1].map(|knot| self.coupling.knot_time(self.taken + knot));
+        let probe = |part: f64| (self.probe)(times[0] + part * (times[1] - times[0]));
+        let tolerance = EVEN * self.coupling.least_speed;
+        let ends = [&knot.displacement, &next.displacement];
+        let mut interval = Interval::new(ends, &probe, tolerance, if is_convex { 0 } else { LEAST_DEPTH });
+        let mut doubled = (0..DOUBLINGS).map(|times| initial * 2_f64.powi(times));
+        doubled.find(|&weight| interval.is_continuous(weight)).unwrap_or(initial)
     }
-    initial
+
+    /// The speed hardly changes at the ends of an interval.
+    fn is_steady(&self, index: usize) -> bool {
+        let state = |index: Option<usize>| Some(&self.knots.get(index?)?.as_ref()?.displacement);
+        let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(state) {
+            [Some(before), Some(here), Some(after)] => {
+                2.0 * before.interpolated(after, 0.5).farthest(here) < STEADY * self.coupling.least_speed
+            }
+            _ => true,
+        };
+        is_steady(index) && is_steady(index + 1)
+    }
 }

@@ -172,10 +172,13 @@ impl<const D: usize> Knot<D> {
         weight >= self.convex_from || self.system.is_convex(&self.handles(), weight, cancel)
     }
 
-    /// Whether it is halfway to another state.
-    pub(crate) fn is_convex_towards(&self, to: &Displacement<D>, weight: f64, cancel: &Cancel) -> bool {
-        let middle = self.displacement.interpolated(&self.carried(to), 0.5).handles;
-        self.system.is_convex(&self.displaced(&middle), weight, cancel)
+    /// Whether it is, here, at the next knot, and halfway between both states.
+    pub(crate) fn is_convex_up_to(&self, next: &Self, weight: f64) -> bool {
+        let never = Cancel::never();
+        let halfway = || self.displacement.interpolated(&self.carried(&next.displacement), 0.5).handles;
+        self.is_convex(weight, &never)
+            && next.is_convex(weight, &never)
+            && self.system.is_convex(&self.displaced(&halfway()), weight, &never)
     }
 
     /// Keeps what was found of the state.

@@ -6,6 +6,7 @@
 
 mod bits;
 mod chain;
+mod continuity;
 mod displacement;
 mod knot;
 mod timeline;
@@ -68,17 +69,22 @@ impl<const D: usize> Trajectory<D> {
         let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
         let parts = AtomicUsize::new(0);
         let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), 2 * count);
-        let build = |index: usize| -> Result<Option<Knot<D>>, T::Error> {
-            let Some(problem) = timeline.at(coupling.knot_time(index))? else { return Ok(None) };
-            let knot = Knot::new(problem, timeline.settings(), &Cancel::never())?;
-            part_done();
-            Ok(Some(knot))
+        let knot_at = |time: f64| -> Result<Option<Knot<D>>, T::Error> {
+            let Some(problem) = timeline.at(time)? else { return Ok(None) };
+            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
         };
+        let build = |index: usize| {
+            let knot = knot_at(coupling.knot_time(index));
+            part_done();
+            knot
+        };
+        // Where a problem cannot be made between two knots, its own frame says why.
+        let probe = |time: f64| knot_at(time).ok().flatten();
         let build =
             |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> { range.into_par_iter().map(build).collect() };
         let window = timeline.window().max(LEAST_WINDOW);
         let mut end = window.min(count);
-        let mut chain = Chain::new(build(0..end)?, &coupling, cancel);
+        let mut chain = Chain::new(build(0..end)?, &probe, &coupling, cancel);
         let mut done = Vec::new();
         loop {
             chain.solve(&part_done)?;

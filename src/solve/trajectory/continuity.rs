@@ -1,0 +1,89 @@
+//! Whether the motion between two knots is continuous: it is solved halfway between times, again and again, where it is not even.
+//!
+//! In: two knots, the weight of their interval, the problem at any time between them. Out: whether a jump was found.
+//!
+//! Halfway between two times a smooth motion is near the mean of both states, and four times nearer with every halving; a jump
+//! of J stays off it by J / 2, however short the time (bisection: R. P. Brent, "Algorithms for Minimization without Derivatives", 1973).
+
+use super::displacement::Displacement;
+use super::knot::{Descent, Knot};
+use crate::solve::cancel::Cancel;
+
+/// Times are halved this often, whatever is found, where nothing speaks against a jump: one of all points could lie in the middle.
+pub(crate) const LEAST_DEPTH: u32 = 2;
+
+/// Times are halved this often at most; what is not even then is a jump.
+const MOST_DEPTH: u32 = 11;
+
+/// The motion between two knots.
+pub(crate) struct Interval<'a, const D: usize> {
+    ends: [&'a Displacement<D>; 2],
+    /// The problem at a part of the interval, 0 to 1, without a state; `None` where there is none.
+    probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
+    /// The problems at the times asked for so far, by their part of the interval.
+    probed: Vec<(f64, Option<Knot<D>>)>,
+    /// What is even to this distance is continuous, units of the space.
+    tolerance: f64,
+    /// Times are halved this often, whatever is found.
+    least_depth: u32,
+}
+
+impl<'a, const D: usize> Interval<'a, D> {
+    pub(crate) fn new(
+        ends: [&'a Displacement<D>; 2],
+        probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
+        tolerance: f64,
+        least_depth: u32,
+    ) -> Self {
+        Self { ends, probe, probed: Vec::new(), tolerance, least_depth }
+    }
+
+    /// No jump is found between the knots with this weight.
+    pub(crate) fn is_continuous(&mut self, weight: f64) -> bool {
+        let ends = self.ends.map(Clone::clone);
+        self.is_even([0.0, 1.0], &ends, weight, 0)
+    }
+
+    /// The motion between two times is even, or becomes so where they are halved.
+    fn is_even(
+        &mut self,
+        [from, to]: [f64; 2],
+        [before, after]: &[Displacement<D>; 2],
+        weight: f64,
+        depth: u32,
+    ) -> bool {
+        let middle = f64::midpoint(from, to);
+        let Some(state) = self.state(middle, weight) else { return true };
+        let is_even = before.interpolated(after, 0.5).farthest(&state) < self.tolerance;
+        if is_even && depth >= self.least_depth {
+            return true;
+        }
+        if depth >= MOST_DEPTH {
+            return false;
+        }
+        let halves = [([from, middle], [before.clone(), state.clone()]), ([middle, to], [state, after.clone()])];
+        for (times, states) in halves {
+            if !self.is_even(times, &states, weight, depth + 1) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The state at a part of the interval, as [`super::Trajectory::solve_at`] finds it.
+    fn state(&mut self, part: f64, weight: f64) -> Option<Displacement<D>> {
+        let place = match self.probed.iter().position(|(known, _)| *known == part) {
+            Some(place) => place,
+            None => {
+                self.probed.push((part, (self.probe)(part)));
+                self.probed.len() - 1
+            }
+        };
+        let knot = self.probed[place].1.as_mut()?;
+        let drawn_to = self.ends[0].interpolated(self.ends[1], part);
+        knot.start_from(&drawn_to);
+        let weight = weight / (part * (1.0 - part));
+        knot.solve_near((&drawn_to.points, weight), Descent::Cold, &Cancel::never()).ok()?;
+        Some(knot.displacement.clone())
+    }
+}
