@@ -188,8 +188,7 @@ fn layer(facts: &TemplateFacts) -> String {
 name    = \"all\"
 # nodes = [{node}]
 ##        names with * and ?, each with what hangs below it; default: everything
-solve   = {{ temporal = 0.3 }}            # frames are solved together: nothing snaps from frame to frame; 0: each alone
-##        guard = \"limit\" in it keeps anything from folding; preset = \"paper\" instead is the method as published
+# solve = {{ guard = \"limit\" }}           # keeps anything from folding; preset = \"paper\" instead is the method as published
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 {lattice}

@@ -213,6 +213,9 @@ pub struct Settings {
 impl Settings {
     /// λgr of [`Regularizer::Bend`] in dimensionless units, tuned on poses (docs/METHOD.md).
     pub const BEND: f64 = 3e-5;
+
+    /// Temporal weight that keeps a layer of a shot from snapping between frames, frames.
+    pub const TEMPORAL: f64 = 0.3;
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
     pub const REST: f64 = 5.3;
     /// λgr of [`Regularizer::Noh`] in dimensionless units: 1e-2 of the plain sum at 10 x 10.

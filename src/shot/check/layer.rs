@@ -217,7 +217,7 @@ impl Check<'_> {
         }
         let mut settings = match raw.preset {
             Some(RawPreset::Paper) => Settings::paper(),
-            Some(RawPreset::Default) | None => Settings::default(),
+            Some(RawPreset::Default) | None => Settings { temporal: Settings::TEMPORAL, ..Settings::default() },
         };
         // Frames that are solved alone stay near each other. Over time, the first knot looks for the least minimum, and others follow it.
         settings.minima = Minima::Nearest;

@@ -211,8 +211,8 @@ pub(in crate::shot) struct RawSolve {
     /// regulariser; default: 1.
     #[schemars(range(min = 0.1, max = 10.0), example = 2.0)]
     pub(in crate::shot) smoothness: Option<f64>,
-    /// Temporal weight, frames: above 0 the frames of a layer are solved together, so that its shape never
-    /// snaps from one frame to the next; more evens out slow sways, too. Default: 0, each frame alone.
+    /// Temporal weight, frames: the frames of a layer are solved together, so that its shape never snaps from one frame to the
+    /// next; more evens out slow sways, too. 0: each frame alone. Default: 0.3, with preset = "paper" 0.
     #[schemars(range(min = 0.0, max = 100.0), example = 0.3)]
     pub(in crate::shot) temporal: Option<f64>,
 }
