@@ -17,7 +17,8 @@ const MOST_DEPTH: u32 = 11;
 
 /// The motion between two knots.
 pub(crate) struct Interval<'a, const D: usize> {
-    ends: [&'a Displacement<D>; 2],
+    /// The knots at its ends, between those beside them.
+    knots: [Option<&'a Displacement<D>>; 4],
     /// The problem at a part of the interval, 0 to 1, without a state; `None` where there is none.
     probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
     /// The problems at the times asked for so far, by their part of the interval.
@@ -30,18 +31,18 @@ pub(crate) struct Interval<'a, const D: usize> {
 
 impl<'a, const D: usize> Interval<'a, D> {
     pub(crate) fn new(
-        ends: [&'a Displacement<D>; 2],
+        knots: [Option<&'a Displacement<D>>; 4],
         probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
         tolerance: f64,
         least_depth: u32,
     ) -> Self {
-        Self { ends, probe, probed: Vec::new(), tolerance, least_depth }
+        Self { knots, probe, probed: Vec::new(), tolerance, least_depth }
     }
 
     /// No jump is found between the knots with this weight.
     pub(crate) fn is_continuous(&mut self, weight: f64) -> bool {
-        let ends = self.ends.map(Clone::clone);
-        self.is_even([0.0, 1.0], &ends, weight, 0)
+        let [_, Some(from), Some(to), _] = self.knots else { return true };
+        self.is_even([0.0, 1.0], &[from.clone(), to.clone()], weight, 0)
     }
 
     /// The motion between two times is even, or becomes so where they are halved.
@@ -80,7 +81,7 @@ impl<'a, const D: usize> Interval<'a, D> {
             }
         };
         let knot = self.probed[place].1.as_mut()?;
-        let drawn_to = self.ends[0].interpolated(self.ends[1], part);
+        let drawn_to = Displacement::on_curve(self.knots, part)?;
         knot.start_from(&drawn_to);
         let weight = weight / (part * (1.0 - part));
         knot.solve_near((&drawn_to.points, weight), Descent::Cold, &Cancel::never()).ok()?;

@@ -148,8 +148,8 @@ impl<const D: usize> Trajectory<D> {
         }
     }
 
-    /// What draws a time. Between two knots: E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), s the part of the interval that
-    /// has passed; up to a constant this is one square, ω/(s (1 − s)) ‖d − (1 − s) d_k − s d_{k+1}‖². Before the first knot, after the last,
+    /// What draws a time. Between two knots: E(x) + ω/(s (1 − s)) ‖d − c(s)‖², s the part of the interval that has passed, c a curve through
+    /// the knots. Before the first knot, after the last,
     /// beside a gap, and where the other neighbour shows another drawing, one knot alone draws, the less the farther it is.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
         let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
@@ -167,7 +167,9 @@ impl<const D: usize> Trajectory<D> {
         match pair {
             (Some(from), Some(to)) => {
                 let s = place - before;
-                Neighbourhood::Near(from.interpolated(to, s), self.weights[before as usize] / (s * (1.0 - s)))
+                let weight = self.weights[before as usize] / (s * (1.0 - s));
+                let curve = Displacement::on_curve([state(before - 1.0), Some(from), Some(to), state(after + 1.0)], s);
+                curve.map_or(Neighbourhood::Alone, |on_curve| Neighbourhood::Near(on_curve, weight))
             }
             (Some(only), None) => Neighbourhood::Near(only.clone(), self.weight / (place - before)),
             (None, Some(only)) => Neighbourhood::Near(only.clone(), self.weight / (after - place)),
