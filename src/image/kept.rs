@@ -34,7 +34,7 @@ pub(crate) enum Depth {
     Pixels,
 }
 
-/// Why a frame is rendered again.
+/// Why a frame is written again.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Redo {
     /// The file does not exist.

@@ -19,7 +19,7 @@ const TURN: [f64; 2] = [2.0, 1.0];
 /// Relative growth of a part if two pins move by their distance along the line between them.
 const STRETCH: f64 = 0.25;
 
-/// Upper bound of the stretch, which is exceeded only for pins that nearly coincide.
+/// Upper bound of the stretch; larger values, which arise only from pins that nearly coincide, are clamped to it.
 const MOST_STRETCH: f64 = 2.0;
 
 /// Bound of coordinates in pixels, larger than any picture.

@@ -134,7 +134,7 @@ impl Strip<'_> {
             })
     }
 
-    /// Whether the block contains an excluded pixel, including those of the next blocks' first pixels at its corners.
+    /// Whether the block contains an excluded pixel. Its far corners count, which may be the first pixels of the next blocks.
     fn holds_excluded(&self, block: &Block) -> bool {
         if self.excluded.is_empty() {
             return false;

@@ -16,8 +16,8 @@ const REST: f64 = 1.5e-7;
 /// Largest plausible coordinate, in frame widths or heights; larger values are pixels.
 const FURTHEST: f32 = 64.0;
 
-/// Converts a map to 32-bit float channels R (u), G (v), B (0) and A (1). Where the map is undefined, A is 0 and u = v
-/// = −1, which every reader renders as black.
+/// Converts a map to 32-bit float channels R (u), G (v), B (0) and A (1). Where the map is undefined, A is 0 and both u
+/// and v are −1, which every reader renders as black.
 #[must_use]
 pub fn stmap_of(map: &WarpMap) -> Frame {
     let (frame, window) = (map.frame, map.window);
