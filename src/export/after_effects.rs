@@ -1,30 +1,30 @@
-//! Displacement maps for After Effects, and what its user has to type in.
+//! Displacement maps for After Effects, and the settings to enter there.
 //!
-//! In: maps, the reach of their sequence. Out: 16-bit codes; the settings of the Displacement Map effect in words, a text
-//! that lies beside them. docs/AFTER_EFFECTS.md tells the whole way.
+//! In: maps, and the largest displacement of their sequence. Out: 16-bit codes; the settings of the Displacement Map
+//! effect as a text file beside them. docs/AFTER_EFFECTS.md describes the procedure.
 
 use crate::plate::WarpMap;
 use crate::spelling::counted;
 
-/// The settings of a sequence of maps.
+/// The settings for a sequence of maps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementNote {
-    /// The maps: `shot.displacement_37px.####.png`.
+    /// File name pattern of the maps: `shot.displacement_37px.####.png`.
     pub maps: String,
-    /// Pixels at either end of the range.
+    /// Displacement at either end of the value range, in pixels.
     pub reach_px: u32,
     /// Size of the maps in pixels.
     pub size: [u32; 2],
     /// First and last frame.
     pub frames: [i32; 2],
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub rate: f64,
-    /// Digest of what the maps were made from: another one means other maps.
+    /// Digest of the inputs of the maps; if it changes, so do the maps.
     pub state: String,
 }
 
 impl DisplacementNote {
-    /// The text.
+    /// Returns the text of the note.
     #[must_use]
     pub fn text(&self) -> String {
         let Self { maps, reach_px, size: [width, height], frames: [first, last], rate, state } = self;
@@ -52,21 +52,21 @@ impl DisplacementNote {
     }
 }
 
-/// The farthest way of any pixel along x or y, in pixels.
+/// Returns the largest displacement of any pixel along x or y, in pixels.
 #[must_use]
 pub fn greatest_offset(map: &WarpMap) -> f64 {
     map.offsets.iter().flatten().filter(|offset| offset.is_finite()).fold(0.0, |most, by| most.max(f64::from(by.abs())))
 }
 
-/// Offsets as 16-bit red (x, right) and green (y, DOWN): ½ is none, 0 and 1 are `reach` pixels. Blue is 0, and pixels
-/// that show nothing stay where they are.
+/// Encodes offsets as 16-bit red (x, right) and green (y, DOWN): ½ is no displacement, 0 and 1 are `reach` pixels. Blue
+/// is 0. Pixels where nothing is visible are not displaced.
 ///
-/// Rows from the top, 3 values a pixel. The step between two values is `reach` / 32767 pixels.
+/// Rows from the top, 3 values per pixel. The step between two values is `reach` / 32767 pixels.
 #[must_use]
 pub fn displacement(map: &WarpMap, reach: f64) -> Vec<u16> {
     let value = |by: f32| {
         let share = if by.is_finite() { f64::from(by) / reach.max(f64::MIN_POSITIVE) } else { 0.0 };
-        // 32768 is the middle of programs that count to 65536.
+        // 32768 is the midpoint in programs with a range up to 65536.
         (32768.0 + 32767.0 * share.clamp(-1.0, 1.0)).round() as u16
     };
     map.offsets.iter().flat_map(|&[x, y]| [value(x), value(y), 0]).collect()

@@ -1,46 +1,46 @@
-//! What can be wrong with a file of lattices.
+//! Errors of lattice files and exports.
 
 use crate::image::ImageError;
 use std::path::PathBuf;
 
-/// A lattice file that cannot be read or written.
+/// An error of reading or writing exported files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
     /// The file cannot be opened.
     #[error("cannot read {path}: {source}")]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The underlying error.
         source: std::io::Error,
     },
-    /// The file is no JSON of the expected form.
+    /// The file is not valid JSON of the expected form.
     #[error("{path} is no lattice file: {source}; lattice files are written by `pinwarp export --to lattice-json`")]
     Json {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where and why.
+        /// The parse error, with its position.
         source: serde_json::Error,
     },
-    /// A value makes no sense.
+    /// A value is invalid.
     #[error("{path}: {key}: {what}; {hint}")]
     Invalid {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The value: `layers[0].frames[3].handles`.
+        /// Key of the value: `layers[0].frames[3].handles`.
         key: String,
         /// What is wrong.
         what: String,
         /// How to fix it.
         hint: String,
     },
-    /// A .glb file cannot hold it.
+    /// The export exceeds the size limit of .glb files.
     #[error(
         "the scene with its deformed meshes has {bytes} bytes, a .glb file holds 4 GiB; export fewer frames (--frames)"
     )]
     TooLarge {
-        /// Size of the file.
+        /// Size of the file, in bytes.
         bytes: usize,
     },
     /// The file cannot be written.

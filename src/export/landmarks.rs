@@ -1,6 +1,6 @@
-//! Files of landmarks: points of one picture and where they are in another.
+//! Reads landmark files: corresponding points of two pictures.
 //!
-//! In: JSON or CSV. Out: pairs of points, checked; docs/EXPORT.md describes both forms.
+//! In: JSON or CSV. Out: validated pairs of points; docs/EXPORT.md describes both forms.
 
 use super::ExportError;
 use crate::files::{TABLE_BYTES, read_text};
@@ -8,11 +8,11 @@ use crate::image::FileKind;
 use serde::Deserialize;
 use std::path::Path;
 
-/// What the coordinates of landmarks are.
+/// Unit of landmark coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LandmarkUnit {
-    /// Pixels of the picture that a point belongs to, y DOWN from the upper left corner, as picture viewers count.
+    /// Pixels of the respective picture, y DOWN from the upper left corner, as in picture viewers.
     #[default]
     Pixels,
     /// Frame heights, y up from the lower left corner.
@@ -23,18 +23,18 @@ pub enum LandmarkUnit {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Landmarks {
-    /// What the coordinates are.
+    /// Unit of the coordinates.
     #[serde(default)]
     pub unit: LandmarkUnit,
-    /// At least one.
+    /// At least one pair.
     pub pairs: Vec<Landmark>,
 }
 
-/// A point of picture A and where it is in picture B.
+/// A point of picture A and the corresponding point of picture B.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Landmark {
-    /// What it is, for messages; may be empty.
+    /// Name for messages; may be empty.
     #[serde(default)]
     pub name: String,
     /// In picture A.
@@ -43,7 +43,7 @@ pub struct Landmark {
     pub b: [f64; 2],
 }
 
-/// Where and what is wrong, and how to fix it.
+/// Key or line, what is wrong, and how to fix it.
 type Fault = (String, String, &'static str);
 
 impl Landmarks {
@@ -90,7 +90,7 @@ fn from_json(text: &str) -> Result<Landmarks, Fault> {
     })
 }
 
-/// Lines of `ax,ay,bx,by` or `name,ax,ay,bx,by`, in pixels; empty lines, lines from # on and a header are passed over.
+/// Parses lines of `ax,ay,bx,by` or `name,ax,ay,bx,by`, in pixels; skips empty lines, text from # on, and a header.
 fn from_csv(text: &str) -> Result<Landmarks, Fault> {
     let mut pairs = Vec::new();
     let lines = text.lines().map(str::trim).enumerate();

@@ -1,36 +1,36 @@
-//! The branches of a lattice at one frame, as lattice files hold them.
+//! The branches of a lattice at one frame, as stored in lattice files.
 //!
-//! Plain data: the handles of each branch, and the polygons that go with it.
+//! Plain data: the handles of each branch, and the polygons that it moves.
 
 use crate::lattice::ScreenLattice;
 use std::collections::HashMap;
 
-/// The branches of a lattice of the screen: each a plain lattice over the part of the shape that is its own.
+/// The branches of a screen lattice: each is a plain lattice over its own part of the shape.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LatticeBranches {
-    /// Corners of the regions, frame heights.
+    /// Corners of the regions, in frame heights.
     pub points: Vec<[f64; 2]>,
-    /// From back to front.
+    /// Branches from back to front.
     pub list: Vec<LatticeBranch>,
 }
 
 /// A branch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LatticeBranch {
-    /// The handles that act on it, #handles; `None`: one that does not, and continues the others smoothly.
+    /// The handles that influence the branch, #handles; `None`: a handle that does not, extrapolated smoothly from the others.
     pub handles: Vec<Option<[f64; 2]>>,
-    /// The part of the shape at rest that goes with it: convex polygons, as indices of points.
+    /// The part of the shape at rest that the branch moves: convex polygons, as indices of points.
     pub region: Vec<Vec<u32>>,
 }
 
-/// The handles that act on a branch, #handles.
+/// The handles that influence a branch, #handles.
 pub type ActingHandles = Vec<Option<[f64; 2]>>;
 
 /// Convex polygons.
 pub type Region = Vec<Vec<[f64; 2]>>;
 
 impl LatticeBranches {
-    /// Of handles and polygons, from back to front.
+    /// Creates branches from handles and polygons, from back to front.
     #[must_use]
     pub fn of(branches: Vec<(ActingHandles, Region)>) -> Self {
         let (mut points, mut known) = (Vec::new(), HashMap::new());
@@ -48,13 +48,13 @@ impl LatticeBranches {
         Self { points, list }
     }
 
-    /// The polygons of a branch.
+    /// Returns the polygons of a branch.
     pub fn polygons(&self, branch: usize) -> impl Iterator<Item = Vec<[f64; 2]>> {
         let corner = |&corner: &u32| self.points[corner as usize];
         self.list[branch].region.iter().map(move |polygon| polygon.iter().map(corner).collect())
     }
 
-    /// The same regions with other lattices, one a branch.
+    /// Returns the same regions with other lattices, one per branch.
     #[must_use]
     pub fn with_lattices(&self, lattices: Vec<ScreenLattice>) -> Self {
         let branch = |(lattice, branch): (ScreenLattice, &LatticeBranch)| LatticeBranch {

@@ -1,6 +1,6 @@
-//! The open format of solved lattices: JSON, one track a layer, one lattice a frame.
+//! The open format of solved lattices: JSON, one track per layer, one lattice per frame.
 //!
-//! In: a file. Out: lattices, checked; or the other way round. docs/LATTICE.md describes the format.
+//! In: a file. Out: validated lattices; or the reverse. docs/LATTICE.md describes the format.
 
 use super::ExportError;
 use super::raw::{RawBranch, RawBranches, RawFile, RawFrame, RawSpace, RawTrack};
@@ -14,13 +14,13 @@ use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The latest version, which is written where a lattice branches.
+/// The latest version, written if a lattice branches.
 const VERSION: u32 = 2;
 
-/// What is written where nothing branches, so that programs of the first version can read it.
+/// The version written if no lattice branches, so that programs of the first version can read it.
 const PLAIN_VERSION: u32 = 1;
 
-/// Frames lie between minus this and this, as in shots.
+/// Largest absolute frame number, as in shots.
 const MAX_FRAME: i32 = 1_000_000;
 
 /// The solved lattices of a shot.
@@ -28,9 +28,9 @@ const MAX_FRAME: i32 = 1_000_000;
 pub struct LatticeFile {
     /// Width of the frame in frame heights.
     pub frame_aspect: f64,
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub rate: f64,
-    /// One a layer, names differ.
+    /// One per layer, with distinct names.
     pub layers: Vec<LatticeTrack>,
 }
 
@@ -39,19 +39,19 @@ pub struct LatticeFile {
 pub struct LatticeTrack {
     /// Name of the layer.
     pub name: String,
-    /// By frame, never empty.
+    /// Lattices by frame, never empty.
     pub track: Track,
-    /// Tracks in the scene: the rigid frame that box and handles of a frame stand in; left out: the scene's own.
+    /// For tracks in the scene, the rigid frame of the box and handles at each frame; where missing, that of the scene.
     pub placements: BTreeMap<i32, BoxFrame>,
-    /// Tracks of the screen whose lattice branches: the branches of a frame; the lattice is that of the largest.
+    /// For tracks on the screen whose lattice branches, the branches at each frame; the track's lattice is that of the largest.
     pub branches: BTreeMap<i32, LatticeBranches>,
-    /// Tracks of whole pictures whose border rests: the warps that the lattices are part of. Files do not hold them.
+    /// For tracks of whole pictures with a fixed border, the warps that contain the lattices. Not stored in files.
     pub wholes: BTreeMap<i32, WholeWarp>,
 }
 
 impl LatticeTrack {
-    /// The branches at a frame, and the frame that lists them: the nearest in which the track is listed, of two the earlier one; `None`:
-    /// nothing branches there.
+    /// Returns the branches at a frame, and the listed frame that they belong to: the nearest one of the track, or of
+    /// two equally near ones the earlier. `None` if the lattice does not branch there.
     #[must_use]
     pub fn branches_at(&self, frame: i32) -> Option<(i32, &LatticeBranches)> {
         let Track::Screen(lattices) = &self.track else { return None };
@@ -81,13 +81,13 @@ impl LatticeFile {
         check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
     }
 
-    /// Some lattice branches.
+    /// Whether any lattice branches.
     #[must_use]
     pub fn has_branches(&self) -> bool {
         self.layers.iter().any(|layer| !layer.branches.is_empty())
     }
 
-    /// The same of some frames only; `None` where no layer has any of them.
+    /// Returns only the given frames; `None` if no layer has any of them.
     #[must_use]
     pub fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
         for layer in &mut self.layers {
@@ -105,10 +105,10 @@ impl LatticeFile {
         (!self.layers.is_empty()).then_some(self)
     }
 
-    /// Writes the file, whole or not at all.
+    /// Writes the file atomically.
     ///
     /// # Errors
-    /// [`ExportError::Write`] where the file cannot be written.
+    /// [`ExportError::Write`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
         let layers = self.layers.iter().map(|layer| match &layer.track {
             Track::Screen(lattices) => raw_track(layer, RawSpace::Screen, lattices),
@@ -125,10 +125,10 @@ impl LatticeFile {
     }
 }
 
-/// The lattice at a (fractional) frame: between two of the track it is mixed from both, beyond them the nearest holds.
+/// Returns the lattice at a (fractional) frame, interpolated linearly between the lattices of the track; constant beyond its ends.
 ///
 /// # Panics
-/// Where the track is empty; checked tracks never are.
+/// If the track is empty, which validated tracks never are.
 #[must_use]
 pub fn lattice_at<const D: usize>(lattices: &BTreeMap<i32, Lattice<D>>, frame: f64) -> Lattice<D> {
     let before = lattices.range(..=frame.floor() as i32).next_back();
@@ -210,7 +210,7 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
     Ok(found)
 }
 
-/// Where the boxes of a track stand.
+/// Returns the placements of the boxes of a track.
 fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Fault> {
     let placed =
         raw.frames.iter().enumerate().filter_map(|(number, frame)| Some((number, frame.frame, frame.placement?)));
@@ -226,7 +226,7 @@ fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Faul
     frames.collect()
 }
 
-/// The branches of a track.
+/// Returns the branches of a track.
 fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, LatticeBranches>, Fault> {
     let mut found = BTreeMap::new();
     for (number, frame) in raw.frames.iter().enumerate() {

@@ -1,6 +1,6 @@
-//! Stage 9: solved lattices over time travel to other shots and programs.
+//! Stage 9: exports animated lattices to other shots and programs.
 //!
-//! In: lattices. Out: files. Lattice files are read back, too: see [`LatticeFile`].
+//! In: lattices. Out: files. Lattice files can also be read: see [`LatticeFile`].
 
 mod after_effects;
 pub mod blender;

@@ -1,6 +1,6 @@
-//! Lattice files as they stand in JSON.
+//! The JSON structure of lattice files.
 //!
-//! In: JSON. Out: lists of numbers, not yet compared with each other; see [`super::lattice_file`].
+//! In: JSON. Out: lists of numbers, before cross-validation; see [`super::lattice_file`].
 
 use crate::lattice::Basis;
 use serde::{Deserialize, Serialize};
@@ -13,9 +13,9 @@ pub(super) struct RawFile {
     pub(super) pinwarp_lattice: u32,
     /// Width of the frame in frame heights.
     pub(super) frame_aspect: f64,
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub(super) rate: f64,
-    /// One a layer.
+    /// One per layer.
     pub(super) layers: Vec<RawTrack>,
 }
 
@@ -25,17 +25,17 @@ pub(super) struct RawFile {
 pub(super) struct RawTrack {
     /// Name of the layer.
     pub(super) name: String,
-    /// What the coordinates are.
+    /// Space of the coordinates.
     pub(super) space: RawSpace,
-    /// How handles are blended.
+    /// Basis functions.
     pub(super) basis: Basis,
-    /// Handles an axis: two on the screen, three in the world.
+    /// Handles per axis: two axes on the screen, three in the scene.
     pub(super) dims: Vec<usize>,
     /// Frames, increasing.
     pub(super) frames: Vec<RawFrame>,
 }
 
-/// What the coordinates are.
+/// Space of the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum RawSpace {
@@ -54,15 +54,15 @@ pub(super) struct RawFrame {
     /// Lower and upper corner of the rest box.
     #[serde(rename = "box")]
     pub(super) bounds: [Vec<f64>; 2],
-    /// In the world: x, y and z axis and origin of the box's own frame, scene units; left out: the scene's.
+    /// Scene space only: x, y and z axis and origin of the box's own frame, in scene units; if missing, those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) placement: Option<[[f64; 3]; 4]>,
-    /// Angle by which the box is turned about its middle, counter-clockwise, degrees; kept free for boxes that turn.
+    /// Rotation of the box about its centre, counter-clockwise, in degrees; reserved for rotated boxes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) angle: Option<f64>,
     /// Moved handles, x fastest.
     pub(super) handles: Vec<Vec<f64>>,
-    /// On the screen: the branches of the lattice.
+    /// Screen space only: the branches of the lattice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) branches: Option<RawBranches>,
 }
@@ -73,7 +73,7 @@ pub(super) struct RawFrame {
 pub(super) struct RawBranches {
     /// Corners of the regions.
     pub(super) points: Vec<[f64; 2]>,
-    /// From back to front.
+    /// Branches from back to front.
     pub(super) list: Vec<RawBranch>,
 }
 
@@ -81,7 +81,7 @@ pub(super) struct RawBranches {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBranch {
-    /// The handles that act on it: index, x, y.
+    /// The handles that influence the branch: index, x, y.
     pub(super) handles: Vec<(u32, f64, f64)>,
     /// Convex polygons, as indices of points.
     pub(super) region: Vec<Vec<u32>>,

@@ -1,7 +1,7 @@
-//! Files that appear whole or not at all.
+//! Atomic file writes.
 //!
-//! In: a destination and a function that writes. Out: the finished file under that path, or the old one untouched.
-//! Method: write a locked temporary file in the same folder, then rename it.
+//! In: a destination and a function that writes. Out: the complete file under that path, or the previous one unchanged.
+//! Method: write a locked temporary file in the same directory, then rename it.
 
 use super::ImageError;
 use std::collections::{HashMap, HashSet};
@@ -11,31 +11,31 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::Builder;
 
-/// Ending of temporary files.
+/// Extension of temporary files.
 const ENDING: &str = ".tmp";
 
-/// Longest file name that a temporary name may contain, bytes: file systems allow 255, the rest is for prefix and ending.
+/// Longest file name that is embedded in a temporary name, in bytes: file systems allow 255; the rest is for prefix and extension.
 const LONGEST_NAME: usize = 200;
 
 /// Random characters in a temporary name.
 const RANDOM_CHARS: usize = 6;
 
-/// Where a file goes, and when it counts as written.
+/// Path and durability of a file to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Destination<'a> {
-    /// The file.
+    /// Path of the file.
     pub path: &'a Path,
-    /// When it counts as written.
+    /// Durability of the write.
     pub durability: Durability,
 }
 
 /// When a file counts as written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Durability {
-    /// When the operating system has taken it over.
+    /// As soon as the operating system has accepted it.
     #[default]
     Cached,
-    /// When it is on the disk: file and folder are synchronised, so it survives a power failure.
+    /// When it is on disk: file and directory are synchronised, so it survives a power failure.
     Synced,
 }
 
@@ -51,9 +51,10 @@ impl<'a> From<&'a PathBuf> for Destination<'a> {
     }
 }
 
-/// Writes under a temporary name in the same folder (made where it is missing), then renames. On any error the
-/// temporary file is removed and what stood at the path stays as it was. A symbolic link stays: its target is replaced.
-/// The temporary file is locked while it is written, so that [`remove_stale`] can tell whether its writer lives.
+/// Writes under a temporary name in the same directory (created if missing), then renames.
+///
+/// On error the temporary file is removed and any previous file is unchanged. A symbolic link is kept, and its target is replaced. The
+/// temporary file is locked while it is written, so that [`remove_stale`] can tell whether its writer is alive.
 pub(super) fn replace_file(
     to: Destination,
     write: impl FnOnce(&mut File) -> Result<(), ImageError>,
@@ -74,7 +75,7 @@ pub(super) fn replace_file(
     builder.prefix(&prefix).suffix(ENDING).rand_bytes(RANDOM_CHARS);
     set_permissions(&mut builder);
     let mut partial = builder.tempfile_in(folder).map_err(io)?;
-    // Some network file systems have no locks; the file is written all the same.
+    // Some network file systems have no locks; write the file anyway.
     let _ = partial.as_file().try_lock();
     write(partial.as_file_mut())?;
     if to.durability == Durability::Synced {
@@ -84,7 +85,7 @@ pub(super) fn replace_file(
     if to.durability == Durability::Synced { sync_folder(folder).map_err(io) } else { Ok(()) }
 }
 
-/// Refuses devices, pipes and sockets; nothing, and a regular file, may be replaced. Folders fail at the rename.
+/// Refuses devices, pipes and sockets; regular files may be replaced. Directories fail at the rename.
 pub(super) fn check_replaceable(path: &Path) -> Result<(), ImageError> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() && !there.is_dir() => Err(ImageError::Refused {
@@ -96,25 +97,25 @@ pub(super) fn check_replaceable(path: &Path) -> Result<(), ImageError> {
     }
 }
 
-/// Writes a text to a file, whole or not at all.
+/// Writes a text file atomically.
 ///
 /// # Errors
-/// [`ImageError::Io`] where the disk is full or the folder cannot be written.
+/// [`ImageError::Io`] if the disk is full or the directory is not writable.
 pub fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
     replace_bytes(path, text.as_bytes())
 }
 
-/// Writes bytes to a file, whole or not at all.
+/// Writes bytes to a file atomically.
 ///
 /// # Errors
-/// [`ImageError::Io`] where the disk is full or the folder cannot be written.
+/// [`ImageError::Io`] if the disk is full or the directory is not writable.
 pub fn replace_bytes<'a>(to: impl Into<Destination<'a>>, bytes: &[u8]) -> Result<(), ImageError> {
     let to = to.into();
     replace_file(to, |file| file.write_all(bytes).map_err(|source| ImageError::writing(to.path, source)))
 }
 
-/// Removes the temporary files of these paths whose writers have died; those of writers that live are locked. Returns how
-/// many were removed. What cannot be listed or removed stays.
+/// Removes the temporary files of these paths whose writers have died; living writers hold a lock. Returns how many
+/// were removed, and ignores what cannot be listed or removed.
 pub(crate) fn remove_stale(paths: impl IntoIterator<Item = PathBuf>) -> usize {
     let mut prefixes: HashMap<PathBuf, HashSet<OsString>> = HashMap::new();
     for path in paths {
@@ -129,7 +130,7 @@ pub(crate) fn remove_stale(paths: impl IntoIterator<Item = PathBuf>) -> usize {
     prefixes.iter().map(stale_in).sum()
 }
 
-/// `PREFIX.tmp`, `PREFIXabc123.tmp`.
+/// Matches `PREFIX.tmp` and `PREFIXabc123.tmp`.
 fn is_temporary(name: &OsStr, prefixes: &HashSet<OsString>) -> bool {
     let Some(stem) = name.to_str().and_then(|name| name.strip_suffix(ENDING)) else { return false };
     let without_random = stem.len().checked_sub(RANDOM_CHARS).and_then(|end| stem.get(..end)).unwrap_or_default();
@@ -141,7 +142,7 @@ fn remove_unlocked(path: &Path) -> bool {
     is_file && File::open(path).is_ok_and(|file| file.try_lock().is_ok()) && fs::remove_file(path).is_ok()
 }
 
-/// How the temporary names of a file begin: `.frame.0001.exr`. Long names are replaced by their checksum.
+/// Returns the prefix of a file's temporary names: `.frame.0001.exr`. Long names are replaced by their checksum.
 fn temporary_prefix(name: &OsStr) -> OsString {
     let mut prefix = OsString::from(".");
     if name.len() <= LONGEST_NAME && name.to_str().is_some() {
@@ -152,12 +153,12 @@ fn temporary_prefix(name: &OsStr) -> OsString {
     prefix
 }
 
-/// The folder that holds a file.
+/// Returns the parent directory of a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Temporary files are private by default; a frame is for everybody whom the umask lets in.
+/// Temporary files are private by default, but frames should have the permissions that the umask allows.
 #[cfg(unix)]
 fn set_permissions(builder: &mut Builder) {
     use std::os::unix::fs::PermissionsExt;
@@ -167,13 +168,13 @@ fn set_permissions(builder: &mut Builder) {
 #[cfg(not(unix))]
 fn set_permissions(_builder: &mut Builder) {}
 
-/// Puts the renamed entry of a folder on the disk.
+/// Synchronises a directory, so that a rename in it is durable.
 #[cfg(unix)]
 fn sync_folder(folder: &Path) -> std::io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// Other systems cannot synchronise folders.
+/// Directories cannot be synchronised on other systems.
 #[cfg(not(unix))]
 fn sync_folder(_folder: &Path) -> std::io::Result<()> {
     Ok(())

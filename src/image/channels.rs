@@ -1,24 +1,24 @@
-//! The channels that a render writes: one table of names, order, pixel types and empty values.
+//! The channels of a render: a single table of names, order, pixel types and empty values.
 //!
-//! In: nothing. Out: [`ChannelGroup`]s and their [`ChannelSpec`]s, which the rasters, the shot file and the plates share.
+//! In: nothing. Out: [`ChannelGroup`]s and their [`ChannelSpec`]s, shared by the rasterisers, the shot file and the plates.
 
 use super::{EMPTY_DEPTH, Storage};
 
-/// Channels that are asked for together, in the order in which a frame holds them.
+/// A group of channels that is requested as a unit, in the order of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ChannelGroup {
     /// R G B A: half, scene-linear, associated alpha.
     Beauty,
-    /// `depth.Z`: float, distance along the view axis, metres; [`EMPTY_DEPTH`] where nothing is.
+    /// `depth.Z`: float, distance along the view axis, metres; [`EMPTY_DEPTH`] where there is no surface.
     Depth,
-    /// `forward.u` `forward.v` `backward.u` `backward.v`: float, pixels, x right, y up; 0 where nothing is.
+    /// `forward.u` `forward.v` `backward.u` `backward.v`: float, pixels, x right, y up; 0 where there is no surface.
     Motion,
-    /// `N.X` `N.Y` `N.Z`: float, scene space, unit length, facing the viewer; 0 where nothing is.
+    /// `N.X` `N.Y` `N.Z`: float, scene space, unit length, facing the viewer; 0 where there is no surface.
     Normal,
-    /// `id.layer` and `id.object`: float; 0 where nothing is.
+    /// `id.layer` and `id.object`: float; 0 where there is no surface.
     Id,
     /// Six ranks of each Cryptomatte: float. Their names depend on the layer
-    /// ([`rank_channel_names`](super::cryptomatte::rank_channel_names)), so the table lists none.
+    /// ([`rank_channel_names`](super::cryptomatte::rank_channel_names)), so they are not in the table.
     Cryptomatte,
 }
 
@@ -29,7 +29,7 @@ pub struct ChannelSpec {
     pub name: &'static str,
     /// Pixel type.
     pub storage: Storage,
-    /// Value where nothing is.
+    /// Value where there is no surface.
     pub empty: f32,
 }
 
@@ -49,7 +49,7 @@ impl ChannelGroup {
     /// The groups with a fixed number of channels, in the order of a frame.
     pub const PLANAR: [Self; 5] = [Self::Beauty, Self::Depth, Self::Motion, Self::Normal, Self::Id];
 
-    /// The channels of the group, in their order.
+    /// Returns the channels of the group, in order.
     ///
     /// ```
     /// use pinwarp::image::ChannelGroup;
@@ -67,7 +67,7 @@ impl ChannelGroup {
         }
     }
 
-    /// The group holds one exact sample a pixel, never a filtered mean.
+    /// Whether the group holds one exact sample per pixel instead of a filtered mean.
     #[must_use]
     pub const fn is_data(self) -> bool {
         matches!(self, Self::Depth | Self::Motion | Self::Normal | Self::Id)

@@ -1,6 +1,6 @@
-//! Distinguishes a finished EXR file from one that was cut off, without decoding pixels.
+//! Detects truncated EXR files without decoding pixels.
 //!
-//! In: a path. Out: yes or no. Reads the head, the offset table and a few bytes of each chunk.
+//! In: a path. Out: whether the file is complete. Reads the header, the offset table and a few bytes of each chunk.
 
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
@@ -8,8 +8,8 @@ use std::fs::File;
 use std::io::{BufReader, Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
-/// Whether `path` is a readable flat EXR file in which every chunk of pixels is there. Costs about a millisecond; does not notice
-/// a changed byte inside a chunk.
+/// Whether `path` is a readable flat EXR file with all its chunks. Takes about a millisecond; does not detect a changed
+/// byte inside a chunk.
 #[must_use]
 pub fn is_complete(path: &Path) -> bool {
     path.is_file() && File::open(path).is_ok_and(|file| has_all_chunks(file).unwrap_or(false))
@@ -21,7 +21,7 @@ fn has_all_chunks(mut file: File) -> Result<bool> {
     let Ok(meta) = MetaData::read_from_buffered(&mut head, false) else { return Ok(false) };
     let is_flat = meta.headers.iter().all(|header| !header.deep);
     let chunk_count: usize = meta.headers.iter().map(|header| header.chunk_count).sum();
-    // A damaged head may ask for any number of chunks: each takes eight bytes of offset table.
+    // A damaged header may specify any number of chunks; each takes eight bytes of offset table.
     if !is_flat || chunk_count == 0 || (chunk_count as u64).saturating_mul(8) > file_bytes {
         return Ok(false);
     }
@@ -41,18 +41,18 @@ fn has_all_chunks(mut file: File) -> Result<bool> {
     Ok(true)
 }
 
-/// Where a chunk begins.
+/// Location of a chunk.
 struct Place {
-    /// Bytes that name the part: 0 or 4.
+    /// Bytes of the part number: 0 or 4.
     part_bytes: usize,
     /// Index in the part's offset table.
     index: usize,
-    /// Bytes from the start of the file.
+    /// Offset from the start of the file, in bytes.
     offset: u64,
 }
 
 impl Place {
-    /// The first byte after the chunk; `None` where something else stands there.
+    /// Returns the offset of the end of the chunk; `None` if there is no such chunk.
     fn chunk_end(&self, file: &mut File, header: &Header) -> Result<Option<u64>> {
         let is_tiled = matches!(header.blocks, BlockDescription::Tiles(_));
         let coordinate_bytes = self.part_bytes + if is_tiled { 16 } else { 4 };

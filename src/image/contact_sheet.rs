@@ -1,22 +1,22 @@
-//! A contact sheet: small pictures of many frames in rows, each with its label.
+//! Contact sheets: labelled thumbnails of many frames in a grid.
 //!
-//! In: pictures, one after the other. Out: one picture.
+//! In: pictures, one by one. Out: one picture.
 
 use super::{Canvas, Preview, Rgba8};
 use crate::space::ImagePoint;
 use ::image::RgbaImage;
 use ::image::imageops::{self, FilterType};
 
-/// Pixels between tiles, and around the sheet.
+/// Gap between tiles and around the sheet, in pixels.
 const GAP: u32 = 8;
-/// Pixels under a tile for its label: twice a line of the font.
+/// Height of a tile's label in pixels: twice a line of the font.
 const LABEL: u32 = 24;
-/// Behind transparent pixels, around tiles.
+/// Background colour, behind transparent pixels and around tiles.
 const GROUND: [u8; 3] = [40, 40, 40];
 const PLAIN: Rgba8 = Rgba8([220, 220, 220, 255]);
 const MARKED: Rgba8 = Rgba8([255, 96, 64, 255]);
 
-/// Lays tiles out while frames are read one by one, so that only one frame is in memory at full size.
+/// Builds a sheet while frames are read one by one, so that only one full-size frame is in memory.
 #[derive(Debug)]
 pub(crate) struct ContactSheet {
     columns: u32,
@@ -26,8 +26,8 @@ pub(crate) struct ContactSheet {
 }
 
 impl ContactSheet {
-    /// A sheet for `count` tiles of `tile_width` pixels in `columns`; `size` is that of the frames, width and height, and gives the
-    /// tiles their shape.
+    /// Creates a sheet for `count` tiles of `tile_width` pixels in `columns`; `size` is the width and height of the
+    /// frames, which determines the aspect ratio of the tiles.
     pub(crate) fn new(count: usize, columns: usize, tile_width: u32, size: [u32; 2]) -> Self {
         let columns = u32::try_from(columns.clamp(1, count.max(1))).unwrap_or(1);
         let rows = u32::try_from(count).unwrap_or(1).div_ceil(columns).max(1);
@@ -42,7 +42,7 @@ impl ContactSheet {
         Self { columns, tile, sheet, filled: 0 }
     }
 
-    /// Adds a frame, `None` where it could not be read; a marked one has a coloured frame and label.
+    /// Adds a frame, or `None` for an unreadable one; a marked frame gets a coloured border and label.
     pub(crate) fn add(&mut self, picture: Option<&Preview>, label: &str, is_marked: bool) {
         let (column, row) = (self.filled % self.columns, self.filled / self.columns);
         self.filled += 1;
@@ -68,13 +68,13 @@ impl ContactSheet {
         self.sheet = RgbaImage::from_raw(drawn.width, drawn.height, drawn.rgba).unwrap_or_default();
     }
 
-    /// The sheet.
+    /// Returns the finished sheet.
     pub(crate) fn into_picture(self) -> Preview {
         Preview { width: self.sheet.width(), height: self.sheet.height(), rgba: self.sheet.into_raw() }
     }
 }
 
-/// The picture over the colour of the ground, opaque.
+/// Composites the picture over the background colour.
 fn over_ground(picture: &Preview) -> Option<RgbaImage> {
     let mut image = RgbaImage::from_raw(picture.width, picture.height, picture.rgba.clone())?;
     for pixel in image.pixels_mut() {

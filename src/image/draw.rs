@@ -1,25 +1,25 @@
 //! Anti-aliased drawing on a preview, for overlays.
 //!
-//! In: shapes in image space (pixels, y down, origin at the upper left corner of the picture). Out: pixels blended over the
-//! picture. Whatever lies outside is cut off; shapes with coordinates that are not finite, or beyond
-//! [`FARTHEST_PX`], are left out whole, so no input can panic or take forever.
+//! In: shapes in image space (pixels, y down, origin at the upper left corner of the picture). Out: pixels blended over
+//! the picture. Shapes are clipped; those with coordinates that are not finite or beyond [`FARTHEST_PX`] are skipped,
+//! so that no input can panic or take unbounded time.
 
 use super::Preview;
 use super::font;
 use crate::space::ImagePoint;
 use glam::DVec2;
 
-/// No picture reaches so far; beyond it, differences of coordinates lose their pixels.
+/// Larger than any picture; beyond it, differences of coordinates lose pixel precision.
 const FARTHEST_PX: f64 = 1e9;
 
-/// Sub-lines a pixel row is cut into when polygons are filled; coverage along a line is exact.
+/// Scan lines per pixel row for polygon filling; coverage along a scan line is exact.
 const SUB_LINES: usize = 4;
 
 /// An sRGB colour with straight alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgba8(pub [u8; 4]);
 
-/// Draws on a picture; later shapes cover earlier ones.
+/// A canvas over a picture; later shapes cover earlier ones.
 ///
 /// ```
 /// use pinwarp::image::{Canvas, Preview, Rgba8};
@@ -35,12 +35,12 @@ pub struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// A canvas over `picture`.
+    /// Creates a canvas over `picture`.
     pub fn new(picture: &'a mut Preview) -> Self {
         Self { picture }
     }
 
-    /// A line with round ends; thinner than a pixel it grows fainter instead.
+    /// Draws a line with round caps; below a width of one pixel, it fades instead of getting thinner.
     pub fn line(&mut self, a: ImagePoint, b: ImagePoint, width_px: f64, color: Rgba8) {
         if !is_drawable(&[a, b]) || !is_length(width_px) {
             return;
@@ -54,12 +54,12 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub fn disc(&mut self, center: ImagePoint, radius_px: f64, color: Rgba8) {
         self.round(center, radius_px + 1.0, color, |distance| radius_px + 0.5 - distance);
     }
 
-    /// The outline of a circle; the circle runs along the middle of the stroke.
+    /// Draws the outline of a circle, centred on the stroke.
     pub fn ring(&mut self, center: ImagePoint, radius_px: f64, width_px: f64, color: Rgba8) {
         if !is_length(width_px) {
             return;
@@ -81,7 +81,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A filled polygon; where it crosses itself the even-odd rule holds.
+    /// Draws a filled polygon by the even-odd rule.
     pub fn fill_polygon(&mut self, corners: &[ImagePoint], color: Rgba8) {
         if corners.len() < 3 || !is_drawable(corners) {
             return;
@@ -100,8 +100,8 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// One line of text with a dark rim, `at` its upper left corner. Each cell of the 5x9 glyphs is `scale` pixels wide and
-    /// high. Characters beyond ASCII show as boxes.
+    /// Draws a line of text with a dark outline, `at` its upper left corner. Each cell of the 5x9 glyphs is `scale`
+    /// pixels wide and high. Non-ASCII characters are shown as boxes.
     pub fn text(&mut self, at: ImagePoint, text: &str, scale: u32, color: Rgba8) {
         if !is_drawable(&[at]) || scale == 0 {
             return;
@@ -123,7 +123,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A square of whole pixels.
+    /// Draws a pixel-aligned square.
     fn cell(&mut self, corner: DVec2, side: u32, color: Rgba8) {
         let end = corner + f64::from(side);
         for row in self.rows(corner.y, end.y) {
@@ -131,12 +131,12 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Rows of the picture that lie between two heights.
+    /// Returns the rows of the picture between two heights.
     fn rows(&self, top: f64, bottom: f64) -> std::ops::Range<u32> {
         clipped(top, bottom, self.picture.height)
     }
 
-    /// Blends the colour over the pixels of a row; `coverage` is asked at their centres and cut to 0..=1.
+    /// Blends the colour over the pixels of a row; `coverage` is evaluated at their centres and clamped to 0..=1.
     fn blend_row(&mut self, row: u32, span: (f64, f64), color: Rgba8, coverage: impl Fn(f64) -> f64) {
         for column in clipped(span.0, span.1, self.picture.width) {
             let coverage = coverage(f64::from(column) + 0.5).clamp(0.0, 1.0) as f32;
@@ -148,7 +148,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// A thick segment.
+/// A thick line segment.
 struct Stroke {
     from: DVec2,
     along: DVec2,
@@ -162,7 +162,7 @@ impl Stroke {
         stroke_coverage(point.distance(self.from + self.along * t.clamp(0.0, 1.0)), self.width)
     }
 
-    /// Where the segment is within `reach` of the height `y`, widened by `reach`: long lines cost only what they cover.
+    /// Returns the columns where the segment is within `reach` of the height `y`, so that long lines cost only the pixels they cover.
     fn columns_near(&self, y: f64, reach: f64) -> (f64, f64) {
         let t_at = |height: f64| ((height - self.from.y) / self.along.y).clamp(0.0, 1.0);
         let is_level = self.along.y.abs() < 1e-9;
@@ -172,12 +172,12 @@ impl Stroke {
     }
 }
 
-/// Coverage of a pixel whose centre is `distance` away from the middle of a stroke.
+/// Returns the coverage of a pixel whose centre is `distance` away from the centre line of a stroke.
 fn stroke_coverage(distance: f64, width: f64) -> f64 {
     (width / 2.0 + 0.5 - distance).min(width)
 }
 
-/// Where the outline crosses the height `y`, from the left; an even number.
+/// Returns the intersections of the outline with the height `y`, from the left; an even number.
 fn crossings(corners: &[ImagePoint], y: f64) -> Vec<f64> {
     let nexts = corners.iter().cycle().skip(1);
     let edges = corners.iter().zip(nexts).map(|(a, b)| (a.0, b.0));
@@ -187,7 +187,7 @@ fn crossings(corners: &[ImagePoint], y: f64) -> Vec<f64> {
     at
 }
 
-/// Share of the pixel with its centre at `x` that lies between pairs of crossings.
+/// Returns the fraction of the pixel centred at `x` between pairs of intersections.
 fn polygon_coverage(inside: &[Vec<f64>; SUB_LINES], x: f64) -> f64 {
     let covered = |pair: &[f64]| ((x + 0.5).min(pair[1]) - (x - 0.5).max(pair[0])).max(0.0);
     let sum: f64 = inside.iter().flat_map(|line| line.chunks_exact(2)).map(covered).sum();
@@ -204,9 +204,9 @@ fn is_beside_ink(text: &[char], column: i64, row: i64) -> bool {
     (-1..=1).any(|down| (-1..=1).any(|right| has_ink(text, column + right, row + down)))
 }
 
-/// Pixels 0..`limit` whose area meets the range from `low` to `high`.
+/// Returns the pixels in 0..`limit` that overlap the range from `low` to `high`.
 fn clipped(low: f64, high: f64, limit: u32) -> std::ops::Range<u32> {
-    // Float to integer casts saturate, and NaN becomes 0: an empty range at worst.
+    // Float-to-integer casts saturate, and NaN becomes 0: at worst an empty range.
     (low.floor() as u32).min(limit)..(high.ceil() as u32).min(limit)
 }
 
@@ -218,7 +218,7 @@ fn is_length(pixels: f64) -> bool {
     pixels > 0.0 && pixels <= FARTHEST_PX
 }
 
-/// Porter and Duff's over for straight alpha, in the picture's own (sRGB) numbers as painting programs do.
+/// Porter and Duff's over for straight alpha, blended in sRGB values as painting programs do.
 fn over(source: [u8; 4], coverage: f32, below: [u8; 4]) -> [u8; 4] {
     let source_alpha = f32::from(source[3]) / 255.0 * coverage;
     let below_alpha = f32::from(below[3]) / 255.0 * (1.0 - source_alpha);
@@ -247,7 +247,7 @@ mod tests {
         picture
     }
 
-    /// Sum of all alphas, in pixels.
+    /// Returns the sum of all alphas, in pixels.
     fn area(picture: &Preview) -> f64 {
         picture.rgba.chunks_exact(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum()
     }
@@ -302,7 +302,7 @@ mod tests {
         assert_eq!(picture.pixel(12, 4), Some([0; 4]));
     }
 
-    /// Any float, and more often than chance would have it the ones that break things.
+    /// Arbitrary floats, with problematic ones overrepresented.
     fn hostile() -> impl Strategy<Value = f64> {
         prop_oneof![
             -40.0..80.0,
@@ -327,7 +327,7 @@ mod tests {
 
         #[test]
         fn a_line_over_the_edge_is_the_part_of_it_inside(x in 40.0..1e7_f64, y in -1e5..1e5_f64) {
-            // The same ray, cut at another place outside of the picture.
+            // The same ray, ending elsewhere outside of the picture.
             let start = at(3.0, 12.0);
             let far = at(3.0 + x, 12.0 + y);
             let nearer = at(3.0 + x * 0.99, 12.0 + y * 0.99);

@@ -1,63 +1,63 @@
-//! What can go wrong while pictures are read and written.
+//! Errors of reading and writing pictures.
 
 use crate::memory::OverBudget;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// A picture that cannot be read or written. Each message says what, where and how to fix it.
+/// An error of reading or writing a picture. Each message says what is wrong, where, and how to fix it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// The file system said no.
+    /// An error of the file system.
     #[error("cannot {action} {}: {source}{}", path.display(), remedy(source.kind()))]
     Io {
         /// `read` or `write`.
         action: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The underlying error.
         source: Error,
     },
-    /// The frame cannot be stored as asked.
+    /// The frame cannot be stored as requested.
     #[error("cannot write {}: {what}", path.display())]
     Frame {
-        /// The file that was to be written.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with the frame, and what to do.
+        /// What is wrong with the frame, and how to fix it.
         what: String,
     },
-    /// The file breaks its format, or ends too early.
+    /// The file violates its format, or is truncated.
     #[error("{} is damaged: {what}; render or export it again", path.display())]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What is wrong.
         what: String,
     },
-    /// The file is sound, but holds something that pinwarp does not read.
+    /// The file is valid, but uses features that are not supported.
     #[error("{} cannot be used: {what}", path.display())]
     Unsupported {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it holds, and what to export instead.
+        /// The unsupported feature, and what to export instead.
         what: String,
     },
     /// A file that must not be written.
     #[error("{} {what}; {hint}", path.display())]
     Refused {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         what: String,
         /// What to do instead.
         hint: String,
     },
-    /// The file is sound, but decoding it would take more memory than may be used.
+    /// The file is valid, but decoding it would exceed the memory limit.
     #[error("{} {source}", path.display())]
     TooLarge {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it needs.
+        /// The required and the available memory.
         source: OverBudget,
     },
     /// A path that does not name a frame or a sequence.
@@ -65,7 +65,7 @@ pub enum ImageError {
     Pattern {
         /// The path as given.
         pattern: PathBuf,
-        /// What is wrong with it, and what to write.
+        /// What is wrong with it, and what to write instead.
         what: String,
     },
 }
@@ -92,7 +92,7 @@ impl ImageError {
     }
 }
 
-/// What the user can do about it; starts with `; `, or is empty.
+/// Returns advice for the user, starting with `; `, or an empty string.
 fn remedy(kind: ErrorKind) -> &'static str {
     match kind {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {

@@ -1,7 +1,7 @@
-//! What every EXR file that is written has in common.
+//! The common part of writing EXR files.
 //!
-//! In: an image of the EXR crate whose channels are [`Lines`]. Out: the file, whole or not at all, with the same bytes
-//! every time. Samples are converted line by line, so no copy of the frame is made.
+//! In: an image of the EXR crate whose channels are [`Lines`]. Out: the file, written atomically and deterministically.
+//! Samples are converted line by line, so the frame is not copied.
 
 use super::atomic::{Destination, replace_file};
 use super::{Channel, ImageError, Storage, exr_head};
@@ -18,8 +18,8 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::collections::HashSet;
 
-/// The checks of the crate are left out, since they refuse files that are in use: attributes of standard names and
-/// unusual types. What they look for besides is sound by construction, or checked before.
+/// Skips the crate's validation, which rejects files in common use (standard attribute names with unusual types). Its
+/// other checks hold by construction, or are made before.
 pub(super) fn write(to: Destination, image: &Image<Layers<AnyChannels<Lines<'_>>>>) -> Result<(), ImageError> {
     let path = to.path;
     replace_file(to, |mut file| {
@@ -33,12 +33,12 @@ pub(super) fn write(to: Destination, image: &Image<Layers<AnyChannels<Lines<'_>>
     })
 }
 
-/// Names and texts are UTF-8, as OpenEXR says; the crate would take each byte for a letter.
+/// Encodes a text as UTF-8, as OpenEXR specifies; the crate would treat each byte as a character.
 pub(super) fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
-/// Bytes of old files that are no UTF-8 are taken for Latin-1.
+/// Decodes a text; bytes of old files that are not UTF-8 are read as Latin-1.
 pub(super) fn string(text: &Text) -> String {
     std::str::from_utf8(text.as_slice()).map_or_else(|_| text.to_string(), str::to_owned)
 }
@@ -47,7 +47,7 @@ pub(super) fn size_of(window: PixelRect) -> Vec2<usize> {
     Vec2(window.width as usize, window.height as usize)
 }
 
-/// `Err`: what is wrong.
+/// `Err` describes what is wrong.
 pub(super) fn check_aspect(aspect: f64) -> Result<(), String> {
     if (1e-6..=1e6).contains(&aspect) {
         return Ok(());
@@ -55,7 +55,7 @@ pub(super) fn check_aspect(aspect: f64) -> Result<(), String> {
     Err(format!("the pixel aspect {aspect} is not between 1e-6 and 1e6"))
 }
 
-/// `Err`: a coordinate lies outside of what EXR files can tell (±2^30).
+/// Fails if a coordinate is out of the range of EXR files (±2^30).
 pub(super) fn check_window(name: &str, window: PixelRect) -> Result<(), String> {
     const LIMIT: i64 = (i32::MAX / 2) as i64;
     let (left, top) = (i64::from(window.x), i64::from(window.y));
@@ -64,7 +64,7 @@ pub(super) fn check_window(name: &str, window: PixelRect) -> Result<(), String> 
     far.map_or(Ok(()), |edge| Err(format!("the {name} reaches pixel {edge}, too far out for EXR")))
 }
 
-/// `Err`: there are none, their names clash, or they have the wrong number of samples.
+/// Fails if there are no channels, or on name clashes or wrong numbers of samples.
 pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<(), String> {
     if channels.is_empty() {
         return Err("the frame has no channels; ask for at least one".into());
@@ -85,22 +85,22 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
     Ok(())
 }
 
-/// What becomes of NaN, and of infinities in half channels.
+/// Treatment of NaN, and of infinities in half channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wild {
-    /// NaN becomes 0, infinity the largest half.
+    /// NaN becomes 0, infinity the largest half float.
     Contained,
-    /// They are passed on; finite numbers still never become infinite.
+    /// Preserved; finite numbers still never become infinite.
     Kept,
 }
 
-/// A channel that hands out its lines in the file's type.
+/// A channel that provides its lines in the file's pixel type.
 #[derive(Clone, Copy)]
 pub(super) struct Lines<'a> {
     storage: Storage,
     wild: Wild,
     samples: &'a [f32],
-    /// Pixels across; 0 until the header is known.
+    /// Width in pixels; 0 until the header is known.
     width: usize,
 }
 
@@ -145,7 +145,7 @@ impl SamplesWriter for Lines<'_> {
     }
 }
 
-/// The crate wants native byte order and turns it to the file's itself.
+/// The crate expects native byte order and converts it to that of the file.
 fn write_words(samples: &[f32], bytes: &mut [u8], bits: impl Fn(f32) -> u32) {
     for (word, &sample) in bytes.chunks_exact_mut(4).zip(samples) {
         word.copy_from_slice(&bits(sample).to_ne_bytes());
@@ -167,15 +167,15 @@ fn write_halves(samples: &[f32], bytes: &mut [u8], contain: impl Fn(f32) -> f32)
     }
 }
 
-/// The largest half.
+/// The largest half float.
 const LIMIT: f32 = f16::MAX.to_f32_const();
 
-/// NaN becomes 0; what half cannot hold becomes its largest number.
+/// Replaces NaN by 0, and clamps to the range of half floats.
 fn contained_in_half(sample: f32) -> f32 {
     if sample.is_nan() { 0.0 } else { sample.clamp(-LIMIT, LIMIT) }
 }
 
-/// NaN and infinities stay; finite numbers that half cannot hold become its largest.
+/// Keeps NaN and infinities, and clamps finite numbers to the range of half floats.
 fn finite_in_half(sample: f32) -> f32 {
     if sample.is_finite() { sample.clamp(-LIMIT, LIMIT) } else { sample }
 }

@@ -1,6 +1,6 @@
-//! What is checked before the EXR reader may take memory, and what its errors mean.
+//! Checks EXR files before the reader allocates memory, and translates its errors.
 //!
-//! In: a path. Out: the head of the file, or [`ImageError`].
+//! In: a path. Out: the header of the file, or [`ImageError`].
 
 use super::{ImageError, exr_head};
 use crate::memory;
@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// The head of a file whose pixels may be read: what it promises fits into memory, and its DWA chunks are sane.
+/// Reads the header of a file and checks that its declared size fits into memory and its DWA chunks are valid.
 pub(super) fn checked_head(path: &Path) -> Result<MetaData, ImageError> {
     let head = read_head(path)?;
     head.headers.iter().try_for_each(|header| check_codec(path, header))?;
@@ -23,7 +23,7 @@ pub(super) fn checked_head(path: &Path) -> Result<MetaData, ImageError> {
     Ok(head)
 }
 
-/// The head alone, unchecked.
+/// Reads the header without these checks.
 pub(super) fn read_head(path: &Path) -> Result<MetaData, ImageError> {
     crate::files::check_regular(path).map_err(|source| ImageError::reading(path, source))?;
     MetaData::read_from_file(path, false).map_err(|failed| match unknown_codec(path) {
@@ -32,10 +32,10 @@ pub(super) fn read_head(path: &Path) -> Result<MetaData, ImageError> {
     })
 }
 
-/// Names of compressions by their numbers in files, from 10 on (OpenEXR 3.5, ImfCompression.h): none is read.
+/// Compressions from number 10 on (OpenEXR 3.5, ImfCompression.h), none of which can be read.
 const NEWER_CODECS: [&str; 4] = ["HTJ2K256", "HTJ2K32", "LJ2K", "ZSTD"];
 
-/// The first compression of a head that is newer than the reader; `None`: there is none, or the head is damaged.
+/// Returns the first compression in a header that is newer than the reader; `None` if there is none, or the header is damaged.
 fn unknown_codec(path: &Path) -> Option<String> {
     let codes = exr_head::compressions(&mut BufReader::new(File::open(path).ok()?)).ok()?;
     let code = codes.into_iter().find(|code| *code >= 10)?;
@@ -48,7 +48,7 @@ fn unreadable(path: &Path, codec: &str) -> ImageError {
     ImageError::unsupported(path, what)
 }
 
-/// The reader knows some compressions by name only.
+/// Rejects compressions that the reader knows only by name.
 fn check_codec(path: &Path, header: &Header) -> Result<(), ImageError> {
     match header.compression {
         Compression::HTJ2K32 => Err(unreadable(path, "HTJ2K32")),
@@ -57,8 +57,8 @@ fn check_codec(path: &Path, header: &Header) -> Result<(), ImageError> {
     }
 }
 
-/// One wrong byte in the head may promise a picture of petabytes: nothing is believed that such a file cannot hold, and the
-/// memory is asked for before the reader takes it.
+/// Checks the declared size: a single wrong byte in the header may declare petabytes. Rejects sizes that the file
+/// cannot possibly contain, and checks the memory before the reader allocates it.
 fn check_size(path: &Path, head: &MetaData) -> Result<(), ImageError> {
     let parts = head.headers.iter().map(|header| {
         let pixels = header.layer_size.width() as u128 * header.layer_size.height() as u128;
@@ -68,14 +68,14 @@ fn check_size(path: &Path, head: &MetaData) -> Result<(), ImageError> {
     let (bytes, samples, ratio) =
         parts.fold((0, 0, 1), |(bytes, samples, ratio), part| (bytes + part.0, samples + part.1, ratio.max(part.2)));
     check_promise(path, bytes, ratio)?;
-    // As they are stored, and as floats.
+    // Both the stored samples and their conversion to floats.
     check_memory(path, bytes + 4 * samples)
 }
 
-/// Bytes of pixels that a byte of a chunk becomes at the very best.
+/// Returns the greatest possible number of pixel bytes per byte of a chunk.
 fn best_ratio(compression: Compression) -> u128 {
     match compression {
-        // Subsampled channels, refused later, are counted four times.
+        // Subsampled channels, which are rejected later, are counted four times.
         Compression::Uncompressed => 4,
         // 128 equal bytes in two.
         Compression::RLE => 64,
@@ -88,10 +88,10 @@ fn best_ratio(compression: Compression) -> u128 {
     }
 }
 
-/// What files may promise whatever their length: heads count too.
+/// Size that is accepted regardless of the file's length, which also counts the header.
 const SMALL: u128 = 1 << 24;
 
-/// Whether a file of that length can hold so many bytes of pixels, where a byte becomes `ratio` at the very best.
+/// Checks that a file of this length can contain so many bytes of pixels at a compression of at most `ratio`.
 pub(super) fn check_promise(path: &Path, bytes: u128, ratio: u128) -> Result<(), ImageError> {
     let length = std::fs::metadata(path).map_err(|source| ImageError::reading(path, source))?.len();
     if bytes <= SMALL + ratio * u128::from(length) {
@@ -101,12 +101,12 @@ pub(super) fn check_promise(path: &Path, bytes: u128, ratio: u128) -> Result<(),
     Err(ImageError::damaged(path, what))
 }
 
-/// Whether a picture may take so many bytes while it is decoded.
+/// Checks that decoding may use so many bytes.
 pub(super) fn check_memory(path: &Path, bytes: u128) -> Result<(), ImageError> {
     memory::check(bytes).map_err(|source| ImageError::TooLarge { path: path.to_owned(), source })
 }
 
-/// A DWA chunk begins with nine sizes that the reader believes as they stand. Goes through the chunks without decoding.
+/// Checks the nine sizes at the start of each DWA chunk, which the reader trusts. Reads the chunks without decoding them.
 fn check_dwa(path: &Path, headers: &[Header]) -> Result<(), ImageError> {
     let damaged = |failed| read_error(path, failed);
     let file = File::open(path).map_err(|source| ImageError::reading(path, source))?;
@@ -120,7 +120,7 @@ fn check_dwa(path: &Path, headers: &[Header]) -> Result<(), ImageError> {
             _ => continue,
         };
         let is_sane = |header: &Header| {
-            // What does not become smaller is stored as it is.
+            // Incompressible blocks are stored raw.
             is_stored_raw(header) == Some(bytes.len()) || are_dwa_sizes_sane(header, bytes)
         };
         if headers.get(chunk.layer_index).is_some_and(|header| is_dwa(header) && !is_sane(header)) {
@@ -130,7 +130,7 @@ fn check_dwa(path: &Path, headers: &[Header]) -> Result<(), ImageError> {
     Ok(())
 }
 
-/// Bytes of a block that is not compressed.
+/// Returns the size of an uncompressed block, in bytes.
 fn raw_bytes(header: &Header, block: &CompressedBlock) -> Option<usize> {
     let place = header.get_block_data_indices(block).ok()?;
     let pixels = header.get_absolute_block_pixel_coordinates(place).ok()?.size;
@@ -141,8 +141,8 @@ fn is_dwa(header: &Header) -> bool {
     matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
-/// The sizes follow the version, eight bytes each (OpenEXR, DataSizesSingle). Blocks of 8x8 make a thin picture 64 times
-/// larger at worst.
+/// The sizes follow the version, eight bytes each (OpenEXR, DataSizesSingle). Because of the 8x8 blocks, a thin picture
+/// grows by up to 64 times.
 fn are_dwa_sizes_sane(header: &Header, chunk: &[u8]) -> bool {
     let limit = 64 * header.max_block_byte_size() as u64 + (1 << 16);
     let sizes = chunk.chunks_exact(8).skip(1).take(9).filter_map(|bytes| bytes.first_chunk::<8>());

@@ -1,8 +1,8 @@
-//! The head of an EXR file, put into an order that is the same every time.
+//! Makes the header of an EXR file deterministic.
 //!
-//! In: a file that the EXR crate wrote. Out: the same file; the attributes of each part stand in the order of their
-//! names, as OpenEXR's own library writes them (the crate writes custom ones in random order), and the attribute
-//! [`CHECKSUM`] holds the checksum of all that follows the head.
+//! In: a file written by the EXR crate. Out: the same file, with the attributes of each part sorted by name, as
+//! OpenEXR's own library writes them (the crate writes custom ones in random order), and the attribute [`CHECKSUM`] set
+//! to the checksum of everything after the header.
 
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 
@@ -10,25 +10,25 @@ use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result, Seek, SeekFrom
 const HEADER_START: u64 = 8;
 /// Version field: names of up to 255 bytes instead of 31.
 const LONG_NAMES: u32 = 1 << 10;
-/// Version field: each header ends with a zero byte, and one more ends their list.
+/// Version field: each header ends with a zero byte, and their list with another.
 const SEVERAL_PARTS: u32 = 1 << 12;
-/// The longest name that needs no flag.
+/// Longest name that does not need the flag.
 const SHORT_NAME: usize = 31;
 
-/// The attribute that holds the checksum of everything behind the head: offset tables and pixels.
+/// Attribute with the checksum of everything after the header: offset tables and pixels.
 pub(super) const CHECKSUM: &str = "pinwarpChecksum";
-/// Hexadecimal digits of a checksum.
+/// Number of hexadecimal digits of a checksum.
 pub(super) const CHECKSUM_DIGITS: usize = 8;
 
-/// Where the head ends, and where it holds checksums, bytes from the start of the file.
+/// End of the header, and the positions of checksums in it, in bytes from the start of the file.
 #[derive(Debug, Default)]
 pub(super) struct Checksums {
     pub(super) head_end: u64,
     pub(super) places: Vec<u64>,
 }
 
-/// Sorts the attributes of each header. The head keeps its size, so that offsets of chunks stay valid. Says in the
-/// version field where channels have long names: the crate looks at the names of attributes only.
+/// Sorts the attributes of each header. The size of the header does not change, so chunk offsets stay valid. Also sets
+/// the flag for long channel names, since the crate only considers attribute names.
 pub(super) fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> Result<Checksums> {
     let mut head = Head::read(file)?;
     if head.headers.iter().flatten().any(Attribute::has_long_channel_names) {
@@ -47,12 +47,12 @@ pub(super) fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> Result<C
     Ok(head.checksums())
 }
 
-/// Finds the checksums in the head of a file.
+/// Finds the checksums in the header of a file.
 pub(super) fn find_checksums(file: &mut (impl Read + Seek)) -> Result<Checksums> {
     Ok(Head::read(file)?.checksums())
 }
 
-/// Computes the checksum of a written file and puts it in its places; nothing is done where there is none.
+/// Computes the checksum of a written file and stores it in its places, if there are any.
 pub(super) fn stamp(file: &mut (impl Read + Write + Seek), checksums: &Checksums) -> Result<()> {
     if checksums.places.is_empty() {
         return Ok(());
@@ -65,7 +65,7 @@ pub(super) fn stamp(file: &mut (impl Read + Write + Seek), checksums: &Checksums
     Ok(())
 }
 
-/// CRC-32 of all bytes from `start` to the end of the file, in hexadecimal digits.
+/// Returns the CRC-32 of all bytes from `start` to the end of the file, as hexadecimal digits.
 pub(super) fn checksum(file: &mut (impl Read + Seek), start: u64) -> Result<String> {
     file.seek(SeekFrom::Start(start))?;
     let mut hasher = crc32fast::Hasher::new();
@@ -81,7 +81,7 @@ pub(super) fn checksum(file: &mut (impl Read + Seek), start: u64) -> Result<Stri
     }
 }
 
-/// All headers of a file, as they stand in it.
+/// All headers of a file, in file order.
 struct Head {
     version: u32,
     headers: Vec<Vec<Attribute>>,
@@ -95,7 +95,7 @@ impl Head {
         let mut headers = Vec::new();
         loop {
             let header = read_header(&mut reader)?;
-            // The zero byte that ends the list of headers looks like one more header, without attributes.
+            // The zero byte at the end of the list reads like another header without attributes.
             if header.is_empty() {
                 break;
             }
@@ -123,7 +123,7 @@ impl Head {
     }
 }
 
-/// The number of each part's compression.
+/// Returns the compression number of each part.
 pub(super) fn compressions(reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let [_, version] = [read_array(reader)?, read_array(reader)?].map(u32::from_le_bytes);
     let mut found = Vec::new();
@@ -137,11 +137,11 @@ pub(super) fn compressions(reader: &mut impl BufRead) -> Result<Vec<u8>> {
     }
 }
 
-/// An attribute as it stands in the file.
+/// A raw attribute of the file.
 struct Attribute {
-    /// Without the zero byte.
+    /// Name without the terminating zero.
     name: Vec<u8>,
-    /// Where the value begins in `bytes`.
+    /// Offset of the value in `bytes`.
     value: usize,
     /// Name, type, size and value.
     bytes: Vec<u8>,
@@ -152,7 +152,7 @@ impl Attribute {
         self.name == CHECKSUM.as_bytes() && self.bytes.len() - self.value == CHECKSUM_DIGITS
     }
 
-    /// A channel list holds, for each channel, its name, a zero byte, and 16 bytes of what it is; a zero byte ends it.
+    /// A channel list contains, per channel, the zero-terminated name and 16 bytes of data; a zero byte ends it.
     fn has_long_channel_names(&self) -> bool {
         let mut rest = if self.name == b"channels" { &self.bytes[self.value..] } else { &[] };
         while let Some(length) = rest.iter().position(|&byte| byte == 0) {
@@ -165,7 +165,7 @@ impl Attribute {
     }
 }
 
-/// The attributes up to the zero byte that ends the header.
+/// Reads the attributes up to the zero byte that ends the header.
 fn read_header(reader: &mut impl BufRead) -> Result<Vec<Attribute>> {
     let mut header = Vec::new();
     loop {
@@ -185,7 +185,7 @@ fn read_header(reader: &mut impl BufRead) -> Result<Vec<Attribute>> {
     }
 }
 
-/// A name and the zero byte after it.
+/// Reads a zero-terminated name, including the zero byte.
 fn read_name(reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let mut name = Vec::new();
     reader.read_until(0, &mut name)?;

@@ -1,7 +1,7 @@
-//! A frame becomes an EXR file.
+//! Writes a frame as an EXR file.
 //!
-//! In: [`Frame`], [`FrameMetadata`], [`Compression`]. Out: a scan-line file with the lines in increasing order,
-//! compressed on all cores. Samples are converted line by line, so no copy of the frame is made.
+//! In: [`Frame`], [`FrameMetadata`], [`Compression`]. Out: a scan-line file with increasing line order, compressed on
+//! all cores. Samples are converted line by line, so the frame is not copied.
 
 use super::atomic::Destination;
 use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
@@ -13,19 +13,17 @@ use exr::meta::attribute::{IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::borrow::Cow;
 
-/// Writes `frame`: under a temporary name, then renamed, so a file of that name is always whole. Missing
-/// folders are made. The same frame and metadata give the same bytes every time.
+/// Writes `frame` atomically and deterministically; creates missing directories.
 ///
-/// An empty frame (area 0) is written as one pixel that holds nothing. What a file cannot hold is contained: NaN
-/// becomes 0 (see [`Frame::nan_count`]); half samples beyond ±65504, infinities too, become ±65504, so that a
-/// highlight stays a highlight and finite, and no filter downstream turns it into NaN. Infinite floats are kept.
+/// An empty frame (area 0) is written as one empty pixel. Values that a file should not contain are replaced: NaN by 0
+/// (see [`Frame::nan_count`]); half samples beyond ±65504, including infinities, by ±65504, so that highlights stay
+/// bright but finite and no filter downstream turns them into NaN. Infinite floats are kept.
 ///
-/// Data is never compressed lossily. DWA takes `N.Y` and Cryptomatte's `.R .G .B` for colour; a frame with such channels
-/// becomes a file of two parts, `colour` in DWA and `data` in zip.
+/// Data channels are never compressed lossily. Since DWA treats `N.Y` and Cryptomatte's `.R .G .B` as colour, a frame
+/// with such channels is written as two parts, `colour` in DWA and `data` in zip.
 ///
 /// # Errors
-/// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the frame is
-/// malformed.
+/// [`ImageError::Io`] if the disk is full or the directory is not writable; [`ImageError::Frame`] if the frame is malformed.
 pub fn write_exr<'a>(
     to: impl Into<Destination<'a>>,
     frame: &Frame,
@@ -39,7 +37,7 @@ pub fn write_exr<'a>(
     exr_file::write(to, &image)
 }
 
-/// What EXR demands; the message says what is wrong.
+/// Checks the requirements of EXR; the error describes what is wrong.
 fn check(frame: &Frame) -> Result<(), String> {
     if frame.display.area() == 0 {
         return Err("the frame has no pixels; give it a width and height of at least 1".into());
@@ -50,7 +48,7 @@ fn check(frame: &Frame) -> Result<(), String> {
     check_channels(&frame.channels, frame.data_window)
 }
 
-/// EXR has no empty data window: one pixel that holds nothing stands for it.
+/// Replaces an empty data window, which EXR does not allow, by one empty pixel.
 fn with_a_pixel(frame: &Frame) -> Cow<'_, Frame> {
     if frame.data_window.area() > 0 {
         return Cow::Borrowed(frame);
@@ -76,9 +74,9 @@ fn exr_image<'a>(
     Image { attributes: shared, layer_data: layers.collect() }
 }
 
-/// Channels that are compressed in one way.
+/// Channels with the same compression.
 struct Part<'a> {
-    /// Files of one part need no name.
+    /// `None` for single-part files.
     name: Option<&'static str>,
     channels: Vec<&'a Channel>,
     compression: Compression,
@@ -94,7 +92,7 @@ fn parts(frame: &Frame, compression: Compression) -> Vec<Part<'_>> {
     [colour, data].into_iter().filter(|part| !part.channels.is_empty()).collect()
 }
 
-/// DWA sorts float channels by the ends of their names, whatever they hold (OpenEXR, internal_dwa_classifier.h).
+/// Whether DWA treats the channel as colour: it classifies float channels by name suffix only (OpenEXR, internal_dwa_classifier.h).
 fn is_colour_to_dwa(channel: &Channel) -> bool {
     let suffix = channel.name.rsplit('.').next().unwrap_or_default();
     channel.storage == Storage::Float && ["R", "G", "B", "Y", "RY", "BY"].contains(&suffix)
@@ -112,7 +110,7 @@ impl<'a> Part<'a> {
             blocks: Blocks::ScanLines,
             line_order: LineOrder::Increasing,
         };
-        // AnyChannels::sort puts the names into the alphabetical order that EXR demands.
+        // AnyChannels::sort establishes the alphabetical order that EXR requires.
         let channels = self
             .channels
             .iter()

@@ -1,16 +1,16 @@
-//! A small fixed-width font of our own, so that overlays need no font file.
+//! A small built-in fixed-width font, so that overlays need no font file.
 //!
-//! In: a character. Out: its cells, 5 across and 9 down; the baseline lies under the seventh row.
+//! In: a character. Out: its cells, 5 across and 9 down; the baseline is below the seventh row.
 
 /// Columns of a glyph.
 pub(super) const COLUMNS: usize = 5;
-/// Rows of a glyph, the two of the descenders included.
+/// Rows of a glyph, including two for descenders.
 pub(super) const ROWS: usize = 9;
 
-/// Glyphs side by side in a band of the drawing.
+/// Glyphs per band of the drawing.
 const PER_BAND: usize = 16;
 
-/// The characters 32 to 126 in reading order; a box closes the row and stands for all characters beyond.
+/// The characters 32 to 126 in reading order, followed by a box for all other characters.
 #[rustfmt::skip]
 const DRAWING: [&str; 54] = [
     "..... ..#.. .#.#. .#.#. ..#.. ##..# .##.. ..#.. ...#. .#... ..... ..... ..... ..... ..... ....#",
@@ -69,7 +69,7 @@ const DRAWING: [&str; 54] = [
     "#.... ....# ..... ..... ..... ..... ..... ..... ..... .###. ..... ..... ..... ..... ..... .....",
 ];
 
-/// Whether the glyph of a character has ink in a cell. Cells outside the glyph have none.
+/// Whether a cell of a character's glyph is inked; false outside the glyph.
 pub(super) fn has_ink(character: char, column: usize, row: usize) -> bool {
     let code = u32::from(character);
     let glyph = if (32..127).contains(&code) { code as usize - 32 } else { 95 };

@@ -1,56 +1,56 @@
-//! The one rule for everything that is written: no input, nothing special, nothing that is there unless it may be replaced.
+//! The rule for all output files: never an input, only regular files, and existing files only if permitted.
 //!
-//! In: the files that a job reads, and a path that it wants to write. Out: leave, or [`ImageError::Refused`].
+//! In: the files that a job reads, and an output path. Out: permission, or [`ImageError::Refused`].
 
 use super::atomic::{check_replaceable, folder_of};
 use super::{ImageError, SequencePath};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What happens to files that are already there.
+/// Treatment of existing files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
-    /// Nothing is written.
+    /// Refuse to write.
     #[default]
     Refuse,
-    /// They are replaced.
+    /// Replace them.
     Overwrite,
-    /// Frames that the same job would write again are kept by what their heads say, all others are written.
+    /// Keep frames whose headers show that the same job would write them again; write all others.
     Resume,
-    /// As [`Self::Resume`], and the pixels of kept frames match their checksums.
+    /// As [`Self::Resume`], and also verify the checksums of the pixels of kept frames.
     Verify,
 }
 
 impl Existing {
-    /// Finished frames are kept.
+    /// Whether finished frames are kept.
     #[must_use]
     pub const fn is_resume(self) -> bool {
         matches!(self, Self::Resume | Self::Verify)
     }
 }
 
-/// Everything that a job reads, so that nothing of it is written over.
+/// All inputs of a job, which must not be overwritten.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inputs {
-    /// As they are named, and where they lie.
+    /// Paths as given, and their canonical forms.
     paths: BTreeSet<PathBuf>,
-    /// Device and file number: they see through hard links and names in other letter case.
+    /// Device and inode numbers, to recognise hard links and names in other letter case.
     files: BTreeSet<(u64, u64)>,
     sequences: Vec<SequencePath>,
 }
 
 impl Inputs {
-    /// Adds a file, whether it is there or not.
+    /// Adds a file, whether it exists or not.
     pub(crate) fn add(&mut self, path: &Path) {
         self.paths.extend(path.canonicalize());
         self.paths.insert(path.to_owned());
         self.files.extend(file_number(path));
     }
 
-    /// Adds a sequence: the frames that are there, and every name that its pattern gives.
+    /// Adds a sequence: its existing frames, and every name that matches its pattern.
     ///
     /// # Errors
-    /// [`ImageError::Io`] where the folder cannot be listed.
+    /// [`ImageError::Io`] if the directory cannot be listed.
     pub(crate) fn add_sequence(&mut self, sequence: &SequencePath) -> Result<(), ImageError> {
         match sequence.frames_on_disk()? {
             Some(frames) => frames.into_iter().for_each(|frame| self.add(&sequence.path_of(frame))),
@@ -60,7 +60,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Refuses an input, by whatever name, and what is no regular file.
+    /// Refuses inputs, under any name, and anything but regular files.
     ///
     /// # Errors
     /// [`ImageError::Refused`].
@@ -79,7 +79,7 @@ impl Inputs {
         check_replaceable(output)
     }
 
-    /// As [`Self::refuse`]; and refuses what is there unless it may be replaced.
+    /// As [`Self::refuse`]; also refuses existing files unless they may be replaced.
     ///
     /// # Errors
     /// [`ImageError::Refused`].
@@ -97,13 +97,13 @@ impl Inputs {
     }
 }
 
-/// Something has this name, be it a link to nowhere.
+/// Whether the path exists, including dangling symbolic links.
 #[must_use]
 pub(crate) fn is_there(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
 }
 
-/// Whether the pattern gives this name in this folder.
+/// Whether the path is a frame of the sequence.
 fn is_frame_of(sequence: &SequencePath, path: &Path) -> bool {
     let Some(frame) = path.file_name().and_then(|name| sequence.frame_named(name.to_str()?)) else { return false };
     let [ours, theirs] = [&sequence.path_of(frame), path].map(|path| folder_of(path).canonicalize().ok());
@@ -116,7 +116,7 @@ fn file_number(path: &Path) -> Option<(u64, u64)> {
     path.metadata().ok().map(|file| (file.dev(), file.ino()))
 }
 
-/// Elsewhere the path with all links resolved decides alone.
+/// On other systems only canonical paths are compared.
 #[cfg(not(unix))]
 fn file_number(_path: &Path) -> Option<(u64, u64)> {
     None

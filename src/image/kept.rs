@@ -1,6 +1,6 @@
-//! Which frames of an earlier run are kept.
+//! Decides which frames of an earlier run are kept.
 //!
-//! In: a path, and what the frame would say about itself if it were written now. Out: it is kept, or the reason why not.
+//! In: a path, and the expected metadata of the frame. Out: it is kept, or the reason why not.
 
 #[cfg(feature = "cli")]
 use super::FrameMetadata;
@@ -12,52 +12,52 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What a frame that is kept has to say.
+/// The metadata that a kept frame must have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expected<'a> {
-    /// Its number.
+    /// Frame number.
     pub(crate) frame: i32,
-    /// Digest of all that it is made of: settings, a dot, and what files hold.
+    /// Digest of all inputs: settings, a dot, and the contents of files.
     pub(crate) shot_hash: &'a str,
     /// The display window; `None`: any.
     pub(crate) size: Option<FrameSize>,
-    /// What draws, as in [`super::FrameMetadata::device`]. Processor or graphics device counts, not the name.
+    /// Rendering device, as in [`super::FrameMetadata::device`]. Only CPU or GPU is compared, not the name.
     pub(crate) device: &'a str,
 }
 
 /// How much of a file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Depth {
-    /// Head, offset table and the starts of chunks: about a millisecond.
+    /// Header, offset table and the starts of chunks: about a millisecond.
     Head,
-    /// Everything, for the checksum of the pixels.
+    /// Everything, to verify the checksum of the pixels.
     Pixels,
 }
 
 /// Why a frame is written again.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Redo {
-    /// Nothing is there.
+    /// The file does not exist.
     Missing,
-    /// The file is cut off or damaged.
+    /// The file is truncated or damaged.
     Damaged,
-    /// The file says nothing that pinwarp would have written.
+    /// The file has no metadata of pinwarp.
     Foreign,
-    /// Another version wrote it.
+    /// Written by another version.
     OtherVersion(String),
-    /// It is another frame.
+    /// The file contains another frame.
     OtherFrame(i32),
-    /// Its display window has another size, pixels.
+    /// The display window has another size, in pixels.
     OtherSize([u32; 2]),
-    /// It was made from other settings or pins.
+    /// Settings or pins have changed.
     OtherShot,
-    /// A file that it was made from held something else.
+    /// The contents of an input file have changed.
     OtherContents,
-    /// A device of another class drew it.
+    /// Drawn by another class of device.
     OtherDevice(String),
-    /// The pixels are not those that were written.
+    /// The checksum of the pixels does not match.
     Checksum,
-    /// The picture beside it is missing, damaged or of another state.
+    /// The preview beside it is missing, damaged or outdated.
     Preview,
 }
 
@@ -82,10 +82,10 @@ impl fmt::Display for Redo {
     }
 }
 
-/// What a frame says about itself, once its file is known to be whole.
+/// Returns the metadata of a frame after checking that its file is complete.
 ///
 /// # Errors
-/// [`Redo::Missing`], [`Redo::Damaged`], [`Redo::Foreign`] or, where the pixels are read, [`Redo::Checksum`].
+/// [`Redo::Missing`], [`Redo::Damaged`], [`Redo::Foreign`] or, if the pixels are read, [`Redo::Checksum`].
 #[cfg(feature = "cli")]
 pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Redo> {
     let (found, _) = fields(path)?;
@@ -95,10 +95,10 @@ pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Red
     Ok(FrameMetadata::from_provenance(found))
 }
 
-/// Whether a frame that is there is the one that would be written now.
+/// Checks whether an existing frame equals the one that would be written now.
 ///
 /// # Errors
-/// The reason why it is not.
+/// The reason if it does not.
 pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo> {
     let (found, size) = fields(path)?;
     expected.check(&found, size)?;
@@ -108,7 +108,7 @@ pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Resu
     Ok(())
 }
 
-/// What a whole file says, and its size in pixels.
+/// Returns the metadata of a complete file, and its size in pixels.
 fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     if !path.is_file() {
         return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
@@ -119,13 +119,13 @@ fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     }
 }
 
-/// What a whole PNG file says, and its size in pixels.
+/// Returns the metadata of a complete PNG file, and its size in pixels.
 fn png_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     let note = png_note::read(path).map_err(|_| Redo::Damaged)?;
     Ok((note.fields.ok_or(Redo::Foreign)?, note.size))
 }
 
-/// What a whole EXR file says, and the size of its display window in pixels.
+/// Returns the metadata of a complete EXR file, and the size of its display window in pixels.
 fn exr_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     if !complete::is_complete(path) {
         return Err(Redo::Damaged);
@@ -137,7 +137,7 @@ fn exr_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
     Ok((provenance::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size))
 }
 
-/// Whether the pixels are those that were written. The checksums of a PNG file's chunks are read with its note.
+/// Verifies the pixels. The chunk checksums of a PNG file have already been verified with its metadata.
 fn has_right_pixels(path: &Path) -> bool {
     PictureKind::of(path) == Some(PictureKind::Png) || is_checksum_right(path).unwrap_or(false)
 }
@@ -163,12 +163,12 @@ impl Expected<'_> {
     }
 }
 
-/// Whether a device is the processor: `CPU`.
+/// Whether a device is the CPU.
 fn is_processor(device: &str) -> bool {
     device.trim_start_matches("the ").starts_with("CPU")
 }
 
-/// Whether everything behind the head has the checksum that the head names.
+/// Whether the checksum in the header matches everything after it.
 fn is_checksum_right(path: &Path) -> std::io::Result<bool> {
     let mut file = File::open(path)?;
     let stamps = exr_head::find_checksums(&mut file)?;

@@ -1,37 +1,37 @@
-//! Kinds of files by the endings of their names: one table for the whole program.
+//! File types by extension: a single table for the whole program.
 //!
-//! In: paths. Out: what a file holds, or a message that names what can be used instead.
+//! In: paths. Out: the file type, or a message that names the alternatives.
 
 use super::ImageError;
 use std::path::Path;
 
-/// What a file holds, as its name says.
+/// The type of a file, according to its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
-    /// Pixels.
+    /// A picture.
     Picture(PictureKind),
     /// A glTF file.
     Scene,
     /// A shot.
     Shot,
-    /// Lattices, landmarks or a problem.
+    /// JSON: lattices, landmarks or a problem.
     Json,
-    /// Landmarks as a table.
+    /// CSV: a table of landmarks.
     Csv,
 }
 
-/// Formats of pictures.
+/// Picture formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureKind {
-    /// Parts, layers, floats.
+    /// OpenEXR: parts, layers, floats.
     Exr,
-    /// 8 or 16 bits, straight alpha.
+    /// PNG: 8 or 16 bits, straight alpha.
     Png,
-    /// 8 bits, no alpha.
+    /// JPEG: 8 bits, no alpha.
     Jpeg,
 }
 
-/// Endings in lower case. Names may be written in any.
+/// Extensions in lower case, matched case-insensitively.
 const ENDINGS: [(&str, FileKind); 9] = [
     ("exr", FileKind::Picture(PictureKind::Exr)),
     ("png", FileKind::Picture(PictureKind::Png)),
@@ -45,7 +45,7 @@ const ENDINGS: [(&str, FileKind); 9] = [
 ];
 
 impl FileKind {
-    /// By the ending of the name, `None` where the program knows no such files.
+    /// Returns the type by file extension, `None` if the extension is unknown.
     ///
     /// ```
     /// use pinwarp::image::{FileKind, PictureKind};
@@ -61,19 +61,19 @@ impl FileKind {
 }
 
 impl PictureKind {
-    /// What to do about a file that is no picture.
+    /// Advice for files that are not pictures.
     pub const REMEDY: &str = "give a .png, .jpg or .exr file";
 
-    /// By the ending of the name; `None` where it is no picture.
+    /// Returns the format by file extension; `None` if it is not a picture.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         if let Some(FileKind::Picture(kind)) = FileKind::of(path) { Some(kind) } else { None }
     }
 
-    /// By the ending of the name.
+    /// Returns the format by file extension.
     ///
     /// # Errors
-    /// [`ImageError::Pattern`] with [`Self::REMEDY`] where it is no picture.
+    /// [`ImageError::Pattern`] with [`Self::REMEDY`] if it is not a picture.
     pub fn known(path: &Path) -> Result<Self, ImageError> {
         Self::of(path).ok_or_else(|| {
             let what = format!("is not the name of a picture; {}", Self::REMEDY);

@@ -1,4 +1,4 @@
-//! A channel of a picture as shares: what is painted counts as it is shown, not as light.
+//! A channel of a picture as weights, decoded by display value, not by light.
 //!
 //! In: a path and a channel. Out: a [`PaintedMap`].
 
@@ -7,21 +7,21 @@ use super::{ImageError, PictureKind, read_any};
 use crate::space::PixelRect;
 use std::path::Path;
 
-/// Values painted over the unit square.
+/// Painted weights over the unit square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaintedMap {
-    /// Width and height, pixels; not 0.
+    /// Width and height in pixels; not 0.
     pub size: [u32; 2],
     /// #pixels, rows from the top, 0 to 1.
     pub values: Vec<f32>,
 }
 
 impl PaintedMap {
-    /// Reads a channel (0 to 3: red, green, blue, alpha) of a PNG, JPEG or EXR file. White is 1 and middle grey of a PNG or JPEG
-    /// file a half; EXR files hold the share itself. What is transparent counts as less.
+    /// Reads a channel (0 to 3: red, green, blue, alpha) of a PNG, JPEG or EXR file. In PNG and JPEG files white is 1
+    /// and middle grey 0.5; EXR files contain the weight itself. Transparency reduces the weight.
     ///
     /// # Errors
-    /// [`ImageError`] as [`read_any`] gives, and where an EXR file has no such channel.
+    /// [`ImageError`] as [`read_any`], and if an EXR file has no such channel.
     pub fn read(path: &Path, channel: usize) -> Result<Self, ImageError> {
         const NAMES: [&str; 4] = ["R", "G", "B", "A"];
         let is_coded = PictureKind::known(path)? != PictureKind::Exr;
@@ -44,7 +44,7 @@ impl PaintedMap {
         let value = |(index, &light): (usize, &f32)| {
             let share = alpha.map_or(1.0, |alpha| alpha[index]);
             let code = match is_coded && name != "A" {
-                // Light is multiplied by alpha; where that is 0 nothing is left of it.
+                // The colour is premultiplied; where alpha is 0 it is lost.
                 true => srgb_from_linear(if share > 0.0 { light / share } else { 0.0 }) * share,
                 false => light,
             };
@@ -53,7 +53,8 @@ impl PaintedMap {
         Ok(Self { size: [width, height], values: own.iter().enumerate().map(value).collect() })
     }
 
-    /// The value at a place of the unit square, x right, y down from the upper left corner; it repeats beyond. Bilinear.
+    /// Returns the bilinearly interpolated value at a position of the unit square, x right, y down from the upper left
+    /// corner; repeats beyond it.
     #[must_use]
     pub fn at(&self, [u, v]: [f32; 2]) -> f32 {
         if !(u.is_finite() && v.is_finite()) {

@@ -1,7 +1,7 @@
-//! What a frame's file says beside its pixels.
+//! The metadata of a frame's file.
 //!
-//! In: [`FrameMetadata`]. Out: EXR attributes, and back. Nothing here depends on the time or the machine. Our own fields
-//! share one attribute (`pinwarp`, JSON).
+//! In: [`FrameMetadata`]. Out: EXR attributes, and the inverse. Nothing here depends on the time or the machine. Our
+//! own fields share one attribute (`pinwarp`, JSON).
 
 use super::cryptomatte::MatteHeader;
 use super::exr_file::text;
@@ -13,26 +13,26 @@ use exr::prelude::Vec2;
 use glam::{DMat4, DVec4};
 use serde_json::Value;
 
-/// What is written beside the pixels.
+/// Metadata written with the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameMetadata {
-    /// Number of the frame.
+    /// Frame number.
     pub frame: i32,
-    /// Frames a second; not written where it is not a positive number.
+    /// Frame rate, in frames per second; omitted unless positive.
     pub frames_per_second: f64,
-    /// Digest of the shot and all it refers to.
+    /// Digest of the shot and everything it refers to.
     pub shot_hash: String,
-    /// The class of device that drew the frame, the same on every machine: `CPU`, `Vulkan`.
+    /// The class of device that drew the frame, independent of the machine: `CPU`, `Vulkan`.
     pub device: String,
-    /// The camera, where there is one.
+    /// The camera, if there is one.
     pub camera: Option<CameraMatrices>,
-    /// Its Cryptomattes; not read back.
+    /// Cryptomattes of the frame; not read back.
     pub mattes: Vec<MatteHeader>,
-    /// What is reported of the frame, as JSON; null: nothing.
+    /// Report on the frame as JSON; null: none.
     pub report: Value,
 }
 
-/// The camera of a frame, as the renderer knows it.
+/// Matrices of a frame's camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraMatrices {
     /// Scene space to glTF's camera space: right-handed, y up, looking along −z, metres.
@@ -55,12 +55,12 @@ impl FrameMetadata {
         }
     }
 
-    /// Adds what resuming asks for, and nothing that a plate of another program says itself.
+    /// Adds only what resuming needs, and nothing that a plate of another program already specifies.
     pub(super) fn add_provenance(&self, layer: &mut LayerAttributes) {
         provenance::put(layer, &self.provenance());
     }
 
-    /// What resuming asks for.
+    /// Returns the fields that resuming needs.
     pub(super) fn provenance(&self) -> Provenance {
         Provenance {
             frame: self.frame,
@@ -81,7 +81,7 @@ impl FrameMetadata {
         }
     }
 
-    /// `None` where the file is not one of pinwarp's own. The camera is not read back.
+    /// Returns `None` for files that pinwarp did not write. The camera is not read back.
     pub(super) fn from_layer(layer: &LayerAttributes) -> Option<Self> {
         let provenance = provenance::from_layer(layer)?;
         let rate = layer.frames_per_second.map_or(0.0, |(count, secs)| f64::from(count) / f64::from(secs.max(1)));
@@ -99,7 +99,7 @@ pub(super) fn add_color_space(image: &mut ImageAttributes) {
     });
 }
 
-/// 24 is 24/1; 23.976 and 23.98 are meant as 24000/1001, 29.97 as 30000/1001; anything else in thousandths.
+/// Converts a frame rate: 24 to 24/1; 23.976 and 23.98 to 24000/1001, 29.97 to 30000/1001; anything else in thousandths.
 fn rational_rate(frames_per_second: f64) -> Option<Rational> {
     if !(frames_per_second > 0.0 && frames_per_second <= 1e6) {
         return None;
@@ -108,7 +108,7 @@ fn rational_rate(frames_per_second: f64) -> Option<Rational> {
     if (frames_per_second - whole).abs() < 1e-6 {
         return Some((whole as i32, 1));
     }
-    // Half of a hundredth: people write the NTSC rates with two digits.
+    // NTSC rates are commonly rounded to two digits: tolerate half a hundredth.
     let ntsc = frames_per_second.ceil() * 1000.0;
     if (frames_per_second - ntsc / 1001.0).abs() < 0.005 {
         return Some((ntsc as i32, 1001));
@@ -122,13 +122,13 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-/// `worldToCamera`: OpenEXR's camera space is left-handed, x right, y up, looking along +z (ImfStandardAttributes.h).
+/// Returns `worldToCamera`: OpenEXR's camera space is left-handed, x right, y up, looking along +z (ImfStandardAttributes.h).
 fn exr_camera_from_scene(camera: &CameraMatrices) -> DMat4 {
     let exr_from_camera = DMat4::from_diagonal(DVec4::new(1.0, 1.0, -1.0, 1.0));
     exr_from_camera * camera.camera_from_scene
 }
 
-/// `worldToNDC`: (0, 0) is the upper left corner of the display window, (1, 1) its lower right (ImfStandardAttributes.h).
+/// Returns `worldToNDC`: (0, 0) is the upper left corner of the display window, (1, 1) its lower right (ImfStandardAttributes.h).
 fn ndc_from_scene(camera: &CameraMatrices, frame: FrameSize) -> DMat4 {
     let image_from_screen = |x, y| frame.image_from_screen(ScreenPoint::new(x, y)).0;
     let origin = image_from_screen(0.0, 0.0);
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn camera_matrices_follow_the_conventions_of_openexr() {
-        // A camera at (1, 2, 3) that looks along −z and sees half a metre up and down at one metre.
+        // A camera at (1, 2, 3) that looks along −z and sees half a metre up and down at a distance of one metre.
         let camera_from_scene = DMat4::from_translation(-DVec3::new(1.0, 2.0, 3.0));
         let frame = FrameSize { width: 200, height: 100, pixel_aspect: 2.0 };
         // x_screen = (x / -z + aspect / 2), y_screen = (y / -z + 1 / 2).

@@ -1,7 +1,7 @@
-//! Stage 8: frames and plates to and from EXR, PNG and JPEG files; frame sequences; drawing on previews.
+//! Stage 8: reads and writes frames and plates as EXR, PNG and JPEG files; frame sequences; drawing on previews.
 //!
-//! In: frames and their metadata. Out: files that appear whole or not at all, with the same bytes every time.
-//! Samples that a file cannot hold are contained, never refused: [`write_exr`] says how.
+//! In: frames and their metadata. Out: files, written atomically and deterministically. Samples that a file cannot
+//! represent are clamped or replaced, never an error: see [`write_exr`].
 
 mod atomic;
 mod channels;
@@ -66,15 +66,15 @@ pub use size::{PictureExtent, picture_extent, picture_size};
 
 use crate::space::PixelRect;
 
-/// Depth where nothing is, in scene units. Finite on purpose: infinities breed NaN in compositing.
+/// Depth where there is no surface, in scene units. Finite on purpose: infinities turn into NaN in compositing.
 pub const EMPTY_DEPTH: f32 = 1e10;
 
 /// A picture of named channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// The frame as the viewer sees it, in pixels.
+    /// The display window, in pixels.
     pub display: PixelRect,
-    /// The pixels that are stored; may lie outside the display window.
+    /// Window of the stored pixels; may lie outside the display window.
     pub data_window: PixelRect,
     /// Width of a pixel divided by its height.
     pub pixel_aspect: f64,
@@ -82,38 +82,38 @@ pub struct Frame {
     pub channels: Vec<Channel>,
 }
 
-/// One channel: rows from the top, no padding. Ids are equal where their bits are, whatever number they would be.
+/// One channel: rows from the top, no padding. Ids compare equal by their bits, regardless of their value as a number.
 #[derive(Clone, Debug)]
 pub struct Channel {
     /// Name as in the EXR file: `R`, `depth.Z`.
     pub name: String,
-    /// How it is stored.
+    /// Pixel type in the file.
     pub storage: Storage,
     /// #pixels of the data window.
     pub samples: Vec<f32>,
 }
 
-/// How a channel's samples lie in a file.
+/// The pixel type of a channel in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
     /// 16-bit float: colour.
     Half,
     /// 32-bit float: everything that is not colour.
     Float,
-    /// 32-bit unsigned: ids of other programs. A sample holds the id's bits (`f32::from_bits`), since an `f32` as a
-    /// number is exact only up to 2^24; copy such samples, never compute with them.
+    /// 32-bit unsigned: ids of other programs. Samples hold the bits of the id (`f32::from_bits`), since an `f32` is
+    /// exact only up to 2^24; they may be copied, but not used in arithmetic.
     Uint,
 }
 
 impl Frame {
-    /// The channel of that name.
+    /// Returns the channel of this name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Number of samples that are not a number: a fault of the scene or the plate that is worth a warning, since
-    /// [`write_exr`] stores 0 in their place.
+    /// Returns the number of NaN samples, which indicate an error in the scene or plate and are worth a warning, since
+    /// [`write_exr`] replaces them by 0.
     #[must_use]
     pub fn nan_count(&self) -> usize {
         let floats = self.channels.iter().filter(|channel| channel.storage != Storage::Uint);
@@ -132,7 +132,7 @@ impl PartialEq for Channel {
 }
 
 impl Channel {
-    /// What a sample holds where nothing is: [`EMPTY_DEPTH`] for depth (`Z`, `depth.Z`), else 0.
+    /// Returns the value of empty pixels: [`EMPTY_DEPTH`] for depth (`Z`, `depth.Z`), else 0.
     #[must_use]
     pub fn empty_value(&self) -> f32 {
         if self.is_depth() { EMPTY_DEPTH } else { 0.0 }
@@ -143,28 +143,28 @@ impl Channel {
     }
 }
 
-/// EXR compressions offered.
+/// Supported EXR compressions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
-    /// None.
+    /// Uncompressed.
     None,
-    /// Run lengths.
+    /// Run-length encoding.
     Rle,
-    /// Deflate, one line a block.
+    /// Deflate, one line per block.
     Zips,
-    /// Deflate, 16 lines a block.
+    /// Deflate, 16 lines per block.
     #[default]
     Zip,
     /// Wavelets.
     Piz,
-    /// DCT, lossy on colour (half channels) and only there.
+    /// DCT, lossy on colour (half channels) only.
     Dwaa,
-    /// The same in large blocks.
+    /// As `Dwaa`, in larger blocks.
     Dwab,
 }
 
 impl Compression {
-    /// Colour comes back a little different.
+    /// Whether the compression is lossy on colour.
     #[must_use]
     pub const fn is_lossy(self) -> bool {
         matches!(self, Self::Dwaa | Self::Dwab)

@@ -1,6 +1,6 @@
-//! PNG and JPEG pictures become plates, and plates pictures.
+//! Converts between PNG and JPEG pictures and plates.
 //!
-//! In: a path. Out: [`Plate`] of R, G, B and, where the picture has it, A: scene-linear, associated alpha; and back.
+//! In: a path. Out: [`Plate`] of R, G, B and, if the picture has it, A: scene-linear, associated alpha; and the inverse.
 
 use super::atomic::{Destination, replace_file};
 use super::srgb::{linear_from_srgb, srgb_from_linear};
@@ -16,19 +16,19 @@ use rayon::prelude::*;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// The light that stands for a colour under alpha 0, as a share of it: far too little to be seen (a fifteenth of the
-/// smallest step of 16 bits), and enough for [`write_picture`] to find the colour again.
+/// Scale of colours under alpha 0, relative to their light: too small to be visible (a fifteenth of the smallest step
+/// of 16 bits), but enough for [`write_picture`] to recover the colour.
 const HIDDEN: f32 = 1e-6;
-/// Little is lost, and files are a third of the best quality's.
+/// Little loss at a third of the size of the best quality.
 const JPEG_QUALITY: u8 = 95;
-/// Bytes of pixels that a byte of a file becomes at the very best: eight pixels of one bit, deflated 1032 times. JPEG reaches less.
+/// Greatest possible number of pixel bytes per byte of a file: eight one-bit pixels, deflated 1032 times. JPEG stays below.
 const BEST_RATIO: u128 = 8300;
 
-/// Reads a PNG or JPEG picture of 8 or 16 bits a channel, grey or coloured, as sRGB, upright as its EXIF note says. Eight
-/// bits become half channels, sixteen float channels. Colours under alpha 0 survive as a millionth of their light.
+/// Reads a PNG or JPEG picture of 8 or 16 bits per channel, grey or colour, as sRGB, with its EXIF orientation applied. Eight bits become
+/// half channels, sixteen float channels. Colours under alpha 0 are kept as a millionth of their light.
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be opened, is damaged or cut off, or is no picture.
+/// [`ImageError`] if the file cannot be opened, is damaged or truncated, or is not a picture.
 pub fn read_picture(path: &Path) -> Result<Plate, ImageError> {
     let io = |source| ImageError::reading(path, source);
     let failed = |failed| picture_error(path, failed);
@@ -88,16 +88,16 @@ fn unit(code: u16) -> f32 {
     f32::from(code) / f32::from(u16::MAX)
 }
 
-/// Writes the display window of the first part with colour as PNG or JPEG, by the ending of `path`: sRGB, straight
-/// alpha, whole or not at all. A PNG has 16 bits a channel where the colour is [`Storage::Float`], else 8, and alpha
-/// where the part has it. A JPEG shows the picture over black.
+/// Writes the display window of the first part with colour as PNG or JPEG, by the extension of `path`: sRGB, straight
+/// alpha, written atomically. A PNG has 16 bits per channel if the colour is [`Storage::Float`], else 8, and alpha if
+/// the part has it. A JPEG shows the picture over black.
 ///
-/// Values are clipped at 1. Light that is stronger than its alpha gets the alpha it needs to show, as in
-/// [`super::preview`]. A picture read by [`read_picture`] and written as PNG comes back the same, code by code, colours
-/// under alpha 0 too; grey ones become colour. A PNG notes what [`Plate::set_metadata`] said.
+/// Values are clipped at 1. Where light exceeds its alpha, alpha is raised so that it shows, as in [`super::preview`].
+/// A picture read by [`read_picture`] and written as PNG is preserved code by code, including colours under alpha 0;
+/// grey becomes colour. A PNG contains the metadata of [`Plate::set_metadata`].
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be written, the plate has no colour, or the ending is neither.
+/// [`ImageError`] if the file cannot be written, the plate has no colour, or the extension is neither.
 pub fn write_picture<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
     let to = to.into();
     let path = to.path;
@@ -116,8 +116,8 @@ pub fn write_picture<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Resul
     replace_file(to, |file| file.write_all(&bytes).map_err(|source| ImageError::writing(path, source)))
 }
 
-/// An 8-bit picture in memory as [`read_picture`] would read it from a PNG: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA. `None`: other
-/// numbers of channels, or bytes that are not width x height x channels.
+/// Converts an 8-bit picture in memory as [`read_picture`] does for a PNG, with 1 channel for grey, 2 for grey and
+/// alpha, 3 for RGB, 4 for RGBA. `None` for other numbers of channels, or if the size is not width x height x channels.
 #[cfg(feature = "python")]
 pub(crate) fn plate_of_bytes([width, height]: [u32; 2], channels: usize, bytes: Vec<u8>) -> Option<Plate> {
     use ::image::ImageBuffer;
@@ -131,8 +131,8 @@ pub(crate) fn plate_of_bytes([width, height]: [u32; 2], channels: usize, bytes: 
     Some(plate_from_picture(picture))
 }
 
-/// The display window of a plate as bytes, 1 to 4 channels as in [`plate_of_bytes`]: those that [`write_picture`] would write into a
-/// PNG of 8 bits. `None`: it has no colour.
+/// Converts the display window of a plate to the bytes that [`write_picture`] would write to an 8-bit PNG, with 1 to 4
+/// channels as in [`plate_of_bytes`]. `None` if it has no colour.
 #[cfg(feature = "python")]
 pub(crate) fn bytes_of_plate(plate: &Plate, channels: usize) -> Option<Vec<u8>> {
     let colour = Colour::of(plate)?;
@@ -143,7 +143,7 @@ pub(crate) fn bytes_of_plate(plate: &Plate, channels: usize) -> Option<Vec<u8>> 
     Some(bytes_of(&colour.codes(plate.display, channels, code)))
 }
 
-/// What of a part is shown.
+/// The visible channels of a part.
 struct Colour<'a> {
     window: PixelRect,
     storage: Storage,
@@ -182,7 +182,7 @@ impl<'a> Colour<'a> {
         encoder.write_image(&bytes_of(&codes), display.width, display.height, ExtendedColorType::Rgb8)
     }
 
-    /// `count` codes for each pixel of the display window; nothing outside the data window.
+    /// Returns `count` codes for each pixel of the display window; 0 outside the data window.
     fn codes(&self, display: PixelRect, count: usize, code: impl Fn([f32; 3], f32) -> [u16; 4] + Sync) -> Vec<u16> {
         let width = display.width as usize;
         let mut codes = vec![0; count * display.area()];
@@ -198,17 +198,17 @@ impl<'a> Colour<'a> {
     }
 }
 
-/// The finest of the colour channels counts.
+/// Returns the pixel type with the highest precision among the colour channels.
 fn storage_of(part: &PlatePart) -> Storage {
     let colour = part.channels.iter().filter(|channel| ["R", "G", "B", "Y"].contains(&channel.name.as_str()));
     if colour.into_iter().all(|channel| channel.storage == Storage::Half) { Storage::Half } else { Storage::Float }
 }
 
-/// Codes 0 to `largest` of associated light.
+/// Converts associated light to straight codes 0 to `largest`.
 fn straight(colour: [f32; 3], alpha: f32, largest: u16) -> [u16; 4] {
     let colour = colour.map(|light| if light.is_nan() { 0.0 } else { light.max(0.0) });
     let strongest = colour.into_iter().fold(0.0, f32::max);
-    // f32::max takes the other number where alpha is NaN.
+    // f32::max returns the other operand if alpha is NaN.
     let alpha = alpha.max(strongest).clamp(0.0, 1.0);
     let code = |unit: f32| (unit * f32::from(largest)).round() as u16;
     let [red, green, blue] = colour.map(|light| code(srgb_from_linear((light / alpha.max(HIDDEN)).min(1.0))));
@@ -219,10 +219,10 @@ fn bytes_of(codes: &[u16]) -> Vec<u8> {
     codes.iter().map(|&code| code as u8).collect()
 }
 
-/// Reads an EXR, PNG or JPEG file, by the ending of its name.
+/// Reads an EXR, PNG or JPEG file, by its extension.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::read_plate`], [`read_picture`] and [`PictureKind::known`] give.
+/// [`ImageError`] as [`super::read_plate`], [`read_picture`] and [`PictureKind::known`].
 pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
     match PictureKind::known(path)? {
         PictureKind::Exr => super::read_plate(path),
@@ -230,10 +230,10 @@ pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
     }
 }
 
-/// What the head of an EXR, PNG or JPEG file says: of EXR files no channel has samples; pictures are read whole.
+/// Reads the header of an EXR file, without samples; PNG and JPEG files are read completely.
 ///
 /// # Errors
-/// As [`read_any`] gives for files that cannot be opened or whose head is damaged.
+/// As [`read_any`], for files that cannot be opened or whose header is damaged.
 pub fn read_any_head(path: &Path) -> Result<Plate, ImageError> {
     if PictureKind::of(path) == Some(PictureKind::Exr) {
         super::plate_read::read_plate_head(path)
@@ -242,10 +242,10 @@ pub fn read_any_head(path: &Path) -> Result<Plate, ImageError> {
     }
 }
 
-/// Writes an EXR, PNG or JPEG file, by the ending of its name.
+/// Writes an EXR, PNG or JPEG file, by its extension.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::write_plate`], [`write_picture`] and [`PictureKind::known`] give.
+/// [`ImageError`] as [`super::write_plate`], [`write_picture`] and [`PictureKind::known`].
 pub fn write_any<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
     let to = to.into();
     match PictureKind::known(to.path)? {

@@ -1,6 +1,6 @@
-//! A whole EXR file of any program, as plain data.
+//! The complete contents of an EXR file of any program, as plain data.
 //!
-//! In: what was read, or frames. Out: all parts, views, channels and attributes, ready to be changed and written again.
+//! In: a file's contents, or frames. Out: all parts, views, channels and attributes, for modification and writing.
 
 use super::exr_file::{string, text};
 use super::{Channel, Frame, FrameMetadata};
@@ -10,55 +10,55 @@ use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::collections::BTreeMap;
 
-/// A whole EXR file, so that nothing is lost between reading and writing.
+/// The complete contents of an EXR file, so that reading and writing is lossless.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
-    /// The frame as the viewer sees it, in pixels.
+    /// The display window, in pixels.
     pub display: PixelRect,
     /// Width of a pixel divided by its height.
     pub pixel_aspect: f64,
-    /// Parts in the file's order; a file of one part has one.
+    /// Parts in file order.
     pub parts: Vec<PlatePart>,
-    /// What the file holds and this plate does not, in words for the user: `part 'rgba': smaller mip levels`.
+    /// Messages about contents of the file that are not in the plate: `part 'rgba': smaller mip levels`.
     pub left_out: Vec<String>,
-    /// Attributes that the parts share; windows and aspect stand above, not here.
+    /// Attributes shared by all parts, except for the windows and the pixel aspect.
     pub(super) attributes: ImageAttributes,
 }
 
 /// One part of an EXR file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlatePart {
-    /// Its name, where it has one: `rgba.left`. A file of several parts needs names, all different.
+    /// Name, if it has one: `rgba.left`. Files with several parts need distinct names.
     pub name: Option<String>,
-    /// Its view, where it has one: `left`.
+    /// View, if it has one: `left`.
     pub view: Option<String>,
-    /// The pixels that are stored; may lie outside the display window.
+    /// Window of the stored pixels; may lie outside the display window.
     pub data_window: PixelRect,
-    /// All channels, in the file's order, each with `data_window.area()` samples.
+    /// All channels in file order, each with `data_window.area()` samples.
     pub channels: Vec<Channel>,
-    /// What else the part says about itself; Cryptomatte manifests stand here. Name, view and position stand above.
+    /// Further attributes of the part, including Cryptomatte manifests, except for name, view and position.
     pub(super) attributes: LayerAttributes,
-    /// How its pixels are compressed.
+    /// Compression and tiling.
     pub(super) encoding: Encoding,
-    /// Channels by name and whether lossy compressions shall take them for linear (`pLinear`), as the file says.
+    /// The `pLinear` flag of each channel: whether lossy compressions treat it as linear.
     pub(super) linear: BTreeMap<String, bool>,
 }
 
 impl Plate {
-    /// A file of these parts that says nothing else about itself.
+    /// Creates a plate of these parts without further attributes.
     #[must_use]
     pub fn new(display: PixelRect, pixel_aspect: f64, parts: Vec<PlatePart>) -> Self {
         Self { display, pixel_aspect, parts, left_out: Vec::new(), attributes: no_shared_attributes() }
     }
 
-    /// A file of one part without a name, compressed as [`super::Compression::Zip`].
+    /// Creates a plate of one unnamed part, compressed as [`super::Compression::Zip`].
     #[must_use]
     pub fn from_frame(frame: Frame) -> Self {
         let part = PlatePart::new(frame.data_window, frame.channels);
         Self::new(frame.display, frame.pixel_aspect, vec![part])
     }
 
-    /// A frame of our own with all that [`super::write_exr`] would say about it.
+    /// Creates a plate of our own frame with all metadata that [`super::write_exr`] would write.
     #[must_use]
     pub fn from_render(frame: Frame, metadata: &FrameMetadata) -> Self {
         let mut plate = Self::from_frame(frame);
@@ -67,15 +67,15 @@ impl Plate {
         plate
     }
 
-    /// The same file with other parts: display window, pixel aspect and shared attributes stay.
+    /// Returns the plate with other parts; keeps the display window, pixel aspect and shared attributes.
     #[must_use]
     pub fn with_parts(&self, parts: Vec<PlatePart>) -> Self {
         let (left_out, attributes) = (self.left_out.clone(), self.attributes.clone());
         Self { display: self.display, pixel_aspect: self.pixel_aspect, parts, left_out, attributes }
     }
 
-    /// All channels of the first part, and those of further parts with the same data window and new names. A plate
-    /// without parts becomes a frame without channels.
+    /// Returns all channels of the first part, and those of further parts with the same data window and new names. A
+    /// plate without parts gives a frame without channels.
     #[must_use]
     pub fn into_frame(self) -> Frame {
         let mut parts = self.parts.into_iter();
@@ -90,39 +90,39 @@ impl Plate {
         frame
     }
 
-    /// The part of that name.
+    /// Returns the part of this name.
     #[must_use]
     pub fn part(&self, name: &str) -> Option<&PlatePart> {
         self.parts.iter().find(|part| part.name.as_deref() == Some(name))
     }
 
-    /// The display window, as screen space is measured against it.
+    /// Returns the display window, which defines screen space.
     #[must_use]
     pub const fn frame_size(&self) -> FrameSize {
         FrameSize { width: self.display.width, height: self.display.height, pixel_aspect: self.pixel_aspect }
     }
 
-    /// The data window of a part, measured from the upper left corner of the display window.
+    /// Returns the data window of a part, relative to the upper left corner of the display window.
     #[must_use]
     pub fn window_of(&self, part: &PlatePart) -> PixelRect {
         part.data_window.relative_to(self.display)
     }
 
-    /// The display window and all that is stored around it, measured from the display window's corner.
+    /// Returns the union of the display window and all data windows, relative to the corner of the display window.
     #[must_use]
     pub fn reach(&self) -> PixelRect {
         self.parts.iter().map(|part| self.window_of(part)).fold(self.frame_size().window(), PixelRect::union)
     }
 
-    /// Whether pinwarp rendered it: not whether it warped a frame of another program, whose software it leaves noted.
+    /// Whether pinwarp rendered the plate; false for warped frames of other programs, which keep their software attribute.
     #[must_use]
     pub fn is_own_render(&self) -> bool {
         let software = self.parts.first().and_then(|part| part.attributes.software_name.as_ref());
         software.is_some_and(|software| string(software).starts_with("pinwarp "))
     }
 
-    /// Notes in the first part which frame of which shot this is, so that [`super::read_metadata`] finds it. What the
-    /// plate says of its software, rate and camera stays.
+    /// Stores which frame of which shot this is in the first part, for [`super::read_metadata`]. Keeps the plate's
+    /// software, rate and camera.
     pub fn set_metadata(&mut self, metadata: &FrameMetadata) {
         if let Some(first) = self.parts.first_mut() {
             metadata.add_provenance(&mut first.attributes);
@@ -131,7 +131,7 @@ impl Plate {
 }
 
 impl PlatePart {
-    /// A part without a name, view or attributes; scan lines, compressed as [`super::Compression::Zip`].
+    /// Creates a part without a name, view or attributes; scan lines, compressed as [`super::Compression::Zip`].
     #[must_use]
     pub fn new(data_window: PixelRect, channels: Vec<Channel>) -> Self {
         let encoding = Encoding {
@@ -143,7 +143,7 @@ impl PlatePart {
         Self { name: None, view: None, data_window, channels, attributes, encoding, linear }
     }
 
-    /// A part that says the same about itself and holds other pixels.
+    /// Returns the part with the same attributes and other pixels.
     #[must_use]
     pub fn with_channels(&self, data_window: PixelRect, channels: Vec<Channel>) -> Self {
         Self {
@@ -157,7 +157,7 @@ impl PlatePart {
         }
     }
 
-    /// The compression of its pixels, as OpenEXR calls it: `zip`.
+    /// Returns OpenEXR's name of the compression: `zip`.
     #[must_use]
     pub fn compression(&self) -> String {
         match self.encoding.compression {
@@ -175,36 +175,36 @@ impl PlatePart {
         }
     }
 
-    /// The channel of that name.
+    /// Returns the channel of this name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// The views it shows: its own, else those that share a part (`multiView`), the one of channels that name none first.
+    /// Returns the part's own view, or else the views that share it (`multiView`), starting with that of channels which name none.
     #[must_use]
     pub fn views(&self) -> Vec<String> {
         let shared = self.attributes.multi_view_names.iter().flatten().map(string);
         self.view.clone().map_or_else(|| shared.collect(), |view| vec![view])
     }
 
-    /// Names the views that share this part, the one of channels that name none first.
+    /// Sets the views that share this part, starting with that of channels which name none.
     pub fn set_views(&mut self, views: &[&str]) {
         self.attributes.multi_view_names = Some(views.iter().map(|view| text(view)).collect());
     }
 
-    /// A text among its custom attributes: `cryptomatte/f834d0a/manifest`.
+    /// Returns a custom text attribute: `cryptomatte/f834d0a/manifest`.
     #[must_use]
     pub fn text(&self, name: &str) -> Option<String> {
         text_of(self.attributes.other.get(&text(name))?)
     }
 
-    /// Sets a text among its custom attributes. Names are 1 to 255 bytes long.
+    /// Sets a custom text attribute. Names are 1 to 255 bytes long.
     pub fn set_text(&mut self, name: &str, value: &str) {
         self.attributes.other.insert(text(name), AttributeValue::Text(text(value)));
     }
 
-    /// All texts among its custom attributes whose names begin with `prefix`, by name.
+    /// Returns all custom text attributes whose names begin with `prefix`, by name.
     #[must_use]
     pub fn texts(&self, prefix: &str) -> BTreeMap<String, String> {
         let texts = self.attributes.other.iter().filter_map(|(name, value)| Some((string(name), text_of(value)?)));
@@ -221,7 +221,7 @@ fn text_of(value: &AttributeValue) -> Option<String> {
     if let AttributeValue::Text(text) = value { Some(string(text)) } else { None }
 }
 
-/// The window is a placeholder: [`Plate::display`] counts.
+/// The window is a placeholder; [`Plate::display`] is used instead.
 pub(super) fn no_shared_attributes() -> ImageAttributes {
     ImageAttributes::new(IntegerBounds::from_dimensions((1, 1)))
 }

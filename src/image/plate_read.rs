@@ -1,6 +1,6 @@
-//! An EXR file becomes a plate.
+//! Reads an EXR file into a plate.
 //!
-//! In: a path. Out: [`Plate`] with everything that the file holds, but for the smaller levels of mip maps.
+//! In: a path. Out: [`Plate`] with everything in the file except for the smaller levels of mip maps.
 
 use super::cryptomatte::take_in_manifests;
 use super::exr_file::string;
@@ -16,11 +16,11 @@ use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Reads a flat EXR file: all parts, views, channels and attributes. Tiles stay tiles; of mip maps the largest level is
-/// read, and [`Plate::left_out`] says so. Manifests of Cryptomattes that lie beside the file are taken into the header.
+/// Reads a flat EXR file: all parts, views, channels and attributes. Keeps tiling; of mip maps only the largest level
+/// is read, which [`Plate::left_out`] reports. Cryptomatte manifests in sidecar files are loaded into the header.
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be opened, is damaged or cut off, is deep, or has subsampled channels.
+/// [`ImageError`] if the file cannot be opened, is damaged or truncated, is deep, or has subsampled channels.
 pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
     let head = exr_guard::checked_head(path)?;
     let read = exr::image::read::read_all_flat_layers_from_file(path);
@@ -41,10 +41,10 @@ pub fn read_plate(path: &Path) -> Result<Plate, ImageError> {
     Ok(plate)
 }
 
-/// What the head of a flat EXR file says: parts, windows, channels and attributes; no channel has samples.
+/// Reads the header of a flat EXR file: parts, windows, channels and attributes, without samples.
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be opened or its head is damaged.
+/// [`ImageError`] if the file cannot be opened or its header is damaged.
 pub(super) fn read_plate_head(path: &Path) -> Result<Plate, ImageError> {
     let head = exr_guard::read_head(path)?;
     let first = head.headers.first().ok_or_else(|| ImageError::damaged(path, "it has no parts"))?;
@@ -76,7 +76,7 @@ fn part_head(path: &Path, header: Header) -> Result<PlatePart, ImageError> {
     Ok(part)
 }
 
-/// Parts should agree on these, but some programs give them to one part only.
+/// Merges the shared attributes: parts should agree on them, but some programs set them in one part only.
 fn shared_attributes(head: MetaData) -> ImageAttributes {
     let mut shared = no_shared_attributes();
     for header in head.headers {

@@ -1,4 +1,4 @@
-//! A plate becomes an EXR file.
+//! Writes a plate as an EXR file.
 //!
 //! In: [`Plate`]. Out: a file with the same parts, channels, attributes, compression and tiles.
 
@@ -12,15 +12,14 @@ use exr::meta::attribute::{IntegerBounds, LineOrder};
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-/// Writes `plate` as [`super::write_exr`] does: whole or not at all, the same bytes every time.
+/// Writes `plate` atomically and deterministically, as [`super::write_exr`] does.
 ///
-/// Each part keeps its compression, lossy ones too, and its tiles. Tiles in random order come out in increasing order.
-/// A part without pixels is written as one pixel that holds nothing. NaN and infinities are passed on as they came;
-/// finite half samples beyond ±65504 become ±65504.
+/// Each part keeps its compression, even if lossy, and its tiles; tiles in random order are written in increasing order. A part without
+/// pixels is written as one empty pixel. NaN and infinities are preserved; finite half samples beyond ±65504 become ±65504.
 ///
 /// # Errors
-/// [`ImageError::Io`] where the disk is full or the folder cannot be written; [`ImageError::Frame`] where the plate is
-/// malformed: no parts, parts of one name, samples that do not fit their window.
+/// [`ImageError::Io`] if the disk is full or the directory is not writable; [`ImageError::Frame`] if the plate is
+/// malformed: no parts, duplicate part names, samples that do not match their window.
 pub fn write_plate<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
     let to = to.into();
     check(plate).map_err(|what| ImageError::frame(to.path, what))?;
@@ -32,7 +31,7 @@ pub fn write_plate<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<
     exr_file::write(to, &Image { attributes: shared, layer_data: layers })
 }
 
-/// What EXR demands; the message says what is wrong.
+/// Checks the requirements of EXR; the error describes what is wrong.
 fn check(plate: &Plate) -> Result<(), String> {
     if plate.parts.is_empty() || plate.display.area() == 0 {
         return Err("the plate has no parts or no pixels".into());
@@ -48,7 +47,7 @@ fn check(plate: &Plate) -> Result<(), String> {
     Ok(())
 }
 
-/// In files of several parts each has a name of its own.
+/// Checks that the parts of a multi-part file have distinct names.
 fn check_names(parts: &[PlatePart]) -> Result<(), String> {
     let mut names = HashSet::new();
     for part in parts.iter().filter(|_| parts.len() > 1) {
@@ -60,7 +59,7 @@ fn check_names(parts: &[PlatePart]) -> Result<(), String> {
     Ok(())
 }
 
-/// EXR has no empty data window: one pixel that holds nothing stands for it.
+/// Replaces an empty data window, which EXR does not allow, by one empty pixel.
 fn with_a_pixel(part: &PlatePart, display: PixelRect) -> Cow<'_, PlatePart> {
     if part.data_window.area() > 0 {
         return Cow::Borrowed(part);
@@ -77,10 +76,10 @@ fn exr_layer(part: &PlatePart) -> Layer<AnyChannels<Lines<'_>>> {
     attributes.view_name = part.view.as_deref().map(text);
     let mut encoding = part.encoding;
     if encoding.line_order == LineOrder::Unspecified {
-        // Blocks would come in the order in which threads finish them.
+        // Blocks would be written in the order in which threads finish them.
         encoding.line_order = LineOrder::Increasing;
     }
-    // AnyChannels::sort puts the names into the alphabetical order that EXR demands.
+    // AnyChannels::sort establishes the alphabetical order that EXR requires.
     let channels = AnyChannels::sort(part.channels.iter().map(|channel| exr_channel(part, channel)).collect());
     Layer::new(size_of(part.data_window), attributes, encoding, channels)
 }

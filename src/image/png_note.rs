@@ -1,7 +1,7 @@
-//! A text chunk in PNG files that says which frame they are (PNG specification, third edition, 11.3.3.4 iTXt).
+//! A text chunk in PNG files that stores the frame's provenance (PNG specification, third edition, 11.3.3.4 iTXt).
 //!
-//! In: an encoded PNG and [`FrameMetadata`]. Out: the same picture with the note; and the note of a file, read back with the
-//! check sums of all its chunks.
+//! In: an encoded PNG and [`FrameMetadata`]. Out: the same picture with the chunk; and the chunk of a file, read after
+//! verifying the checksums of all chunks.
 
 use super::FrameMetadata;
 use super::provenance::{self, Provenance};
@@ -10,18 +10,18 @@ use std::path::Path;
 
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// Signature, and the header chunk, which always comes first and is 25 bytes long.
+/// Signature and header chunk, which always comes first and is 25 bytes long.
 const HEAD_END: usize = 33;
 
-/// What a PNG file says.
+/// The metadata of a PNG file.
 pub(super) struct Note {
-    /// Width and height, pixels.
+    /// Width and height in pixels.
     pub(super) size: [u32; 2],
-    /// `None`: another program wrote it.
+    /// `None`: written by another program.
     pub(super) fields: Option<Provenance>,
 }
 
-/// Puts the note behind the header chunk.
+/// Inserts the text chunk after the header chunk.
 pub(super) fn noted(mut png: Vec<u8>, metadata: &FrameMetadata) -> Vec<u8> {
     // Keyword, no compression, no language, no translated keyword.
     let content = [b"iTXt", provenance::NAME.as_bytes(), &[0; 5], metadata.provenance().json().as_bytes()].concat();
@@ -36,7 +36,7 @@ pub(super) fn noted(mut png: Vec<u8>, metadata: &FrameMetadata) -> Vec<u8> {
 /// Reads all chunks.
 ///
 /// # Errors
-/// [`Error`] where the file cannot be read, is cut off, or the check sum of a chunk is wrong.
+/// [`Error`] if the file cannot be read or is truncated, or the checksum of a chunk is wrong.
 pub(super) fn read(path: &Path) -> Result<Note> {
     let mut file = BufReader::new(std::fs::File::open(path)?);
     if read_array(&mut file)? != SIGNATURE {

@@ -1,4 +1,4 @@
-//! A frame as people look at it: 8-bit sRGB with straight alpha.
+//! Converts a frame for display: 8-bit sRGB with straight alpha.
 //!
 //! In: [`Frame`] (scene-linear, associated alpha). Out: [`Preview`], the size of the display window; PNG files.
 
@@ -13,22 +13,22 @@ use std::path::Path;
 /// An 8-bit picture: sRGB transfer, straight (unassociated) alpha, rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Preview {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
     /// Red, green, blue, alpha of each pixel: 4 × width × height bytes.
     pub rgba: Vec<u8>,
 }
 
 impl Preview {
-    /// A picture in which everything is transparent.
+    /// Creates a fully transparent picture.
     #[must_use]
     pub fn transparent(width: u32, height: u32) -> Self {
         Self { width, height, rgba: vec![0; 4 * width as usize * height as usize] }
     }
 
-    /// Red, green, blue, alpha at column `x` and row `y`; `None` outside.
+    /// Returns red, green, blue, alpha at column `x` and row `y`; `None` outside.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
         let index = self.index(x, y)?;
@@ -45,11 +45,11 @@ impl Preview {
     }
 }
 
-/// The display window of a frame: channels R, G, B over nothing, alpha kept. Missing colour channels are black; without A
-/// the data window is opaque. Values are clipped at 1: no tone mapping, no exposure. Pixels are not made square.
+/// Converts the display window of a frame: channels R, G, B with alpha. Missing colour channels are black; without A the data window is
+/// opaque. Values are clipped at 1, without tone mapping or exposure. The pixel aspect is not corrected.
 ///
-/// Light that is stronger than its alpha (a glow with alpha 0, a highlight on an edge) gets the alpha it needs to show,
-/// since straight 8-bit pixels cannot hold it otherwise.
+/// Where light exceeds its alpha (a glow with alpha 0, a highlight on an edge), alpha is raised so that it shows, since
+/// straight 8-bit pixels cannot represent it otherwise.
 #[must_use]
 pub fn preview(frame: &Frame) -> Preview {
     let mut picture = Preview::transparent(frame.display.width, frame.display.height);
@@ -78,7 +78,7 @@ pub fn preview(frame: &Frame) -> Preview {
 fn straight_srgb(color: [f32; 3], alpha: f32) -> [u8; 4] {
     let color = color.map(|light| if light.is_nan() { 0.0 } else { light.max(0.0) });
     let strongest = color.into_iter().fold(0.0, f32::max);
-    // f32::max takes the other number where alpha is NaN.
+    // f32::max returns the other operand if alpha is NaN.
     let alpha = alpha.max(strongest).clamp(0.0, 1.0);
     if alpha == 0.0 {
         return [0; 4];
@@ -91,15 +91,15 @@ fn byte(unit: f32) -> u8 {
     (unit * 255.0).round() as u8
 }
 
-/// Writes a picture as PNG: whole or not at all, like [`super::write_exr`].
+/// Writes a picture as PNG, atomically like [`super::write_exr`].
 ///
 /// # Errors
-/// [`ImageError`] where the file cannot be written or the picture has no pixels.
+/// [`ImageError`] if the file cannot be written or the picture has no pixels.
 pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
     atomic::replace_bytes(path, &png_bytes(path, picture)?)
 }
 
-/// Writes the preview of a frame as PNG, with a note of which frame of which shot it shows, as EXR files have.
+/// Writes the preview of a frame as PNG, with the same provenance metadata as EXR files.
 ///
 /// # Errors
 /// As [`write_png`].
@@ -113,10 +113,10 @@ pub fn write_frame_preview<'a>(
     atomic::replace_bytes(to, &bytes)
 }
 
-/// A picture as a PNG file in memory; `path` is named in messages.
+/// Encodes a picture as PNG in memory; `path` is only used in messages.
 ///
 /// # Errors
-/// [`ImageError`] where the picture has no pixels.
+/// [`ImageError`] if the picture has no pixels.
 pub fn png_bytes(path: &Path, picture: &Preview) -> Result<Vec<u8>, ImageError> {
     let bytes_needed = 4 * picture.width as usize * picture.height as usize;
     if bytes_needed == 0 || picture.rgba.len() != bytes_needed {

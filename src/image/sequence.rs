@@ -1,4 +1,4 @@
-//! Names of the frames of a sequence.
+//! File names of frame sequences.
 //!
 //! In: `frame.####.exr`, `frame.%04d.exr`, or a plain path. Out: the path of each frame.
 
@@ -9,7 +9,7 @@ use super::PictureKind;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A path with at most one frame counter, which stands in the file name.
+/// A path with at most one frame counter, in the file name.
 ///
 /// ```
 /// use pinwarp::image::SequencePath;
@@ -29,7 +29,7 @@ pub struct SequencePath {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Name {
     Single,
-    /// The least number of characters of the counter, the sign included, as `printf` and Nuke count.
+    /// Minimum width of the counter including the sign, as in `printf` and Nuke.
     Counted {
         before: String,
         width: usize,
@@ -38,11 +38,11 @@ enum Name {
 }
 
 impl SequencePath {
-    /// Understands any number of `#`, `%d` and `%04d` in the file name; a name without a counter is a single frame.
-    /// `#` and `%` in the names of folders are taken as they are.
+    /// Parses any number of `#`, `%d` and `%04d` in the file name; a name without a counter denotes a single frame. `#`
+    /// and `%` in directory names are literal.
     ///
     /// # Errors
-    /// [`ImageError::Pattern`] for two counters, for printf forms other than `%d` and `%04d`, for no file name.
+    /// [`ImageError::Pattern`] for two counters, for printf forms other than `%d` and `%04d`, and for a missing file name.
     pub fn parse(pattern: &Path) -> Result<Self, ImageError> {
         let wrong = |what: String| ImageError::Pattern { pattern: shortened(pattern), what };
         let Some(file_name) = pattern.file_name() else {
@@ -58,7 +58,7 @@ impl SequencePath {
         Ok(Self { pattern: pattern.to_owned(), name })
     }
 
-    /// Where frame number `frame` lies. A single frame lies there whatever its number.
+    /// Returns the path of frame number `frame`; that of a single frame does not depend on the number.
     #[must_use]
     pub fn path_of(&self, frame: i32) -> PathBuf {
         match &self.name {
@@ -69,19 +69,19 @@ impl SequencePath {
         }
     }
 
-    /// The path with its counter, as it was given.
+    /// Returns the path with its counter, as given.
     #[cfg(feature = "cli")]
     pub(crate) fn pattern(&self) -> &Path {
         &self.pattern
     }
 
-    /// Whether each frame has a file of its own.
+    /// Whether each frame has its own file.
     #[must_use]
     pub fn has_counter(&self) -> bool {
         self.name != Name::Single
     }
 
-    /// What the frames have in common: the file name without its counter, what stands before that, and its ending.
+    /// Returns the common name of the frames: the file name without counter, preceding separators and extension.
     ///
     /// ```
     /// use pinwarp::image::SequencePath;
@@ -103,11 +103,11 @@ impl SequencePath {
         }
     }
 
-    /// Numbers of the frames that lie on the disk, increasing; empty where none or not even the folder is there. `None`
-    /// for a path without a counter.
+    /// Returns the numbers of the existing frames, increasing; empty if there are none or the directory does not exist.
+    /// `None` for a path without a counter.
     ///
     /// # Errors
-    /// [`ImageError::Io`] where the folder cannot be listed.
+    /// [`ImageError::Io`] if the directory cannot be listed.
     pub fn frames_on_disk(&self) -> Result<Option<Vec<i32>>, ImageError> {
         if !self.has_counter() {
             return Ok(None);
@@ -124,11 +124,11 @@ impl SequencePath {
         Ok(Some(frames))
     }
 
-    /// The sequences in a folder: names with the ending of a picture that differ in the last number before it, which is as wide as in
-    /// the shortest name. Previews (PNG files beside EXR files of the same name) are left out.
+    /// Finds the sequences in a directory: picture files whose names differ only in the last number, with the width of
+    /// the shortest. Previews (PNG files beside EXR files of the same name) are excluded.
     ///
     /// # Errors
-    /// [`ImageError::Io`] where the folder cannot be listed.
+    /// [`ImageError::Io`] if the directory cannot be listed.
     #[cfg(feature = "cli")]
     pub(crate) fn in_folder(folder: &Path) -> Result<Vec<Self>, ImageError> {
         let entries = std::fs::read_dir(folder).map_err(|error| ImageError::reading(folder, error))?;
@@ -156,8 +156,8 @@ impl SequencePath {
         Ok(found.map(path).collect())
     }
 
-    /// The frame whose file name this is; `None` for names that the pattern does not give, and for a path without a
-    /// counter: `f.7.exr` is not frame 7 of `f.####.exr`.
+    /// Returns the frame number of a file name; `None` if it does not match the pattern, or the path has no counter:
+    /// `f.7.exr` is not frame 7 of `f.####.exr`.
     #[must_use]
     pub fn frame_named(&self, name: &str) -> Option<i32> {
         let Name::Counted { before, after, .. } = &self.name else { return None };
@@ -165,10 +165,10 @@ impl SequencePath {
         self.path_of(frame).file_name().is_some_and(|own| own == name).then_some(frame)
     }
 
-    /// Makes sure that every frame of a range gets a file of its own.
+    /// Checks that every frame of a range gets its own file.
     ///
     /// # Errors
-    /// [`ImageError::Pattern`] where there are several frames and no counter.
+    /// [`ImageError::Pattern`] if there are several frames and no counter.
     pub fn check_frame_count(&self, count: usize) -> Result<(), ImageError> {
         if count <= 1 || self.has_counter() {
             return Ok(());
@@ -180,7 +180,7 @@ impl SequencePath {
     }
 }
 
-/// A path as it is shown: names that no file can have would fill the screen.
+/// Shortens a path for display: overlong invalid names would fill the screen.
 fn shortened(pattern: &Path) -> PathBuf {
     const SHOWN: usize = 300;
     let text = pattern.to_string_lossy();
@@ -190,7 +190,7 @@ fn shortened(pattern: &Path) -> PathBuf {
     PathBuf::from(format!("{}...", text.chars().take(SHOWN).collect::<String>()))
 }
 
-/// Most characters of a counter: 255 bytes is the longest file name anywhere.
+/// Maximum width of a counter: file names are limited to 255 bytes everywhere.
 const LONGEST_COUNTER: usize = 255;
 
 fn parse_name(name: &str) -> Result<Name, String> {
@@ -202,7 +202,7 @@ fn parse_name(name: &str) -> Result<Name, String> {
     Ok(Name::Counted { before, width, after })
 }
 
-/// Start and end (bytes) of the first counter, and its width.
+/// Returns start and end (in bytes) of the first counter, and its width.
 fn find_counter(name: &str) -> Result<Option<(usize, usize, usize)>, String> {
     let Some(start) = name.find(['#', '%']) else { return Ok(None) };
     let rest = &name[start..];

@@ -1,4 +1,4 @@
-//! The size of a picture, without decoding it.
+//! Reads the size of a picture without decoding it.
 //!
 //! In: the path of a PNG, JPEG or EXR file. Out: its display window as a [`FrameSize`].
 
@@ -8,10 +8,10 @@ use ::image::metadata::Orientation;
 use ::image::{ImageDecoder, ImageReader};
 use std::path::Path;
 
-/// How large a picture is as the viewer sees it. Only its head is read.
+/// Returns the size of a picture's display window. Reads only the header.
 ///
 /// # Errors
-/// [`ImageError`] where the name is none of an EXR, PNG or JPEG file, where it cannot be opened or its head is damaged.
+/// [`ImageError`] if the extension is not that of an EXR, PNG or JPEG file, the file cannot be opened, or its header is damaged.
 pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
     if PictureKind::known(path)? == PictureKind::Exr {
         let head = super::exr_guard::read_head(path)?;
@@ -33,16 +33,16 @@ pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
     Ok(if is_lying { FrameSize::new(height, width) } else { FrameSize::new(width, height) })
 }
 
-/// How much a picture holds once it is decoded.
+/// The amount of data in a decoded picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PictureExtent {
-    /// Pixels of the data windows of all parts, or of the display window where that is larger.
+    /// Pixels of the data windows of all parts, or of the display window if that is larger.
     pub pixels: u128,
     /// Samples of all channels.
     pub samples: u128,
 }
 
-/// How much memory a picture stands for. Only its head is read.
+/// Returns the amount of data in a decoded picture, to estimate memory. Reads only the header.
 ///
 /// # Errors
 /// As [`picture_size`].

@@ -1,6 +1,6 @@
-//! The transfer of sRGB (IEC 61966-2-1).
+//! The sRGB transfer function (IEC 61966-2-1).
 //!
-//! In: light, or a code value. Out: the other; both 0 to 1.
+//! In: linear light or a code value, 0 to 1. Out: the other.
 
 use std::sync::LazyLock;
 
@@ -8,9 +8,9 @@ pub(super) fn srgb_from_linear(light: f32) -> f32 {
     if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The 8-bit code of a light from 0 to 1: `srgb_from_linear` rounded, from a table of where each code begins.
+/// Returns the 8-bit code of a light from 0 to 1: `srgb_from_linear` rounded, from a table of the thresholds of the codes.
 pub(super) fn srgb_byte(light: f32) -> u8 {
-    // Of a negative zero the bits are many.
+    // Negative zero has large bits.
     if light <= 0.0 {
         return 0;
     }
@@ -23,10 +23,10 @@ pub(super) fn srgb_byte(light: f32) -> u8 {
     code
 }
 
-/// Floats that share their upper bits share a bucket: in each, one or two codes begin.
+/// Floats that share their upper bits share a bucket; one or two codes begin in each.
 const BUCKET_BITS: u32 = 16;
 
-/// The bucket of 2^-14, which has code 0 as all below it.
+/// The bucket of 2^-14; it and everything below have code 0.
 const LEAST_BUCKET: u32 = (1.0_f32 / 16384.0).to_bits() >> BUCKET_BITS;
 
 struct Codes {
@@ -40,7 +40,7 @@ static CODES: LazyLock<Codes> = LazyLock::new(|| {
     let code = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
     let mut begin = [0.0_f32; 256];
     for (wanted, begin) in begin.iter_mut().enumerate().skip(1) {
-        // Positive floats stand in the order of their bits, and codes never fall.
+        // Positive floats are ordered by their bits, and codes are monotonic.
         let (mut low, mut high) = (0, 1.0_f32.to_bits());
         while low < high {
             let middle = low + (high - low) / 2;
@@ -53,7 +53,7 @@ static CODES: LazyLock<Codes> = LazyLock::new(|| {
     Codes { begin, first }
 });
 
-/// In `f64`, for tables.
+/// Decodes in `f64`, for tables.
 pub(super) fn linear_from_srgb(code: f64) -> f64 {
     if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }

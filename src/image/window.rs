@@ -1,4 +1,4 @@
-//! Frames cut, stitched and made.
+//! Creates, crops and stitches frames.
 //!
 //! In: frames and windows. Out: frames.
 
@@ -6,7 +6,7 @@ use super::{Channel, EMPTY_DEPTH, Frame, Storage};
 use crate::space::PixelRect;
 
 impl Frame {
-    /// A frame that holds nothing: depth channels at [`super::EMPTY_DEPTH`], all others 0. Square pixels.
+    /// Creates an empty frame: depth channels at [`super::EMPTY_DEPTH`], all others 0. Square pixels.
     #[must_use]
     pub fn blank(display: PixelRect, data_window: PixelRect, channels: &[(&str, Storage)]) -> Self {
         let channels = channels.iter().map(|&(name, storage)| {
@@ -17,7 +17,7 @@ impl Frame {
         Self { display, data_window, pixel_aspect: 1.0, channels: channels.collect() }
     }
 
-    /// The frame with the smallest data window that keeps every sample that holds something; area 0 where none does.
+    /// Crops the data window to the smallest one that contains every non-empty sample; area 0 if there are none.
     #[must_use]
     pub fn crop_to_covered(self) -> Self {
         let covered = self.covered_window();
@@ -32,8 +32,7 @@ impl Frame {
         Self { data_window: covered, channels: channels.collect(), ..self }
     }
 
-    /// Puts a tile's samples into the channels of the same names. Pixels outside the data window, and channels that
-    /// this frame does not have, are left out.
+    /// Copies a tile's samples into the channels of the same names. Pixels outside the data window and unknown channels are ignored.
     pub fn paste(&mut self, tile: &Self) {
         let rows = self.data_window.shared_rows(tile.data_window);
         for channel in &mut self.channels {
@@ -48,7 +47,7 @@ impl Frame {
         let mut bounds = Bounds::NONE;
         for channel in self.channels.iter().filter(|_| self.data_window.width > 0) {
             let rows = channel.samples.chunks_exact(self.data_window.width as usize);
-            // NaN is something: it has to be seen, not cut away.
+            // NaN counts as non-empty, so that it stays visible.
             match channel.storage {
                 Storage::Uint => bounds.include(rows, |sample| sample.to_bits() != 0),
                 _ if channel.is_depth() => bounds.include(rows, |sample| sample.is_nan() || sample < EMPTY_DEPTH),
@@ -59,7 +58,7 @@ impl Frame {
     }
 }
 
-/// Covered columns and rows, counted from the upper left corner of the data window.
+/// Bounds of covered columns and rows, relative to the upper left corner of the data window.
 struct Bounds {
     left: usize,
     right: usize,
@@ -74,7 +73,7 @@ impl Bounds {
         rows.enumerate().for_each(|(y, row)| self.include_row(y, row, &is_covered));
     }
 
-    /// Looks inwards from both ends of the row, and only as far as it may still widen the bounds.
+    /// Searches inwards from both ends of the row, only as far as it can still extend the bounds.
     fn include_row(&mut self, y: usize, row: &[f32], is_covered: impl Fn(f32) -> bool) {
         let left = first_covered(&row[..row.len().min(self.left)], &is_covered);
         let right = last_covered(&row[self.right..], &is_covered).map(|at| at + self.right);
@@ -103,7 +102,7 @@ impl Bounds {
     }
 }
 
-/// Samples looked at together, without a branch for each, so that the compiler can use vector instructions.
+/// Samples compared together without branches, so that the compiler can vectorise.
 const BATCH: usize = 32;
 
 fn first_covered(row: &[f32], is_covered: impl Fn(f32) -> bool) -> Option<usize> {
@@ -143,7 +142,7 @@ mod tests {
         frame
     }
 
-    /// Smooth numbers, different in each channel.
+    /// Smooth values that differ between channels.
     fn filled() -> Frame {
         let mut frame = Frame::blank(DISPLAY, WINDOW, &CHANNELS);
         for (number, channel) in frame.channels.iter_mut().enumerate() {
@@ -197,7 +196,7 @@ mod tests {
             let window = PixelRect { x: WINDOW.x + x, y: WINDOW.y + y, width: 16, height: 24 };
             let mut tile = Frame::blank(DISPLAY, window, &CHANNELS);
             tile.paste(&frame);
-            // What hangs over the frame's edge is left out.
+            // Pixels outside the frame are ignored.
             stitched.paste(&tile);
         }
         assert_eq!(stitched, frame);

@@ -1,14 +1,14 @@
-//! Basis functions of one axis: value and derivative at a coordinate t of the unit interval.
+//! Basis functions of one axis: values and derivatives at a coordinate t of the unit interval.
 //!
-//! In: basis, number of handles n, t (0 and 1 are the ends of the box; other values extend the end polynomials).
-//! Out: the functions that are not zero there. Derivatives are per unit of t.
+//! In: basis, number of handles n, t (0 and 1 are the ends of the box; other values extend the polynomials at the
+//! ends). Out: the functions that are non-zero there. Derivatives are per unit of t.
 
 use super::basis::Basis;
 
 /// Maximum number of handles per axis.
 pub const MAX_HANDLES: usize = 64;
 
-/// Handles of the largest lattice: 64 x 64 in 2D, 16 x 16 x 16 in 3D. A solve factors a matrix of that size.
+/// Maximum number of handles of a lattice: 64 x 64 in 2D, 16 x 16 x 16 in 3D. A solve factors a matrix of that size.
 pub const MAX_HANDLES_IN_ALL: usize = 4096;
 
 /// C(n, i) for n < 64: exact up to 2^53, within an ulp or two beyond.
@@ -34,10 +34,10 @@ pub(super) fn binomial(n: usize, k: usize) -> f64 {
     BINOMIALS[n][k]
 }
 
-/// Maximum number of functions of a local basis that are not zero at a coordinate.
+/// Maximum number of functions of a local basis that are non-zero at a coordinate.
 pub(super) const MAX_LOCAL: usize = 4;
 
-/// The functions of one axis that are not zero at a coordinate: handles `first..first + len`.
+/// The functions of one axis that are non-zero at a coordinate: handles `first..first + len`.
 ///
 /// N is the capacity; local bases need four, which keeps evaluation cheap.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ impl<const N: usize> AxisTerms<N> {
         }
     }
 
-    /// Values, one per handle, from `first` on.
+    /// Returns the values, one per handle, from `first` on.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values[..self.len]
@@ -74,14 +74,14 @@ impl<const N: usize> AxisTerms<N> {
         self.slopes[..self.len].iter_mut().for_each(|slope| *slope *= factor);
     }
 
-    /// Derivatives per unit of t, one per handle, from `first` on.
+    /// Returns the derivatives per unit of t, one per handle, from `first` on.
     #[must_use]
     pub fn slopes(&self) -> &[f64] {
         &self.slopes[..self.len]
     }
 }
 
-/// Cell of a piecewise basis: its index and the local coordinate (0..=1 inside the box).
+/// Returns the cell of a piecewise basis: its index and the local coordinate (0..=1 inside the box).
 pub(super) fn cell(spans: usize, t: f64) -> (usize, f64) {
     let x = t * spans as f64;
     // The cast clamps negative values to 0.
@@ -112,7 +112,7 @@ fn bernstein<const N: usize>(count: usize, t: f64) -> AxisTerms<N> {
     terms
 }
 
-/// Bernstein polynomials at several coordinates, one per lane: the values of [`AxisTerms::at`] for `values.len()` handles.
+/// Evaluates Bernstein polynomials at several coordinates, one per lane: the values of [`AxisTerms::at`] for `values.len()` handles.
 #[inline(always)]
 pub(crate) fn bernstein_values<const N: usize>(units: &[f64; N], values: &mut [[f64; N]]) {
     let binomials = &BINOMIALS[values.len() - 1];

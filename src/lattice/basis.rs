@@ -1,4 +1,4 @@
-//! The bases of a lattice: everything in which they differ, except the functions themselves, which are in `axis`.
+//! The bases of a lattice and their properties; the functions themselves are in `axis`.
 //!
 //! In: a basis and a number of handles. Out: limits, cells, support.
 
@@ -20,17 +20,17 @@ pub enum Basis {
     Barytri,
 }
 
-/// Which handles have a weight at a point.
+/// The handles with a non-zero weight at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     /// All handles of the lattice.
     Global,
-    /// On each axis `width` neighbouring handles: the tensor product of polynomials of degree width − 1.
+    /// `width` neighbouring handles on each axis: a tensor product of polynomials of degree width − 1.
     Tensor {
         /// Handles per axis.
         width: usize,
     },
-    /// The corners of the simplex that holds the point.
+    /// The corners of the simplex that contains the point.
     Simplex,
 }
 
@@ -38,7 +38,7 @@ impl Basis {
     /// All bases.
     pub const ALL: [Self; 4] = [Self::Bernstein, Self::Bspline, Self::Bilinear, Self::Barytri];
 
-    /// The name in messages; files use the serde name.
+    /// Returns the name for messages; files use the serde name.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -49,7 +49,7 @@ impl Basis {
         }
     }
 
-    /// Which handles have a weight at a point.
+    /// Returns the handles with a non-zero weight at a point.
     #[must_use]
     pub const fn support(self) -> Support {
         match self {
@@ -60,7 +60,7 @@ impl Basis {
         }
     }
 
-    /// Handles outside the box at each end of an axis.
+    /// Returns the number of handles outside the box at each end of an axis.
     #[must_use]
     pub const fn margin(self) -> usize {
         match self {
@@ -69,37 +69,37 @@ impl Basis {
         }
     }
 
-    /// Fewest handles an axis may have: those of one span.
+    /// Returns the minimum number of handles of an axis, which is that of one span.
     #[must_use]
     pub const fn min_handles(self) -> usize {
         2 + 2 * self.margin()
     }
 
-    /// Spans of an axis with `count` handles; Bernstein counts its control intervals.
+    /// Returns the number of spans of an axis with `count` handles; for Bernstein, the intervals of the control polygon.
     #[must_use]
     pub const fn spans(self, count: usize) -> usize {
         count - 1 - 2 * self.margin()
     }
 
-    /// Each handle acts on a few cells only.
+    /// Whether each handle influences only a few cells.
     #[must_use]
     pub fn is_local(self) -> bool {
         self.support() != Support::Global
     }
 
-    /// The lattice passes through its handles and is linear between them along the axes, so its gradient jumps between cells.
+    /// Whether the lattice interpolates its handles linearly along the axes, so that its gradient jumps between cells.
     #[must_use]
     pub fn is_piecewise_linear(self) -> bool {
         matches!(self.support(), Support::Tensor { width: 2 } | Support::Simplex)
     }
 
-    /// Rings of handles at the border of the grid that act on the border of the box.
+    /// Returns the number of rings of handles at the border of the grid that influence the border of the box.
     #[must_use]
     pub const fn border_rings(self) -> usize {
         1 + 2 * self.margin()
     }
 
-    /// How many handles have a weight at a point of a lattice with `dims` handles per axis.
+    /// Returns the number of handles with a non-zero weight at a point of a lattice with `dims` handles per axis.
     #[must_use]
     pub fn handles_at_point<const D: usize>(self, dims: [usize; D]) -> usize {
         match self.support() {

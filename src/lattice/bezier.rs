@@ -1,6 +1,6 @@
-//! Polynomials over the unit cell in Bernstein form: the coefficients bound the values from both sides.
+//! Polynomials over the unit cell in Bernstein form, whose coefficients bound the values from both sides.
 //!
-//! In: coefficients. Out: products, slopes, halves, bounds (G. Farin, "Curves and Surfaces for CAGD", chapters 5, 6).
+//! In: coefficients. Out: products, derivatives, halves, bounds (G. Farin, "Curves and Surfaces for CAGD", chapters 5, 6).
 
 use super::axis::binomial;
 
@@ -12,7 +12,7 @@ pub(super) struct BezierPolynomial<const D: usize> {
 }
 
 impl<const D: usize> BezierPolynomial<D> {
-    /// #coefficients = Π (degree + 1).
+    /// Creates a polynomial; #coefficients = Π (degree + 1).
     pub(super) fn new(degrees: [usize; D], coefficients: Vec<f64>) -> Self {
         debug_assert_eq!(coefficients.len(), degrees.iter().map(|degree| degree + 1).product::<usize>());
         Self { degrees, coefficients }
@@ -26,7 +26,7 @@ impl<const D: usize> BezierPolynomial<D> {
         index / self.stride(axis) % (self.degrees[axis] + 1)
     }
 
-    /// The multi-indices of all coefficients, in order.
+    /// Returns the multi-indices of all coefficients, in order.
     fn places(&self) -> impl Iterator<Item = [usize; D]> + use<D> {
         let (degrees, mut next) = (self.degrees, [0; D]);
         (0..self.coefficients.len()).map(move |_| {
@@ -42,13 +42,13 @@ impl<const D: usize> BezierPolynomial<D> {
         })
     }
 
-    /// The polynomial times a factor.
+    /// Returns the polynomial times a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.coefficients.iter_mut().for_each(|c| *c *= factor);
         self
     }
 
-    /// The derivative along an axis, per cell; its degree is lower by one there.
+    /// Returns the derivative along an axis, per cell; its degree is lower by one there.
     pub(super) fn slope(&self, axis: usize) -> Self {
         let (degree, step) = (self.degrees[axis], self.stride(axis));
         let rise = |index: usize| degree as f64 * (self.coefficients[index + step] - self.coefficients[index]);
@@ -60,13 +60,13 @@ impl<const D: usize> BezierPolynomial<D> {
         Self { degrees, coefficients }
     }
 
-    /// Coefficients times (or divided by) their binomials: in this form a product is a convolution.
+    /// Multiplies (or divides) the coefficients by their binomials: in this form a product is a convolution.
     fn weighed(&self, weigh: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let factor = |place: [usize; D]| (0..D).map(|axis| binomial(self.degrees[axis], place[axis])).product();
         self.coefficients.iter().zip(self.places()).map(|(&c, place)| weigh(c, factor(place))).collect()
     }
 
-    /// Σ sign·a·b over pairs whose products have equal degrees.
+    /// Returns Σ sign·a·b over pairs whose products have equal degrees.
     pub(super) fn sum_of_products(pairs: &[(f64, &Self, &Self)]) -> Self {
         let (_, a, b) = pairs[0];
         let degrees = std::array::from_fn(|axis| a.degrees[axis] + b.degrees[axis]);
@@ -88,7 +88,7 @@ impl<const D: usize> BezierPolynomial<D> {
         sum
     }
 
-    /// Both halves along an axis (de Casteljau).
+    /// Splits the polynomial into halves along an axis (de Casteljau).
     pub(super) fn halves(&self, axis: usize) -> [Self; 2] {
         let (degree, step) = (self.degrees[axis], self.stride(axis));
         let [mut below, mut above] = [self.clone(), self.clone()];
@@ -104,13 +104,13 @@ impl<const D: usize> BezierPolynomial<D> {
         [below, above]
     }
 
-    /// A lower bound of the values in the cell; `None` where a coefficient is NaN.
+    /// Returns a lower bound of the values in the cell; `None` if a coefficient is NaN.
     pub(super) fn bound(&self) -> Option<f64> {
         let is_number = self.coefficients.iter().all(|c| !c.is_nan());
         is_number.then(|| self.coefficients.iter().fold(f64::INFINITY, |least, &c| least.min(c)))
     }
 
-    /// The smallest value at the corners of the cell, where values are coefficients.
+    /// Returns the smallest value at the corners of the cell, where coefficients equal values.
     pub(super) fn least_corner(&self) -> f64 {
         let corner = |number: usize| {
             let index = (0..D).map(|axis| (number >> axis & 1) * self.degrees[axis] * self.stride(axis)).sum::<usize>();
@@ -124,7 +124,7 @@ impl<const D: usize> BezierPolynomial<D> {
 mod tests {
     use super::*;
 
-    /// The value at a point by de Casteljau's algorithm, independent of the code above.
+    /// Evaluates the polynomial by de Casteljau's algorithm, independently of the code above.
     fn value(patch: &BezierPolynomial<2>, at: [f64; 2]) -> f64 {
         let row = |c: &[f64], t: f64| {
             let mut c = c.to_vec();

@@ -1,4 +1,4 @@
-//! The forward deformation of many points in single precision, for display.
+//! Forward deformation of many points in single precision, for display.
 //!
 //! In: a screen lattice and points. Out: warped points, within 1e-6 of the box of those of [`Lattice::warp`]. Handles
 //! are stored as displacements, which preserves precision.
@@ -30,11 +30,11 @@ pub struct DisplayWarp {
     lattice: Lattice<2>,
     lo: [f32; 2],
     inverse_size: [f32; 2],
-    /// Displacements x0 y0 x1 y1 ... of a row of handles, padded with zeros; rows from the bottom.
+    /// Displacements x0 y0 x1 y1 ... per row of handles, padded with zeros; rows from the bottom.
     rows: Vec<f32>,
     /// Floats per row.
     stride: usize,
-    /// C(n − 1, i) of both axes.
+    /// C(n − 1, i) for both axes.
     binomials: [Vec<f32>; 2],
 }
 
@@ -49,7 +49,7 @@ impl DisplayWarp {
     #[must_use]
     pub fn new(lattice: &Lattice<2>) -> Self {
         let grid = &lattice.grid;
-        // Four handles are read at once from any start of a row.
+        // Four handles are loaded at once from any position of a row.
         let stride = (2 * grid.dims[0]).next_multiple_of(LANES) + LANES;
         let mut rows = vec![0.0; stride * grid.dims[1]];
         let pairs = lattice.handles.iter().zip(grid.rest_handles());
@@ -85,13 +85,13 @@ impl DisplayWarp {
         }
     }
 
-    /// Coordinate in the box, 0 to 1.
+    /// Returns the coordinate of a point in the box, 0 to 1.
     #[inline(always)]
     fn unit(&self, point: [f32; 2], axis: usize) -> f32 {
         ((point[axis] - self.lo[axis]) * self.inverse_size[axis]).clamp(0.0, 1.0)
     }
 
-    /// Four handles per axis.
+    /// Warps a point with four handles per axis.
     #[inline(always)]
     fn warp_local(&self, point: &mut [f32; 2], values: impl Fn(usize, f32) -> Values<4>) {
         let [nx, ny] = self.lattice.grid.dims;
@@ -109,7 +109,7 @@ impl DisplayWarp {
         }
     }
 
-    /// All handles: one point per lane, one handle at a time.
+    /// Warps points with all handles: one point per lane, one handle at a time.
     #[inline(always)]
     fn warp_dense(&self, points: &mut [[f32; 2]]) {
         let [nx, ny] = self.lattice.grid.dims;
@@ -156,7 +156,7 @@ impl WithSimd for Kernel<'_> {
     }
 }
 
-/// Runs a kernel with the widest registers of eight floats that the processor has.
+/// Runs a kernel with the widest registers of up to eight floats that the processor supports.
 fn dispatch(kernel: Kernel) {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
@@ -165,7 +165,7 @@ fn dispatch(kernel: Kernel) {
     Simd::vectorize(pulp::Scalar, kernel);
 }
 
-/// Cell and local coordinate.
+/// Returns the cell and the local coordinate.
 #[inline(always)]
 fn cell(spans: usize, t: f32) -> (usize, f32) {
     let x = t * spans as f32;
@@ -173,7 +173,7 @@ fn cell(spans: usize, t: f32) -> (usize, f32) {
     (cell, x - cell as f32)
 }
 
-/// Uniform cubic B-spline.
+/// Evaluates the uniform cubic B-spline.
 #[inline(always)]
 fn cubic(count: usize, t: f32) -> Values<4> {
     let (first, u) = cell(count - 3, t);
@@ -187,7 +187,7 @@ fn cubic(count: usize, t: f32) -> Values<4> {
     Values { first, values }
 }
 
-/// Hat functions.
+/// Evaluates the hat functions.
 #[inline(always)]
 fn hat(count: usize, t: f32) -> Values<4> {
     let (first, u) = cell(count - 1, t);
@@ -202,7 +202,7 @@ fn binomials(count: usize) -> Vec<f32> {
     row.into_iter().map(|x| x as f32).collect()
 }
 
-/// Bernstein polynomials at eight coordinates: ascending powers of t times descending powers of 1 − t.
+/// Evaluates Bernstein polynomials at eight coordinates: ascending powers of t times descending powers of 1 − t.
 #[inline(always)]
 fn bernstein(binomials: &[f32], t: &[f32; LANES], values: &mut [[f32; LANES]; MAX_HANDLES]) {
     let mut power = [1.0; LANES];

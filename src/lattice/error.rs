@@ -1,8 +1,8 @@
-//! What can be wrong with a grid.
+//! Errors of grid validation.
 
 use crate::spelling::counted;
 
-/// A grid that is not valid.
+/// An invalid grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LatticeError {
@@ -14,16 +14,16 @@ pub enum LatticeError {
     Dims {
         /// Axis, 0 = x.
         axis: usize,
-        /// Handles requested.
+        /// Number of handles requested.
         found: usize,
-        /// Minimum of the basis.
+        /// Minimum for the basis.
         least: usize,
         /// Maximum supported.
         most: usize,
         /// The basis.
         basis: super::basis::Basis,
     },
-    /// Too many handles on all axes together.
+    /// Too many handles in total.
     #[error(
         "the lattice has {found} handles in all, too many to solve; change `dims` so that their product is at most {most}"
     )]
@@ -33,7 +33,7 @@ pub enum LatticeError {
         /// Maximum supported.
         most: usize,
     },
-    /// The box has no extent, or a corner is not a number.
+    /// The box is empty, or a corner is not finite.
     #[error("the lattice box spans {lo} to {hi} on axis {axis}; give it a finite size above zero")]
     Box {
         /// Axis, 0 = x.

@@ -1,8 +1,8 @@
-//! Lattices that reproduce a given warp: with other dims, with another basis, or from an arbitrary map.
+//! Fits lattices to a warp: with other dims, with another basis, or to an arbitrary map.
 //!
-//! In: a grid at rest and a map of points. Out: handles, and the largest distance of the lattice from the map.
-//! Degree elevation: G. Farin, "Curves and Surfaces for CAGD", section 5.1. Where the new functions include the old
-//! ones (Bernstein with more handles, B-splines and cells whose spans are cut into equal parts) nothing is lost.
+//! In: a grid at rest and a map of points. Out: handles, and the largest distance of the lattice from the map. The fit
+//! is exact where the new functions include the old ones: Bernstein with more handles (degree elevation; G. Farin,
+//! "Curves and Surfaces for CAGD", section 5.1), and B-splines and cells whose spans are divided evenly.
 
 use super::axis::AxisTerms;
 use super::basis::{Basis, Support};
@@ -11,14 +11,14 @@ use super::grid::{Grid, Lattice};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-/// Sites per handle and axis at which a map is sampled.
+/// Number of sites per handle and axis at which a map is sampled.
 const SITES: usize = 6;
 /// Maximum number of probes per handle and axis at which a lattice is compared with its map.
 const PROBES: usize = 3;
 /// Maximum number of probes in total; 3D lattices have fewer per axis.
 const MAX_PROBES: usize = 40_000;
-/// Weight that draws Bernstein handles towards rest: polynomials of high degree are nearly linearly dependent, and without it handles
-/// would move far away to gain a digit.
+/// Weight of the regularisation of Bernstein handles towards rest. Polynomials of high degree are nearly linearly
+/// dependent; without it handles would move far away for little gain in accuracy.
 const PULL: f64 = 1e-5;
 
 /// A lattice fitted to a map.
@@ -26,13 +26,12 @@ const PULL: f64 = 1e-5;
 pub struct Fitted<const D: usize> {
     /// The lattice.
     pub lattice: Lattice<D>,
-    /// Largest distance between the images of a point under lattice and map, over probes in the whole box, in units of the
-    /// space.
+    /// Largest distance between the images of a point under lattice and map, over probes in the whole box, in units of the space.
     pub error: f64,
 }
 
 impl<const D: usize> Lattice<D> {
-    /// The same warp with other dims and basis over the same box: exact where the new functions include the old
+    /// Returns the same warp with other dims and basis over the same box: exact where the new functions include the old
     /// ones, least squares otherwise.
     ///
     /// ```
@@ -45,7 +44,7 @@ impl<const D: usize> Lattice<D> {
     /// ```
     ///
     /// # Errors
-    /// [`LatticeError`] where the basis does not work with the dims.
+    /// [`LatticeError`] if the dims are invalid for the basis.
     pub fn resized(&self, dims: [usize; D], basis: Basis) -> Result<Fitted<D>, LatticeError> {
         let grid = Grid { dims, basis, ..self.grid.clone() };
         grid.check()?;
@@ -57,7 +56,7 @@ impl<const D: usize> Lattice<D> {
         Ok(grid.fitted(|point| self.evaluate(point)))
     }
 
-    /// The lattice with its distance from a map.
+    /// Returns the lattice with its distance from a map.
     fn compared(self, map: &impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
         let grid = &self.grid;
         let counts = probe_counts(grid.dims);
@@ -74,8 +73,8 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// The lattice over this grid that approximates a map of points best: piecewise linear bases interpolate it at the handles,
-    /// smooth ones fit it by least squares, axis by axis.
+    /// Returns the lattice over this grid that best approximates a map of points. Piecewise linear bases interpolate
+    /// the map at the handles; smooth ones fit it by least squares, axis by axis.
     #[must_use]
     pub fn fitted(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
         let lattice = if self.basis.is_piecewise_linear() {
@@ -86,12 +85,12 @@ impl<const D: usize> Grid<D> {
         lattice.compared(&map)
     }
 
-    /// The point at coordinates of the box, 0 to 1 per axis.
+    /// Returns the point at coordinates of the box, 0 to 1 per axis.
     fn point_from_unit(&self, unit: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| self.lo[axis] + unit[axis] * self.size(axis))
     }
 
-    /// Displacements at a grid of sites, contracted by the least-squares operator of each axis.
+    /// Contracts displacements at a grid of sites by the least-squares operator of each axis.
     fn least_squares(&self, map: &impl Fn([f64; D]) -> [f64; D]) -> Lattice<D> {
         let mut counts = self.dims.map(|count| SITES * count);
         let displacement = |number: usize| {
@@ -110,19 +109,19 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Probes along each axis.
+/// Returns the number of probes along each axis.
 fn probe_counts<const D: usize>(dims: [usize; D]) -> [usize; D] {
     let counts = |probes: usize| dims.map(|count| probes * count + 1);
     let fits = |probes: &usize| counts(*probes).iter().product::<usize>() <= MAX_PROBES;
     counts((1..=PROBES).rev().find(fits).unwrap_or(1))
 }
 
-/// Sites are denser towards the ends, as polynomials of high degree require (Chebyshev).
+/// Returns a Chebyshev site; sites are denser towards the ends, as polynomials of high degree require.
 fn site(index: usize, count: usize) -> f64 {
     0.5 - 0.5 * (std::f64::consts::PI * (index as f64 + 0.5) / count as f64).cos()
 }
 
-/// Values at sites to handles of one axis: #handles × #sites.
+/// Returns the operator from values at sites to handles of one axis: #handles × #sites.
 fn fit_operator(basis: Basis, handles: usize) -> Mat<f64> {
     let sites = SITES * handles;
     let mut functions = Mat::zeros(sites + handles, handles);
@@ -164,7 +163,7 @@ fn contract<const D: usize>(
     contracted
 }
 
-/// Raises the degree of every axis, one by one: Q_i = i/n P_{i−1} + (1 − i/n) P_i.
+/// Elevates the degree of every axis, one by one: Q_i = i/n P_{i−1} + (1 − i/n) P_i.
 fn elevate<const D: usize>(handles: &[[f64; D]], mut counts: [usize; D], wanted: [usize; D]) -> Vec<[f64; D]> {
     let mut values = handles.to_vec();
     for axis in 0..D {
@@ -181,7 +180,7 @@ fn elevate<const D: usize>(handles: &[[f64; D]], mut counts: [usize; D], wanted:
     values
 }
 
-/// Multi-index of a flat index, first axis fastest.
+/// Converts a flat index to a multi-index, first axis fastest.
 fn place<const D: usize>(number: usize, counts: [usize; D]) -> [usize; D] {
     std::array::from_fn(|axis| number / counts[..axis].iter().product::<usize>() % counts[axis])
 }
@@ -190,7 +189,7 @@ fn place<const D: usize>(number: usize, counts: [usize; D]) -> [usize; D] {
 mod tests {
     use super::*;
 
-    /// A lattice whose handles are all displaced by a function that is not a polynomial.
+    /// A lattice with all handles displaced by a function that is not a polynomial.
     fn bent<const D: usize>(basis: Basis, dims: [usize; D]) -> Lattice<D> {
         let mut lattice = Grid { dims, basis, lo: [-1.0; D], hi: [2.0; D] }.at_rest();
         for (k, handle) in lattice.handles.iter_mut().enumerate() {

@@ -1,36 +1,37 @@
-//! Folded cells of a lattice, and the smallest determinant of its gradient.
+//! Finds the folded cells of a lattice, and the smallest determinant of its gradient.
 //!
-//! In: a lattice, in 2D or 3D. Out: [`Folds`]. Local bases are polynomials in every cell, so the answer is
-//! a proof: Bernstein coefficients of det J bound it, and cells are bisected until the bound is conclusive. Cells of the Bernstein
-//! basis, whose degree grows with the grid, are sampled at 3 points per axis.
+//! In: a lattice, in 2D or 3D. Out: [`Folds`]. Local bases are polynomial in every cell, so the result is proven:
+//! Bernstein coefficients of det J bound it, and cells are bisected until the bound is conclusive. Cells of the
+//! Bernstein basis, whose degree grows with the grid, are sampled at 3 points per axis.
 
 use super::axis::AxisTerms;
 use super::basis::Support;
 use super::bezier::BezierPolynomial;
 use super::grid::Lattice;
 
-/// Samples per cell and axis of the Bernstein basis; the outer ones lie on the border of the cell.
+/// Samples per cell and axis for the Bernstein basis; the outer ones lie on the border of the cell.
 const PROBES: usize = 3;
 
-/// Bisections of a cell, alternating between its axes, after which it counts as folded: det J touches zero there.
+/// Bisections of a cell, alternating between its axes, after which it counts as folded because det J touches zero.
 const MAX_HALVINGS: usize = 14;
 
 /// Accuracy of the smallest determinant.
 const PRECISION: f64 = 1e-3;
 
-/// Folded cells (det J ≤ 0 somewhere in them). B-spline cells outside the box hold no picture and are not counted.
+/// Folded cells (det J ≤ 0 somewhere inside). B-spline cells outside the box contain no picture and are ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Folds<const D: usize> {
     /// Folded cells between handles (column, row, ...), 0..dims−1.
     pub cells: Vec<[usize; D]>,
-    /// How many of them are active.
+    /// Number of folded cells that are active.
     pub active_count: usize,
     /// A lower bound of det J over the active cells, within 1e-3; 1 at rest and without active cells.
     pub min_det: f64,
 }
 
 impl<const D: usize> Lattice<D> {
-    /// The folded cells. `is_active` marks the cells that hold something, #[`super::Grid::cell_count`], x fastest.
+    /// Finds the folded cells. `is_active` marks the cells that contain part of the shape:
+    /// #[`super::Grid::cell_count`], x fastest.
     ///
     /// # Panics
     /// If `is_active` has another length.
@@ -59,18 +60,18 @@ impl<const D: usize> Lattice<D> {
         folds
     }
 
-    /// Folded cells between handles (column, row, ...), 0..dims−1, active or not.
+    /// Returns the folded cells between handles (column, row, ...), 0..dims−1, active or not.
     #[must_use]
     pub fn folded_cells(&self) -> Vec<[usize; D]> {
         self.folds(&vec![true; self.grid.cell_count()]).cells
     }
 
-    /// A lower bound of det J for each cell, with the correct sign; accurate for the smallest one of the active cells.
+    /// Returns a lower bound of det J for each cell, with the correct sign; tight for the smallest one of the active cells.
     fn proven_bounds(&self, is_active: &[bool], width: usize) -> Vec<f64> {
         let mut bounds = self.rough_bounds(width);
         let is_open = |cell: &usize| is_active[*cell] || bounds[*cell] <= 0.0;
         let mut open: Vec<usize> = (0..bounds.len()).filter(is_open).collect();
-        // In ascending order, so that the rough bound suffices for most cells: they are far from a fold, and not the smallest.
+        // In ascending order, so that the rough bound suffices for most cells, which are neither near a fold nor the smallest.
         open.sort_unstable_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
         let mut least = f64::INFINITY;
         for cell in open {
@@ -86,7 +87,7 @@ impl<const D: usize> Lattice<D> {
         bounds
     }
 
-    /// Rough lower bounds of det J for each cell: derivatives lie between the differences of neighbouring handles.
+    /// Returns rough lower bounds of det J for each cell: derivatives lie between the differences of neighbouring handles.
     fn rough_bounds(&self, width: usize) -> Vec<f64> {
         if !self.handles.as_flattened().iter().all(|x| x.is_finite()) {
             return vec![f64::NEG_INFINITY; self.grid.cell_count()];
@@ -100,8 +101,8 @@ impl<const D: usize> Lattice<D> {
         (0..self.grid.cell_count()).map(bound).collect()
     }
 
-    /// For each handle: smallest and largest difference along `axis`, by coordinate, among the handles of the cell that begins
-    /// there. Values of handles without such a cell are unspecified.
+    /// Returns, for each handle, the smallest and largest difference along `axis`, by coordinate, among the handles of
+    /// the cell that starts there. Values of handles without such a cell are unspecified.
     fn slope_ranges(&self, axis: usize, width: usize) -> Vec<[[f64; 2]; D]> {
         let (count, step) = (self.handles.len(), self.grid.stride(axis));
         let per_pitch = 1.0 / self.grid.spacing(axis);
@@ -121,7 +122,7 @@ impl<const D: usize> Lattice<D> {
         ranges
     }
 
-    /// det J in a cell of a basis that is a tensor product of polynomials of this degree.
+    /// Returns det J in a cell of a basis that is a tensor product of polynomials of this degree.
     fn determinant(&self, cell: usize, degree: usize) -> BezierPolynomial<D> {
         let coordinates: [BezierPolynomial<D>; D] = std::array::from_fn(|d| self.coordinate(cell, degree, d));
         let gradient: [[BezierPolynomial<D>; D]; D] =
@@ -141,7 +142,7 @@ impl<const D: usize> Lattice<D> {
         BezierPolynomial::sum_of_products(&pairs)
     }
 
-    /// One coordinate of the image of a cell; B-splines are converted to Bernstein form (Farin, section 8.1).
+    /// Returns one coordinate of the image of a cell; B-splines are converted to Bernstein form (Farin, section 8.1).
     fn coordinate(&self, cell: usize, degree: usize, d: usize) -> BezierPolynomial<D> {
         let (side, first) = (degree + 1, self.grid.cell_coords(cell));
         let handle = |number: usize| {
@@ -158,7 +159,7 @@ impl<const D: usize> Lattice<D> {
         BezierPolynomial::new([degree; D], values)
     }
 
-    /// Smallest determinant of the D! simplices of a cell, constant in each.
+    /// Returns the smallest determinant of the D! simplices of a cell; it is constant in each.
     fn least_of_simplices(&self, cell: usize) -> f64 {
         let place = self.grid.cell_coords(cell);
         let orders: &[[usize; 3]] = if D == 2 {
@@ -174,7 +175,8 @@ impl<const D: usize> Lattice<D> {
         orders.iter().map(det).fold(f64::INFINITY, lower)
     }
 
-    /// Smallest determinant of every cell over its samples, evaluated axis by axis; neighbours share those on their border.
+    /// Returns the smallest determinant of every cell over its samples, evaluated axis by axis; neighbours share the
+    /// samples on their border.
     fn probe(&self) -> Vec<f64> {
         let spans = self.grid.dims.map(|count| self.grid.basis.spans(count));
         let counts = spans.map(|spans| spans * (PROBES - 1) + 1);
@@ -182,7 +184,7 @@ impl<const D: usize> Lattice<D> {
             let unit = |probe: usize| probe as f64 / (counts[axis] - 1) as f64;
             (0..counts[axis]).map(|probe| AxisTerms::at(self.grid.basis, self.grid.dims[axis], unit(probe))).collect()
         });
-        // Planes of one coordinate each: [slope][coordinate][probe].
+        // One plane per coordinate: [slope][coordinate][probe].
         let gradient: [[Vec<f64>; D]; D] = std::array::from_fn(|slope| {
             std::array::from_fn(|d| {
                 let plane = self.handles.iter().map(|handle| handle[d]).collect();
@@ -234,7 +236,7 @@ fn blend(plane: &[f64], step: usize, rows: &[&[f64]]) -> Vec<f64> {
     blended
 }
 
-/// Numbers of a line that are summed together.
+/// Number of values of a line that are summed together.
 const TOGETHER: usize = 8;
 
 /// Writes Σ factor · line over consecutive lines as long as `sum`.
@@ -262,8 +264,8 @@ fn bezier_from_spline(values: &mut [f64], start: usize, step: usize) {
     curve.into_iter().enumerate().for_each(|(k, value)| values[start + k * step] = value / 6.0);
 }
 
-/// A lower bound of a polynomial in its cell, with the correct sign; within [`PRECISION`] of its minimum where that may
-/// be less than `wanted`. Branch and bound by bisection.
+/// Returns a lower bound of a polynomial in its cell, with the correct sign, and within [`PRECISION`] of the minimum if
+/// that may be less than `wanted`. Branch and bound by bisection.
 fn least_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
     let mut open = vec![(patch, 0)];
     let mut least = f64::INFINITY;
@@ -284,7 +286,7 @@ fn least_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
     least
 }
 
-/// The ranges that contain both.
+/// Returns the smallest ranges that contain both.
 fn joined<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> [[f64; 2]; D] {
     std::array::from_fn(|d| {
         let ([low, high], [least, most]) = (a[d], b[d]);
@@ -292,7 +294,7 @@ fn joined<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> [[f64; 2]; D]
     })
 }
 
-/// A lower bound of the determinant of a matrix whose entries lie in ranges.
+/// Returns a lower bound of the determinant of a matrix with entries in the given ranges.
 fn rough_determinant<const D: usize>(slopes: &[[[f64; 2]; D]; D]) -> f64 {
     let minor = |a: usize, b: usize| {
         let [first, second] = [&slopes[D - 2], &slopes[D - 1]];
@@ -305,18 +307,18 @@ fn rough_determinant<const D: usize>(slopes: &[[[f64; 2]; D]; D]) -> f64 {
     [minor(1, 2), minor(2, 0), minor(0, 1)].iter().zip(slopes[0]).map(|(minor, slope)| range(slope, *minor)[0]).sum()
 }
 
-/// Smallest and largest product of values from two ranges.
+/// Returns the smallest and largest product of values from two ranges.
 fn range(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let corners = [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
     [corners.into_iter().fold(f64::INFINITY, f64::min), corners.into_iter().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// The smaller of both; NaN counts as smallest.
+/// Returns the smaller value; NaN counts as smallest.
 fn lower(a: f64, b: f64) -> f64 {
     if b.is_nan() || b < a { if b.is_nan() { f64::NEG_INFINITY } else { b } } else { a }
 }
 
-/// Determinant of a 2 x 2 or 3 x 3 matrix, by rows or columns.
+/// Returns the determinant of a 2 x 2 or 3 x 3 matrix, given by rows or columns.
 fn determinant<const D: usize>(m: &[[f64; D]; D]) -> f64 {
     if D == 2 {
         return m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -334,7 +336,7 @@ mod tests {
         Grid { dims: [8, 7], basis, lo: [-1.0, 0.0], hi: [1.0, 1.5] }
     }
 
-    /// Smallest det J over a dense grid of points of every cell.
+    /// Returns the smallest det J over a dense grid of points of every cell.
     fn searched<const D: usize>(lattice: &Lattice<D>, fineness: usize) -> Vec<f64> {
         let side = |axis: usize| lattice.grid.basis.spans(lattice.grid.dims[axis]);
         let within = |k: usize| (k as f64 + 0.5) / fineness as f64;

@@ -1,4 +1,4 @@
-//! Evaluation of the free-form deformation: images of points, and the gradient.
+//! Evaluates the free-form deformation: images of points, and the gradient.
 //!
 //! In: moved handles and a point. Out: v = Σ_h W_h P_h (paper, equation 1) and J = Σ_h P_h ∇W_hᵀ, J[row][column].
 
@@ -8,7 +8,7 @@ use super::grid::Lattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
-/// A point's image and the gradient there.
+/// The image of a point, and the gradient there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointAndGradient<const D: usize> {
     /// Image of the point.
@@ -18,7 +18,7 @@ pub struct PointAndGradient<const D: usize> {
 }
 
 impl<const D: usize> Lattice<D> {
-    /// Image of a point; outside the box the polynomials are extended.
+    /// Returns the image of a point; outside the box the polynomials are extended.
     #[must_use]
     pub fn evaluate(&self, point: [f64; D]) -> [f64; D] {
         let mut image = [0.0; D];
@@ -31,7 +31,7 @@ impl<const D: usize> Lattice<D> {
         image
     }
 
-    /// Image of a point; outside the box it has the displacement of the nearest box point.
+    /// Returns the image of a point; outside the box it has the displacement of the nearest box point.
     #[must_use]
     pub fn deform(&self, point: [f64; D]) -> [f64; D] {
         let inside = self.grid.clamp_to_box(point);
@@ -39,7 +39,7 @@ impl<const D: usize> Lattice<D> {
         std::array::from_fn(|axis| point[axis] + (image[axis] - inside[axis]))
     }
 
-    /// Image and gradient of a point; outside the box the polynomials are extended.
+    /// Returns the image and the gradient of a point; outside the box the polynomials are extended.
     #[must_use]
     pub fn evaluate_with_gradient(&self, point: [f64; D]) -> PointAndGradient<D> {
         let mut carried = PointAndGradient { point: [0.0; D], gradient: [[0.0; D]; D] };
@@ -55,7 +55,7 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl Lattice<2> {
-    /// Image of a point. Outside the box it has the displacement of the nearest box point.
+    /// Returns the image of a point. Outside the box it has the displacement of the nearest box point.
     #[must_use]
     pub fn warp(&self, point: ScreenPoint) -> ScreenPoint {
         let inside = DVec2::from(self.grid.clamp_to_box(point.0.to_array()));
@@ -68,7 +68,8 @@ impl Lattice<2> {
         ScreenPoint(point.0 + (image - inside))
     }
 
-    /// The gradient of [`Self::warp`] at a point; along an axis on which the point lies outside the box, that of the identity.
+    /// Returns the gradient of [`Self::warp`] at a point. Along an axis on which the point lies outside the box, it is
+    /// that of the identity.
     #[must_use]
     pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
         let inside = DVec2::from(self.grid.clamp_to_box(point.0.to_array()));
@@ -87,7 +88,7 @@ impl Lattice<2> {
     }
 }
 
-/// Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product per handle.
+/// Returns Σ_j y_j Σ_i x_i P_ij: two short loops instead of one product per handle.
 fn sum_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DVec2 {
     let width = lattice.grid.dims[0];
     let mut image = DVec2::ZERO;
@@ -100,7 +101,7 @@ fn sum_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) ->
     image
 }
 
-/// The gradient from the axes' functions.
+/// Returns the gradient from the functions of the axes.
 fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DMat2 {
     let Lattice { grid, handles } = lattice;
     let width = grid.dims[0];

@@ -1,6 +1,6 @@
-//! Grids at rest: checks, rest handles, and the weight and gradient of every handle at a point.
+//! Grids at rest: validation, rest handles, and the weight and gradient of every handle at a point.
 //!
-//! In: dims, basis, box. Out: rows of W and ∇W (sparse where the basis is local).
+//! In: dims, basis, box. Out: rows of W and ∇W (sparse if the basis is local).
 
 use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MAX_LOCAL};
 use super::basis::{Basis, Support};
@@ -10,12 +10,12 @@ use crate::space::ScreenBox;
 /// Capacity that suffices for most axes and is faster to clear than [`MAX_HANDLES`].
 const USUAL: usize = 16;
 
-/// Weight and gradient of one handle at a point.
+/// Weight and gradient of a handle at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandleWeight<const D: usize> {
-    /// Handle index.
+    /// Index of the handle.
     pub handle: usize,
-    /// Its weight; all weights at a point add up to 1.
+    /// Weight of the handle; all weights at a point sum to 1.
     pub weight: f64,
     /// Gradient of the weight, per unit of space.
     pub gradient: [f64; D],
@@ -26,7 +26,7 @@ pub struct HandleWeight<const D: usize> {
 pub struct Grid<const D: usize> {
     /// Handles per axis.
     pub dims: [usize; D],
-    /// How they are blended.
+    /// Basis functions.
     pub basis: Basis,
     /// Lower corner of the rest box.
     pub lo: [f64; D],
@@ -37,17 +37,17 @@ pub struct Grid<const D: usize> {
 /// A grid with moved handles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice<const D: usize> {
-    /// Its rest state.
+    /// The grid at rest.
     pub grid: Grid<D>,
-    /// Where the handles are: #handles, x fastest.
+    /// Positions of the handles: #handles, x fastest.
     pub handles: Vec<[f64; D]>,
 }
 
-/// A lattice of screen space.
+/// A lattice in screen space.
 pub type ScreenLattice = Lattice<2>;
 
 impl Grid<2> {
-    /// A grid over a box of the screen.
+    /// Creates a grid over a box of the screen.
     #[must_use]
     pub fn over(bounds: ScreenBox, dims: [usize; 2], basis: Basis) -> Self {
         Self { dims, basis, lo: bounds.min.0.to_array(), hi: bounds.max.0.to_array() }
@@ -77,19 +77,19 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// Number of handles.
+    /// Returns the number of handles.
     #[must_use]
     pub fn handle_count(&self) -> usize {
         self.dims.iter().product()
     }
 
-    /// Number of cells of the box.
+    /// Returns the number of cells of the box.
     #[must_use]
     pub fn cell_count(&self) -> usize {
         self.dims.iter().map(|&count| self.basis.spans(count)).product()
     }
 
-    /// Column, row (and layer) of a cell, numbered x fastest.
+    /// Returns column, row (and layer) of a cell, numbered x fastest.
     #[must_use]
     pub fn cell_coords(&self, mut cell: usize) -> [usize; D] {
         self.dims.map(|count| {
@@ -99,37 +99,37 @@ impl<const D: usize> Grid<D> {
         })
     }
 
-    /// Extent of the box on an axis.
+    /// Returns the extent of the box on an axis.
     #[must_use]
     pub fn size(&self, axis: usize) -> f64 {
         self.hi[axis] - self.lo[axis]
     }
 
-    /// Length of the diagonal of the box.
+    /// Returns the length of the diagonal of the box.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         (0..D).map(|axis| self.size(axis).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Distance of two rest handles along an axis.
+    /// Returns the distance between rest handles along an axis.
     #[must_use]
     pub fn spacing(&self, axis: usize) -> f64 {
         self.size(axis) / self.basis.spans(self.dims[axis]) as f64
     }
 
-    /// Step of the handle index along an axis.
+    /// Returns the step of the handle index along an axis.
     #[must_use]
     pub fn stride(&self, axis: usize) -> usize {
         self.dims[..axis].iter().product()
     }
 
-    /// Column, row (and layer) of a handle.
+    /// Returns column, row (and layer) of a handle.
     #[must_use]
     pub fn handle_coords(&self, index: usize) -> [usize; D] {
         std::array::from_fn(|axis| index / self.stride(axis) % self.dims[axis])
     }
 
-    /// Rest position of a handle; B-spline handles start one spacing outside the box.
+    /// Returns the rest position of a handle; B-spline handles start one spacing outside the box.
     #[must_use]
     pub fn rest_handle(&self, index: usize) -> [f64; D] {
         let place = self.handle_coords(index);
@@ -137,19 +137,19 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|axis| self.lo[axis] + (place[axis] as f64 - shift) * self.spacing(axis))
     }
 
-    /// All rest handles, in index order.
+    /// Returns all rest handles, in index order.
     #[must_use]
     pub fn rest_handles(&self) -> Vec<[f64; D]> {
         (0..self.handle_count()).map(|index| self.rest_handle(index)).collect()
     }
 
-    /// The lattice with all handles at rest: the identity.
+    /// Returns the lattice with all handles at rest: the identity.
     #[must_use]
     pub fn at_rest(&self) -> Lattice<D> {
         Lattice { grid: self.clone(), handles: self.rest_handles() }
     }
 
-    /// Coordinates of a point in the box, 0 to 1 per axis; not clamped.
+    /// Returns the coordinates of a point in the box, 0 to 1 per axis; not clamped.
     #[must_use]
     pub fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| {
@@ -158,19 +158,19 @@ impl<const D: usize> Grid<D> {
         })
     }
 
-    /// The point of the box that is nearest to `point`.
+    /// Returns the point of the box nearest to `point`.
     #[must_use]
     pub fn clamp_to_box(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| point[axis].max(self.lo[axis]).min(self.hi[axis]))
     }
 
-    /// Basis functions of every axis at a point.
+    /// Returns the basis functions of every axis at a point.
     pub(crate) fn axes<const N: usize>(&self, point: [f64; D]) -> [AxisTerms<N>; D] {
         let unit = self.unit_from_point(point);
         std::array::from_fn(|axis| AxisTerms::at(self.basis, self.dims[axis], unit[axis]))
     }
 
-    /// Calls `visit` for every handle that has a weight at a point. Outside the box the end polynomials are extended.
+    /// Calls `visit` for every handle with a weight at a point. Outside the box the polynomials are extended.
     pub fn for_each_weight(&self, point: [f64; D], visit: impl FnMut(HandleWeight<D>)) {
         match self.basis.support() {
             Support::Simplex => self.visit_simplex(point, visit),
@@ -199,7 +199,7 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// A key of the handles that have a weight at a point: points with equal keys have the same handles in the same order.
+    /// Returns a key of the handles with a weight at a point: points with equal keys have the same handles in the same order.
     pub(crate) fn support(&self, point: [f64; D]) -> [usize; 2] {
         if !self.basis.is_local() {
             return [0; 2];
@@ -215,14 +215,14 @@ impl<const D: usize> Grid<D> {
         [cell, order.iter().fold(0, |code, axis| code * D + axis)]
     }
 
-    /// Axes by their local coordinate, largest first.
+    /// Orders the axes by local coordinate, largest first.
     fn descending(cells: &[(usize, f64); D]) -> [usize; D] {
         let mut order: [usize; D] = std::array::from_fn(|axis| axis);
         order.sort_by(|&a, &b| cells[b].1.total_cmp(&cells[a].1));
         order
     }
 
-    /// Common factors of a row of handles: its first handle, and the products of the functions of all axes but x.
+    /// Returns the common factors of a row of handles: its first handle, and the products of the functions of all axes but x.
     fn row_factors<const N: usize>(&self, axes: &[AxisTerms<N>; D], at: [usize; D]) -> HandleWeight<D> {
         let mut row = HandleWeight { handle: axes[0].first, weight: 1.0, gradient: [1.0; D] };
         for axis in 1..D {
@@ -261,7 +261,7 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// The row of W at a point: handles and weights, sparse where the basis is local.
+    /// Returns the row of W at a point: handles and weights, sparse if the basis is local.
     #[must_use]
     pub fn weights(&self, point: [f64; D]) -> Vec<(usize, f64)> {
         let mut row = Vec::new();

@@ -1,4 +1,4 @@
-//! Lattices of the scene: a lattice in the rigid frame of the node that carries its box.
+//! Lattices in scene space, placed in the rigid frame of the node that carries their box.
 //!
 //! In: scene points. Out: their images, and the gradient that transforms tangents and normals.
 
@@ -17,15 +17,15 @@ impl BoxFrame {
     /// The scene's own axes and origin.
     pub const SCENE: Self = Self { axes: DMat3::IDENTITY, origin: DVec3::ZERO };
 
-    /// A frame with these axes and origin; `None` where the axes are not orthonormal within 1e-6, or left-handed.
+    /// Creates a frame with these axes and origin; `None` if the axes are left-handed or not orthonormal within 1e-6.
     #[must_use]
     pub fn new(axes: DMat3, origin: DVec3) -> Option<Self> {
         let is_rigid = (axes * axes.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
         (is_rigid && origin.is_finite()).then_some(Self { axes, origin })
     }
 
-    /// The rigid part of a transform: axes orthonormalised in the order x, y, z (Gram-Schmidt); scale and reflection
-    /// are dropped, and an axis of length zero is replaced by the scene's.
+    /// Returns the rigid part of a transform: axes orthonormalised in the order x, y, z (Gram-Schmidt); scale and
+    /// reflection are dropped, and an axis of length zero is replaced by the scene's.
     #[must_use]
     pub fn of(scene_from_node: DMat4) -> Self {
         let axis =
@@ -35,32 +35,32 @@ impl BoxFrame {
         Self { axes: DMat3::from_cols(x, y, x.cross(y)), origin: scene_from_node.w_axis.truncate() }
     }
 
-    /// scene_from_box of directions.
+    /// Returns the rotation scene_from_box.
     #[must_use]
     pub const fn axes(&self) -> DMat3 {
         self.axes
     }
 
-    /// Where the frame's origin stands, scene space.
+    /// Returns the origin of the frame in scene space.
     #[must_use]
     pub const fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// A point of the box frame in scene space.
+    /// Transforms a point of the box frame to scene space.
     #[must_use]
     pub fn scene_from_box(&self, point: DVec3) -> DVec3 {
         self.axes * point + self.origin
     }
 
-    /// A scene point in the box frame.
+    /// Transforms a scene point to the box frame.
     #[must_use]
     pub fn box_from_scene(&self, point: DVec3) -> DVec3 {
         self.axes.transpose() * (point - self.origin)
     }
 }
 
-/// A lattice of the scene.
+/// A lattice in scene space.
 ///
 /// ```
 /// use glam::DVec3;
@@ -80,7 +80,7 @@ pub struct SceneLattice {
 }
 
 impl SceneLattice {
-    /// Image of a scene point. Outside the box it has the displacement of the nearest box point.
+    /// Returns the image of a scene point. Outside the box it has the displacement of the nearest box point.
     #[must_use]
     pub fn warp(&self, point: DVec3) -> DVec3 {
         let at = self.frame.box_from_scene(point);
@@ -88,8 +88,8 @@ impl SceneLattice {
         point + self.frame.axes * (DVec3::from(self.lattice.deform(at.to_array())) - at)
     }
 
-    /// Image of a scene point, and the gradient there (along an axis on which it lies outside the box: the
-    /// identity's).
+    /// Returns the image of a scene point, and the gradient there. Along an axis on which the point lies outside the
+    /// box, the gradient is that of the identity.
     #[must_use]
     pub fn warp_with_gradient(&self, point: DVec3) -> (DVec3, DMat3) {
         let at = self.frame.box_from_scene(point);

@@ -1,20 +1,20 @@
-//! Transfer of a lattice that was solved on one model to another model or picture.
+//! Transfers a lattice that was solved on one model to another model or picture.
 //!
-//! In: a screen lattice, and how the other rest pose relates to this one. Out: a lattice over the other's box.
+//! In: a screen lattice, and the relation between the two rest poses. Out: a lattice over the other's box.
 
 use super::fit::Fitted;
 use super::grid::{Grid, Lattice};
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::DVec2;
 
-/// How the rest pose of a lattice relates to that of its new subject.
+/// The relation between the rest poses of the original and the new subject.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LatticeFit {
-    /// The same screen.
+    /// Both have the same screen positions.
     AsIs,
-    /// The lattice's box becomes this one.
+    /// The lattice's box maps to this one.
     Box(ScreenBox),
-    /// Pairs of points, in the old and new rest pose: a translation (one pair), or the similarity transform that fits them best.
+    /// Pairs of points in the old and the new rest pose: a translation (one pair), or the best-fitting similarity transform.
     Landmarks(Vec<[ScreenPoint; 2]>),
 }
 
@@ -27,7 +27,7 @@ struct Similarity {
 }
 
 impl Similarity {
-    /// Least squares over pairs; without two different source points there is no rotation or scale.
+    /// Fits a similarity to pairs by least squares; without two different source points there is no rotation or scale.
     fn between(pairs: &[[ScreenPoint; 2]]) -> Self {
         let count = pairs.len().max(1) as f64;
         let mean = |side: usize| pairs.iter().map(|pair| pair[side].0).sum::<DVec2>() / count;
@@ -57,7 +57,7 @@ impl Similarity {
 }
 
 impl<const D: usize> Lattice<D> {
-    /// Linear interpolation: this lattice at 0, the other at 1; both have the same dims and basis.
+    /// Interpolates linearly: this lattice at 0, the other at 1; both must have the same dims and basis.
     #[must_use]
     pub fn mixed(&self, other: &Self, share: f64) -> Self {
         debug_assert_eq!(self.handles.len(), other.handles.len(), "lattices of equal dims");
@@ -67,7 +67,7 @@ impl<const D: usize> Lattice<D> {
         Self { grid: Grid { lo, hi, ..self.grid.clone() }, handles }
     }
 
-    /// The deformation scaled by a strength: 0 is the rest state, 1 the full deformation, more exaggerates it.
+    /// Scales the deformation: 0 is the rest state, 1 the full deformation; larger values exaggerate it.
     #[must_use]
     pub fn with_strength(&self, strength: f64) -> Self {
         self.grid.at_rest().mixed(self, strength)
@@ -75,10 +75,10 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl Lattice<2> {
-    /// The lattice that deforms the new subject as this one deforms the old. Its error, in frame heights, is zero unless landmarks
-    /// rotate it, because boxes are axis-aligned.
+    /// Returns the lattice that deforms the new subject as this one deforms the old. The error, in frame heights, is
+    /// zero unless landmarks rotate the lattice, because boxes are axis-aligned.
     ///
-    /// Without landmarks, as it is.
+    /// With an empty list of landmarks the lattice is returned unchanged.
     #[must_use]
     pub fn transferred(&self, fit: &LatticeFit) -> Fitted<2> {
         match fit {
@@ -88,7 +88,7 @@ impl Lattice<2> {
         }
     }
 
-    /// The point of the old subject at rest that corresponds to a point of the new one.
+    /// Returns the point of the old subject at rest that corresponds to a point of the new one.
     #[must_use]
     pub fn origin_of(&self, point: [f64; 2], fit: &LatticeFit) -> [f64; 2] {
         match fit {
@@ -101,7 +101,7 @@ impl Lattice<2> {
         }
     }
 
-    /// Box to box, axis by axis.
+    /// Maps box to box, axis by axis.
     fn over(&self, target: ScreenBox) -> Self {
         let grid = Grid::over(target, self.grid.dims, self.grid.basis);
         let handles = self.handles.iter().map(|&handle| {

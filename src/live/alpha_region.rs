@@ -1,8 +1,8 @@
-//! The region of a picture whose alpha gives the shape, before that alpha is known.
+//! Bounds the output region of a picture whose shape comes from its alpha, before that alpha is known.
 //!
-//! In: [`Controls`], the picture's window. Out: a window that holds what any alpha within it becomes. The solve of a picture
-//! that is covered everywhere is not enough: parts that lie apart and thin strokes are held by few pins, and swing about
-//! them. So each pin may carry the whole window along, turned and stretched as far as the moves of the pins ask for.
+//! In: [`Controls`], the picture's window. Out: a window that contains the result for any alpha. Solving for a fully
+//! covered picture is not enough: separate parts and thin strokes are held by few pins and swing about them. Each pin
+//! may therefore move the whole window, rotated and stretched as far as the displacements of the pins suggest.
 
 use super::regions::{SOFT_EDGE, around};
 use super::{Controls, LiveError, Moved, Pin, ShapeSource, Stop, warp_until};
@@ -10,25 +10,26 @@ use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// Radians by which a part turns where two pins move by their distance against each other: across the line between them,
-/// and along it. Chosen on 900 seeded cases (discs, strokes, crosses, rings; one to five pins; four bases), of which the
-/// solve alone cut 68, by up to 101 of 180 pixels, and this none. Of 900 with another seed this still cuts three: by 2
-/// pixels, and by 29 and 1718 where pins lie beside a thin stroke, which then flies off.
+/// Rotation in radians of a part if two pins move relative to each other by their distance: perpendicular to the line between them, and
+/// along it. Chosen on 900 seeded cases (discs, strokes, crosses, rings; one to five pins; four bases): the solve alone cuts 68 of them,
+/// by up to 101 of 180 pixels, and this bound none. With another seed this bound still cuts three of 900: by 2 pixels, and by 29 and 1718
+/// where pins lie beside a thin stroke, which is then thrown far off.
 const TURN: [f64; 2] = [2.0, 1.0];
 
-/// By how much of itself a part grows where two pins move by their distance along the line between them.
+/// Relative growth of a part if two pins move by their distance along the line between them.
 const STRETCH: f64 = 0.25;
 
-/// More is asked for only by pins that nearly coincide, and given by none.
+/// Upper bound of the stretch; larger values, which arise only from pins that nearly coincide, are clamped to it.
 const MOST_STRETCH: f64 = 2.0;
 
-/// Pixels further away than any picture.
+/// Bound of coordinates in pixels, larger than any picture.
 const FURTHEST: f64 = 1e7;
 
-/// Every pixel that a picture of that window may be carried to whose alpha, not known yet, gives the shape. Where all pins
-/// move alike that is the moved picture; where they do not, parts of the shape may swing about any of them, and it is
-/// larger than most alphas need. The limits of that swing are measured, not proven: pins beside a thin stroke can throw it
-/// further.
+/// Returns a window that contains every pixel to which a picture of this window may be moved when its alpha, which
+/// gives the shape, is not yet known.
+///
+/// If all pins move alike this is the moved picture. Otherwise parts of the shape may swing about any pin, and the window is larger than
+/// most alphas need. The limits of the swing are measured, not proven: pins beside a thin stroke can throw it further.
 ///
 /// # Errors
 /// As [`warp_until`].
@@ -39,7 +40,7 @@ pub fn destination_of_any_alpha(
     stop: &Stop,
 ) -> Result<PixelRect, LiveError> {
     let free = Controls { moved: Moved::Masked, ..controls.clone() };
-    // Of a picture that has no end, what lies within the frame gives the shape.
+    // For an unbounded picture, only what lies within the frame gives the shape.
     let shape = if window.intersection(around(frame)) == window { window } else { frame.window() };
     let warp = warp_until(&free, &ShapeSource::Window(shape), frame, stop)?;
     if controls.is_at_rest() {
@@ -49,11 +50,11 @@ pub fn destination_of_any_alpha(
     Ok(window.union(warp.destination_of(window, frame)).union(swung))
 }
 
-/// What pins may do to a part of the shape beside moving it.
+/// Bounds on how pins may transform a part of the shape besides moving it.
 struct Swing {
-    /// Radians by which it turns at most, either way.
+    /// Largest rotation in either direction, in radians.
     turn: f64,
-    /// Factor by which it grows at most.
+    /// Largest scale factor.
     stretch: f64,
 }
 
@@ -64,7 +65,7 @@ impl Swing {
             for other in &controls.pins[..k] {
                 let line = (pin.rest - other.rest).0;
                 let moved = (pin.target - pin.rest).0 - (other.target - other.rest).0;
-                // Of two pins at one place the fractions are infinite, or no numbers if they move alike: `max` skips those.
+                // For two pins at the same place the fractions are infinite, or NaN if they also move alike: `max` ignores NaN.
                 let [across, along] =
                     [moved.perp_dot(line), moved.dot(line)].map(|part| part.abs() / line.length_squared());
                 turn = turn.max(TURN[0] * across + TURN[1] * along);
@@ -77,7 +78,7 @@ impl Swing {
         Self { turn: (strength * (turn + held)).min(PI), stretch: (1.0 + strength * growth).min(MOST_STRETCH) * scale }
     }
 
-    /// What becomes of a window that each of the pins carries along.
+    /// Returns the bounding window of a window that is moved with each of the pins.
     fn of_window(&self, controls: &Controls, window: PixelRect, frame: FrameSize) -> PixelRect {
         let [left, top] = [window.x, window.y].map(f64::from);
         let [right, bottom] = [left + f64::from(window.width), top + f64::from(window.height)];
@@ -100,7 +101,7 @@ impl Swing {
         PixelRect { x: from.x, y: from.y, width: size.x, height: size.y }
     }
 
-    /// How far a turned and stretched arm reaches in a direction.
+    /// Returns how far a rotated and stretched arm reaches in a direction.
     fn along(&self, arm: DVec2, direction: DVec2) -> f64 {
         let angle = (arm.angle_to(direction).abs() - self.turn).max(0.0);
         let along = arm.length() * angle.cos();

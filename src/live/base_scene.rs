@@ -1,11 +1,11 @@
-//! The scene that lattices are laid over.
+//! The scene that a lattice is laid over.
 
 use crate::pipeline::PreparedShot;
 
-/// A scene, and the layer of it that is driven.
+/// A prepared scene, and the layer that the controls drive.
 #[derive(Debug)]
 pub(super) struct BaseScene {
-    /// `None`: nothing of the picture is there.
+    /// `None`: the picture is empty.
     pub(super) prepared: Option<PreparedShot>,
     /// Index of the layer.
     pub(super) layer: usize,

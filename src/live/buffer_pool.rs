@@ -1,15 +1,15 @@
-//! Memory of planes, used again from frame to frame: fresh memory of a frame's size costs a page fault every 4 KB.
+//! A pool of sample planes, reused from frame to frame: fresh memory for a frame costs a page fault every 4 KB.
 //!
-//! In: planes that are done with. Out: planes of any length, whose samples are left over from before.
+//! In: planes that are no longer used. Out: planes of any length with unspecified contents.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Samples kept at most, 256 MB: a 4K picture of RGBA and the tiles that are drawn from it.
+/// Maximum number of pooled samples, 256 MB: a 4K RGBA picture and the tiles it is drawn from.
 const KEPT: usize = 1 << 26;
 
 static POOL: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
 
-/// So many planes of `length` samples each, whatever they are.
+/// Returns `count` planes of `length` samples each, with unspecified contents.
 #[must_use]
 pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
     let mut planes: Vec<Vec<f32>> = {
@@ -27,7 +27,7 @@ pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
     planes
 }
 
-/// Keeps planes for [`take_planes`]; the oldest go where there are too many.
+/// Returns planes to the pool of [`take_planes`]; if there are too many, the oldest are freed.
 pub fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     pool.extend(planes.into_iter().filter(|plane| plane.capacity() > 0));
@@ -37,7 +37,7 @@ pub fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
     }
 }
 
-/// Lets go of all.
+/// Frees all pooled planes.
 pub(super) fn purge() {
     POOL.lock().unwrap_or_else(PoisonError::into_inner).clear();
 }
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn planes_come_back_in_any_length_near_theirs() {
-        // No other test asks for planes as large as these.
+        // No other test requests planes of this size.
         let length = 3_000_001;
         let mut planes = take_planes(2, length);
         planes.iter_mut().for_each(|plane| plane.fill(7.0));

@@ -1,14 +1,14 @@
-//! What was computed, kept by content for the whole process.
+//! A process-wide cache of computed values, keyed by content, with LRU eviction.
 //!
-//! In: keys and functions. Out: shared values. Threads that want the same value compute it once; those that want others
-//! do not wait. What was used least recently goes first.
+//! In: keys and functions. Out: shared values. Threads that request the same value compute it once; requests for
+//! different values do not block each other.
 
 use super::key::Key;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use std::time::Duration;
 
-/// How long a thread sleeps before it looks again whether another one is done.
+/// Polling interval of a thread that waits for another's result.
 const NAP: Duration = Duration::from_millis(1);
 
 /// Values by key, up to a total weight.
@@ -20,18 +20,18 @@ pub(super) struct Cache<V> {
 
 struct State<V> {
     slots: HashMap<Key, Slot<V>>,
-    /// Counts uses.
+    /// Use counter for LRU eviction.
     clock: u64,
 }
 
 struct Slot<V> {
-    /// Locked while the value is computed.
+    /// Locked while the value is being computed.
     value: SharedValue<V>,
     weight: usize,
     used: u64,
 }
 
-/// A value that is being computed: where that fails, by an error or a panic, its slot goes again.
+/// Guard of a value that is being computed: removes its slot on error or panic.
 struct Pending<'a, V> {
     cache: &'a Cache<V>,
     key: Key,
@@ -47,23 +47,23 @@ impl<V> Drop for Pending<'_, V> {
     }
 }
 
-/// Where a value is, or will be.
+/// A slot for a value that is present or being computed.
 type SharedValue<V> = Arc<Mutex<Option<Arc<V>>>>;
 
 impl<V> Cache<V> {
-    /// Keeps values of that total weight, and always the last.
+    /// Creates a cache that holds values up to a total weight, and always the latest one.
     pub(super) fn new(budget: usize, weigh: fn(&V) -> usize) -> Self {
         Self { budget, weigh, state: Mutex::new(State { slots: HashMap::new(), clock: 0 }) }
     }
 
-    /// The value of a key, computed where it is not kept. What fails is not kept.
+    /// Returns the value of a key, computing it if it is not cached. Errors are not cached.
     ///
-    /// Worker threads of rayon do not wait for others: whom they would wait for may wait for them.
+    /// Rayon worker threads never wait for other threads, which could be waiting for them.
     pub(super) fn get<E>(&self, key: Key, compute: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
         self.get_until(key, &|| None, compute)
     }
 
-    /// Like [`Self::get`]; a thread that waits for another's value asks `stop` now and then for a reason to give up.
+    /// Like [`Self::get`]; a thread that waits for another's value regularly asks `stop` for a reason to give up.
     pub(super) fn get_until<E>(
         &self,
         key: Key,
@@ -96,7 +96,7 @@ impl<V> Cache<V> {
         Ok(value)
     }
 
-    /// Keeps a value under one more key, in place of what was there.
+    /// Stores a value under another key, replacing any previous value.
     pub(super) fn put(&self, key: Key, value: Arc<V>) {
         let weight = (self.weigh)(&value);
         let place = Arc::new(Mutex::new(Some(value)));
@@ -108,18 +108,18 @@ impl<V> Cache<V> {
         self.settle(key, weight);
     }
 
-    /// Lets go of all values. Those that are being computed are not kept.
+    /// Removes all values. Values that are still being computed will not be cached.
     pub(super) fn clear(&self) {
         self.locked().slots.clear();
     }
 
-    /// The value of a key where it is kept and ready.
+    /// Returns the value of a key if it is cached and ready.
     pub(super) fn peek(&self, key: Key) -> Option<Arc<V>> {
         let place = self.locked().slots.get(&key).map(|slot| Arc::clone(&slot.value))?;
         place.try_lock().ok()?.clone()
     }
 
-    /// Values that are kept.
+    /// Number of cached values.
     #[cfg(test)]
     fn count(&self) -> usize {
         self.locked().slots.len()
@@ -138,7 +138,7 @@ impl<V> Cache<V> {
         Arc::clone(&slot.value)
     }
 
-    /// Notes a new value's weight, and lets go of the oldest until all fit.
+    /// Sets the weight of a new value, and evicts the least recently used values until all fit.
     fn settle(&self, key: Key, weight: usize) {
         let mut state = self.locked();
         if let Some(slot) = state.slots.get_mut(&key) {

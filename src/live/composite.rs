@@ -1,7 +1,7 @@
-//! What moved, over what rests, over what lies behind.
+//! Composites the moved part of the picture over the part at rest, and over the background.
 //!
-//! In: a [`Render`]'s pictures, the map of a tile. Out: planes of a window of that tile, alpha as the source has it. The
-//! factors are those of plates (`src/plate/disjoint_over.rs`): a sheet covers first the hole that it left.
+//! In: the pictures of a [`Render`], the maps of a tile. Out: planes of a window of that tile, with the alpha mode of the source.
+//! Transmittances are those of plates (disjoint over, `src/plate/disjoint_over.rs`): a layer covers first the hole that it left.
 
 use super::picture::{Alpha, Associated, products};
 use super::regions::{reach, rect};
@@ -12,35 +12,35 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Samples that a task takes.
+/// Samples per parallel task.
 const BATCH: usize = 1 << 12;
 
-/// Coverage above this is whole: weights of a filter sum to 1 but for rounding.
+/// Coverage above this counts as complete, because filter weights sum to 1 only up to rounding.
 const WHOLE: f32 = 1.0 - 1e-5;
 
-/// Less alpha than this is none: a quotient by it would say nothing.
+/// Alpha below this counts as 0, since dividing by it is meaningless.
 const LEAST_ALPHA: f32 = 1e-6;
 
-/// The pictures of a render, ready to be drawn.
+/// The pictures of a render, prepared for drawing.
 pub(super) struct Compositor<'a> {
     job: &'a Render<'a>,
-    /// The source, colour multiplied with its alpha.
+    /// The source, premultiplied.
     source: Associated<'a>,
-    /// What is filtered: the part of the source that moves; its share; colours that alpha hides.
+    /// The filtered planes: the moving part of the source, its share, and colours hidden by alpha.
     moved: Vec<Cow<'a, [f32]>>,
-    /// The share of every pixel that moves, where it is not all: #pixels of the source.
+    /// The share of every pixel that moves, if it is not all: #pixels of the source.
     share: Option<Cow<'a, [f32]>>,
     background: Option<Associated<'a>>,
-    /// Straight colours have to come out again.
+    /// Whether the output has straight colour.
     is_straight: bool,
-    /// The alpha of the source is not 0 everywhere: then it says what is transparent.
+    /// Whether the alpha of the source is not 0 everywhere, so that it can be trusted.
     has_coverage: bool,
-    /// What parts of the picture have of every pixel, from back to front; empty where it moves as one.
+    /// Field and share of the parts of the picture, from back to front; empty if it moves as one.
     parts: &'a [(Field, Coverage)],
 }
 
 impl<'a> Compositor<'a> {
-    /// `None`: nothing moves, and nothing lies behind.
+    /// Returns `None` if nothing moves and there is no background.
     pub(super) fn of(warp: &'a Warp, job: &'a Render<'a>) -> Option<Self> {
         if warp.is_identity() && job.background.is_none() {
             return None;
@@ -80,9 +80,9 @@ impl<'a> Compositor<'a> {
         Some(Self { job, source, moved, share, background, is_straight, has_coverage, parts: &warp.parts })
     }
 
-    /// The pixels of a window within a tile, whose maps are given, of each part front first. Where the warp folds, what is transparent in
-    /// front does not hide what lies behind. First as many planes as the source has, each
-    /// `window.area()` samples, then some that helped to make them.
+    /// Draws the pixels of a window within a tile, given the maps of each part, front first. Where the warp folds,
+    /// transparent pixels in front do not hide what lies behind. Returns as many planes as the source has, each
+    /// `window.area()` samples, followed by auxiliary planes.
     pub(super) fn draw(&self, maps: &[Arc<Vec<WarpMap>>], window: PixelRect) -> Vec<Vec<f32>> {
         let mut drawn = match (self.parts, maps) {
             ([], [only]) => self.whole(only, window),
@@ -104,7 +104,7 @@ impl<'a> Compositor<'a> {
         drawn
     }
 
-    /// What moves as one.
+    /// Draws a picture that moves as one.
     fn whole(&self, maps: &[WarpMap], window: PixelRect) -> Vec<Vec<f32>> {
         let mut maps = maps.iter().map(|map| self.resampled(map, window));
         let mut drawn = maps.next().unwrap_or_default();
@@ -114,7 +114,7 @@ impl<'a> Compositor<'a> {
         drawn
     }
 
-    /// The parts of what moves, each over those behind it. Where they hang together their shares sum to 1, and no seam shows.
+    /// Draws the parts, each over those behind it. Where they are connected their shares sum to 1, so that no seam shows.
     fn of_parts(&self, maps: &[Arc<Vec<WarpMap>>], window: PixelRect) -> Vec<Vec<f32>> {
         let mut drawn = vec![vec![0.0; window.area()]; self.moved.len()];
         let mut filled = vec![0.0; window.area()];
@@ -126,7 +126,7 @@ impl<'a> Compositor<'a> {
         drawn
     }
 
-    /// Lays what a map shows of a part over what is there.
+    /// Composites what a map shows of a part over the planes drawn so far.
     fn lay_part(
         &self,
         share: &Coverage,
@@ -158,7 +158,7 @@ impl<'a> Compositor<'a> {
             .map(|((filled, landed), opacity)| transmittance(*filled, landed.clamp(0.0, 1.0), opacity.clamp(0.0, 1.0)))
             .collect();
         for (index, (behind, front)) in drawn.iter_mut().zip(&seen).enumerate() {
-            // The share of what moves is how much it covers, whatever lies below it.
+            // The share plane is its own coverage, independent of what lies below.
             let is_share = self.share.is_some() && index == count;
             for ((behind, front), below) in behind.iter_mut().zip(front).zip(&below) {
                 *behind = if is_share { (*behind + front).min(1.0) } else { over(*front, *behind, *below) };
@@ -170,7 +170,7 @@ impl<'a> Compositor<'a> {
             .for_each(|(filled, landed)| *filled = (*filled + landed.clamp(0.0, 1.0)).min(1.0));
     }
 
-    /// What moves, where a map leads it.
+    /// Resamples the moving planes through a map.
     fn resampled(&self, map: &WarpMap, window: PixelRect) -> Vec<Vec<f32>> {
         let planes: Vec<&[f32]> = self.moved.iter().map(|plane| &plane[..]).collect();
         let mut drawn = take_planes(planes.len(), window.area());
@@ -178,7 +178,7 @@ impl<'a> Compositor<'a> {
         drawn
     }
 
-    /// Lays what a fold shows in front over what it shows behind. Colours that alpha hides stay those in front.
+    /// Composites the front of a fold over what lies behind it. Colours hidden by alpha keep their front value.
     fn put_behind(&self, drawn: &mut [Vec<f32>], behind: &[Vec<f32>], alpha: usize) {
         let is_associated = self.is_straight || self.job.source.alpha == Alpha::Premultiplied;
         let left = |cover: f32| match cover.clamp(0.0, 1.0) {
@@ -204,7 +204,7 @@ impl<'a> Compositor<'a> {
         }
     }
 
-    /// Lays what moved over what rests, and puts the background behind.
+    /// Composites the moved part over the part at rest, and both over the background.
     fn lay(&self, seen: &mut [Vec<f32>], (share, landed): (&[f32], &[f32]), window: PixelRect) {
         let filled = self.filled(share, window);
         let cover = match self.job.source.coverage() {
@@ -232,7 +232,7 @@ impl<'a> Compositor<'a> {
         }
     }
 
-    /// Colours that alpha hides stay where nothing landed on them.
+    /// Keeps the hidden colours of the part at rest where nothing landed on it.
     fn keep_resting(&self, hidden: &mut [Vec<f32>], landed: &[f32], window: PixelRect) {
         for (hidden, own) in hidden.iter_mut().zip(&self.job.source.planes) {
             let own = self.source.window.over(own, window, 0.0);
@@ -241,14 +241,14 @@ impl<'a> Compositor<'a> {
         }
     }
 
-    /// How much of every pixel of a window stays where it is; nothing where the source has no samples.
+    /// Returns the fraction of every pixel of a window that stays at rest; 0 where the source has no samples.
     fn filled(&self, share: &[f32], window: PixelRect) -> Vec<f32> {
         let mut left = self.source.window.over(share, window, 1.0);
         left.iter_mut().for_each(|share| *share = 1.0 - *share);
         left
     }
 
-    /// Straight colour again. Samples that came out as they went in keep their bits.
+    /// Converts to straight colour. Samples that equal their input stay bit-exact.
     fn divide(&self, seen: &mut [Vec<f32>], hidden: &[Vec<f32>], window: PixelRect) {
         let Some((alpha, colors)) = seen.split_last_mut() else { return };
         let of = |plane: &[f32]| self.source.window.over(plane, window, 0.0);

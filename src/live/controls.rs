@@ -1,4 +1,4 @@
-//! What a user sets: pins, and the lattice that they bend.
+//! The user's parameters: pins, and the lattice that they deform.
 //!
 //! Plain data in frame heights, y up, origin at the lower left of the display window, as in shot files.
 
@@ -7,16 +7,16 @@ use crate::lattice::Basis;
 use crate::solve::Guard;
 use crate::space::ScreenPoint;
 
-/// Greatest smoothness, and one over the least.
+/// Largest smoothness, and the reciprocal of the smallest.
 const MAX_SMOOTHNESS: f64 = 10.0;
 
-/// Handles an axis at most.
+/// Maximum number of handles per axis.
 const MOST_HANDLES: usize = 64;
 
-/// Frame heights beyond which a number was surely meant as pixels.
+/// Coordinates beyond this many frame heights are assumed to be in pixels by mistake.
 const FURTHEST: f64 = 1000.0;
 
-/// Everything that one moment of a warp needs beside the [`ShapeSource`](super::ShapeSource).
+/// The parameters of a warp at one time, besides the [`ShapeSource`](super::ShapeSource).
 ///
 /// ```
 /// use pinwarp::live::{Controls, Pin, ShapeSource, warp};
@@ -29,64 +29,64 @@ const FURTHEST: f64 = 1000.0;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Controls {
-    /// Handles across and up, 2 to 64 (B-splines: from 4 on).
+    /// Number of handles horizontally and vertically, 2 to 64 (at least 4 for B-splines).
     pub dims: [usize; 2],
-    /// How handles are blended.
+    /// Basis functions of the lattice.
     pub basis: Basis,
-    /// How smooth the warp is, 0.1 to 10; 1 is usual. Its cube scales the weight of the regulariser
-    /// ([`Settings::with_smoothness`](crate::solve::Settings::with_smoothness)): more spreads the pull of a pin evenly over the whole shape. The
-    /// usual weight is small beside the distortion, so less than 1 changes little.
+    /// Smoothness, 0.1 to 10; the default is 1. Its cube scales the weight of the regulariser
+    /// ([`Settings::with_smoothness`](crate::solve::Settings::with_smoothness)): larger values spread the pull of a pin more evenly over
+    /// the shape. The default weight is small compared with the distortion, so values below 1 change little.
     pub smoothness: f64,
-    /// Scales offsets, rotations and the logarithms of scales; 0: no warp.
+    /// Scales offsets, rotations and the logarithms of scales; 0 disables the warp.
     pub strength: f64,
-    /// What is moved.
+    /// Which part of the picture moves.
     pub moved: Moved,
-    /// What happens before the lattice folds; over a shot [`Guard::Report`] leaves it to the file.
+    /// What happens before the lattice folds; with a shot, [`Guard::Report`] means that the file decides.
     pub guard: Guard,
     /// Pins, in the user's order.
     pub pins: Vec<Pin>,
 }
 
-/// Which part of the picture moves. It decides what happens around the lattice's box and at the border of the frame.
+/// Which part of the picture moves; determines the warp outside the lattice's box and at the border of the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Moved {
     /// All of it: the border of a whole frame is held, so that its background neither slides nor kinks.
     #[default]
     Picture,
-    /// What a mask selects: it is free, and the rest stays.
+    /// What a mask selects: it moves freely, and the rest stays.
     Masked,
 }
 
-/// A point of the picture and where it has to go.
+/// A point of the picture and its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pin {
-    /// Where it is before the warp; over a shot: in the frame in which pins are placed.
+    /// Position before the warp; with a shot, in the frame in which pins are placed.
     pub rest: ScreenPoint,
-    /// Where it goes; over a shot `target - rest` is added to wherever the pinned point is in the frame.
+    /// Target position; with a shot, `target - rest` is added to the position of the pinned point in the current frame.
     pub target: ScreenPoint,
-    /// The turn it holds, radians, counter-clockwise, more than a turn allowed; `None`: free.
+    /// Prescribed rotation in radians, counter-clockwise; may exceed a full turn. `None`: free.
     pub rotation: Option<f64>,
-    /// The scale it holds, above 0; `None`: free.
+    /// Prescribed scale, above 0; `None`: free.
     pub scale: Option<f64>,
-    /// 0 to 1: how much it pulls against the shape and other pins, in powers of ten; 1 holds it exactly.
+    /// Weight, 0 to 1, on a logarithmic scale against the shape and other pins; 1 is an exact constraint.
     pub weight: f64,
-    /// What it takes along; `None`: its point alone.
+    /// The region that moves with the pin; `None`: only its point.
     pub region: Option<PinRegion>,
 }
 
-/// The neighbourhood that a pin takes along, fading out smoothly to its rim.
+/// The neighbourhood that moves with a pin, fading out smoothly to its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinRegion {
-    /// Distance of the rim from the pin before the warp, frame heights, above 0.
+    /// Radius before the warp, in frame heights, above 0.
     pub radius: f64,
-    /// How firmly it moves with the pin as one piece: 0 not at all, 1 rigidly.
+    /// How rigidly the region moves with the pin: 0 not at all, 1 as a rigid body.
     pub rigidity: f64,
-    /// How stiff the shape is at the pin, as a multiple of its own stiffness.
+    /// Stiffness of the shape at the pin, relative to its own stiffness.
     pub stiffness: f64,
 }
 
 impl Pin {
-    /// A pin that holds nothing but its point.
+    /// Creates a pin that constrains only its point.
     #[must_use]
     pub const fn new(rest: ScreenPoint, target: ScreenPoint) -> Self {
         Self { rest, target, rotation: None, scale: None, weight: 1.0, region: None }
@@ -94,7 +94,7 @@ impl Pin {
 }
 
 impl Default for Controls {
-    /// A 10 x 10 B-spline lattice of usual smoothness and full strength, without pins.
+    /// A 10 x 10 B-spline lattice with smoothness 1 and full strength, without pins.
     fn default() -> Self {
         Self {
             dims: [10, 10],
@@ -109,7 +109,7 @@ impl Default for Controls {
 }
 
 impl Controls {
-    /// Whether it is plain without solving that nothing moves (a shot's own pins aside).
+    /// Whether nothing moves, as far as is known without a solve; ignores a shot's own pins.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         let moves = |pin: &Pin| {
@@ -119,7 +119,7 @@ impl Controls {
         self.strength == 0.0 || !self.pins.iter().any(moves)
     }
 
-    /// Refuses what no slider may send: numbers that are none, and values out of range.
+    /// Rejects values that no slider may send: not finite, or out of range.
     pub(super) fn check(&self) -> Result<(), LiveError> {
         let fault = |what: String, hint: &str| Err(LiveError::Controls { what, hint: hint.to_owned() });
         if !(1.0 / MAX_SMOOTHNESS..=MAX_SMOOTHNESS).contains(&self.smoothness) {
@@ -153,7 +153,7 @@ impl Controls {
     }
 }
 
-/// Whether a pin's weight and region are such as a solver takes.
+/// Whether a pin's weight and region are valid for the solver.
 fn has_sane_region(pin: &Pin) -> bool {
     let region = pin.region.is_none_or(|region| {
         let PinRegion { radius, rigidity, stiffness } = region;

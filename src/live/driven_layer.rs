@@ -1,4 +1,4 @@
-//! A layer of a shot, driven by controls.
+//! Applies controls to a layer of a shot.
 //!
 //! In: a layer, [`Controls`]. Out: the layer with the pins of the controls, at rest or at their targets.
 
@@ -7,19 +7,19 @@ use crate::plate::Matte;
 use crate::shot::{Anchor, Ease, Goal, Layer, LayerSpace, OffsetUnit, PinKey, Rotation};
 use crate::solve::Guard;
 
-/// Whether the pins of the controls go where they shall, or stay.
+/// Whether the pins of the controls stay at rest or move to their targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Goals {
-    /// They hold their rest places: what is prepared must not depend on targets.
+    /// Pins keep their rest positions, because a prepared solver must not depend on targets.
     AtRest,
-    /// They go to their targets.
+    /// Pins move to their targets.
     Reached,
 }
 
-/// A layer with everything that the controls say; their pins come after its own, and first of all in time.
+/// Returns a layer with all parameters of the controls applied. Their pins follow the layer's own, with keys earlier than any other.
 pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (OwnPins, f64), goals: Goals) -> Layer {
     let mut layer = layer.clone();
-    // A shot that asks for `dims = "auto"` knows better than a parameter.
+    // A shot's `dims = "auto"` takes precedence over the parameter.
     if let LayerSpace::Screen { bounds, .. } = layer.space
         && !layer.has_auto_dims
     {
@@ -43,14 +43,14 @@ pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (Ow
     layer
 }
 
-/// When the first key of a layer stands.
+/// Returns the time of the layer's first key.
 fn first_key(layer: &Layer) -> f64 {
     let pins = layer.pins.iter().filter_map(|pin| Some(pin.keys.first()?.frame));
     let handles = layer.handles.iter().filter_map(|handle| Some(handle.keys.first()?.frame));
     pins.chain(handles).fold(f64::INFINITY, f64::min)
 }
 
-/// A pin of the controls: one frame long it goes from its rest to its target. So turns of more than half a circle are wound.
+/// Converts a pin of the controls: it moves from rest to target over one frame, so that rotations of more than half a turn are wound.
 fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot::Pin {
     let key = |frame: f64, goals: Goals| {
         let is_reached = goals == Goals::Reached;

@@ -1,6 +1,6 @@
-//! A host's plane and ours, for hosts with y up: the one place that knows both.
+//! Conversion between the image coordinates of hosts with y up and our own; the only module that knows both.
 //!
-//! In: the host's points and rectangles. Out: ours, and back.
+//! In: the host's points and rectangles. Out: ours, and the inverse.
 //!
 //! ```text
 //! canonical  x right, y up, square units of the full size, origin anywhere     parameters, regions
@@ -10,10 +10,10 @@
 
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 
-/// Largest side of a picture, pixels: a host's "everywhere" is cut to it.
+/// Largest side of a picture, in pixels: a host's infinite regions are clamped to it.
 const FURTHEST: f64 = 1e6;
 
-/// The project's picture at a render scale. Rectangles are left, lower, right and upper edge.
+/// The project's picture at a render scale. Rectangles are given as left, lower, right and upper edge.
 ///
 /// ```
 /// use pinwarp::live::HostFrame;
@@ -25,16 +25,17 @@ const FURTHEST: f64 = 1e6;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HostFrame {
-    /// The picture in pixels at this scale; its pixel aspect makes up for scales that differ in x and y.
+    /// The picture in pixels at this scale; its pixel aspect accounts for different scales in x and y.
     pub frame: FrameSize,
-    /// Its lower left pixel.
+    /// The lower left pixel of the picture.
     origin: [i32; 2],
     /// Pixels per canonical unit.
     pixels: [f64; 2],
 }
 
 impl HostFrame {
-    /// The picture that fills a canonical region, its pixels `aspect` times as wide as high, at `scale` of its full size.
+    /// Creates the frame of a picture that fills a canonical region, with pixels `aspect` times as wide as high, at
+    /// `scale` of its full size.
     #[must_use]
     pub fn new(region: [f64; 4], aspect: f64, scale: [f64; 2]) -> Self {
         let [x1, y1, x2, y2] = region;
@@ -49,7 +50,7 @@ impl HostFrame {
         Self { frame, origin, pixels }
     }
 
-    /// A canonical point on the screen.
+    /// Converts a canonical point to screen coordinates.
     #[must_use]
     pub fn screen(&self, [x, y]: [f64; 2]) -> ScreenPoint {
         let unit = f64::from(self.frame.height);
@@ -57,7 +58,7 @@ impl HostFrame {
         ScreenPoint::new(x / unit, (y * self.pixels[1] - f64::from(self.origin[1])) / unit)
     }
 
-    /// A screen point as a canonical one.
+    /// Converts a screen point to canonical coordinates.
     #[must_use]
     pub fn canonical(&self, ScreenPoint(point): ScreenPoint) -> [f64; 2] {
         let unit = f64::from(self.frame.height);
@@ -65,26 +66,26 @@ impl HostFrame {
         [x / self.pixels[0], (point.y * unit + f64::from(self.origin[1])) / self.pixels[1]]
     }
 
-    /// Height of the picture in canonical units: pixels of its full size.
+    /// Returns the height of the picture in canonical units, which are pixels of its full size.
     #[must_use]
     pub fn canonical_height(&self) -> f64 {
         f64::from(self.frame.height) / self.pixels[1]
     }
 
-    /// The whole picture as a canonical region.
+    /// Returns the whole picture as a canonical region.
     #[must_use]
     pub fn canonical_region(&self) -> [f64; 4] {
         self.region(self.frame.window())
     }
 
-    /// Where this picture's upper left pixel lies in the image space of another.
+    /// Returns the position of this picture's upper left pixel in the image space of another.
     #[must_use]
     pub const fn corner_in(&self, other: &Self) -> [i32; 2] {
         let top = other.frame.height as i32 + other.origin[1] - self.frame.height as i32 - self.origin[1];
         [self.origin[0] - other.origin[0], top]
     }
 
-    /// The host's pixels in image space.
+    /// Converts a rectangle of host pixels to image space.
     #[must_use]
     pub fn window(&self, [x1, y1, x2, y2]: [i32; 4]) -> PixelRect {
         let top = i64::from(self.frame.height) - (i64::from(y2) - i64::from(self.origin[1]));
@@ -96,7 +97,7 @@ impl HostFrame {
         }
     }
 
-    /// A window of image space as the host's pixels: the way back of [`Self::window`].
+    /// Converts a window of image space to host pixels; the inverse of [`Self::window`].
     #[must_use]
     pub const fn pixels(&self, window: PixelRect) -> [i32; 4] {
         let left = window.x + self.origin[0];
@@ -104,7 +105,7 @@ impl HostFrame {
         [left, upper - window.height as i32, left + window.width as i32, upper]
     }
 
-    /// Pixels of image space that hold a canonical region.
+    /// Returns the pixels of image space that contain a canonical region.
     #[must_use]
     pub fn window_of(&self, region: [f64; 4]) -> PixelRect {
         let [x1, y1, x2, y2] = region.map(|edge| edge.clamp(-FURTHEST, FURTHEST));
@@ -117,7 +118,7 @@ impl HostFrame {
         ])
     }
 
-    /// A window of image space as a canonical region.
+    /// Converts a window of image space to a canonical region.
     #[must_use]
     pub fn region(&self, window: PixelRect) -> [f64; 4] {
         let left = f64::from(window.x) + f64::from(self.origin[0]);
@@ -131,7 +132,7 @@ impl HostFrame {
 mod tests {
     use super::*;
 
-    /// A PAL project in a corner of its host_frame, at a scale that gives no whole pixels.
+    /// A PAL project in a corner of its host frame, at a scale that does not give integer pixels.
     fn host_frame() -> HostFrame {
         HostFrame::new([10.0, 20.0, 778.0, 596.0], 768.0 / 720.0, [0.3, 0.3])
     }

@@ -1,25 +1,25 @@
-//! Content as a number: equal inputs have equal keys, others (all but surely) different ones.
+//! Content hashes: equal inputs have equal keys, different inputs almost certainly different ones.
 //!
-//! In: words and samples. Out: a [`Key`] of 128 bits.
+//! In: words and samples. Out: a 128-bit [`Key`].
 //!
-//! Four lanes that multiply and turn, as in Y. Collet, "xxHash fast digest algorithm",
+//! Four lanes of multiply and rotate, as in Y. Collet, "xxHash fast digest algorithm",
 //! <https://github.com/Cyan4973/xxHash/blob/dev/doc/xxhash_spec.md>; the constants are its primes, the rest is our own.
 
 use rayon::prelude::*;
 
 const PRIMES: [u64; 3] = [0x9E37_79B1_85EB_CA87, 0xC2B2_AE3D_27D4_EB4F, 0x1656_67B1_9E37_79F9];
 
-/// Samples a task hashes.
+/// Samples per hashing task.
 const CHUNK: usize = 1 << 16;
 
-/// Words side by side.
+/// Number of parallel lanes.
 const LANES: usize = 4;
 
-/// What stands for some content.
+/// The hash of some content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Key([u64; 2]);
 
-/// Takes content in.
+/// Incremental hasher.
 #[derive(Clone, Debug)]
 pub(super) struct KeyWriter([u64; 2]);
 
@@ -28,7 +28,7 @@ impl KeyWriter {
         Self([PRIMES[2], PRIMES[0]])
     }
 
-    /// Goes on from a key.
+    /// Continues from a key.
     pub(super) fn after(key: Key) -> Self {
         Self(key.0)
     }
@@ -46,11 +46,11 @@ impl KeyWriter {
     }
 
     pub(super) fn float(&mut self, value: f64) -> &mut Self {
-        // -0 and 0 mean the same.
+        // -0 and 0 are equal.
         self.word((value + 0.0).to_bits())
     }
 
-    /// Nothing and something differ, also where something is 0.
+    /// `None` and `Some(0)` have different hashes.
     pub(super) fn option(&mut self, value: Option<f64>) -> &mut Self {
         self.word(value.is_some().into()).float(value.unwrap_or(0.0))
     }
@@ -62,7 +62,7 @@ impl KeyWriter {
         self.word(rest.iter().fold(0, |word, &byte| word << 8 | u64::from(byte)))
     }
 
-    /// Many samples, on all threads; the same on any number of them.
+    /// Hashes samples in parallel; the result does not depend on the number of threads.
     pub(super) fn samples(&mut self, samples: &[f32]) -> &mut Self {
         let chunks: Vec<[u64; 2]> = samples.par_chunks(CHUNK).map(digest).collect();
         chunks.iter().for_each(|chunk| _ = self.words(chunk));
@@ -79,7 +79,7 @@ fn round(lane: u64, word: u64, prime: usize) -> u64 {
     lane.wrapping_add(word.wrapping_mul(PRIMES[prime])).rotate_left(31).wrapping_mul(PRIMES[prime + 1])
 }
 
-/// Spreads every bit over all.
+/// Makes every output bit depend on every input bit.
 fn avalanche(mut word: u64) -> u64 {
     for prime in [PRIMES[1], PRIMES[2]] {
         word = (word ^ word >> 31).wrapping_mul(prime);
@@ -87,7 +87,7 @@ fn avalanche(mut word: u64) -> u64 {
     word ^ word >> 32
 }
 
-/// Two words for a chunk of samples.
+/// Hashes a chunk of samples to two words.
 fn digest(samples: &[f32]) -> [u64; 2] {
     let mut lanes: [u64; LANES] = std::array::from_fn(|lane| PRIMES[lane % 3].wrapping_add(lane as u64));
     let (packs, rest) = samples.as_chunks::<{ 2 * LANES }>();

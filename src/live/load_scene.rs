@@ -1,6 +1,6 @@
-//! Loads a shape as a shot in memory.
+//! Loads a shape as an in-memory shot.
 //!
-//! In: a [`ShapeSource`] and the frame. Out: a [`BaseScene`]: a [`PreparedShot`], and the layer that pins belong to.
+//! In: a [`ShapeSource`] and the frame. Out: a [`BaseScene`]: a [`PreparedShot`], and the layer that the pins belong to.
 
 use super::base_scene::BaseScene;
 use super::{Controls, Coverage, LiveError, ShapeSource, ShotShape, shape_source};
@@ -16,10 +16,10 @@ use crate::solve::Settings;
 use crate::space::FrameSize;
 use std::path::PathBuf;
 
-/// The layer of shots that have none.
+/// Name of the layer in shots made here.
 const LAYER: &str = "pins";
 
-/// Loads or makes the scene of a shape.
+/// Loads or creates the scene of a shape.
 pub(super) fn load_scene(shape: &ShapeSource, frame: FrameSize) -> Result<BaseScene, LiveError> {
     let made = |source, bounds, scene| {
         let layers = vec![layer(bounds)];
@@ -53,7 +53,7 @@ fn load_shot(shape: &ShotShape) -> Result<BaseScene, LiveError> {
     Ok(BaseScene { prepared: Some(PreparedShot::new(shot)?), layer: index })
 }
 
-/// The layer that pins belong to.
+/// Returns the layer that the pins belong to.
 fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
     let is_of_screen = |layer: &Layer| matches!(layer.space, LayerSpace::Screen { .. });
     let fault = |what: String, hint: String| LiveError::Layer { path: shape.path.clone(), what, hint };
@@ -77,7 +77,7 @@ fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
     Ok(index)
 }
 
-/// The outline of what can be seen; `None`: nothing can.
+/// Traces the outline of the visible part; `None`: nothing is visible.
 fn outlined(coverage: &Coverage, frame: FrameSize) -> Result<Option<Scene>, LiveError> {
     let Coverage { window, alpha } = *coverage;
     if alpha.len() != window.area() {
@@ -91,7 +91,7 @@ fn outlined(coverage: &Coverage, frame: FrameSize) -> Result<Option<Scene>, Live
     }
 }
 
-/// A shot of one frame, without layers.
+/// Creates a shot of one frame, without layers.
 fn shot(source: Source, size: FrameSize) -> Shot {
     Shot {
         path: PathBuf::new(),
@@ -116,7 +116,7 @@ fn shot(source: Source, size: FrameSize) -> Shot {
     }
 }
 
-/// A layer of everything, with the defaults of the controls.
+/// Creates a layer of all nodes, with default controls.
 fn layer(bounds: BoxRule) -> Layer {
     let Controls { dims, basis, .. } = Controls::default();
     Layer {

@@ -1,7 +1,7 @@
-//! Where the pixels of a warped frame come from, tile by tile, so that tiles and whole frames show the same pixels.
+//! Computes the maps of a warped frame tile by tile, so that tiled and whole renders show the same pixels.
 //!
-//! In: a [`Warp`], the frame, a window. Out: the tiles that the window touches. Tiles lie on a grid of their own: a map
-//! depends a little (2e-4 of a pixel) on where its window begins.
+//! In: a [`Warp`], the frame, a window. Out: the tiles that the window touches. Tiles lie on a fixed grid, since a map
+//! depends slightly (2e-4 of a pixel) on where its window begins.
 
 use super::key::{Key, KeyWriter};
 use super::process_cache::CACHE;
@@ -10,23 +10,23 @@ use crate::plate::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use std::sync::Arc;
 
-/// Most pixels across and down of a tile, its rim left out.
+/// Largest width and height of a tile in pixels, without its border.
 const MOST: [u32; 2] = [4096, 126];
 
-/// Pixels around what a tile shows: footprints look at neighbours.
+/// Border around a tile in pixels, needed by footprints.
 const RIM: u32 = 1;
 
-/// A part of the image plane. The frame is cut into equal ones, and as many lie around it as are wanted.
+/// A tile of the image plane. The frame is divided into equal tiles; the grid continues around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct MapTile {
-    /// Column and row among the tiles; (0, 0) is at the upper left corner of the frame.
+    /// Column and row in the grid; (0, 0) is at the upper left corner of the frame.
     place: [i32; 2],
-    /// Pixels across and down.
+    /// Width and height in pixels.
     size: [u32; 2],
 }
 
 impl MapTile {
-    /// The tiles that a window touches, row by row.
+    /// Returns the tiles that a window touches, row by row.
     pub(super) fn all_of(frame: FrameSize, window: PixelRect) -> Vec<Self> {
         if window.area() == 0 {
             return Vec::new();
@@ -42,13 +42,13 @@ impl MapTile {
         rows.flat_map(|row| columns.clone().map(move |column| Self { place: [column, row], size })).collect()
     }
 
-    /// What it shows.
+    /// Returns the pixels that the tile covers.
     pub(super) const fn window(self) -> PixelRect {
         let Self { place: [column, row], size: [width, height] } = self;
         PixelRect { x: column * width as i32, y: row * height as i32, width, height }
     }
 
-    /// The maps of all parts of the picture, from back to front; of one that has none its own.
+    /// Returns the maps of all parts of the picture, from back to front, or those of the whole picture if it has no parts.
     pub(super) fn maps_of_parts(self, warp: &Warp, frame: FrameSize) -> Vec<Arc<Vec<WarpMap>>> {
         if warp.parts.is_empty() {
             return vec![self.maps(warp, frame)];
@@ -63,8 +63,8 @@ impl MapTile {
         warp.parts.iter().zip(windows.iter()).enumerate().map(part).collect()
     }
 
-    /// Where its pixels come from, and those of a rim around it: in front, then what lies behind where the warp folds
-    /// ([`WarpMap::backward_preimages`]).
+    /// Returns the maps of its pixels and of a border around it: the front, followed by what lies behind where the warp
+    /// folds ([`WarpMap::backward_preimages`]).
     pub(super) fn maps(self, warp: &Warp, frame: FrameSize) -> Arc<Vec<WarpMap>> {
         self.computed((&warp.field, warp.key), frame)
     }

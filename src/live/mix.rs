@@ -1,30 +1,30 @@
-//! How much of a warped picture is seen over its source: a mix for all of it, a matte for each pixel.
+//! Blends the warped picture with its source: a global mix and a per-pixel matte.
 //!
-//! In: planes of the warped picture. Out: the same planes, between source and warp; where all of the warp is seen they keep
-//! their bits, where nothing is seen they have those of the source.
+//! In: planes of the warped picture. Out: the same planes, blended with the source; bit-identical to the warp where its
+//! share is 1, and to the source where it is 0.
 
 use super::picture::{Alpha, Picture};
 use crate::space::PixelRect;
 
-/// How much of the warped picture is seen.
+/// Blend between source and warped picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Mix<'a> {
     /// 0: the source; 1: the warped picture.
     pub amount: f32,
-    /// One plane, 0 to 1, times the amount, after the warp; where it has no samples the source is seen.
+    /// One plane, 0 to 1, multiplied by the amount and applied after the warp; the source shows where it has no samples.
     pub matte: Option<&'a Picture<'a>>,
 }
 
 impl Mix<'_> {
-    /// The warped picture alone.
+    /// Only the warped picture.
     pub const FULL: Self = Self { amount: 1.0, matte: None };
 
-    /// Whether nothing of the source is seen.
+    /// Whether nothing of the source shows.
     pub(super) fn is_full(&self) -> bool {
         self.amount >= 1.0 && self.matte.is_none()
     }
 
-    /// Blends `planes` of a window, alpha as the source has it, with the source.
+    /// Blends `planes` of a window, with the alpha mode of the source, with the source.
     pub(super) fn blend(&self, planes: &mut [Vec<f32>], window: PixelRect, source: &Picture) {
         if self.is_full() {
             return;
@@ -38,7 +38,7 @@ impl Mix<'_> {
         let warped_alpha = alphas.map(|_| planes[colors.len()].clone());
         for (plane, own) in planes.iter_mut().zip(colors) {
             for (index, sample) in plane.iter_mut().enumerate() {
-                // Straight colour counts by its alpha.
+                // Straight colours are weighted by their alpha.
                 let weights = match (alphas, &warped_alpha) {
                     (Some(own), Some(warped)) => [own[index], warped[index]],
                     _ => [1.0; 2],
@@ -53,7 +53,7 @@ impl Mix<'_> {
         }
     }
 
-    /// How much of the warp each pixel shows.
+    /// Returns the share of the warped picture at each pixel.
     fn shares(&self, window: PixelRect) -> Vec<f32> {
         let amount = self.amount.clamp(0.0, 1.0);
         let Some(matte) = self.matte else { return vec![amount; window.area()] };
@@ -64,7 +64,7 @@ impl Mix<'_> {
     }
 }
 
-/// Between the source and the warped sample, each with its weight.
+/// Blends a source and a warped sample, each with its weight.
 fn mixed([own, warped]: [f32; 2], weights: [f32; 2], share: f32) -> f32 {
     if share >= 1.0 {
         return warped;

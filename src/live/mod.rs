@@ -1,10 +1,8 @@
-//! The warp of one picture at one moment, from plain parameters: what every host of the engine shares (the OpenFX plugin,
-//! an editor).
+//! Warps one picture at one time from plain parameters; the engine's interface for hosts (the OpenFX plugin, an editor).
 //!
-//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`]: where every point goes, what to draw over the
-//! picture, how good it is; pixels ([`render`]), regions, STMaps ([`stmap`]). All functions may be called from any number of threads, and give the same bits on all.
-//! What was computed is kept for the whole process by content (`process_cache.rs` says what and why), so hosts may make
-//! their instances anew for every frame.
+//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`] with its overlay and quality report; pixels ([`render`]),
+//! regions, STMaps ([`stmap`]). All functions are thread-safe and deterministic. Results are cached by content for the whole process (see
+//! `process_cache.rs`), so hosts may recreate their instances for every frame.
 
 mod alpha_region;
 mod base_scene;
@@ -39,10 +37,10 @@ mod write;
 
 pub use crate::lattice::Basis;
 pub use crate::solve::Guard;
-/// Asked, by the thread that called, whether a result is still wanted; true: it is not.
+/// Asked on the calling thread whether to cancel; `true`: cancel.
 pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 
-/// Results are always wanted.
+/// Never cancels.
 const NEVER: &Stop<'static> = &|| false;
 
 pub use alpha_region::destination_of_any_alpha;
@@ -66,8 +64,8 @@ pub use viewer::{LatticeStyle, PinMark, Stroke, Viewer};
 pub use warp::{GridLine, PinPlace, Warning, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
 
-/// Lets go of all that is kept and can be computed again, for hosts that are short of memory. What is
-/// asked for later has the same bits, and takes as long as the first time.
+/// Frees everything that is cached and can be recomputed, for hosts that are short of memory. Later results are
+/// bit-identical, and take as long as the first time.
 pub fn purge() {
     process_cache::CACHE.purge();
     buffer_pool::purge();

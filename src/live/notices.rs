@@ -1,6 +1,6 @@
-//! What the user should know about a warp, in words: pins that miss, cells that fold, pins beside the model.
+//! User-facing messages about a warp: pins that miss their targets, folded cells, pins off the model.
 //!
-//! In: a [`Warp`], and how its host names pins and measures places. Out: [`Notice`]s.
+//! In: a [`Warp`], and how its host names pins and formats positions. Out: [`Notice`]s.
 
 use super::Warp;
 use super::warp::{ActingPin, Warning};
@@ -8,34 +8,34 @@ use crate::solve::{PinResidual, ResidualReason, SolveReport};
 use crate::space::ScreenPoint;
 use crate::spelling::counted;
 
-/// Pins nearer to their targets than this, in pixels, are on them.
+/// Pins closer to their targets than this, in pixels, count as exact.
 const LEAST_PX: f64 = 0.05;
 
-/// Pins that are named in one sentence.
+/// Maximum number of pins named in one sentence.
 const MOST_NAMES: usize = 8;
 
-/// A sentence for the user.
+/// A message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// What it is about, without numbers that change from frame to frame.
+    /// Its subject, without numbers that change from frame to frame.
     pub subject: String,
-    /// The sentence.
+    /// The message.
     pub text: String,
 }
 
-/// How a host names pins and measures places.
+/// How a host names pins and formats positions.
 #[derive(Clone, Copy)]
 pub struct Wording<'a> {
-    /// The name of a pin of the controls, by its index: "3" or "nose".
+    /// Returns the name of a pin of the controls by its index: "3" or "nose".
     pub pin: &'a dyn Fn(usize) -> String,
-    /// A place, with its unit.
+    /// Formats a position with its unit.
     pub place: &'a dyn Fn(ScreenPoint) -> String,
-    /// Pixels in a frame height.
+    /// Pixels per frame height.
     pub pixels: f64,
 }
 
 impl Warp {
-    /// What the user should know, most important first.
+    /// Returns the messages for the user, most important first.
     #[must_use]
     pub fn notices(&self, wording: &Wording) -> Vec<Notice> {
         let mut notices: Vec<Notice> = self.report.iter().flat_map(|report| self.of_report(report, wording)).collect();
@@ -108,7 +108,7 @@ fn pixels(distance: f64) -> String {
     if distance < 9.95 { format!("{distance:.1} px") } else { format!("{distance:.0} px") }
 }
 
-/// "1, 2 and 3"; of very many, the first and how many more.
+/// Joins names: "1, 2 and 3"; long lists are cut with the number of the rest.
 fn listed(names: &[String]) -> String {
     match names {
         [] => String::new(),

@@ -1,6 +1,6 @@
-//! Which files the buttons of hosts may write: the rule of the command line, worded for hosts.
+//! Protects input files from being overwritten: the rule of the command line, worded for hosts.
 //!
-//! In: the shape, and a path that is to be written. Out: leave, or [`ImageError::Refused`].
+//! In: the shape, and an output path. Out: permission, or [`ImageError::Refused`].
 
 use super::{LiveError, ShapeSource, solve};
 use crate::image::{ImageError, Inputs};
@@ -8,18 +8,18 @@ use crate::pipeline::input_files;
 use crate::space::FrameSize;
 use std::path::Path;
 
-/// Refuses to write over what a shape is read from, and over what is no regular file.
+/// Refuses to overwrite the inputs of a shape, and anything but regular files.
 #[derive(Clone, Debug, Default)]
 pub struct OutputGuard {
     inputs: Inputs,
 }
 
 impl OutputGuard {
-    /// Guards everything that a shape is read from: of a shot its file, scene, pictures, plates and lattices. Hosts do not
-    /// tell the files of their pictures.
+    /// Guards the inputs of a shape: for a shot, its file, scene, pictures, plates and lattices. Hosts do not tell the
+    /// files of their pictures.
     ///
     /// # Errors
-    /// [`LiveError`] where a shot cannot be loaded.
+    /// [`LiveError`] if a shot cannot be loaded.
     pub fn of(shape: &ShapeSource, frame: FrameSize) -> Result<Self, LiveError> {
         let ShapeSource::Shot(_) = shape else { return Ok(Self::default()) };
         let base = solve::base(shape, frame)?;
@@ -27,7 +27,7 @@ impl OutputGuard {
         Ok(Self { inputs: inputs.unwrap_or_default() })
     }
 
-    /// Refuses an input, by whatever name, and what is no regular file.
+    /// Refuses inputs, under any name, and anything but regular files.
     ///
     /// # Errors
     /// [`ImageError::Refused`].

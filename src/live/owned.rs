@@ -1,6 +1,6 @@
-//! A picture of a host's clip, copied out of the host's memory.
+//! A picture copied out of a host's memory.
 //!
-//! In: planes. Out: the same as other channels, as a [`Picture`], as a [`Coverage`].
+//! In: planes. Out: the same with other channels, as a [`Picture`], or as a [`Coverage`].
 
 use super::{Alpha, Coverage, Picture};
 use crate::space::PixelRect;
@@ -8,22 +8,22 @@ use crate::space::PixelRect;
 /// A picture that owns its planes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnedPicture {
-    /// Where its samples lie, in image space.
+    /// Window of its samples, in image space.
     pub window: PixelRect,
     /// 4: RGBA, 3: RGB, 1: alpha; each `window.area()` samples, rows from the top.
     pub planes: Vec<Vec<f32>>,
-    /// What the last of them means.
+    /// Meaning of the last plane.
     pub alpha: Alpha,
 }
 
 impl OwnedPicture {
-    /// A mask without pixels: nothing is selected.
+    /// Returns a mask without pixels, which selects nothing.
     #[must_use]
     pub fn black_mask() -> Self {
         Self { window: PixelRect::default(), planes: vec![Vec::new()], alpha: Alpha::Premultiplied }
     }
 
-    /// The same with the channels of another picture: 4 are RGBA, 3 RGB, 1 alpha. What has no alpha is opaque.
+    /// Converts to a number of channels: 4 for RGBA, 3 for RGB, 1 for alpha. Pictures without alpha are opaque.
     #[must_use]
     pub fn with_channels(mut self, channels: usize) -> Self {
         let area = self.window.area();
@@ -40,13 +40,13 @@ impl OwnedPicture {
         self
     }
 
-    /// The picture, to be drawn.
+    /// Borrows it as a picture.
     #[must_use]
     pub fn picture(&self) -> Picture<'_> {
         Picture { window: self.window, planes: self.planes.iter().map(Vec::as_slice).collect(), alpha: self.alpha }
     }
 
-    /// Its alpha; `None`: it has none.
+    /// Borrows its alpha; `None` if it has none.
     #[must_use]
     pub fn coverage(&self) -> Option<Coverage<'_>> {
         let alpha = self.planes.last().filter(|_| self.alpha != Alpha::Opaque)?;

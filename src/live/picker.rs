@@ -1,40 +1,40 @@
-//! Points that a user picks and drags in a viewer: which are chosen, and how far they are dragged.
+//! Selection and dragging of points in a viewer.
 //!
-//! In: where the pen is, where the points are. Out: what changed. Units are the viewer's own, whatever they are.
+//! In: the positions of the pen and of the points. Out: what changed. Units are those of the viewer.
 
 use std::collections::BTreeSet;
 
-/// What becomes of points that are already chosen.
+/// What happens to the previous selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelectMode {
-    /// They no longer are.
+    /// It is replaced.
     Replace,
-    /// They stay chosen (Shift is held).
+    /// It is extended (Shift is held).
     Add,
 }
 
-/// What the pen did.
+/// The result of a pen event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PenResult {
-    /// Nothing that concerns the points.
+    /// Nothing changed.
     Nothing,
-    /// Other points are chosen, or the box that chooses them changed.
+    /// The selection or the selection box changed.
     SelectionChanged,
-    /// The chosen points are this far from where they were when the pen went down.
+    /// The selected points are dragged by this much since the pen went down.
     Dragged([f64; 2]),
 }
 
-/// The pen, while it is down.
+/// State of the pen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pen {
     Up,
-    /// Drags the chosen points; where it went down.
+    /// Dragging the selected points; where the pen went down.
     Drags([f64; 2]),
-    /// Draws a box; its corners.
+    /// Drawing a selection box; its corners.
     Boxes([[f64; 2]; 2]),
 }
 
-/// The chosen points and the pen of one viewer.
+/// The selection and the pen state of one viewer.
 ///
 /// ```
 /// use pinwarp::live::{SelectMode, Picker, PenResult};
@@ -56,7 +56,7 @@ impl Default for Picker {
 }
 
 impl Picker {
-    /// The pen goes down: on the nearest point within `reach` it begins to drag, elsewhere to draw a box.
+    /// Pen down: starts a drag on the nearest point within `reach`, and otherwise a selection box.
     pub fn press(
         &mut self,
         at: [f64; 2],
@@ -81,7 +81,7 @@ impl Picker {
         PenResult::SelectionChanged
     }
 
-    /// The pen moves.
+    /// Pen motion.
     pub fn motion(&mut self, at: [f64; 2]) -> PenResult {
         match &mut self.pen {
             Pen::Up => PenResult::Nothing,
@@ -93,7 +93,7 @@ impl Picker {
         }
     }
 
-    /// The pen goes up: what the box holds is chosen, too.
+    /// Pen up: adds the points in the box to the selection.
     pub fn release(&mut self, at: [f64; 2], points: &[(usize, [f64; 2])]) -> PenResult {
         let pull = self.motion(at);
         if let Pen::Boxes([a, b]) = self.pen {
@@ -104,7 +104,7 @@ impl Picker {
         pull
     }
 
-    /// The drag is given up: [`PenResult::Dragged`] back to where it began.
+    /// Cancels a drag: returns [`PenResult::Dragged`] back to its start.
     pub fn cancel(&mut self) -> PenResult {
         match std::mem::replace(&mut self.pen, Pen::Up) {
             Pen::Up => PenResult::Nothing,
@@ -113,22 +113,22 @@ impl Picker {
         }
     }
 
-    /// The pen is up, wherever the chosen points are; they stay chosen.
+    /// Ends the pen action without moving the points; the selection stays.
     pub fn let_go(&mut self) {
         self.pen = Pen::Up;
     }
 
-    /// Chooses these points and no others.
+    /// Replaces the selection.
     pub fn choose(&mut self, ids: impl IntoIterator<Item = usize>) {
         self.chosen = ids.into_iter().collect();
     }
 
-    /// The chosen points, in order.
+    /// Returns the selected points, in order.
     pub fn chosen(&self) -> impl Iterator<Item = usize> {
         self.chosen.iter().copied()
     }
 
-    /// Whether a point is chosen.
+    /// Whether a point is selected.
     #[must_use]
     pub fn is_selected(&self, id: usize) -> bool {
         self.chosen.contains(&id)
@@ -146,7 +146,7 @@ impl Picker {
         matches!(self.pen, Pen::Drags(_))
     }
 
-    /// Opposite corners of the box that is being drawn.
+    /// Returns opposite corners of the selection box that is being drawn.
     #[must_use]
     pub fn corners(&self) -> Option<[[f64; 2]; 2]> {
         if let Pen::Boxes(corners) = self.pen { Some(corners) } else { None }

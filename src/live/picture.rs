@@ -1,39 +1,39 @@
-//! Planes of a host's picture, made ready to be filtered.
+//! Prepares the planes of a host's picture for filtering.
 //!
-//! In: a [`Picture`]. Out: [`Associated`] planes: colour multiplied with its coverage.
+//! In: a [`Picture`]. Out: [`Associated`] planes, with premultiplied colour.
 
 use super::LiveError;
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Samples that a task takes.
+/// Samples per parallel task.
 const BATCH: usize = 1 << 14;
 
 /// A picture as planes of 32-bit floats.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {
-    /// Where its samples lie, in image space, y down: a part of a frame may be given, then nothing is known of the rest.
+    /// Window of its samples, in image space, y down. May be part of a frame, if the rest is unknown.
     pub window: PixelRect,
     /// Each `window.area()` samples, rows from the top.
     pub planes: Vec<&'a [f32]>,
-    /// What the last of them means.
+    /// Meaning of the last plane.
     pub alpha: Alpha,
 }
 
-/// The alpha of a picture.
+/// The alpha mode of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alpha {
-    /// No plane is one: the picture covers all of its window.
+    /// No alpha plane: the picture covers all of its window.
     Opaque,
-    /// The last plane, and the others are multiplied with it.
+    /// The last plane is alpha, and the others are premultiplied by it.
     Premultiplied,
-    /// The last plane, and the others are not. They are filtered multiplied, and divided again; where alpha is 0 they are
-    /// filtered as they are.
+    /// The last plane is alpha, and the others are not premultiplied. They are premultiplied for filtering and divided
+    /// afterwards; where alpha is 0 they are filtered as they are.
     Straight,
 }
 
-/// Planes that can be filtered.
+/// Premultiplied planes.
 pub(super) struct Associated<'a> {
     pub(super) window: PixelRect,
     pub(super) planes: Vec<Cow<'a, [f32]>>,
@@ -41,7 +41,7 @@ pub(super) struct Associated<'a> {
 
 impl<'a> Picture<'a> {
     /// # Errors
-    /// [`LiveError::Planes`] where a plane has not as many samples as the window has pixels.
+    /// [`LiveError::Planes`] if the size of a plane does not match the window.
     pub(super) fn check(&self, what: &'static str) -> Result<(), LiveError> {
         let wanted = self.window.area();
         match self.planes.iter().find(|plane| plane.len() != wanted) {
@@ -50,13 +50,13 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// The plane that covers, where there is one.
+    /// Returns the index of the alpha plane, if there is one.
     pub(super) fn coverage(&self) -> Option<usize> {
         let last = self.planes.len().checked_sub(1);
         last.filter(|_| self.alpha != Alpha::Opaque)
     }
 
-    /// All planes, colour multiplied.
+    /// Returns all planes, premultiplied.
     pub(super) fn associated(&self) -> Associated<'a> {
         let planes = match (self.alpha, self.planes.split_last()) {
             (Alpha::Straight, Some((alpha, colors))) => {
@@ -68,7 +68,7 @@ impl<'a> Picture<'a> {
         Associated { window: self.window, planes }
     }
 
-    /// Whether straight colour says something that its alpha hides.
+    /// Whether straight colour is non-zero where alpha hides it.
     pub(super) fn has_hidden_color(&self) -> bool {
         let (Alpha::Straight, Some((alpha, colors))) = (self.alpha, self.planes.split_last()) else { return false };
         let hides = |(color, alpha): (&f32, &f32)| *alpha == 0.0 && *color != 0.0;
@@ -76,7 +76,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Samples times their shares. What has no share does not count, whatever it is.
+/// Multiplies samples by shares. Samples with share 0 become 0, whatever their value.
 pub(super) fn products(samples: &[f32], shares: &[f32]) -> Vec<f32> {
     let product = |(&sample, &share): (&f32, &f32)| if share == 0.0 { 0.0 } else { sample * share };
     samples.par_iter().zip(shares).with_min_len(BATCH).map(product).collect()

@@ -1,27 +1,26 @@
-//! A layer's factored solver, and what it weighs in a cache.
+//! A layer's prefactored solver, with its weight in the cache.
 
 use super::warp::Warning;
 use crate::pipeline::LayerSolver;
 
-/// What a solver holds for a handle and each of those that it shares a sample with: 2 MB at 10 x 10 handles of B-splines,
-/// measured.
+/// Bytes of a solver per pair of handles that share a sample: 2 MB for 10 x 10 handles of B-splines, measured.
 const PAIR_BYTES: usize = 1250;
 
-/// A solver, and what it told while it was made.
+/// A solver and the warnings of its preparation.
 #[derive(Debug)]
 pub(super) struct PreparedSolver {
-    /// `None`: nothing of the layer is in reach.
+    /// `None`: nothing of the layer is visible.
     pub(super) solver: Option<LayerSolver>,
     pub(super) warnings: Vec<Warning>,
 }
 
 impl PreparedSolver {
-    /// What it weighs, about.
+    /// Estimates its size in bytes.
     pub(super) fn bytes(&self) -> usize {
         let Some(solver) = &self.solver else { return 1 };
         let grid = solver.grid();
         let handles = grid.handle_count();
-        // Handles that a sample hangs on.
+        // Handles that influence a sample.
         let shared = grid.basis.handles_at_point(grid.dims);
         handles * shared * PAIR_BYTES
     }

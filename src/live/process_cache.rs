@@ -1,8 +1,8 @@
-//! All that is kept for the process, and why.
+//! Everything that is cached for the process, and why.
 //!
-//! Hosts make instances as they like (MLT: one a frame) and render from many threads, so an instance can keep nothing.
-//! Everything here is kept by content (files by path, time and length; alpha by its samples), and would be computed again
-//! to the same bits: a host that is short of memory may purge it at any time. Buffers are kept in
+//! Hosts create instances at will (MLT: one per frame) and render from many threads, so instances cannot hold state.
+//! All values are keyed by content (files by path, time and length; alpha by its samples) and would be recomputed
+//! bit-identically: hosts that are short of memory may purge them at any time. Buffers are kept in
 //! [`buffer_pool`](super::buffer_pool).
 
 use super::Warp;
@@ -16,26 +16,26 @@ use crate::space::PixelRect;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// Shot files, and lists of files beside scenes.
+/// Number of shot files, and of file lists of scenes.
 const SHOTS: usize = 16;
-/// Scenes; those of shots may be large.
+/// Number of scenes; those of shots may be large.
 const SCENES: usize = 8;
 /// Bytes of prefactored solvers: about 64 of 10 x 10 handles.
 pub(super) const SOLVER_BYTES: usize = 1 << 27;
-/// Sets of pins that were cast onto a surface.
+/// Number of sets of pins cast onto a surface.
 const CASTS: usize = 256;
-/// Solved warps: a few KB each; those with parts weigh more.
+/// Total weight of solved warps: a few KB each; those with parts weigh more.
 const WARPS: usize = 4096;
-/// Last warps over alphas.
+/// Number of most recent warps over alphas.
 const SHOWN_WARPS: usize = 64;
 /// Bytes of maps: eight frames of 1080p.
 const MAP_BYTES: usize = 1 << 27;
-/// Regions: hosts ask for the same one many times.
+/// Number of regions, which hosts request repeatedly.
 const REGIONS: usize = 4096;
-/// Warps with parts.
+/// Number of warps with parts.
 const PART_WINDOWS: usize = 256;
 
-/// What is kept.
+/// The caches of the process.
 pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(|| ProcessCache {
     shots: Cache::new(SHOTS, |_| 1),
     files_beside: Cache::new(SHOTS, |_| 1),
@@ -49,32 +49,32 @@ pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(|| ProcessCache 
     part_windows: Cache::new(PART_WINDOWS, |_| 1),
 });
 
-/// The caches, in the order in which a frame asks for them.
+/// The caches, in the order in which a frame uses them.
 pub(super) struct ProcessCache {
-    /// Shot files: every instance of a host names one, few are different.
+    /// Shot files: all instances of a host name few different ones.
     pub(super) shots: Cache<Shot>,
-    /// Buffers and images of scenes: their times are part of every key, finding them takes a parse of the scene.
+    /// Buffer and image files of scenes: their times are part of every key, and finding them requires parsing the scene.
     pub(super) files_beside: Cache<Vec<PathBuf>>,
-    /// Loaded scenes: seconds each.
+    /// Loaded scenes, which take seconds each.
     pub(super) scenes: Cache<BaseScene>,
-    /// Factored solvers: a drag changes targets only.
+    /// Factored solvers: a drag changes only targets.
     pub(super) solvers: Cache<PreparedSolver>,
-    /// Pins cast onto the model: the same for all frames.
+    /// Pins cast onto the model, which are the same for all frames.
     pub(super) casts: Cache<Vec<Option<PinAnchor>>>,
-    /// Solved warps: hosts ask for one several times a frame, for regions, tiles and overlays.
+    /// Solved warps: hosts request each several times per frame, for regions, tiles and overlays.
     pub(super) warps: Cache<Warp>,
-    /// The last warp over a picture's alpha, by the controls alone: hosts have no pixels while they draw handles.
+    /// The most recent warps over a picture's alpha, keyed by the controls alone: hosts have no pixels while they draw handles.
     pub(super) shown_warps: Cache<Warp>,
-    /// Where pixels come from, tile by tile: tiles of one frame are rendered by many calls.
+    /// Maps of tiles: tiles of one frame are rendered by many calls.
     pub(super) maps: Cache<Vec<WarpMap>>,
     /// Regions of definition and interest.
     pub(super) regions: Cache<PixelRect>,
-    /// Where the parts of a picture can be seen.
+    /// Windows in which the parts of a picture are visible.
     pub(super) part_windows: Cache<Vec<PixelRect>>,
 }
 
 impl ProcessCache {
-    /// Lets go of all but the few warps that handles are drawn with: without a render they cannot be computed again.
+    /// Frees everything except the few warps used to draw handles, which cannot be recomputed without a render.
     pub(super) fn purge(&self) {
         let Self { shots, files_beside, scenes, solvers, casts, warps, shown_warps: _, maps, regions, part_windows } =
             self;

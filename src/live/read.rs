@@ -1,6 +1,6 @@
-//! A shot file as parameters: its pins with their keys, for hosts that keep keys themselves.
+//! Reads a shot file into parameters, with its pins and their keys, for hosts that keep keys themselves.
 //!
-//! In: a [`ShotShape`]. Out: a [`ShotFile`]; what the parameters cannot say is told in words.
+//! In: a [`ShotShape`]. Out: a [`ShotFile`]; warnings about what the parameters cannot express.
 
 use super::base_scene::BaseScene;
 use super::{Controls, LiveError, Pin, PinRegion, ShapeSource, ShotShape, solve};
@@ -11,25 +11,25 @@ use crate::solve::Cancel;
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use crate::spelling::counted;
 
-/// What a shot file says, as parameters.
+/// The contents of a shot file as parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShotFile {
-    /// The layer's lattice, and its pins at the shape's frame. Strength and smoothness are 1: the file's own stay in force.
+    /// The layer's lattice, and its pins at the shape's frame. Strength and smoothness are 1, since those of the file stay in force.
     pub controls: Controls,
-    /// One a pin of the controls.
+    /// One per pin of the controls.
     pub tracks: Vec<PinTrack>,
     /// Name of the layer.
     pub layer: String,
-    /// How colour is resampled; `None`: the file does not say.
+    /// Filter for colour; `None`: not set in the file.
     pub filter: Option<Filter>,
     /// First and last frame.
     pub frames: [i32; 2],
-    /// What the parameters do not say, or not exactly.
+    /// Warnings about what the parameters do not express, or not exactly.
     pub warnings: Vec<String>,
 }
 
 impl ShotFile {
-    /// What was read and what was not, in words, for a host with `most` pins.
+    /// Summarises for the user what was read, for a host with `most` pins.
     #[must_use]
     pub fn told(&self, most: usize) -> String {
         let count = self.tracks.len();
@@ -49,38 +49,38 @@ impl ShotFile {
 /// A pin over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PinTrack {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: String,
-    /// Where its point is in the frame in which pins are placed.
+    /// Position in the frame in which pins are placed.
     pub rest: ScreenPoint,
-    /// Its keys, frames increasing.
+    /// Keys, with increasing frames.
     pub keys: Vec<TrackKey>,
-    /// What it takes along.
+    /// The region that moves with the pin.
     pub region: Option<PinRegion>,
 }
 
-/// A pin at a key.
+/// The values of a pin at a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackKey {
-    /// When.
+    /// Frame of the key.
     pub frame: f64,
-    /// [`Pin::target`] then.
+    /// [`Pin::target`] at the key.
     pub target: ScreenPoint,
-    /// [`Pin::rotation`] then, radians.
+    /// [`Pin::rotation`] at the key, in radians.
     pub rotation: Option<f64>,
-    /// [`Pin::scale`] then.
+    /// [`Pin::scale`] at the key.
     pub scale: Option<f64>,
-    /// Shapes the segment that leaves this key.
+    /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }
 
-/// Frames that a pin has keys at most: a host's "for ever" ends there.
+/// Maximum number of frames with keys of a pin, which bounds a host's infinite ranges.
 const MOST_FRAMES: i32 = 100_000;
 
 impl PinTrack {
-    /// A pin of a host with curves of its own: a key at every frame from its first to its last one and wherever the host
-    /// has one, so that the curves are kept; `pin_at` tells it at a time, `offset` is the frame less the time. Without
-    /// keys there is one `now`.
+    /// Samples a host's animated pin: a key at every frame from its first to its last key and at every key of the host,
+    /// so that the shape of the curves is kept. `pin_at` evaluates the pin at a time, `offset` is the frame minus the
+    /// time. A pin without keys gets a single one at `now`.
     #[must_use]
     pub fn sampled(name: String, times: &[f64], [now, offset]: [f64; 2], pin_at: impl Fn(f64) -> Option<Pin>) -> Self {
         let mut times: Vec<f64> = times.iter().copied().filter(|time| time.is_finite()).collect();
@@ -103,11 +103,11 @@ impl PinTrack {
     }
 }
 
-/// Reads the layer's pins. With [`OwnPins::LeftOut`](super::OwnPins::LeftOut) and these controls a [`warp`](super::warp) over the same shape
-/// is the shot's own.
+/// Reads the layer's pins. A [`warp`](super::warp) over the same shape with these controls and
+/// [`OwnPins::LeftOut`](super::OwnPins::LeftOut) equals that of the shot itself.
 ///
 /// # Errors
-/// [`LiveError`] where the file is wrong or does not fit its scene.
+/// [`LiveError`] if the file is invalid or does not fit its scene.
 pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
     let base = solve::base(&ShapeSource::Shot(shape.clone()), frame)?;
     let prepared = base.prepared.as_ref().expect("shots have a scene");
@@ -159,14 +159,14 @@ impl Reader<'_> {
         Ok(ShotFile { controls, tracks, layer: self.layer.name.clone(), filter, frames, warnings })
     }
 
-    /// What the pins' keys say in the shape's frame, without strength.
+    /// Returns the targets of the pins' keys at the shape's frame, without strength.
     fn targets_now(&self) -> PinTargets {
         let layer = Layer { strength: 1.0, ..self.layer.clone() };
         let frame = self.prepared.key_frame(&layer, self.prepared.mid_exposure_time(self.shape.frame));
         layer.pin_path(&self.prepared.shot.frames, frame).pop().unwrap_or_default()
     }
 
-    /// How far a goal is from where the pin's point is in a frame.
+    /// Returns the offset of a goal from the position of the pin's point at a frame.
     fn offset(&self, number: usize, goal: Goal, frame: f64) -> Result<ScreenVector, LiveError> {
         let unit = self.layer.pins[number].unit;
         match goal {
@@ -183,19 +183,19 @@ impl Reader<'_> {
                 let rests = self.prepared.rests_of(self.index, self.prepared.mid_exposure_time(frame));
                 Ok(target - rests[number].point)
             }
-            // Those are of layers of the scene.
+            // These goals belong to layers in scene space.
             Goal::SceneOffset(_) | Goal::SceneTarget(_) => Ok(ScreenVector::default()),
         }
     }
 
-    /// What a pin takes along, measured in frame heights.
+    /// Returns the region of a pin, in frame heights.
     fn region(&self, number: usize) -> Option<PinRegion> {
         let pin = &self.layer.pins[number];
         let region = pin.region.filter(|_| pin.unit == OffsetUnit::Frame)?;
         Some(PinRegion { radius: region.radius, rigidity: region.rigidity, stiffness: region.stiffness })
     }
 
-    /// What is not exact about a pin.
+    /// Returns warnings about what the parameters of a pin do not express exactly.
     fn doubts(&self, number: usize, rest: &RestPoint, cast: Option<&PinAnchor>) -> Vec<String> {
         let pin = &self.layer.pins[number];
         let frame = self.shape.pin_frame;
@@ -246,7 +246,7 @@ mod tests {
         let track = PinTrack::sampled("nose".into(), &[4.0, 1.5, 2.0, f64::NAN], [2.0, 100.0], at);
         let found: Vec<[f64; 2]> = track.keys.iter().map(|key| [key.frame, key.target.0.x]).collect();
         assert_eq!(found, [[101.5, 2.25], [102.0, 4.0], [103.0, 9.0], [104.0, 16.0]]);
-        // What moves with its rest does not move from it.
+        // A target that moves with the rest position has no offset from it.
         assert!(track.keys.iter().all(|key| key.target.0.y == track.rest.0.y), "{track:?}");
         assert_eq!(PinTrack::sampled("still".into(), &[], [7.0, 0.0], at).keys.len(), 1);
     }

@@ -1,6 +1,6 @@
-//! Which pixels can show something, and which are needed for it.
+//! Regions of definition and interest.
 //!
-//! In: a [`Warp`], the frame, a window. Out: windows that hold at least all of them.
+//! In: a [`Warp`], the frame, a window. Out: windows that contain at least all affected pixels.
 
 use super::key::{Key, KeyWriter};
 use super::map_tiles::MapTile;
@@ -11,23 +11,24 @@ use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Samples around a picture's edge that its filter may spread to, in pixels of the result.
+/// Samples around a picture's edge to which the filter may spread, in pixels of the result.
 pub(super) const SOFT_EDGE: u32 = 3;
 
-/// Samples on each side that a filter reads where little is squeezed.
+/// Samples on each side that a filter reads under little minification.
 const WIDEST: u32 = 8;
 
-/// What parts can show is no question of a host.
+/// Key of the windows of parts, which no host asks for.
 const PARTS: u64 = u64::MAX;
 
-/// Where pixels are looked at one by one: the frame and as much again on every side. Hosts ask for "everywhere", too.
+/// Returns the region that is evaluated per pixel: the frame extended by its own size on every side, since hosts also
+/// ask for infinite regions.
 pub(super) fn around(frame: FrameSize) -> PixelRect {
     frame.window().grown(frame.width.max(frame.height))
 }
 
 impl Warp {
-    /// Every pixel that can show something of a picture with that window: the region of definition. Cut to the frame and
-    /// as much again on every side, unless the window itself reaches further.
+    /// Returns the region of definition: every output pixel that a picture of this window may affect. Limited to the
+    /// frame extended by its own size on every side, unless the window itself reaches further.
     #[must_use]
     pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
         if self.is_identity() || window.area() == 0 {
@@ -44,8 +45,8 @@ impl Warp {
         found.map_or(window, |found| *found)
     }
 
-    /// Every pixel of the source that the pixels of `window` can show something of: the region of interest, with all that
-    /// the filter reads around it. With a mask what rests is needed, too: add the window itself.
+    /// Returns the region of interest: every source pixel that affects the pixels of `window`, including the support of
+    /// the filter. With a mask the part at rest is also needed: add the window itself.
     #[must_use]
     pub fn source_of(&self, window: PixelRect, frame: FrameSize, filter: Filter) -> PixelRect {
         if self.is_identity() || window.area() == 0 {
@@ -64,7 +65,7 @@ impl Warp {
         found.map_or(window, |found| *found)
     }
 
-    /// The pixels that each part can show something in, from back to front.
+    /// Returns the output windows of all parts, from back to front.
     pub(super) fn part_windows(&self, frame: FrameSize) -> Arc<Vec<PixelRect>> {
         let key = self.region_key((PARTS, frame), PixelRect::default());
         let found = CACHE.part_windows.get(key, || {
@@ -74,7 +75,7 @@ impl Warp {
                     f64::from(frame.height) / f64::from(share.frame.height),
                 ];
                 let own = share.window;
-                // What lies beyond the frame goes with the nearest part.
+                // Pixels beyond the frame move with the nearest part.
                 let is_at_edge = own.grown(1).intersection(share.frame.window()) != own.grown(1);
                 let start = [own.x, own.y].map(f64::from);
                 let end = [start[0] + f64::from(own.width), start[1] + f64::from(own.height)];
@@ -94,7 +95,7 @@ impl Warp {
         found.unwrap_or_default()
     }
 
-    /// A window and all around it that a pixel can go: far from the frame nobody looks closer.
+    /// Grows a window by the largest displacement, a coarse bound that suffices far from the frame.
     fn carried(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
         let most = self.fields().map(Field::max_displacement).fold(0.0, f64::max) * f64::from(frame.height)
             / frame.pixel_aspect.min(1.0);
@@ -108,14 +109,14 @@ impl Warp {
     }
 }
 
-/// Left, top, right and bottom of what is read, in pixels.
+/// Left, top, right and bottom of the read region, in pixels.
 pub(super) type Reach = [f32; 4];
 
 pub(super) fn union(a: Reach, b: Reach) -> Reach {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
-/// What the pixels of a window within a map read; `None`: nothing.
+/// Returns the region that the pixels of a window within a map read; `None`: nothing.
 pub(super) fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
     let rows = (window.y..window.y + window.height as i32).into_par_iter();
     let of_row = |y: i32| {
@@ -134,22 +135,22 @@ pub(super) fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<
     rows.filter_map(of_row).reduce_with(union)
 }
 
-/// Samples on each side of a place that a filter reads, at most.
+/// Returns the greatest number of samples that a filter reads on each side of a position.
 fn footprint(map: &WarpMap, index: usize, filter: Filter) -> [f32; 2] {
     match filter {
         Filter::Nearest => [1.0; 2],
         Filter::Cubic => [2.0; 2],
         Filter::Lanczos => [3.0; 2],
         Filter::Ewa => {
-            // With H² = max(1, J Jᵀ) by eigenvalues, a row of H is at most √(1 + |row of J|²) long, and the filter's square
-            // of "radius" 2 reaches √2 times as far into its corners.
+            // With H² = max(1, J Jᵀ) by eigenvalues, a row of H is at most √(1 + |row of J|²) long, and the filter's
+            // square of "radius" 2 reaches √2 times as far into its corners.
             let [x, y] = map.jacobian(index);
             [x, y].map(|[a, b]| 2.0 * std::f32::consts::SQRT_2 * (1.0 + a * a + b * b).sqrt())
         }
     }
 }
 
-/// The pixels around a reach of places; a sample beside the last for rounding.
+/// Returns the pixels around a region, with one more sample for rounding.
 pub(super) fn rect([left, top, right, bottom]: Reach) -> PixelRect {
     let (x, y) = (left.floor() as i32 - 1, top.floor() as i32 - 1);
     let size = |from: i32, to: f32| (to.ceil() as i32 + 2).saturating_sub(from).max(0) as u32;

@@ -1,6 +1,6 @@
-//! A window of the warped picture.
+//! Renders a window of the warped picture.
 //!
-//! In: a [`Warp`] and a [`Render`]. Out: planes of the window, tile by tile or whole: the same pixels whatever the window.
+//! In: a [`Warp`] and a [`Render`]. Out: planes of the window, whole or in pieces; pixels do not depend on the window.
 
 use super::composite::Compositor;
 use super::map_tiles::MapTile;
@@ -11,23 +11,23 @@ use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Tiles that are drawn at a time, a thread: some are done sooner than others.
+/// Tiles drawn at a time per thread, since their cost varies.
 const SIDE_BY_SIDE: usize = 2;
 
-/// A finished part of the window.
+/// A finished piece of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<'a> {
-    /// Its pixels, within the window.
+    /// Its pixels, within the rendered window.
     pub window: PixelRect,
-    /// As many as the source has, each `window.area()` samples, rows from the top.
+    /// As many planes as the source has, each `window.area()` samples, rows from the top.
     pub planes: &'a [Vec<f32>],
 }
 
-/// Renders a window: as many planes as the source has, each `window.area()` samples, alpha as the source has it.
+/// Renders a window to as many planes as the source has, each `window.area()` samples, with the alpha mode of the source.
 ///
 /// # Errors
-/// [`LiveError::Aborted`]; [`LiveError::Planes`] where planes do not fit their windows, or the background's are not as
-/// many as the source's.
+/// [`LiveError::Aborted`]; [`LiveError::Planes`] if planes do not match their windows, or the number of planes of the
+/// background differs from that of the source.
 pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     let planes = Mutex::new(vec![vec![0.0; job.window.area()]; job.source.planes.len()]);
     render_pieces(warp, job, |piece| {
@@ -41,7 +41,7 @@ pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     Ok(planes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// The mean of several warps of one picture: motion blur by samples of the shutter.
+/// Renders the mean of several warps of one picture: motion blur by shutter samples.
 ///
 /// # Errors
 /// As [`render`].
@@ -71,8 +71,8 @@ pub fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f32>>, L
     Ok(planes)
 }
 
-/// As [`render`], but hands over every part as soon as it is finished, so that nothing is copied twice. Parts do not
-/// overlap and come in any order, from several threads at a time.
+/// As [`render`], but passes on each piece as soon as it is finished, which avoids a copy. Pieces do not overlap; they
+/// arrive in any order, from several threads at a time.
 ///
 /// # Errors
 /// As [`render`].
@@ -81,11 +81,11 @@ pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync)
     let compositor = Compositor::of(warp, job);
     let side_by_side = SIDE_BY_SIDE * rayon::current_num_threads();
     for tiles in MapTile::all_of(job.frame, job.window).chunks(side_by_side) {
-        // Hosts want to be asked by the thread that they called.
+        // Hosts expect the abort callback on the calling thread.
         if (job.abort)() {
             return Err(LiveError::Aborted);
         }
-        // Threads that draw parts of the same tiles wait here for each other's maps.
+        // Threads that draw pieces of the same tiles wait here for each other's maps.
         let maps: Vec<_> =
             tiles.iter().map(|tile| compositor.is_some().then(|| tile.maps_of_parts(warp, job.frame))).collect();
         tiles.par_iter().zip(maps).for_each(|(tile, maps)| {

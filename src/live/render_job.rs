@@ -1,34 +1,34 @@
-//! What a host asks for: a window of a picture, with its mask and its background.
+//! A render request: a window of a picture, with its mask and background.
 //!
-//! In: plain values. Out: a [`Render`] whose planes fit.
+//! In: plain values. Out: a [`Render`] with consistent planes.
 
 use super::{LiveError, Mix, Picture};
 use crate::plate::Filter;
 use crate::space::{FrameSize, PixelRect};
 
-/// What is rendered.
+/// A render request.
 #[derive(Clone, Copy)]
 pub struct Render<'a> {
-    /// The display window, in pixels of this render (proxies have fewer).
+    /// The display window, in pixels of this render (smaller for proxies).
     pub frame: FrameSize,
-    /// The pixels that are wanted; may lie outside the frame.
+    /// The pixels to render; may lie outside the frame.
     pub window: PixelRect,
-    /// The picture that is warped; [`Warp::source_of`](super::Warp::source_of) tells how much of it is needed.
+    /// The picture to warp; [`Warp::source_of`](super::Warp::source_of) returns how much of it is needed.
     pub source: &'a Picture<'a>,
-    /// One plane, 0 to 1: what is moved. The rest of the picture stays. Where it has no samples nothing is moved.
+    /// One plane, 0 to 1: the part of the picture that moves; the rest stays. Nothing moves where it has no samples.
     pub mask: Option<&'a Picture<'a>>,
-    /// What is seen where something moved away, or the picture does not reach: as many planes as the source.
+    /// Shown where something moved away or the picture has no pixels; as many planes as the source.
     pub background: Option<&'a Picture<'a>>,
-    /// How it is resampled.
+    /// Resampling filter.
     pub filter: Filter,
-    /// How much of the result is seen.
+    /// Blend of the result with the source.
     pub mix: Mix<'a>,
-    /// Asked now and then, by the thread that renders; true: the picture is not wanted any more.
+    /// Called regularly on the rendering thread; `true` cancels the render.
     pub abort: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Render<'_> {
-    /// Refuses planes that do not fit.
+    /// Checks that all planes match.
     pub(super) fn check(&self) -> Result<(), LiveError> {
         self.source.check("the source")?;
         if let Some(mask) = self.mask {

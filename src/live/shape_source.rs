@@ -1,4 +1,4 @@
-//! What is to keep its shape.
+//! The source of the shape that a warp preserves.
 //!
 //! In: the host's choice. Out: its content as a [`Key`].
 
@@ -12,61 +12,61 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
-/// What the lattice is laid over, and what is to keep its shape.
+/// What the lattice is laid over, and whose shape the warp preserves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeSource<'a> {
     /// The whole frame, as one flat card.
     Frame,
     /// A picture that covers all of its window, in pixels of the frame.
     Window(PixelRect),
-    /// What the picture's alpha shows.
+    /// The visible part of a picture, by its alpha.
     Coverage(Coverage<'a>),
-    /// The animated model of a shot file: the lattice follows it, pins stick to it.
+    /// The animated model of a shot file: the lattice follows it, and pins stick to it.
     Shot(ShotShape),
 }
 
-/// The alpha of the whole picture: a host that renders in tiles gives all of it for every tile.
+/// The alpha of the whole picture; hosts that render in tiles pass all of it for every tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coverage<'a> {
-    /// Where it lies, in image space, in pixels of the frame that [`warp`](super::warp) is asked for.
+    /// Window in image space, in pixels of the frame passed to [`warp`](super::warp).
     pub window: PixelRect,
     /// `window.area()` samples, rows from the top.
     pub alpha: &'a [f32],
 }
 
-/// A shot file and how it is looked at.
+/// A shot file, and how it is evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShotShape {
     /// The shot file (`.toml`).
     pub path: PathBuf,
-    /// The camera, by the name of its node; `None`: the shot's.
+    /// Node name of the camera; `None`: the camera of the shot.
     pub camera: Option<String>,
-    /// The layer that the pins belong to; `None`: its first layer of the screen.
+    /// The layer that the pins belong to; `None`: the first layer in screen space.
     pub layer: Option<String>,
-    /// The frame that is shown; between two frames, too.
+    /// The current frame; may be fractional.
     pub frame: f64,
-    /// The frame in which [`Pin::rest`](super::Pin::rest) is measured: pins are cast onto the surface seen there then, and follow
-    /// it. Where there is none, a pin stays fixed on the screen, and the report says so.
+    /// The frame in which [`Pin::rest`](super::Pin::rest) is measured: pins are cast onto the surface visible in that
+    /// frame, and follow it. A pin that hits nothing stays fixed on the screen, and the report says so.
     pub pin_frame: i32,
-    /// What becomes of the pins that the file has itself.
+    /// How the file's own pins are treated.
     pub own_pins: OwnPins,
 }
 
-/// What becomes of a shot's own pins.
+/// How a shot's own pins are treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OwnPins {
-    /// They act beside the host's.
+    /// They act together with the host's pins.
     #[default]
     Act,
-    /// They do not act: the host has read them into its parameters.
+    /// They are ignored, because the host has read them into its parameters.
     LeftOut,
 }
 
 impl ShapeSource<'_> {
-    /// What the scene behind the shape depends on.
+    /// Hashes everything that the scene of the shape depends on.
     ///
     /// # Errors
-    /// [`LiveError`] where a shot file cannot be read.
+    /// [`LiveError`] if a shot file cannot be read.
     pub(super) fn key(&self, frame: FrameSize) -> Result<Key, LiveError> {
         let mut key = KeyWriter::new();
         match self {
@@ -101,12 +101,12 @@ impl ShapeSource<'_> {
     }
 }
 
-/// A shot file, read once for as long as it stays the same.
+/// Reads a shot file, cached until the file changes.
 pub(super) fn read(path: &Path) -> Result<Arc<Shot>, LiveError> {
     CACHE.shots.get(file_key(path), || Ok(Shot::read(path)?))
 }
 
-/// The buffers and images of a scene, looked up once for as long as its file stays the same.
+/// Returns the buffer and image files of a scene, cached until its file changes.
 fn beside(scene: &Path) -> Result<Arc<Vec<PathBuf>>, LiveError> {
     CACHE.files_beside.get(file_key(scene), || Ok(files_beside(scene)?))
 }
@@ -117,7 +117,7 @@ fn file_key(path: &Path) -> Key {
     key.finish()
 }
 
-/// A file by its path, time and length: one that was saved again is another one, a missing one has neither.
+/// Hashes a file by its path, time and length, so that a saved file gets a new key. A missing file has neither time nor length.
 fn write_file(key: &mut KeyWriter, path: &Path) {
     let state = std::fs::metadata(path).ok();
     let changed = state.as_ref().and_then(|state| state.modified().ok());

@@ -1,7 +1,7 @@
-//! From parameters to a warp, through the caches of the process: scenes, prefactored solvers, solved warps.
+//! Solves warps from parameters, through the caches of the process: scenes, prefactored solvers, solved warps.
 //!
-//! In: [`Controls`], a [`ShapeSource`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so that a
-//! warp has the same bits whatever was solved before.
+//! In: [`Controls`], a [`ShapeSource`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so
+//! that a warp is bit-identical whatever was solved before.
 
 use super::base_scene::BaseScene;
 use super::driven_layer::{Goals, driven_layer};
@@ -20,21 +20,20 @@ use crate::solve::{Cancel, SolveError};
 use crate::space::{FrameSize, ScreenPoint};
 use std::sync::Arc;
 
-/// Bytes that a solve takes at once for an entry of the matrix's band: counted from the sizes of the matrices of one
-/// coordinate and of both, and of their factors, not measured.
+/// Peak bytes of a solve per entry of the matrix's band: counted from the sizes of the matrices of one coordinate and
+/// of both, and of their factors, not measured.
 const BAND_ENTRY_BYTES: u128 = 120;
 
-/// The warp of a picture that is `frame` in size: what was solved for the same content is not solved again.
+/// Returns the warp of a picture of size `frame`; results are cached by content.
 ///
 /// # Errors
-/// [`LiveError`] where a parameter is out of range, the shot file is wrong or for frames of another shape, or the problem
+/// [`LiveError`] if a parameter is out of range, the shot file is invalid or has another aspect ratio, or the problem
 /// cannot be solved (more handles than a lattice may have).
 pub fn warp(controls: &Controls, shape: &ShapeSource, frame: FrameSize) -> Result<Arc<Warp>, LiveError> {
     warp_until(controls, shape, frame, NEVER)
 }
 
-/// Like [`warp`]; `stop` is asked every few milliseconds of a solve whether the warp is still wanted, by the thread that
-/// called. What was given up is not kept.
+/// Like [`warp`]; during a solve, `stop` is called every few milliseconds on the calling thread. Cancelled solves are not cached.
 ///
 /// # Errors
 /// As [`warp`]; [`LiveError::Aborted`].
@@ -70,7 +69,7 @@ pub fn warp_until(
     Ok(warp)
 }
 
-/// A cancelled solve as an abort.
+/// Converts a cancelled solve to an abort.
 fn aborted(error: PipelineError) -> LiveError {
     match error {
         PipelineError::Solve { source: SolveError::Cancelled, .. } => LiveError::Aborted,
@@ -78,8 +77,8 @@ fn aborted(error: PipelineError) -> LiveError {
     }
 }
 
-/// The last [`warp`] of these controls over a picture's alpha, of whatever size, for hosts that have no pixels while they draw
-/// handles; `None`: there was none lately.
+/// Returns the latest [`warp`] of these controls over a picture's alpha, of any size, for hosts that have no pixels
+/// while they draw handles; `None` if there was none recently.
 #[must_use]
 pub fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
     CACHE.shown_warps.peek(shown_key(controls))
@@ -89,10 +88,10 @@ fn shown_key(controls: &Controls) -> Key {
     warp_key(solver_key(KeyWriter::new().finish(), controls, &ShapeSource::Frame), controls)
 }
 
-/// The scene behind a shape, loaded or kept.
+/// Returns the scene of a shape, loaded or cached.
 ///
 /// # Errors
-/// [`LiveError`] where it cannot be loaded, or is for frames of another shape.
+/// [`LiveError`] if it cannot be loaded, or has another aspect ratio.
 pub(super) fn base(shape: &ShapeSource, frame: FrameSize) -> Result<Arc<BaseScene>, LiveError> {
     if let ShapeSource::Shot(shot) = shape {
         check_aspect(shot, frame)?;
@@ -100,7 +99,7 @@ pub(super) fn base(shape: &ShapeSource, frame: FrameSize) -> Result<Arc<BaseScen
     CACHE.scenes.get(shape.key(frame)?, || load_scene(shape, frame))
 }
 
-/// Everything that fixes the factored matrix.
+/// Hashes everything that determines the factored matrix.
 fn solver_key(base: Key, controls: &Controls, shape: &ShapeSource) -> Key {
     let mut key = KeyWriter::after(base);
     key.words(&controls.dims.map(|count| count as u64)).word(controls.basis as u64).float(controls.smoothness);
@@ -117,7 +116,7 @@ fn solver_key(base: Key, controls: &Controls, shape: &ShapeSource) -> Key {
     key.finish()
 }
 
-/// And where everything goes.
+/// Adds everything that determines the targets.
 fn warp_key(solver: Key, controls: &Controls) -> Key {
     let mut key = KeyWriter::after(solver);
     key.float(controls.strength);
@@ -127,7 +126,7 @@ fn warp_key(solver: Key, controls: &Controls) -> Key {
     key.finish()
 }
 
-/// Proxies have the shot's shape; another shape is another shot.
+/// Checks the aspect ratio. Proxies have that of the shot; another ratio needs another shot.
 fn check_aspect(shape: &ShotShape, frame: FrameSize) -> Result<(), LiveError> {
     let wanted = shape_source::read(&shape.path)?.size.aspect();
     if frame.is_as_wide_as(wanted) {
@@ -143,12 +142,12 @@ struct Task<'a> {
     index: usize,
     controls: &'a Controls,
     shape: &'a ShapeSource<'a>,
-    /// Of the picture.
+    /// Size of the picture.
     size: FrameSize,
 }
 
 impl Task<'_> {
-    /// The frame that is shown.
+    /// Returns the current frame.
     fn frame(&self) -> f64 {
         if let ShapeSource::Shot(shot) = self.shape { shot.frame } else { 0.0 }
     }
@@ -188,7 +187,7 @@ impl Task<'_> {
         Ok(PreparedSolver { solver: layer_solver, warnings })
     }
 
-    /// Handles that a shot moves belong to a lattice of certain dims.
+    /// Checks that handles keyed in a shot match the dims of the lattice.
     fn check_handles(&self, layer: &Layer) -> Result<(), LiveError> {
         let dims = self.controls.dims;
         let is_outside = |index: &[usize; 3]| (0..2).any(|axis| index[axis] >= dims[axis]);
@@ -201,7 +200,7 @@ impl Task<'_> {
         })
     }
 
-    /// Whether the matrices of the lattice may be held.
+    /// Checks that the matrices of the lattice fit into the memory budget.
     fn check_memory(&self) -> Result<(), LiveError> {
         let Controls { dims, basis, .. } = *self.controls;
         let handles = dims[0] * dims[1];
@@ -213,7 +212,7 @@ impl Task<'_> {
         memory::check((handles * band) as u128 * BAND_ENTRY_BYTES).map_err(|source| LiveError::Memory { dims, source })
     }
 
-    /// What the pins of the controls are tied to.
+    /// Returns the anchors of the pins of the controls.
     fn pinned(&self, base: Key) -> Result<(Vec<PinAnchor>, Vec<Warning>), LiveError> {
         let rests: Vec<ScreenPoint> = self.controls.pins.iter().map(|pin| pin.rest).collect();
         let ShapeSource::Shot(shot) = self.shape else {
@@ -271,7 +270,7 @@ impl Task<'_> {
         Ok(Warp { pins, warnings, acting, ..warp })
     }
 
-    /// The parts of the picture, where the lattice branches; the state comes back.
+    /// Returns the parts of the picture if the lattice branches, and hands back the state.
     fn parts(&self, state: LayerState) -> Result<(Option<SharedParts>, LayerState), LiveError> {
         if state.solution.as_ref().is_none_or(|solution| solution.branches.is_none()) {
             return Ok((None, state));

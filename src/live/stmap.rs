@@ -1,4 +1,4 @@
-//! A warp as an STMap.
+//! Exports a warp as an STMap.
 //!
 //! In: a [`Warp`], the frame, a window. Out: planes in the convention of `src/plate/stmap.rs`, or a file.
 
@@ -9,20 +9,20 @@ use crate::plate::{WarpMap, stmap_of};
 use crate::space::{FrameSize, PixelRect};
 use std::path::Path;
 
-/// Where the pixels of a window come from, as shares of the frame.
+/// Source positions of the pixels of a window, as fractions of the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StMap {
     /// The pixels, in image space.
     pub window: PixelRect,
-    /// #pixels, rows from the top: u = (x + .5) / W, from left to right; -1 where nothing is seen.
+    /// #pixels, rows from the top: u = (x + .5) / W, from left to right; -1 where nothing is visible.
     pub u: Vec<f32>,
-    /// #pixels: v = 1 - (y + .5) / H, from below; -1 where nothing is seen.
+    /// #pixels: v = 1 - (y + .5) / H, from the bottom up; -1 where nothing is visible.
     pub v: Vec<f32>,
-    /// #pixels: 1, or 0 where nothing is seen.
+    /// #pixels: 1, or 0 where nothing is visible.
     pub coverage: Vec<f32>,
 }
 
-/// The STMap of a window of a frame. Whatever else is warped with it (other layers, other programs) moves as the picture.
+/// Computes the STMap of a window of a frame. Anything warped by it (other layers, other programs) moves like the picture.
 #[must_use]
 pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
     let channels = stmap_of(&map(warp, frame, window)).channels.into_iter().map(|channel| channel.samples);
@@ -33,8 +33,8 @@ pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
 }
 
 impl StMap {
-    /// The same map as shares of another picture of the same scale, in whose image space this one's upper left pixel lies
-    /// at `corner`.
+    /// Converts the map to fractions of another picture of the same scale, in whose image space this one's upper left
+    /// pixel is at `corner`.
     #[must_use]
     pub fn measured_over(mut self, own: FrameSize, other: FrameSize, corner: [i32; 2]) -> Self {
         if corner == [0, 0] && own == other {
@@ -51,24 +51,24 @@ impl StMap {
     }
 }
 
-/// Where an STMap goes, and what its file says of itself.
+/// The destination and the metadata of an STMap file.
 #[derive(Clone, Copy, Debug)]
 pub struct StMapFile<'a> {
-    /// The file, an EXR.
+    /// Path of the EXR file.
     pub path: &'a Path,
-    /// Number of the frame.
+    /// Frame number.
     pub frame: i32,
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub rate: f64,
 }
 
-/// Whether an STMap may be written there: where nothing is, or a map that this program has written and the shape is not
-/// read from.
+/// Checks that an STMap may be written to a path: that nothing exists there, or an STMap written by this program that
+/// the shape does not read.
 ///
 /// # Errors
-/// [`ImageError::Frame`] where another file lies there; [`ImageError::Refused`] as [`OutputGuard::check`].
+/// [`ImageError::Frame`] if another file exists there; [`ImageError::Refused`] as [`OutputGuard::check`].
 pub fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageError> {
-    // First of all: opening a pipe would wait for ever.
+    // Checked first, since opening a pipe would block forever.
     guard.check(path)?;
     if !path.exists() || read_any_head(path).is_ok_and(|head| is_own_stmap(&head)) {
         return Ok(());
@@ -77,7 +77,7 @@ pub fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageErr
     Err(ImageError::Frame { path: path.to_owned(), what })
 }
 
-/// Renders of ours have colour in halves.
+/// Unlike STMaps, our renders store colour as half floats.
 fn is_own_stmap(head: &Plate) -> bool {
     let [part] = &head.parts[..] else { return false };
     let is_map =
@@ -85,10 +85,10 @@ fn is_own_stmap(head: &Plate) -> bool {
     head.is_own_render() && part.channels.len() == 4 && is_map
 }
 
-/// Writes the STMap of a whole frame as a 32-bit EXR, over nothing but another such map.
+/// Writes the STMap of a whole frame as a 32-bit EXR; overwrites only another such map.
 ///
 /// # Errors
-/// [`ImageError`] as [`check_stmap_path`] gives, and where the file cannot be written.
+/// [`ImageError`] as [`check_stmap_path`], and if the file cannot be written.
 pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
     check_stmap_path(file.path, guard)?;
     let map = warp.map_of_parts((size, size.window()));
@@ -103,7 +103,7 @@ pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputG
     write_exr(file.path, &stmap_of(&map), &metadata, Compression::Zip)
 }
 
-/// Where the pixels of a window come from.
+/// Computes the map of a window.
 fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
     let mut whole = WarpMap::identity(frame, window);
     if warp.is_identity() {

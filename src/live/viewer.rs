@@ -1,13 +1,13 @@
-//! The lattice, pins and their targets as lines over the picture, the same in every viewer.
+//! Overlay lines for the lattice, pins and targets, the same in every viewer.
 //!
-//! In: a [`Warp`], the pins, which of them are chosen. Out: [`Stroke`]s in the units of the viewer's [`HostFrame`].
+//! In: a [`Warp`], the pins and the selection. Out: [`Stroke`]s in the units of the viewer's [`HostFrame`].
 
 use super::{Controls, GridLine, HostFrame, Picker, Warp};
 use crate::space::ScreenPoint;
 
-/// Half the size of a handle, pixels of the screen.
+/// Half the size of a handle, in screen pixels.
 const HALF_PX: f64 = 4.0;
-/// Pieces in which a cell's side is drawn.
+/// Line segments per side of a cell.
 const PIECES: usize = 6;
 const GRID: [f32; 4] = [0.55, 0.75, 1.0, 0.45];
 const FOLD: [f32; 4] = [1.0, 0.1, 0.1, 0.9];
@@ -18,50 +18,51 @@ const REST: [f32; 4] = [0.95, 0.95, 0.95, 0.9];
 const TARGET: [f32; 4] = [1.0, 0.6, 0.1, 1.0];
 const CHOSEN: [f32; 4] = [0.3, 1.0, 0.4, 1.0];
 
-/// A line through points of the viewer.
+/// A polyline of the overlay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// In units of the host_frame.
+    /// Points, in units of the host frame.
     pub points: Vec<[f64; 2]>,
     /// Red, green, blue, opacity.
     pub colour: [f32; 4],
-    /// Pixels of the screen.
+    /// Line width, in screen pixels.
     pub width: f32,
 }
 
 /// How the lattice is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatticeStyle {
-    /// In one colour.
+    /// In a single colour.
     Plain,
-    /// Coloured by how much it stretches.
+    /// Coloured by stretch.
     Stretch,
-    /// Not at all.
+    /// Not drawn.
     Hidden,
 }
 
-/// A pin as it is shown: over a shot it is where the model takes it.
+/// A pin as displayed; with a shot, at the position of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinMark {
-    /// Its number, whatever the viewer counts by.
+    /// Number of the pin, in the viewer's numbering.
     pub pin: usize,
-    /// Where its point is before the warp, in units of the host_frame.
+    /// Position before the warp, in units of the host frame.
     pub rest: [f64; 2],
-    /// Where it goes.
+    /// Target position.
     pub target: [f64; 2],
 }
 
-/// A viewer over the picture.
+/// A viewer that shows the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer {
-    /// The picture under it.
+    /// The displayed picture.
     pub host_frame: HostFrame,
-    /// Size of a pixel of the screen in units of the host_frame, across and up.
+    /// Width and height of a screen pixel, in units of the host frame.
     pub pixel: [f64; 2],
 }
 
 impl Viewer {
-    /// The pins of `controls` with their `numbers`, where they are shown. `warp`: that of these controls, if there is one.
+    /// Returns the pins of `controls` with their `numbers`, at their displayed positions. `warp`: the warp of these
+    /// controls, if available.
     #[must_use]
     pub fn marks(&self, controls: &Controls, numbers: &[usize], warp: Option<&Warp>) -> Vec<PinMark> {
         let ends = |index: usize| match warp.and_then(|warp| warp.pins.get(index)) {
@@ -75,7 +76,7 @@ impl Viewer {
         numbers.iter().take(controls.pins.len()).enumerate().map(mark).collect()
     }
 
-    /// The lattice after the warp, and the outlines of cells that fold over.
+    /// Returns the warped lattice, and the outlines of folded cells.
     #[must_use]
     pub fn lattice(&self, warp: Option<&Warp>, style: LatticeStyle) -> Vec<Stroke> {
         let Some(warp) = warp.filter(|_| style != LatticeStyle::Hidden) else { return Vec::new() };
@@ -89,7 +90,7 @@ impl Viewer {
         strokes
     }
 
-    /// Pins as crosses, targets as squares, the box that is being drawn.
+    /// Returns pins as crosses, targets as squares, and the selection box.
     #[must_use]
     pub fn pins(&self, marks: &[PinMark], picker: &Picker) -> Vec<Stroke> {
         let colour = |mark: &PinMark| if picker.is_selected(mark.pin) { CHOSEN } else { TARGET };
@@ -101,7 +102,7 @@ impl Viewer {
         points.iter().map(|point| self.host_frame.canonical(*point)).collect()
     }
 
-    /// A line in pieces, coloured by how much each is longer or shorter than before the warp.
+    /// Splits a line into segments, coloured by their length relative to that before the warp.
     fn stretched(&self, line: &GridLine) -> Vec<Stroke> {
         let [rest, moved] = [&line.rest, &line.moved].map(|points| points.windows(2));
         let pieces = rest.zip(moved).map(|(rest, moved)| {
@@ -124,7 +125,7 @@ impl Viewer {
     }
 }
 
-/// From blue (half as long, or less) over grey to orange (twice as long, or more).
+/// Maps a length ratio to a colour, from blue (half or less) through grey to orange (twice or more).
 fn stretch_colour(ratio: f64) -> [f32; 4] {
     let share = ratio.max(1e-9).log2().clamp(-1.0, 1.0) as f32;
     let end = if share < 0.0 { SHRUNK } else { STRETCHED };
@@ -135,7 +136,7 @@ fn stroke(points: Vec<[f64; 2]>, colour: [f32; 4], width: f32) -> Stroke {
     Stroke { points, colour, width }
 }
 
-/// The outline of a box with these opposite corners.
+/// Returns the outline of a box given by opposite corners.
 fn outline([[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: [f32; 4], width: f32) -> Stroke {
     stroke(vec![[x1, y1], [x2, y1], [x2, y2], [x1, y2], [x1, y1]], colour, width)
 }
@@ -175,7 +176,7 @@ mod tests {
     #[test]
     fn folds_are_outlined_and_stretch_is_coloured() {
         let frame = viewer().host_frame.frame;
-        // Two pins that change places; a whole picture whose border is held would not fold.
+        // Two pins swap places; a whole picture with a fixed border would not fold.
         let swapped = [[0.6, 1.4], [1.4, 0.6], [0.05, 0.05], [1.95, 1.95]]
             .map(|[rest, target]| Pin::new(ScreenPoint::new(rest, 0.5), ScreenPoint::new(target, 0.5)));
         let crossed = Controls { pins: swapped.to_vec(), moved: Moved::Masked, ..Controls::default() };

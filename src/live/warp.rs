@@ -1,6 +1,6 @@
-//! A solved warp, and what a host draws over the picture.
+//! A solved warp, and its overlay.
 //!
-//! In: a solved lattice. Out: where points go; lines, handles and pins as points of the screen.
+//! In: a solved lattice. Out: the images of points; lines, handles and pins as screen points.
 
 use super::key::Key;
 use crate::lattice::ScreenLattice;
@@ -8,89 +8,89 @@ use crate::plate::{Coverage, Field, WarpMap};
 use crate::solve::SolveReport;
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 
-/// The warp of a picture at one moment.
+/// The warp of a picture at one time.
 #[derive(Clone, Debug)]
 pub struct Warp {
-    /// Where every point of the screen goes; where the picture has parts, those of the largest.
+    /// The warp of the screen; if the picture has parts, that of the largest.
     pub field: Field,
-    /// The parts of a picture whose lattice branches, from back to front: where each goes, and what it has of every pixel (all together
-    /// have all); empty where the picture moves as one.
+    /// Field and share of every pixel for the parts of a picture whose lattice branches, from back to front; the shares
+    /// sum to 1. Empty if the picture moves as one.
     pub parts: Vec<(Field, Coverage)>,
-    /// How much of every pixel the shape of the parts covers; `None` where there are none.
+    /// Coverage of the shape of all parts; `None` if there are none.
     pub covered: Option<Coverage>,
-    /// The lattice behind it, at rest where nothing moves; `None`: there is nothing to lay one over.
+    /// The solved lattice, at rest where nothing moves; `None` if there is nothing to lay it over.
     pub lattice: Option<ScreenLattice>,
-    /// One a pin of the controls, in their order.
+    /// One per pin of the controls, in order.
     pub pins: Vec<PinPlace>,
-    /// How good the solve is (pin errors, own pins of a shot first; folded cells); `None`: nothing was solved.
+    /// Quality of the solve (pin errors, with a shot's own pins first; folded cells); `None`: nothing was solved.
     pub report: Option<SolveReport>,
-    /// What the solve found beside the report; [`Warp::notices`] has all of it in words.
+    /// Warnings of the solve besides the report; [`Warp::notices`] formats all of them.
     pub warnings: Vec<Warning>,
-    /// The pins that [`SolveReport::pin_errors`] speaks of, in its order.
+    /// The pins of [`SolveReport::pin_errors`], in order.
     pub(super) acting: Vec<ActingPin>,
-    /// What stands for all that it was solved from.
+    /// Hash of all inputs of the solve.
     pub(super) key: Key,
 }
 
 /// Something unexpected that a solve found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
-    /// A sentence.
+    /// Message text.
     Text(String),
-    /// The border, which rests elsewhere, gives way to a pin that is dragged to it or past it.
+    /// The otherwise fixed border gives way to a pin that is dragged to it or past it.
     BorderGivesWay {
-        /// Place among the pins that [`SolveReport::pin_errors`](crate::solve::SolveReport::pin_errors) speaks of.
+        /// Index of the pin in [`SolveReport::pin_errors`](crate::solve::SolveReport::pin_errors).
         pin: usize,
-        /// How far it moves at most, frame heights.
+        /// Largest displacement of the border, in frame heights.
         by: f64,
     },
-    /// A pin has no surface under it, so it is fixed on the screen.
+    /// No surface lies under the pin, so it is fixed on the screen.
     OffModel {
         /// Index of the pin in the controls.
         pin: usize,
-        /// Where it was placed.
+        /// Position at which it was placed.
         at: ScreenPoint,
-        /// The frame in which it was placed.
+        /// Frame in which it was placed.
         frame: i32,
     },
 }
 
-/// A pin that acts.
+/// An active pin.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum ActingPin {
-    /// One of the shot file's, by its name.
+    /// A pin of the shot file, by name.
     OfShot(String),
-    /// One of the controls', by its index.
+    /// A pin of the controls, by index.
     OfControls(usize),
 }
 
-/// A pin at the moment of the warp.
+/// A pin at the time of the warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinPlace {
-    /// Where its point is before the warp; over a shot it follows the model.
+    /// Position before the warp; with a shot, it follows the model.
     pub rest: ScreenPoint,
-    /// Where it has to go, strength applied.
+    /// Target position, with strength applied.
     pub target: ScreenPoint,
-    /// Where the lattice brings it.
+    /// Position after the warp.
     pub moved: ScreenPoint,
-    /// 1, less where the point comes close to the camera, 0 where the pin does not act.
+    /// 1; less if the point comes close to the camera, 0 if the pin is inactive.
     pub presence: f64,
 }
 
 /// A line of the lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridLine {
-    /// Points before the warp, from left to right or from below.
+    /// Points before the warp, from left to right or from the bottom up.
     pub rest: Vec<ScreenPoint>,
-    /// The same points after it.
+    /// The same points after the warp.
     pub moved: Vec<ScreenPoint>,
 }
 
-/// Pixels of shares that weigh as much as a warp without parts.
+/// Pixels of shares per unit of cache weight; a warp without parts weighs one.
 const PIXELS_A_WEIGHT: usize = 1 << 14;
 
 impl Warp {
-    /// A warp that moves nothing, and why.
+    /// Creates the identity warp with the reason as a warning.
     pub(super) fn nothing(why: &str, key: Key) -> Self {
         let warnings = vec![Warning::Text(why.to_owned())];
         let field = Field::identity();
@@ -107,19 +107,19 @@ impl Warp {
         }
     }
 
-    /// Nothing moves anywhere (by more than 1e-8 frame heights).
+    /// Whether the warp is the identity everywhere (within 1e-8 frame heights).
     #[must_use]
     pub fn is_identity(&self) -> bool {
         self.field.is_identity() && self.parts.iter().all(|(field, _)| field.is_identity())
     }
 
-    /// The fields of all parts, or the only one.
+    /// Returns the fields of all parts, or the single field.
     pub(super) fn fields(&self) -> impl Iterator<Item = &Field> {
         let only = self.parts.is_empty().then_some(&self.field);
         only.into_iter().chain(self.parts.iter().map(|(field, _)| field))
     }
 
-    /// Where a point goes, with the part that has most of it in a frame of that size.
+    /// Warps a point with the part that has the largest share of it in a frame of this size.
     pub(super) fn carry(&self, point: ScreenPoint, size: FrameSize) -> ScreenPoint {
         let at = size.image_from_screen(point).0.floor();
         let last = [size.width, size.height].map(|side| side as i32 - 1);
@@ -129,31 +129,31 @@ impl Warp {
         part.map_or(&self.field, |(field, _)| field).carry(point)
     }
 
-    /// Where the pixels of a window come from, where the picture has parts.
+    /// Computes the map of a window if the picture has parts.
     pub(super) fn map_of_parts(&self, (frame, window): (FrameSize, PixelRect)) -> Option<WarpMap> {
         let covered = self.covered.as_ref().filter(|_| !self.parts.is_empty())?;
         Some(WarpMap::backward_of_shares(&self.parts, covered, (frame, window)))
     }
 
-    /// What it weighs in a cache: 1, and more where its parts have pixels.
+    /// Returns its weight in a cache: 1, and more for the pixels of its parts.
     pub(super) fn weight(&self) -> usize {
         let shares = self.parts.iter().map(|(_, share)| share).chain(&self.covered);
         1 + shares.map(|share| share.samples.len()).sum::<usize>() / PIXELS_A_WEIGHT
     }
 
-    /// The greatest distance of a pin from its target, frame heights; 0 without pins.
+    /// Returns the greatest distance of a pin from its target, in frame heights; 0 without pins.
     #[must_use]
     pub fn pin_error(&self) -> f64 {
         self.report.iter().flat_map(|report| &report.pin_errors).copied().fold(0.0, f64::max)
     }
 
-    /// Cells of the lattice that turn over where some of the shape is.
+    /// Returns the number of flipped lattice cells that contain part of the shape.
     #[must_use]
     pub fn folded_cells(&self) -> usize {
         self.report.as_ref().map_or(0, |report| report.folded_model_cells)
     }
 
-    /// Rest place and place of every handle, by index (x fastest).
+    /// Returns the rest and the current position of every handle, by index (x fastest).
     #[must_use]
     pub fn handles(&self) -> Vec<[ScreenPoint; 2]> {
         let point = |[x, y]: [f64; 2]| ScreenPoint::new(x, y);
@@ -162,7 +162,7 @@ impl Warp {
         rest.into_iter().zip(&lattice.handles).map(|(rest, moved)| [point(rest), point(*moved)]).collect()
     }
 
-    /// The lines between the cells of the lattice's box, each in `pieces` pieces a cell.
+    /// Returns the grid lines of the lattice's box, with `pieces` segments per cell.
     #[must_use]
     pub fn grid_lines(&self, pieces: usize) -> Vec<GridLine> {
         let Some(lattice) = &self.lattice else { return Vec::new() };
@@ -188,13 +188,12 @@ impl Warp {
 }
 
 impl Warp {
-    /// The outlines of cells that fold over after the warp, each side in `pieces` pieces; none where nothing that is seen
-    /// folds.
+    /// Returns the outlines of folded cells after the warp, with `pieces` segments per side; empty if nothing visible folds.
     #[must_use]
     pub fn folded_outlines(&self, pieces: usize) -> Vec<Vec<ScreenPoint>> {
         let Some(lattice) = self.lattice.as_ref().filter(|_| self.folded_cells() > 0) else { return Vec::new() };
         let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
-        // Cells count from the handle outside the box.
+        // Cell indices start at the handles outside the box.
         let margin = lattice.grid.basis.margin();
         let steps = 0..4 * pieces;
         let outline = |cell: &[usize; 2]| {
@@ -214,7 +213,7 @@ impl Warp {
     }
 }
 
-/// A place counted in cells.
+/// Converts a position in cells to a point of the box.
 fn on_box(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
     let grid = &lattice.grid;
     let at = |axis: usize| grid.lo[axis] + cells[axis] * grid.spacing(axis);

@@ -1,6 +1,6 @@
-//! Parameters as a shot file: a new one, or pins in one that is there.
+//! Writes parameters to a shot file: a new one, or pins in an existing one.
 //!
-//! In: a [`WriteShot`]. Out: a checked file; comments and everything that parameters do not speak of stay.
+//! In: a [`WriteShot`]. Out: a checked file; comments and everything that the parameters do not cover are kept.
 
 use super::read::{PinTrack, TrackKey};
 use super::{Controls, LiveError, Moved, OutputGuard, OwnPins, ShapeSource, ShotShape, solve};
@@ -11,58 +11,58 @@ use crate::shot::{Anchor, Goal, PinKey, Rotation, Shot};
 use crate::space::{FrameSize, ScreenPoint};
 use std::path::Path;
 
-/// A pin that is this near to where the file has it stays tied as the file says, frame heights.
+/// A pin this close to its position in the file keeps the file's anchor, in frame heights.
 const SAME: f64 = 1e-9;
 
-/// What is written.
+/// A request to write a shot file.
 #[derive(Clone, Debug)]
 pub struct WriteShot<'a> {
-    /// The file; its folder is where relative paths start.
+    /// Output file; relative paths start at its directory.
     pub path: &'a Path,
-    /// The shot that it goes on from, in the same folder; `None`: what is in the file, or nothing.
+    /// The shot to start from, in the same directory; `None`: the existing contents of the file, if any.
     pub base: Option<&'a Path>,
-    /// Lattice, strength, smoothness; the pins come from the tracks.
+    /// Lattice, strength and smoothness; pins are taken from the tracks.
     pub controls: &'a Controls,
     /// The pins, with all their keys.
     pub tracks: &'a [PinTrack],
-    /// The layer that gets them; `None`: the first.
+    /// The layer that receives the pins; `None`: the first.
     pub layer: Option<&'a str>,
-    /// How colour is resampled; `None`: as the file says.
+    /// Filter for colour; `None`: as in the file.
     pub filter: Option<Filter>,
-    /// The frame in which pins are placed, where the shot has a scene.
+    /// The frame in which pins are placed, if the shot has a scene.
     pub pin_frame: i32,
-    /// What a new file is about.
+    /// Contents of a new file.
     pub new: NewShot<'a>,
 }
 
-/// What a file that is not there yet is about.
+/// Contents of a file that does not exist yet.
 #[derive(Clone, Copy, Debug)]
 pub struct NewShot<'a> {
     /// What is warped.
     pub subject: Subject<'a>,
     /// First and last frame.
     pub frames: [i32; 2],
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub rate: f64,
-    /// The frame.
+    /// Size of the frame.
     pub size: FrameSize,
 }
 
-/// What a shot warps, as the host knows it.
+/// What a shot warps, as known to the host.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject<'a> {
-    /// Whole frames, with #### for the number: the shape is the frame.
+    /// Whole frames, with #### for the number; the shape is the frame.
     Plate(&'a Path),
     /// A picture whose alpha is the shape.
     Picture(&'a Path),
 }
 
-/// Writes pins and lattice so that `pinwarp warp` (pictures: `pinwarp render`) solves the same lattices. Writing again gives the same
-/// file. Strength and smoothness are multiplied into those of the base: a host that goes on over that file sets its own to 1.
+/// Writes pins and lattice so that `pinwarp warp` (for pictures: `pinwarp render`) solves the same lattices. Writing is idempotent.
+/// Strength and smoothness are multiplied into those of the base; a host that continues with the written file sets its own to 1.
 ///
 /// # Errors
-/// [`LiveError`] where base or file are no shots, the file is the base, one that the base reads or no regular file, cannot be
-/// written, or there are pins that would act beside these.
+/// [`LiveError`] if the base or the file is not a shot, the file is the base, one of its inputs or not a regular file,
+/// it cannot be written, or other pins would act besides these.
 pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     job.check_base()?;
     job.guard()?.check(job.path)?;
@@ -81,7 +81,7 @@ pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     if let Some(filter) = job.filter {
         text = put_filter(&text, filter)?;
     }
-    // Nothing is written that would not be read.
+    // Never write a file that could not be read back.
     Shot::parse(&text, job.path)?;
     Ok(replace_text(job.path, &text)?)
 }
@@ -91,12 +91,12 @@ fn io(path: &Path, source: std::io::Error) -> LiveError {
 }
 
 impl WriteShot<'_> {
-    /// The file whose text goes on; `None`: a new one begins.
+    /// Returns the file whose text is extended; `None` for a new one.
     fn origin(&self) -> Option<&Path> {
         self.base.or_else(|| Some(self.path).filter(|path| path.exists()))
     }
 
-    /// What is read is never written, and relative paths have to mean the same.
+    /// The base is never overwritten, and must be in the same directory so that relative paths stay valid.
     fn check_base(&self) -> Result<(), LiveError> {
         let Some(base) = self.base else { return Ok(()) };
         let place = |path: &Path| std::fs::canonicalize(path).ok();
@@ -113,13 +113,13 @@ impl WriteShot<'_> {
         Err(LiveError::Layer { path: self.path.to_owned(), what: what.into(), hint })
     }
 
-    /// Guards what the base is read from; a file that goes on from itself reads nothing else.
+    /// Guards the inputs of the base; a file that is extended in place has no other inputs.
     fn guard(&self) -> Result<OutputGuard, LiveError> {
         let Some(base) = self.base else { return Ok(OutputGuard::default()) };
         OutputGuard::of(&ShapeSource::Shot(self.shape(base)), self.new.size)
     }
 
-    /// A shot without pins.
+    /// Returns the text of a shot without pins.
     fn blank(&self) -> String {
         let NewShot { subject, frames: [first, last], rate, size } = self.new;
         let (key, path) = match subject {
@@ -153,7 +153,7 @@ impl WriteShot<'_> {
         }
     }
 
-    /// Names of the layer's pins and where they rest; refuses those that would act beside the tracks.
+    /// Returns the names and rest positions of the layer's pins; fails if any would act besides the tracks.
     fn own_pins(&self, path: &Path) -> Result<Vec<(String, ScreenPoint)>, LiveError> {
         let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;
         let prepared = base.prepared.as_ref().expect("shots have a scene");
@@ -190,7 +190,7 @@ impl WriteShot<'_> {
         })
     }
 
-    /// The frame in which a new pin is cast; `None`: it hits nothing, or there is nothing to hit.
+    /// Returns the frame in which a new pin is cast; `None` if it hits nothing, or there is no scene.
     fn cast_frame(&self, rest: ScreenPoint, origin: Option<&Path>) -> Result<Option<i32>, LiveError> {
         let Some(path) = origin else { return Ok(None) };
         let base = solve::base(&ShapeSource::Shot(self.shape(path)), self.new.size)?;

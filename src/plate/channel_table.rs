@@ -1,6 +1,7 @@
-//! All channels of a plate: names, semantics, and which alpha belongs to which colour.
+//! Table of all channels of a plate: their names, their semantics, and the alpha that each colour is associated with.
 //!
-//! In: a plate and the shot's patterns. Out: [`ChannelTable`]; warnings about names that say nothing.
+//! In: a plate and the shot's channel patterns. Out: [`ChannelTable`], and warnings about channels whose name does not
+//! identify their contents.
 
 use super::semantics::{ChannelName, Classified, axis_of};
 use super::{ChannelReport, PlateReport, Semantic, SemanticReason};
@@ -10,33 +11,33 @@ use crate::space::PixelRect;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Index of a channel: its part, and its place among the part's channels.
+/// Index of a channel: its part, and its position among the channels of that part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ChannelIndex {
     pub(super) part: usize,
     pub(super) channel: usize,
 }
 
-/// A channel as the warp sees it.
+/// A channel together with its parsed name and semantic.
 #[derive(Clone, Debug)]
 pub(super) struct ChannelEntry {
     pub(super) index: ChannelIndex,
     pub(super) name: ChannelName,
     pub(super) class: Classified,
-    /// The channel with the coverage that its colour is associated with, or that its surface has.
+    /// The alpha that premultiplies this channel, or that holds the coverage of its surface.
     pub(super) alpha: Option<ChannelIndex>,
 }
 
-/// A plate, and what is known about its channels.
+/// A plate and the classification of its channels.
 pub(super) struct ChannelTable<'a> {
     pub(super) plate: &'a Plate,
-    /// Every channel of every part, in the plate's order.
+    /// Every channel of every part, in file order.
     pub(super) entries: Vec<ChannelEntry>,
-    /// What the headers tell of Cryptomattes.
+    /// The Cryptomatte layers declared in the headers.
     pub(super) mattes: Vec<MatteHeader>,
 }
 
-/// Names of layers with the picture itself, whose alpha counts for layers that have none.
+/// Names of layers that hold the beauty; their alpha also applies to layers that have none of their own.
 pub(super) const BEAUTY: [&str; 8] = ["combined", "rgba", "beauty", "rgb", "composite", "main", "image", "c"];
 
 impl<'a> ChannelTable<'a> {
@@ -65,18 +66,18 @@ impl<'a> ChannelTable<'a> {
         &self.plate.parts[index.part].channels[index.channel]
     }
 
-    /// The data window of a channel, measured from the upper left corner of the display window.
+    /// Returns the data window of a channel, relative to the upper left corner of the display window.
     pub(super) fn window(&self, index: ChannelIndex) -> PixelRect {
         self.plate.window_of(&self.plate.parts[index.part])
     }
 
-    /// Samples of a channel over another window; `outside` where it has none.
+    /// Returns the samples of a channel over another window, padded with `outside`.
     pub(super) fn over(&self, index: ChannelIndex, window: PixelRect, outside: f32) -> Cow<'_, [f32]> {
         let (own, samples) = (self.window(index), &self.channel(index).samples);
         if own == window { Cow::Borrowed(samples) } else { Cow::Owned(own.over(samples, window, outside)) }
     }
 
-    /// The Cryptomattes among these channels.
+    /// Returns the Cryptomatte layers among the given channels.
     pub(super) fn matte_layers<'b>(
         &self,
         entries: impl Iterator<Item = &'b ChannelEntry>,
@@ -89,7 +90,7 @@ impl<'a> ChannelTable<'a> {
         matte_layers(ranks.iter().map(|(place, name)| (*place, name.as_str())), &names)
     }
 
-    /// Marks the ranks of Cryptomattes, unless the shot says what those channels are.
+    /// Classifies the rank channels of Cryptomattes, unless the shot assigns them another semantic.
     fn find_ranks(&mut self) {
         let names: Vec<String> = self.entries.iter().map(|entry| entry.name.with_part()).collect();
         let known: Vec<String> = self.mattes.iter().map(|matte| matte.name.clone()).collect();
@@ -102,7 +103,7 @@ impl<'a> ChannelTable<'a> {
         }
     }
 
-    /// Parts of several views share the names of their channels.
+    /// Marks every channel of this name as a rank; parts that hold different views share channel names.
     fn mark_rank(&mut self, name: &str, reason: SemanticReason) {
         for entry in self.entries.iter_mut().filter(|entry| entry.name.with_part() == name) {
             if entry.class.reason != SemanticReason::Shot {
@@ -111,7 +112,7 @@ impl<'a> ChannelTable<'a> {
         }
     }
 
-    /// The alpha of the own layer; else that of the picture, of the same view and of the layer that is nearest by name.
+    /// Assigns each channel the alpha of its own layer, or else the beauty alpha of the same view that is nearest by layer name.
     fn find_alphas(&mut self) {
         let alphas: Vec<usize> =
             (0..self.entries.len()).filter(|&index| self.entries[index].class.semantic == Semantic::Alpha).collect();
@@ -123,13 +124,13 @@ impl<'a> ChannelTable<'a> {
         }
     }
 
-    /// Patterns of the shot that no channel fits.
+    /// Returns the shot's patterns that match no channel.
     pub(super) fn unmatched_patterns(&self, patterns: &[(String, Semantic)]) -> Vec<String> {
         let is_unmatched = |pattern: &&String| !self.entries.iter().any(|entry| entry.name.fits(pattern));
         patterns.iter().map(|(pattern, _)| pattern).filter(is_unmatched).cloned().collect()
     }
 
-    /// Reports what every channel was taken for, and warns of names that say nothing.
+    /// Reports the semantic of every channel, and warns about channels whose semantic had to be guessed.
     pub(super) fn report(&self, report: &mut PlateReport) {
         report.channels = self.entries.iter().map(|entry| entry.report(self.plate)).collect();
         let mut guessed: BTreeMap<(String, &'static str), Vec<&str>> = BTreeMap::new();
@@ -162,8 +163,8 @@ impl ChannelEntry {
         }
     }
 
-    /// Whether both are the picture's own red, green, blue or alpha, or both depth, or the same component of motion, or
-    /// the same half of a rank of Cryptomattes of one name, of one view.
+    /// Whether both channels play the same role in the same view: the same component (R, G, B or A) of the beauty,
+    /// depth, the same component of motion, or the same half of a rank of Cryptomattes of one name.
     pub(super) fn has_role_of(&self, other: &Self) -> bool {
         let (own, theirs) = (&self.name, &other.name);
         let is_same = self.class.semantic == other.class.semantic && own.view == theirs.view;
@@ -183,7 +184,7 @@ impl ChannelEntry {
             }
     }
 
-    /// Whether the user should be told that nothing says what it holds. Half floats hold light: that guess is safe.
+    /// Whether the semantic is a guess that the user should be warned about. Half-float channels are safely taken to be colour.
     fn is_guessed(&self, table: &ChannelTable) -> bool {
         let is_half = table.channel(self.index).storage == crate::image::Storage::Half;
         self.class.reason == SemanticReason::Guess && !(is_half && self.class.semantic == Semantic::Color)
@@ -191,19 +192,19 @@ impl ChannelEntry {
 }
 
 impl ChannelName {
-    /// Whether this is a channel of the picture itself.
+    /// Whether this channel belongs to the beauty.
     fn is_beauty(&self) -> bool {
         self.segments.last().is_none_or(|layer| BEAUTY.contains(&layer.to_lowercase().as_str()))
     }
 }
 
-/// `CryptoObject` of `CryptoObject00.R`.
+/// Returns the layer of a rank channel: `CryptoObject` for `CryptoObject00.R`.
 fn layer_of_rank(name: &str) -> String {
     let layer = name.rsplit_once('.').map_or(name, |(layer, _)| layer);
     layer.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned()
 }
 
-/// How well an alpha belongs to a channel; 0: not at all.
+/// Scores how well an alpha matches a channel; 0 if it does not apply to the channel at all.
 fn nearness(entry: &ChannelEntry, alpha: &ChannelEntry) -> usize {
     let (own, other) = (&entry.name, &alpha.name);
     if own.view != other.view && !(own.view.is_none() || other.view.is_none()) {

@@ -1,47 +1,49 @@
-//! The layers of a plate that are pictures, told from passes and from data by their semantics.
+//! Selects the layers of a plate that are pictures, as opposed to passes and data, by their semantics.
 //!
-//! In: a plate, the shot's patterns. Out: [`ColorLayer`]s of one view in the file's order; words about all others.
+//! In: a plate, the shot's channel patterns. Out: the [`ColorLayer`]s of one view in file order, and notes on the layers left out.
 
 use super::Semantic;
 use super::SemanticReason;
 use super::channel_table::{BEAUTY, ChannelEntry, ChannelTable};
 use crate::image::{Channel, Plate, PlatePart};
 
-/// A layer that shows colour.
+/// A layer of colour channels.
 #[derive(Clone, Debug)]
 pub struct ColorLayer<'a> {
-    /// Where it is stored.
+    /// The part that stores the layer.
     pub part: &'a PlatePart,
-    /// Its name without its view: `hair` of `hair.left.R`; empty where the channels stand in no layer.
+    /// Name without the view: `hair` for `hair.left.R`; empty if the channels belong to no layer.
     pub name: String,
-    /// Red, green, blue and alpha, those that it has; grey is all three colours. Each #pixels of the part.
+    /// Red, green, blue and alpha, where present; a luminance channel stands for all three colours. Each: #pixels of the part.
     pub channels: [Option<&'a Channel>; 4],
 }
 
-/// What a layer is to a picture.
+/// How a layer relates to the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
-    /// Colour, as the shot says.
+    /// Marked as colour by the shot.
     Chosen,
-    /// The whole picture.
+    /// The complete picture.
     Beauty,
-    /// A part of its light, by its name.
+    /// A lighting or shading pass, recognised by its name.
     Pass,
-    /// Colour of a name that renderers do not use: `hair`.
+    /// Colour under a name that renderers do not use, for example `hair`.
     Drawn,
-    /// No colour.
+    /// Not colour.
     Data,
 }
 
-/// Channels of one layer and view.
+/// The channels of one layer and view.
 struct Layer<'c> {
     entries: Vec<&'c ChannelEntry>,
 }
 
-/// The layers of the first view that has colour: those that the shot calls colour, and the picture itself. Drawn layers
-/// too, unless the file is a render: one with a beauty, and passes or data beside it. Without a beauty passes are layers.
+/// Returns the layers that make up the picture, from the first view that has colour.
 ///
-/// The second result names what is left out, and why: `albedo (a pass of the picture; ...)`.
+/// These are the layers that the shot marks as colour, and the beauty. Drawn layers are included unless the file is a
+/// render, that is, has a beauty next to passes or data. Without a beauty, passes are included as layers.
+///
+/// The second result lists what is left out and why: `albedo (a pass of the picture; ...)`.
 #[must_use]
 pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Semantic)]) -> (Vec<ColorLayer<'a>>, Vec<String>) {
     let table = ChannelTable::of(plate, patterns);
@@ -72,7 +74,7 @@ pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Semantic)]) -> (V
     (layers, left_out.into_iter().flatten().collect())
 }
 
-/// Each name once, and why; `None` where there are none.
+/// Joins the distinct names and appends the reason; `None` if there are no names.
 fn words(names: impl Iterator<Item = String>, why: &str) -> Option<String> {
     let mut told: Vec<String> = Vec::new();
     for name in names {
@@ -112,7 +114,7 @@ impl<'c> Layer<'c> {
         self.entries.iter().copied().find(|entry| entry.name.component.eq_ignore_ascii_case(wanted))
     }
 
-    /// Red, green and blue, those that hold colour; grey for all three.
+    /// Returns the red, green and blue channels that hold colour; luminance stands for all three.
     fn color(&self) -> [Option<&'c ChannelEntry>; 3] {
         let is_color = |entry: &&ChannelEntry| entry.class.semantic == Semantic::Color;
         let grey = self.component("Y").filter(is_color);
@@ -131,7 +133,7 @@ impl<'c> Layer<'c> {
         }
     }
 
-    /// Its name; the names of channels that stand in no layer.
+    /// Returns the layer's name, or the names of its channels if they belong to no layer.
     fn names(&self) -> Vec<String> {
         let name = &self.first().name;
         match (name.segments.as_slice(), &name.part) {
@@ -141,7 +143,7 @@ impl<'c> Layer<'c> {
         }
     }
 
-    /// Channels that stand beside the colour and are none: `Z` beside `R`.
+    /// Returns the names of channels in the same layer that are not colour: `Z` next to `R`.
     fn other_names(&self) -> Vec<String> {
         let is_other = |entry: &&&ChannelEntry| !matches!(entry.class.semantic, Semantic::Color | Semantic::Alpha);
         self.entries.iter().filter(is_other).map(|entry| entry.name.full.clone()).collect()

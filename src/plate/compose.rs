@@ -1,6 +1,6 @@
-//! Composes a warped plate: every channel of every composite by its semantic.
+//! Composes a warped plate, treating every channel of every composite according to its semantic.
 //!
-//! In: a [`PlateCompositor`], composites with layers and maps. Out: the plate, and the rest of the report.
+//! In: a [`PlateCompositor`] and composites with their layers and maps. Out: the warped plate, and the rest of the report.
 
 use super::channel_table::{ChannelEntry, ChannelIndex};
 use super::composite::{Composite, LEAST_VISIBLE};
@@ -16,7 +16,7 @@ use crate::image::{Channel, Plate};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Composes the plate, and reports what was done.
+/// Composes the plate and completes the report.
 pub(super) fn compose(compositor: &PlateCompositor, composites: &[Composite], report: &mut PlateReport) -> Plate {
     compositor.table.report(report);
     report.warnings.extend(compositor.filling.iter().filter_map(|filling| filling.refusal.clone()));
@@ -42,7 +42,7 @@ fn compose_channels(
 ) {
     let mut by_alpha: BTreeMap<Option<ChannelIndex>, Vec<&ChannelEntry>> = BTreeMap::new();
     for entry in &composite.entries {
-        // Where all moves as one, nothing lies over anything.
+        // With a single layer there is no occlusion, so the alpha is not needed.
         let alpha = entry.alpha.filter(|_| composite.layers.len() > 1);
         by_alpha.entry(alpha).or_default().push(entry);
     }
@@ -62,13 +62,13 @@ fn compose_channels(
     }
 }
 
-/// Counts the pixels of visible folds, and says which layers fold.
+/// Counts the pixels of visible folds and reports the layers that fold.
 fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mut PlateReport) {
     let alpha = composite.entries.iter().find_map(|entry| entry.alpha);
     let alpha = alpha.and_then(|index| compositor.alpha(index, composite));
     let Some(moving_layers) = compositor.moving_layers else { return };
     let mut all = BTreeSet::new();
-    // The parts of a layer fold as one.
+    // The parts of one layer are reported as one.
     let is_same = |(_, one): &(usize, &MovingLayer), (_, other): &(usize, &MovingLayer)| one.name == other.name;
     let numbered: Vec<(usize, &MovingLayer)> = moving_layers.iter().enumerate().collect();
     for same in numbered.chunk_by(is_same) {
@@ -84,7 +84,7 @@ fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mu
     report.folded_pixels = all.len();
 }
 
-/// Counts the holes of the first view that has some, and says which channels nothing fills.
+/// Counts the holes of the first view that has any, and reports the channels that nothing fills.
 fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut PlateReport) {
     let holes = group.occlusion.holes.iter().flatten().filter(|hole| **hole > LEAST_VISIBLE).count();
     if report.hole_pixels == 0 {
@@ -150,12 +150,12 @@ fn compose_cryptomattes(
             planes.insert(rank.coverage, coverage);
         }
     }
-    // Half a pair of ranks cannot be read: it stays data.
+    // Half a pair of rank channels cannot be decoded: treat it as data.
     let alone: Vec<&ChannelEntry> = entries.into_iter().filter(|entry| !planes.contains_key(&entry.index)).collect();
     compositor.copy(&alone, (composite, group), planes);
 }
 
-/// Puts the planes in their parts, in the plate's order.
+/// Assembles the output planes into parts, in the plate's order.
 fn assemble(compositor: &PlateCompositor, composites: &[Composite], mut planes: OutputPlanes) -> Plate {
     let plate = compositor.table.plate;
     let parts = plate.parts.iter().enumerate().map(|(part, stored)| {

@@ -1,6 +1,6 @@
-//! Warped layers of one view over one data window, from back to front.
+//! The warped layers of one view over one data window, ordered from back to front.
 //!
-//! In: what [`composite_layout`](super::composite_layout) finds. Out: [`Composite`], and questions about single pixels of it.
+//! In: the layout computed by [`composite_layout`](super::composite_layout). Out: [`Composite`], with per-pixel queries.
 
 use super::WarpMap;
 use super::channel_table::ChannelEntry;
@@ -12,45 +12,46 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Coverage that counts, as a hole or where mattes overlap: half a step of an 8-bit picture.
+/// Smallest coverage that counts as a hole or as overlap of mattes: half an 8-bit step.
 pub(super) const LEAST_VISIBLE: f32 = 0.5 / 255.0;
 
-/// A moving layer as it is drawn: its matte, its map, its window.
+/// A warped layer: its matte, its map and its window.
 #[derive(Clone, Debug)]
 pub(super) struct WarpedLayer {
-    /// Index among the moving layers; 0 is the background.
+    /// Index into the moving layers; 0 is the background.
     pub(super) moving_layer: usize,
-    /// Parts of one layer, which follow each other, share what it moves: they lie over what is behind as one. `None`: it is no part.
+    /// Group of parts that were split from one layer. They are consecutive and occlude what is behind them as a single
+    /// layer. `None`: not a part.
     pub(super) group: Option<usize>,
-    /// The part of the source that it moves.
+    /// The part of the source that the layer moves.
     pub(super) matte: MatteCoverage,
-    /// The pixels of the source that hold some of it, and one around them.
+    /// The source pixels with coverage, and a border of one pixel.
     pub(super) reach: PixelRect,
-    /// The pixels it may appear in.
+    /// The output pixels that the layer may cover.
     pub(super) window: PixelRect,
-    /// Where the pixels of that window come from; `None`: nothing moves.
+    /// Source offsets of the pixels in `window`; `None`: identity.
     pub(super) map: Option<Arc<WarpMap>>,
 }
 
-/// The channels of one view over one data window. Windows are measured from the upper left corner of the display window.
+/// The channels of one view over one data window. Windows are relative to the upper left corner of the display window.
 #[derive(Debug)]
 pub(super) struct Composite<'a> {
     pub(super) view: Option<&'a str>,
     pub(super) entries: Vec<&'a ChannelEntry>,
-    /// Data window of the plate.
+    /// Data window of the source plate.
     pub(super) source: PixelRect,
     /// Data window of the result.
     pub(super) window: PixelRect,
-    /// From back to front.
+    /// Layers from back to front.
     pub(super) layers: Vec<WarpedLayer>,
-    /// Coverage that layers with mattes remove from the background: #pixels of the source; `None`: nothing.
+    /// Coverage that matted layers remove from the background: #pixels of the source; `None`: none.
     pub(super) holdout: Option<Vec<f32>>,
-    /// Pixels that mattes of more than one layer cover; in words.
+    /// Message about pixels that the mattes of several layers cover.
     pub(super) overlap: Option<String>,
 }
 
 impl WarpedLayer {
-    /// The pixels of a plane of the source that hold some of the layer.
+    /// Crops a source plane to the layer's reach.
     pub(super) fn reached<'a>(&self, composite: &Composite, plane: &'a [f32]) -> Cow<'a, [f32]> {
         if self.reach == composite.source {
             return Cow::Borrowed(plane);
@@ -60,23 +61,23 @@ impl WarpedLayer {
 }
 
 impl Composite<'_> {
-    /// The front of the background; it is as large as the window.
+    /// Returns the front surface of the background, which is as large as the window.
     pub(super) fn background(&self) -> &WarpedLayer {
         &self.layers[self.background_folds().len()]
     }
 
-    /// What the background shows behind itself where it folds, from the back.
+    /// Returns the hidden surfaces of the background where it folds, from back to front.
     pub(super) fn background_folds(&self) -> &[WarpedLayer] {
         let count = self.layers.iter().take_while(|layer| layer.moving_layer == 0).count();
         &self.layers[..count.saturating_sub(1)]
     }
 
-    /// The layers with a matte, from back to front.
+    /// Returns the layers that have a matte, from back to front.
     pub(super) fn matted_layers(&self) -> &[WarpedLayer] {
         &self.layers[self.background_folds().len() + 1..]
     }
 
-    /// Layers from an index on that lie over what is behind as one: the parts of a layer together, others alone.
+    /// Groups the layers from index `first` on into runs that occlude as one: the parts of a layer together, other layers individually.
     pub(super) fn runs_from(&self, first: usize) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         for index in first..self.layers.len() {
@@ -89,33 +90,33 @@ impl Composite<'_> {
         runs
     }
 
-    /// The pixels of the source that hold some of a moving layer.
+    /// Returns the source pixels that a moving layer covers.
     pub(super) fn reach(&self, moving_layer: usize) -> PixelRect {
         let own = self.layers.iter().filter(|layer| layer.moving_layer == moving_layer);
         own.map(|layer| layer.reach).reduce(PixelRect::union).unwrap_or_default()
     }
 
-    /// Index into the source of the sample nearest to where a pixel of a layer comes from.
+    /// Returns the index of the source sample nearest to the source position of a layer's pixel.
     pub(super) fn source_of(&self, layer: &WarpedLayer, [x, y]: [i32; 2]) -> Option<usize> {
         let own = layer.window.place_of([x, y])?;
         let offset = layer.map.as_ref().map_or([0.0; 2], |map| map.offsets[own]);
         self.source.place_of(nearest_source([x, y], offset)?)
     }
 
-    /// The pixel of the source's frame that the background shows at a pixel, given by its index in the window.
+    /// Returns the source pixel that the background shows at a pixel, given by its index in the window.
     pub(super) fn background_source(&self, at: usize) -> Option<[i32; 2]> {
         let offset = self.background().map.as_ref().map_or([0.0; 2], |map| map.offsets[at]);
         nearest_source(self.window.pixel_at(at), offset)
     }
 
-    /// Whether the holdout removes something of the background that a pixel shows.
+    /// Whether the holdout removes some of the background shown at a pixel.
     pub(super) fn is_held_out_at(&self, at: [i32; 2]) -> bool {
         let held_out = self.holdout.as_ref().zip(self.source_of(self.background(), at));
         held_out.is_some_and(|(holdout, index)| holdout[index] > 0.0)
     }
 
-    /// Pixels, as indices into the window, at which a moving layer folds over itself and something of it is visible; of a part, which
-    /// is continued beyond what it moves, two of its surfaces. `alpha`: #pixels of the source.
+    /// Returns the pixels, as indices into the window, where a moving layer folds over itself and is visible. A part is extrapolated
+    /// beyond the region that it moves, so at least two of its surfaces must be visible. `alpha`: #pixels of the source.
     pub(super) fn folded_pixels(&self, moving_layer: usize, alpha: Option<&[f32]>) -> BTreeSet<usize> {
         let surfaces: Vec<&WarpedLayer> =
             self.layers.iter().filter(|layer| layer.moving_layer == moving_layer).collect();
@@ -130,7 +131,7 @@ impl Composite<'_> {
         surfaces.iter().copied().flat_map(of_layer).collect()
     }
 
-    /// Whether a layer shows something of the picture at a pixel.
+    /// Whether a layer is visible at a pixel.
     fn is_visible(&self, layer: &WarpedLayer, pixel: [i32; 2], alpha: Option<&[f32]>) -> bool {
         let of = |plane: Option<&[f32]>, source: usize| plane.map_or(1.0, |plane| plane[source]);
         self.source_of(layer, pixel)

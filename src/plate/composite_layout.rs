@@ -1,6 +1,6 @@
-//! Lays out a plate's composites: which layer covers which pixels, where it may appear, and which map it gets.
+//! Lays out the composites of a plate: the coverage, output window and map of every layer.
 //!
-//! In: the channels of a plate, its moving layers, or one map for all. Out: [`Composite`]s, ready to be drawn.
+//! In: the channels of a plate, and its moving layers or one map for all. Out: [`Composite`]s, ready to be drawn.
 
 use super::channel_table::ChannelTable;
 use super::composite::{Composite, LEAST_VISIBLE, WarpedLayer};
@@ -13,7 +13,7 @@ use crate::spelling::counted;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The composites of a plate, one a view and data window, without layers.
+/// Returns the composites of a plate, one per view and data window, without layers.
 pub(super) fn composites<'a>(table: &'a ChannelTable) -> Vec<Composite<'a>> {
     let mut composites: Vec<Composite> = Vec::new();
     for entry in &table.entries {
@@ -34,7 +34,7 @@ pub(super) fn composites<'a>(table: &'a ChannelTable) -> Vec<Composite<'a>> {
     composites
 }
 
-/// Gives every moving layer the coverage of its matte, and the background what is left.
+/// Assigns every moving layer the coverage of its matte, and the remainder to the background.
 pub(super) fn assign_coverage(
     composite: &mut Composite,
     table: &ChannelTable,
@@ -67,15 +67,14 @@ pub(super) fn assign_coverage(
     Ok(())
 }
 
-/// The first of the parts of the same layer.
+/// Returns the index of the first part of the same layer.
 fn group_of(moving_layers: &[MovingLayer], index: usize) -> Option<usize> {
     let is_part = |layer: &MovingLayer| matches!(layer.matte, Some(Matte::Part { .. }));
     let own = moving_layers.get(index).filter(|layer| is_part(layer))?;
     moving_layers.iter().position(|layer| is_part(layer) && layer.name == own.name)
 }
 
-/// The data window after a map: all pixels that show something of the source. A plate that fills its frame keeps its
-/// own.
+/// Returns the data window under a map: all pixels that show some of the source. A plate that fills its frame keeps its window.
 pub(super) fn window_under(composite: &Composite, map: &WarpMap) -> PixelRect {
     let source_window = composite.source;
     if source_window.union(map.frame.window()) == source_window {
@@ -89,13 +88,13 @@ pub(super) fn window_under(composite: &Composite, map: &WarpMap) -> PixelRect {
         })
         .collect();
     let seen = bounds(&seen, map.window);
-    // A pixel more on every side, for what filters spread.
+    // One pixel more on every side for the support of the filter.
     let seen = if seen.area() == 0 { seen } else { seen.grown(1) };
     seen.intersection(map.frame.window().union(source_window))
 }
 
-/// Finds where layers may appear, and with them the data windows of the result. A plate that fills its frame keeps its
-/// window; others may grow as far as the frame.
+/// Computes the windows of the layers, and from them the data windows of the result. A plate that fills its frame keeps
+/// its window; other windows may grow up to the frame.
 pub(super) fn assign_windows(composites: &mut [Composite], frame: FrameSize, moving_layers: &[MovingLayer]) {
     for composite in composites.iter_mut() {
         for layer in &mut composite.layers {
@@ -112,7 +111,7 @@ pub(super) fn assign_windows(composites: &mut [Composite], frame: FrameSize, mov
     settle_windows(composites);
 }
 
-/// Views that share a part share its data window, which holds a pixel at least.
+/// Unites the windows of views that share a part, and makes each at least one pixel large.
 pub(super) fn settle_windows(composites: &mut [Composite]) {
     let windows: Vec<_> = composites.iter().map(|composite| (composite.source, composite.window)).collect();
     for composite in composites {
@@ -122,13 +121,13 @@ pub(super) fn settle_windows(composites: &mut [Composite]) {
         composite.window = if window.area() == 0 { pixel } else { window };
         let window = composite.window;
         for layer in &mut composite.layers {
-            // The background is looked up at every pixel, so it covers the whole window.
+            // The background is sampled at every pixel, so it covers the whole window.
             layer.window = if layer.moving_layer == 0 { window } else { layer.window.intersection(window) };
         }
     }
 }
 
-/// Gives every layer its map: computed once a moving layer for all composites, cropped to what each needs.
+/// Assigns every layer its map, computed once per moving layer and cropped for each composite.
 pub(super) fn assign_maps(composites: &mut [Composite], frame: FrameSize, moving_layers: &[MovingLayer]) {
     for (index, moving_layer) in moving_layers.iter().enumerate() {
         let wanted = composites.iter().flat_map(|composite| &composite.layers);
@@ -143,7 +142,7 @@ pub(super) fn assign_maps(composites: &mut [Composite], frame: FrameSize, moving
     }
 }
 
-/// Adds what a moving layer shows behind itself where it folds.
+/// Inserts the hidden surfaces of a moving layer where it folds.
 fn insert_folds(composites: &mut [Composite], moving_layer: usize, map: &WarpMap) {
     let seen: Vec<f32> = map.offsets.iter().map(|offset| f32::from(u8::from(!offset[0].is_nan()))).collect();
     let folded = bounds(&seen, map.window);
@@ -159,7 +158,7 @@ fn insert_folds(composites: &mut [Composite], moving_layer: usize, map: &WarpMap
     }
 }
 
-/// Gives all layers of a moving layer their part of a map.
+/// Assigns all layers of a moving layer their crop of a map.
 pub(super) fn assign_map(composites: &mut [Composite], moving_layer: usize, map: &Arc<WarpMap>) {
     let mut parts: Vec<Arc<WarpMap>> = vec![Arc::clone(map)];
     let layers = composites.iter_mut().flat_map(|composite| &mut composite.layers);
@@ -173,7 +172,7 @@ pub(super) fn assign_map(composites: &mut [Composite], moving_layer: usize, map:
     }
 }
 
-/// The summed coverage of layers with a matte, at most 1: mattes of one picture share its pixels among them.
+/// Returns the summed coverage of the matted layers, clamped to 1: the mattes of one picture divide its pixels among them.
 fn holdout<'a>(mattes: impl Iterator<Item = &'a MatteCoverage>) -> Option<Vec<f32>> {
     let mut coverages = mattes.filter_map(|matte| matte.coverage.as_ref());
     let mut sum = coverages.next()?.clone();
@@ -183,7 +182,7 @@ fn holdout<'a>(mattes: impl Iterator<Item = &'a MatteCoverage>) -> Option<Vec<f3
     Some(sum)
 }
 
-/// Says how many pixels are covered by mattes of more than one layer.
+/// Reports how many pixels the mattes of several layers cover.
 fn overlap(mattes: &[MatteCoverage], moving_layers: &[MovingLayer], window: PixelRect) -> Option<String> {
     let coverage = |layer: usize, pixel: usize| mattes[layer].coverage.as_ref().map_or(1.0, |coverage| coverage[pixel]);
     let layers = 1..mattes.len();
@@ -205,7 +204,7 @@ fn overlap(mattes: &[MatteCoverage], moving_layers: &[MovingLayer], window: Pixe
     })
 }
 
-/// The smallest window that holds every pixel with coverage.
+/// Returns the smallest window that contains every pixel with coverage.
 fn bounds(coverage: &[f32], window: PixelRect) -> PixelRect {
     let width = window.width as usize;
     let rows = coverage.chunks_exact(width.max(1)).enumerate();

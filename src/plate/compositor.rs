@@ -1,6 +1,7 @@
-//! What every channel of a composite is made with: samples of the plate, what fills holes, memory.
+//! Context shared by all channels of a composite: source samples, hole filling and working memory.
 //!
-//! In: the plate's channels, settings. Out: [`PlateCompositor`] and [`AlphaGroup`]; channels that are copied, not blended.
+//! In: the plate's channels, settings. Out: [`PlateCompositor`] and [`AlphaGroup`]; samples of channels that are copied
+//! rather than blended.
 
 use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
 use super::composite::Composite;
@@ -14,47 +15,47 @@ use crate::image::EMPTY_DEPTH;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Samples of channels of the result.
+/// Output samples by channel.
 pub(super) type OutputPlanes = BTreeMap<ChannelIndex, Vec<f32>>;
 
-/// What is composited, and how.
+/// The inputs and settings of compositing.
 pub(super) struct PlateCompositor<'a> {
     pub(super) table: &'a ChannelTable<'a>,
     pub(super) settings: &'a WarpSettings,
-    /// `None` where a map alone is known.
+    /// `None` if only a map is known.
     pub(super) moving_layers: Option<&'a [MovingLayer<'a>]>,
     pub(super) filling: Option<HoleFilling<'a>>,
     pub(super) context: &'a ResampleContext,
 }
 
-/// Channels of a composite that have one alpha, and so the same occlusion.
+/// The channels of a composite that share an alpha and therefore their occlusion.
 pub(super) struct AlphaGroup<'a> {
     pub(super) entries: Vec<&'a ChannelEntry>,
     pub(super) occlusion: Occlusion,
-    /// #pixels of the composite; empty where no channel is copied.
+    /// #pixels of the composite; empty if no channel is copied.
     pub(super) visible: Vec<VisibleSample>,
 }
 
 impl PlateCompositor<'_> {
-    /// The alpha of a composite's colour. One that is 0 everywhere says nothing where the picture moves as a whole.
+    /// Returns the alpha of a composite's colour. If the picture moves as a whole, an alpha of 0 everywhere is ignored.
     pub(super) fn alpha(&self, index: ChannelIndex, composite: &Composite) -> Option<Cow<'_, [f32]>> {
         let alpha = self.table.over(index, composite.source, 0.0);
         let has_mattes = !composite.matted_layers().is_empty();
         (has_mattes || alpha.iter().any(|alpha| *alpha > 0.0)).then_some(alpha)
     }
 
-    /// Resamples with a filter.
+    /// Returns resampling with the given filter.
     pub(super) fn by(&self, filter: Filter) -> Resampling<'_> {
         Resampling { context: self.context, filter }
     }
 
-    /// What fills holes in a channel.
+    /// Returns the samples that fill the holes of a channel.
     pub(super) fn fill(&self, entry: &ChannelEntry, composite: &Composite, filter: Filter) -> Option<Vec<f32>> {
         let filling = self.filling.as_ref()?;
         Some(filling.seen(filling.find(entry)?.index, composite, self.by(filter)))
     }
 
-    /// Copies the visible samples of channels, all together: what a pixel shows is the same in all of them.
+    /// Copies the visible samples of several channels together, so that each pixel shows the same source sample in all of them.
     pub(super) fn copy(
         &self,
         entries: &[&ChannelEntry],
@@ -72,7 +73,7 @@ impl PlateCompositor<'_> {
         }
     }
 
-    /// Puts what fills holes into a channel that is never blended. Vectors in unknown units are left out.
+    /// Fills the holes of a channel that is copied rather than blended. Vectors in unknown units are not filled.
     fn fill_copied(&self, entry: &ChannelEntry, composite: &Composite, group: &AlphaGroup, plane: &mut [f32]) {
         let Some(filling) = &self.filling else { return };
         let Some(behind) = filling.find(entry) else { return };
@@ -89,7 +90,7 @@ impl PlateCompositor<'_> {
 }
 
 impl<'a> AlphaGroup<'a> {
-    /// Its channels with one of these semantics.
+    /// Returns the group's channels with one of the given semantics.
     pub(super) fn of(&self, semantics: &[Semantic]) -> Vec<&'a ChannelEntry> {
         self.entries.iter().copied().filter(|entry| semantics.contains(&entry.class.semantic)).collect()
     }

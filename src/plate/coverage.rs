@@ -1,22 +1,22 @@
-//! How much of every pixel of a picture something covers.
+//! Coverage: the fraction of every pixel that something covers.
 //!
-//! In: samples of a window, from a render or an alpha. Out: the coverage at any pixel of a picture of the same frame.
+//! In: samples over a window, from a render or an alpha. Out: the coverage at any pixel of a picture of the same frame.
 
 use crate::space::{FrameSize, PixelRect};
 
-/// How much of every pixel of a picture something covers.
+/// The fraction of every pixel of a picture that something covers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
-    /// The display window that was looked at.
+    /// Size of the display window.
     pub frame: FrameSize,
-    /// Its pixels that have coverage, from the upper left corner of the display window.
+    /// Window of pixels with coverage, relative to the upper left corner of the display window.
     pub window: PixelRect,
     /// #pixels of the window, 0 to 1.
     pub samples: Vec<f32>,
 }
 
 impl Coverage {
-    /// Of the pixel of a picture of any size that shows the same frame; 0 outside the window.
+    /// Returns the coverage of a pixel in a picture of `size` that shows the same frame; 0 outside the window.
     #[must_use]
     pub fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
         let scale = [
@@ -27,7 +27,7 @@ impl Coverage {
         self.window.place_of(own).map_or(0.0, |place| self.samples[place])
     }
 
-    /// As much of it as other coverage of the same frame holds.
+    /// Returns this coverage limited to the other, which belongs to the same frame.
     #[must_use]
     pub fn within(&self, other: &Self) -> Self {
         let samples = self.samples.iter().enumerate();
@@ -35,7 +35,8 @@ impl Coverage {
         Self { samples: samples.collect(), ..self.clone() }
     }
 
-    /// The same over a window of a picture of that size, #pixels. A pixel outside the frame has what the nearest one inside has.
+    /// Resamples the coverage over a window of a picture of the given size, #pixels. Pixels outside the frame take the
+    /// value of the nearest pixel inside.
     #[must_use]
     pub fn over(&self, window: PixelRect, size: FrameSize) -> Vec<f32> {
         let last = [size.width, size.height].map(|side| i32::try_from(side).unwrap_or(i32::MAX) - 1);

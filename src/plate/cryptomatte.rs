@@ -1,9 +1,9 @@
-//! Ranks of a Cryptomatte after a warp: coverage is gathered an id at a time, ids are never mixed.
+//! Warps the ranks of a Cryptomatte: coverage is gathered per id, and ids are never blended.
 //!
-//! In: a composite with maps, ranks of the source, the transmittance of each layer. Out: ranks.
+//! In: a composite with maps, the ranks of the source, the transmittance of each layer. Out: ranks.
 //!
-//! What is seen of an id is the sum, over the samples below the pixel's footprint, of weight · matte · coverage,
-//! layer over layer as colour (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters).
+//! The visible coverage of an id is the sum of weight · matte · coverage over the samples in the pixel's footprint;
+//! layers are composited as colour is (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters).
 
 use super::composite::{Composite, WarpedLayer};
 use super::disjoint_over::{Occlusion, Run};
@@ -13,26 +13,26 @@ use super::uniform_regions::UniformRegions;
 use crate::image::cryptomatte::{Coverage, MatteId};
 use rayon::prelude::*;
 
-/// One rank of the source: ids and coverage, #pixels each.
+/// One rank of the source: ids and coverages, #pixels each.
 pub(super) type Rank<'a> = [&'a [f32]; 2];
 
-/// What of a Cryptomatte's ranks each pixel holds.
+/// The ranks of a Cryptomatte.
 pub(super) struct CryptomatteRanks<'a> {
-    /// Its name, by which mattes that are selected from it are known.
+    /// Name of the Cryptomatte, which identifies mattes selected from it.
     pub(super) name: &'a str,
     pub(super) ranks: Vec<Rank<'a>>,
-    /// Ranks of what fills holes, over the composite's window; empty where nothing does.
+    /// Ranks of the fill plate, over the composite's window; empty if no plate fills holes.
     pub(super) filling: Vec<[Vec<f32>; 2]>,
 }
 
-/// What the pixels of a composite are gathered from.
+/// The inputs from which the ranks of a pixel are gathered.
 struct RankSource<'a> {
     matte: &'a CryptomatteRanks<'a>,
     occlusion: &'a Occlusion,
     uniform: &'a UniformRegions,
 }
 
-/// Memory that a thread uses again for every pixel.
+/// Per-thread scratch memory, reused for every pixel.
 #[derive(Default)]
 struct Scratch {
     taps: Vec<(usize, f32)>,
@@ -40,7 +40,7 @@ struct Scratch {
     ranks: Vec<f32>,
 }
 
-/// Ranks after the warp: for each id and coverage, #pixels of the composite.
+/// Returns the warped ranks: ids and coverages, #pixels of the composite each.
 pub(super) fn gathered_ranks(
     composite: &Composite,
     matte: &CryptomatteRanks,
@@ -63,13 +63,13 @@ pub(super) fn gathered_ranks(
     std::iter::from_fn(|| planes.next().zip(planes.next()).map(<[Vec<f32>; 2]>::from)).collect()
 }
 
-/// Where ranks and the mattes of all layers are the same in neighbouring samples.
+/// Finds the regions where neighbouring samples have the same ranks and the same mattes in all layers.
 fn uniform_regions(composite: &Composite, matte: &CryptomatteRanks) -> UniformRegions {
     let mattes = composite.layers.iter().filter_map(|layer| layer.matte.coverage.as_deref());
     UniformRegions::of(composite.source, &matte.ranks.as_flattened().iter().copied().chain(mattes).collect::<Vec<_>>())
 }
 
-/// Leaves the ranks of one pixel in `scratch`.
+/// Gathers the ranks of one pixel into `scratch`.
 fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
     let RankSource { matte, occlusion, .. } = *from;
     scratch.ranks.clear();
@@ -109,8 +109,8 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
     limit(&mut scratch.ranks);
 }
 
-/// Samples below a pixel of a layer. Where all hold the same, one of them stands for all: weights that sum to 0.9999999
-/// would leave noise in every matte.
+/// Finds the samples in the footprint of a layer's pixel. If all of them are equal, one stands for all: weights that
+/// sum to 0.9999999 would leave noise in every matte.
 fn find_taps(
     composite: &Composite,
     (uniform, layer): (&UniformRegions, &WarpedLayer),
@@ -142,7 +142,7 @@ impl CryptomatteRanks<'_> {
         }
     }
 
-    /// Adds the ranks of a sample, as far as they belong to a layer.
+    /// Adds the ranks of a sample, scaled by the layer's matte.
     fn add(&self, composite: &Composite, layer: &WarpedLayer, (index, weight): (usize, f32), coverage: &mut Coverage) {
         let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
         for [ids, coverages] in &self.ranks {
@@ -153,7 +153,8 @@ impl CryptomatteRanks<'_> {
         }
     }
 
-    /// Whether a layer, with all of its parts, has an id, 1 or 0: known where its matte is selected from this very Cryptomatte.
+    /// Returns 1 or 0 depending on whether a layer, including all of its parts, contains an id. Only known if its matte
+    /// is selected from this Cryptomatte.
     fn part_by_id(&self, composite: &Composite, layer: &WarpedLayer, id: MatteId) -> Option<f32> {
         let holds = |layer: &WarpedLayer| {
             let (name, ids) = layer.matte.selection.as_ref()?;
@@ -176,7 +177,7 @@ impl CryptomatteRanks<'_> {
     }
 }
 
-/// Keeps the sum of coverage at 1 or below: weights are rounded.
+/// Limits the sum of coverages to 1, which rounding of the weights may exceed.
 fn limit(ranks: &mut [f32]) {
     let sum: f32 = ranks.iter().skip(1).step_by(2).sum();
     if sum > 1.0 {

@@ -1,6 +1,7 @@
-//! The mattes of layers that say none: their names in a Cryptomatte of the plate, or what was drawn of them.
+//! Default mattes of layers that specify none: by object name from a Cryptomatte of the plate, or from the coverage of
+//! the rendered layer.
 //!
-//! In: a plate, the names of what each layer moves. Out: one [`Matte`] a layer; coverage of one as samples.
+//! In: a plate, the object names of each layer. Out: one [`Matte`] per layer; the coverage of a matte as samples.
 
 use super::channel_table::ChannelTable;
 use super::matte::{MatteRegion, matte_coverage};
@@ -8,8 +9,10 @@ use super::{Coverage, Matte, PlateError, WarpSettings};
 use crate::image::Plate;
 use crate::image::cryptomatte::{Manifest, MatteHeader};
 
-/// One matte a layer from the one Cryptomatte of a plate that knows something of each of them: of objects before assets
-/// before others; materials do not tell layers apart. `names`: the objects of each layer. `None`: there is no such Cryptomatte.
+/// Selects one matte per layer from a Cryptomatte of the plate that contains at least one name of every layer.
+///
+/// Object Cryptomattes are preferred, then assets, then others; materials do not distinguish layers. `names`: the
+/// object names of each layer. Returns `None` if no such Cryptomatte exists.
 #[must_use]
 pub fn mattes_of_names(plate: &Plate, names: &[Vec<String>], settings: &WarpSettings) -> Option<Vec<Matte>> {
     let table = ChannelTable::of(plate, &settings.semantics);
@@ -30,15 +33,15 @@ pub fn mattes_of_names(plate: &Plate, names: &[Vec<String>], settings: &WarpSett
     })
 }
 
-/// Without its names a Cryptomatte says nothing for sure.
+/// Whether the manifest lists the name. Without a manifest nothing can be matched reliably.
 fn knows(manifest: &Manifest, name: &str) -> bool {
     manifest.iter().any(|(known, _)| known == name)
 }
 
-/// How much of every pixel of a plate a matte takes, over the first part's data window.
+/// Computes the coverage of a matte over the data window of the plate's first part.
 ///
 /// # Errors
-/// [`PlateError`] where the plate does not have what the matte names.
+/// [`PlateError`] if the plate lacks what the matte refers to.
 pub fn coverage_of(plate: &Plate, matte: &Matte, settings: &WarpSettings) -> Result<Coverage, PlateError> {
     let frame = plate.frame_size();
     let window = plate.parts.first().map_or(frame.window(), |part| plate.window_of(part));
@@ -57,7 +60,7 @@ mod tests {
 
     const WINDOW: PixelRect = PixelRect { x: 0, y: 0, width: 2, height: 1 };
 
-    /// A pixel over nothing and one over something opaque, each covered by 0.25 of a sword.
+    /// A transparent pixel and an opaque one, each covered to 0.25 by a sword.
     fn plate() -> Plate {
         let id = MatteId::of_name("Sword").sample();
         let channel = |name: &str, samples: [f32; 2]| Channel {

@@ -1,10 +1,10 @@
-//! Layers composited with disjoint over: how much each lets through, what stays uncovered, and colour.
+//! Composites layers with disjoint over: the transmittance of each layer, the remaining holes, and colour.
 //!
-//! In: a composite with maps, an alpha. Out: [`Occlusion`]: the transmittance of each layer, and holes; planes of colour.
+//! In: a composite with maps, an alpha. Out: [`Occlusion`] (the transmittance of each layer, and holes), and planes of colour.
 //!
-//! Layers of one picture meet at its soft edges: where a pixel belongs to one of them by 0.7, the rest has 0.3 of it.
-//! So the first thing a layer covers is the hole it left (Porter and Duff, "Compositing Digital Images", 1984, call such
-//! coverage disjoint), and only what exceeds the hole hides what lies below. A layer that stays gives the picture back.
+//! Layers cut from one picture meet at its soft edges: where one has 0.7 of a pixel, the rest has 0.3. A layer
+//! therefore covers first the hole that it left (disjoint coverage in Porter and Duff, "Compositing Digital Images",
+//! 1984), and only the excess hides what is below. A layer that does not move thus reproduces the picture.
 
 use super::Planes;
 use super::composite::{Composite, WarpedLayer};
@@ -13,45 +13,46 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Pixels that a task takes.
+/// Pixels per parallel task.
 pub(super) const BATCH: usize = 1 << 14;
 
-/// Coverage above this is whole: weights of a filter sum to 1 but for rounding.
+/// Coverage above this counts as complete, because filter weights sum to 1 only up to rounding.
 const WHOLE: f32 = 1.0 - 1e-5;
 
-/// Planes that are weighted and filtered together.
+/// Number of planes that are weighted and filtered together.
 const GROUP: usize = 8;
 
-/// What layers hide of each other.
+/// How the layers of a composite occlude each other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Occlusion {
-    /// A layer each: #pixels of the layer's window, the factor for everything below it, of a part for the parts below it; empty for the
-    /// lowest.
+    /// Per layer, #pixels of its window: the factor for everything below it (for a part, for the parts below it). Empty
+    /// for the lowest layer.
     pub(super) transmittance: Vec<Vec<f32>>,
-    /// The layers that lie over what is behind as one, from back to front.
+    /// Runs of layers that occlude as one, from back to front.
     pub(super) runs: Vec<Run>,
-    /// #pixels of the composite: how much of a pixel nothing covers though something was there; `None`: no layer left.
+    /// #pixels of the composite: the fraction that was covered before and is uncovered now; `None`: no layer moved away.
     pub(super) holes: Option<Vec<f32>>,
 }
 
-/// One layer, or the parts of one.
+/// One layer, or the parts of one layer.
 #[derive(Clone, Debug)]
 pub(super) struct Run {
-    /// Indices of the layers.
+    /// Range of layer indices.
     pub(super) layers: Range<usize>,
-    /// Of parts: #pixels of the composite, the factor for everything below them; `None`: that of the only layer counts.
+    /// For parts, the factor for everything below them, #pixels of the composite; `None`: the run is a single layer,
+    /// whose own factor applies.
     pub(super) transmittance: Option<Vec<f32>>,
 }
 
-/// What a layer shows of itself: #pixels of its window each, 0 to 1.
+/// The visible amount of a layer: #pixels of its window each, 0 to 1.
 struct Shown {
-    /// Where it lands.
+    /// Warped coverage.
     coverage: Vec<f32>,
     /// Coverage times alpha.
     opacity: Vec<f32>,
 }
 
-/// Occlusion in a composite. `alpha`: #pixels of the source, the coverage of its colour; `None`: it is 1.
+/// Computes the occlusion in a composite. `alpha`: #pixels of the source, the alpha of its colour; `None`: opaque.
 pub(super) fn occlusion(composite: &Composite, alpha: Option<&[f32]>, by: Resampling) -> Occlusion {
     let mut filled = composite.holdout.as_ref().map(|holdout| not_held_out(composite, holdout, by));
     let mut transmittance = background(composite, (alpha, by), filled.as_mut());
@@ -78,7 +79,7 @@ pub(super) fn occlusion(composite: &Composite, alpha: Option<&[f32]>, by: Resamp
     Occlusion { transmittance, runs, holes }
 }
 
-/// The factors of the background and its folds; `filled` becomes what they cover.
+/// Computes the factors of the background and its folds, and sets `filled` to their coverage.
 fn background(
     composite: &Composite,
     (alpha, by): (Option<&[f32]>, Resampling),
@@ -98,7 +99,7 @@ fn background(
     std::iter::once(Vec::new()).chain(factors).collect()
 }
 
-/// The factor of a layer over what is filled below it, which it fills too.
+/// Computes the factor of a layer over the coverage below it, and adds the layer's coverage to `filled`.
 fn over_filled(composite: &Composite, layer: &WarpedLayer, shown: &Shown, filled: &mut [f32]) -> Vec<f32> {
     let Shown { coverage, opacity } = shown;
     let mut factors = vec![1.0; layer.window.area()];
@@ -109,7 +110,7 @@ fn over_filled(composite: &Composite, layer: &WarpedLayer, shown: &Shown, filled
     factors
 }
 
-/// The factors of parts among themselves, and what they show together: #pixels of the composite.
+/// Computes the factors of the parts among each other, and their combined coverage and opacity: #pixels of the composite.
 fn parts(
     composite: &Composite,
     layers: Range<usize>,
@@ -128,7 +129,7 @@ fn parts(
     (composite.layers[layers].iter().map(&mut factor).collect(), all)
 }
 
-/// The factor of parts together.
+/// Computes the combined factor of all parts.
 fn over_all(Shown { coverage, opacity }: Shown, filled: Option<&mut Vec<f32>>) -> Vec<f32> {
     let Some(filled) = filled else { return transmitted(opacity) };
     let pixels = filled.par_iter_mut().zip(coverage).zip(opacity).with_min_len(BATCH);
@@ -140,7 +141,7 @@ fn over_all(Shown { coverage, opacity }: Shown, filled: Option<&mut Vec<f32>>) -
     pixels.map(factor).collect()
 }
 
-/// How much of every pixel the background has, before layers come in front of it.
+/// Computes the fraction of every pixel that the background covers before layers are composited over it.
 fn not_held_out(composite: &Composite, holdout: &[f32], by: Resampling) -> Vec<f32> {
     let source = Planes { window: composite.source, planes: vec![holdout] };
     let held_out = resampled(composite.background(), &source, by).swap_remove(0);
@@ -161,7 +162,7 @@ fn shown(composite: &Composite, layer: &WarpedLayer, alpha: Option<&[f32]>, by: 
     Shown { coverage: seen.swap_remove(0), opacity }
 }
 
-/// Planes of colour, composited: #pixels of the composite's window each.
+/// Composites planes of colour: #pixels of the composite's window each.
 pub(super) fn colors(
     composite: &Composite,
     planes: &[Cow<[f32]>],
@@ -193,7 +194,7 @@ fn color_group(composite: &Composite, planes: &[Cow<[f32]>], occlusion: &Occlusi
     result.unwrap_or_default()
 }
 
-/// Lays a layer over what is there.
+/// Composites a layer over the accumulated planes.
 fn lay(
     composite: &Composite,
     (index, planes): (usize, &[Cow<[f32]>]),
@@ -228,7 +229,7 @@ fn lay(
     }
 }
 
-/// Planes of the source in a layer's window.
+/// Resamples planes of the source over a layer's window.
 fn resampled(layer: &WarpedLayer, source: &Planes, by: Resampling) -> Vec<Vec<f32>> {
     match &layer.map {
         Some(map) => by.seen(map, source),
@@ -236,7 +237,7 @@ fn resampled(layer: &WarpedLayer, source: &Planes, by: Resampling) -> Vec<Vec<f3
     }
 }
 
-/// Visits a plane of the composite and one of a layer's window pixel by pixel: index in the layer's window, both values.
+/// Visits the pixels of a layer's window together with those of the composite, passing the index in the layer's window and both values.
 fn each_pixel(
     composite: &Composite,
     layer: &WarpedLayer,
@@ -258,14 +259,14 @@ fn each_pixel(
     });
 }
 
-/// What opacity lets through; rounding of what is opaque lets nothing through.
+/// Returns 1 − opacity, and exactly 0 where the opacity is 1 up to rounding.
 fn transmitted(mut opacity: Vec<f32>) -> Vec<f32> {
     let left = |opacity: f32| if opacity > WHOLE { 0.0 } else { 1.0 - opacity };
     opacity.par_iter_mut().with_min_len(BATCH).for_each(|opacity| *opacity = left(*opacity));
     opacity
 }
 
-/// What a layer with that coverage and opacity lets through of a pixel of which `filled` is taken below it.
+/// Returns the transmittance of a layer with this coverage and opacity over a pixel of which `filled` is already covered.
 pub(crate) fn transmittance(filled: f32, coverage: f32, opacity: f32) -> f32 {
     let overlap = filled + coverage - 1.0;
     if overlap <= 0.0 || filled <= 0.0 || coverage <= 0.0 {
@@ -274,12 +275,12 @@ pub(crate) fn transmittance(filled: f32, coverage: f32, opacity: f32) -> f32 {
     (1.0 - overlap / filled * (opacity / coverage)).clamp(0.0, 1.0)
 }
 
-/// A sample over another. What cannot be seen does not count, not even NaN.
+/// Composites a sample over another. A hidden sample is ignored, even if it is NaN.
 pub(crate) fn over(above: f32, below: f32, transmittance: f32) -> f32 {
     if transmittance == 0.0 { above } else { above + below * transmittance }
 }
 
-/// Samples times coverage. What is not covered does not count, not even NaN.
+/// Multiplies samples by coverage. An uncovered sample is ignored, even if it is NaN.
 fn weighted(samples: &[f32], coverage: &[f32]) -> Vec<f32> {
     let product = |(&sample, &coverage): (&f32, &f32)| if coverage == 0.0 { 0.0 } else { sample * coverage };
     samples.par_iter().zip(coverage).with_min_len(BATCH).map(product).collect()

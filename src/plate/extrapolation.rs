@@ -1,52 +1,52 @@
-//! One lattice as a displacement of the whole plane: inside its box, and what happens around it.
+//! Extends the displacement of one lattice beyond its box to the whole plane.
 //!
-//! In: a lattice of the screen. Out: displacement and its gradient at any point, in frame heights. Handles count as
-//! displacements, so that what does not move gets exactly 0.
+//! In: a screen lattice. Out: displacement and gradient at any point, in frame heights. Handles are stored as
+//! displacements, so that points that do not move get exactly 0.
 
 use super::ramp::Ramp;
 use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
 use glam::{DMat2, DVec2};
 
-/// Samples of the border a span, to find out how far it moves.
+/// Border samples per span, to bound the displacement.
 const SAMPLES: usize = 4;
 
-/// A handle that moved less than this, in frame heights, rests: a fifty-thousandth of a pixel at 4K. Solvers leave such
-/// noise, and what does not move has to stay exactly where it is.
+/// A handle that moved less than this, in frame heights, counts as at rest: a fifty-thousandth of a pixel at 4K.
+/// Solvers leave such noise, and what does not move must keep its place exactly.
 const STILL: f64 = 1e-8;
 
 /// A lattice whose displacement is extrapolated beyond its box.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExtrapolatedLattice {
     grid: Grid<2>,
-    /// How far each handle has moved: #handles, x fastest.
+    /// Displacement of each handle: #handles, x fastest.
     moved: Vec<DVec2>,
     extrapolation: Extrapolation,
 }
 
-/// What happens outside the box.
+/// Behaviour outside the box.
 #[derive(Clone, Debug, PartialEq)]
 enum Extrapolation {
-    /// A point moves as the nearest box point does.
+    /// A point moves as the nearest point of the box does.
     Nearest,
-    /// The displacement goes on along the normal of the border with its value and slope, and fades to zero:
+    /// Continues along the normal of the border with the value and slope there, fading to zero:
     ///
     /// ```text
     /// d(q + n) = [ d + d_x c(n_x) + d_y c(n_y) + d_xy c(n_x) c(n_y) ](q) · f(|n_x|/margin) · f(|n_y|/margin)
     /// c(0) = 0, c'(0) = 1, constant from `bend` on;  f(0) = 1, f'(0) = 0, f(1) = 0, f'(1) = 0
     /// ```
     ///
-    /// C1 across the border, across the lines that go on from its sides, and at the margin's end.
+    /// C1 across the border, across the extensions of its sides, and at the end of the margin.
     Fade {
-        /// Where the slope has died away, an axis.
+        /// Distance per axis after which the slope has faded out.
         bend: DVec2,
-        /// Where the displacement has.
+        /// Distance after which the displacement has faded out.
         margin: f64,
     },
-    /// A factor brings the displacement to rest at the border, and nothing moves outside.
+    /// A ramp takes the displacement to zero at the border; nothing moves outside.
     Rests(Ramp),
 }
 
-/// Displacement at a box point and its derivatives.
+/// Displacement at a point of the box, and its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 struct Jet {
     d: DVec2,
@@ -55,7 +55,7 @@ struct Jet {
     dxy: DVec2,
 }
 
-/// How a displacement goes on along one axis: c, c', f, f'.
+/// Extrapolation factors along one axis: c, c', f, f'.
 #[derive(Clone, Copy, Debug)]
 struct AxisExtrapolation {
     c: f64,
@@ -70,7 +70,7 @@ impl AxisExtrapolation {
 }
 
 impl ExtrapolatedLattice {
-    /// Extrapolation the box a point moves as the nearest box point does.
+    /// Creates an extrapolation under which a point outside the box moves as the nearest point of the box does.
     pub(super) fn clamped(lattice: &ScreenLattice) -> Self {
         let rest = lattice.grid.rest_handles();
         let moved = lattice.handles.iter().zip(rest).map(|(&to, from)| {
@@ -80,31 +80,32 @@ impl ExtrapolatedLattice {
         Self { grid: lattice.grid.clone(), moved: moved.collect(), extrapolation: Extrapolation::Nearest }
     }
 
-    /// The displacement times a factor that is 0 from the border of the box outwards.
+    /// Creates an extrapolation that multiplies the displacement by a ramp that is 0 from the border outwards.
     pub(super) fn resting(lattice: &ScreenLattice, ramp: Ramp) -> Self {
         Self { extrapolation: Extrapolation::Rests(ramp), ..Self::clamped(lattice) }
     }
 
-    /// Whether it is known to be one-to-one.
+    /// Whether the warp is known to be one-to-one.
     pub(super) fn is_one_to_one(&self) -> bool {
         matches!(self.extrapolation, Extrapolation::Rests(_))
     }
 
-    /// Extrapolation the box the displacement goes on smoothly and fades to zero.
+    /// Creates an extrapolation that continues smoothly and fades to zero outside the box.
     pub(super) fn fading(lattice: &ScreenLattice) -> Self {
         let mut lattice = Self::clamped(lattice);
         let grid = &lattice.grid;
         let side = DVec2::new(grid.size(0), grid.size(1));
         let spacing = DVec2::new(grid.spacing(0), grid.spacing(1));
-        // Slopes of barycentric cells jump along the border; going on with them would tear the picture.
+        // Slopes of barycentric cells jump along the border; continuing them would tear the picture.
         let bend = if grid.basis.support() == Support::Simplex { DVec2::ZERO } else { spacing.min(side * 0.25) };
-        // f falls by 1.5/margin at most: a margin of four times the border's greatest displacement keeps the fold away, see docs/PLATES.md.
+        // f falls by at most 1.5/margin: a margin of four times the greatest displacement of the border prevents folds,
+        // see docs/PLATES.md.
         let margin = 0.25 * side.min_element() + 4.0 * lattice.max_border_displacement(bend);
         lattice.extrapolation = Extrapolation::Fade { bend, margin };
         lattice
     }
 
-    /// The greatest displacement that the border reaches when it goes on with its slopes.
+    /// Returns the greatest displacement that the border reaches when its slopes are continued.
     fn max_border_displacement(&self, bend: DVec2) -> f64 {
         let counts = [0, 1].map(|axis| SAMPLES * self.grid.basis.spans(self.grid.dims[axis]));
         let half = bend * 0.5;
@@ -132,7 +133,7 @@ impl ExtrapolatedLattice {
         self.moved.iter().all(|moved| *moved == DVec2::ZERO)
     }
 
-    /// No point moves further, in frame heights.
+    /// Upper bound of the displacement, in frame heights.
     pub(super) fn max_displacement(&self) -> f64 {
         let inside = self.moved.iter().map(|moved| moved.length()).fold(0.0, f64::max);
         match self.extrapolation {
@@ -141,13 +142,13 @@ impl ExtrapolatedLattice {
         }
     }
 
-    /// Distance of two rest handles, an axis.
+    /// Distance between rest handles along each axis.
     pub(super) fn spacing(&self) -> DVec2 {
         DVec2::new(self.grid.spacing(0), self.grid.spacing(1))
     }
 
-    /// Whether the displacement is smooth within a box that is less than half a cell wide: no crease of the basis and
-    /// no border that creases runs through it.
+    /// Whether the displacement is smooth within a box less than half a cell wide: neither a crease of the basis nor a
+    /// creased border crosses it.
     pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
         let is_small = (hi - lo).cmple(self.spacing() * 0.5).all() && self.is_ramp_smooth_within(lo, hi);
         let has_cells = self.grid.basis.is_piecewise_linear();
@@ -167,7 +168,7 @@ impl ExtrapolatedLattice {
         if let Extrapolation::Rests(ramp) = &self.extrapolation { ramp.is_smooth_within(lo, hi) } else { true }
     }
 
-    /// Whether a box within a cell keeps off the diagonal that cuts the cell.
+    /// Whether a box within a cell avoids the diagonal that splits the cell.
     fn is_off_diagonal(&self, ends: [[f64; 2]; 2]) -> bool {
         let place = |end: usize, axis: usize| {
             (ends[end][axis].clamp(0.0, 1.0) * self.grid.basis.spans(self.grid.dims[axis]) as f64).fract()
@@ -175,7 +176,7 @@ impl ExtrapolatedLattice {
         place(0, 0) > place(1, 1) || place(1, 0) < place(0, 1)
     }
 
-    /// Displacement of a point, and its gradient (column = derivative along x, y).
+    /// Returns the displacement of a point and its gradient (column = derivative along x, y).
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
         let (lo, hi) = (DVec2::from(self.grid.lo), DVec2::from(self.grid.hi));
         let inside = point.max(lo).min(hi);
@@ -193,14 +194,14 @@ impl ExtrapolatedLattice {
         (value * factor, DMat2::from_cols(slope_x * factor + value * fall.x, slope_y * factor + value * fall.y))
     }
 
-    /// How the displacement goes on `out` of the box.
+    /// Returns the extrapolation factors at distance `out` from the box.
     fn along(&self, axis: usize, out: f64) -> AxisExtrapolation {
         if out == 0.0 {
             return AxisExtrapolation::INSIDE;
         }
         let Extrapolation::Fade { bend, margin } = self.extrapolation else { return AxisExtrapolation::HELD };
         let (bend, t) = (bend[axis], out.abs() / margin);
-        // Beyond the margin nothing moves; NaN goes on.
+        // Nothing moves beyond the margin; NaN propagates.
         if t >= 1.0 {
             return AxisExtrapolation { c: 0.0, c_slope: 0.0, f: 0.0, f_slope: 0.0 };
         }
@@ -213,7 +214,7 @@ impl ExtrapolatedLattice {
         }
     }
 
-    /// Displacement and derivatives at a place of the box, 0 to 1 an axis.
+    /// Returns the displacement and its derivatives at a position of the box, 0 to 1 per axis.
     fn jet(&self, unit: DVec2) -> Jet {
         match self.grid.basis.support() {
             Support::Simplex => self.simplex_jet(unit),

@@ -1,6 +1,6 @@
-//! The warp of a whole screen: lattices one after another, and how they are extrapolated beyond their boxes.
+//! The warp of the whole screen: a sequence of lattices, each extrapolated beyond its box.
 //!
-//! In: lattices of the screen. Out: where any point of the screen goes, the gradient there, and where it came from.
+//! In: screen lattices. Out: the image of any screen point, the gradient there, and the inverse.
 
 use super::WholeWarp;
 use super::extrapolation::ExtrapolatedLattice;
@@ -10,12 +10,12 @@ use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 use std::sync::Arc;
 
-/// Newton steps after which an inverse counts as not found.
+/// Maximum number of Newton steps before an inverse counts as not found.
 const MOST_STEPS: usize = 40;
-/// An inverse is found when its image is this near, in frame heights: a 500th of a thousandth of a pixel at 4K.
+/// Convergence tolerance of the inverse, in frame heights: a 500th of a thousandth of a pixel at 4K.
 const CLOSE: f64 = 1e-9;
 
-/// Where every point of the screen goes.
+/// A warp of the screen plane.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
@@ -32,7 +32,7 @@ pub struct Field {
     parts: Vec<Part>,
 }
 
-/// One of the maps that follow each other.
+/// One of the maps that are applied in sequence.
 #[derive(Clone, Debug, PartialEq)]
 enum Part {
     Lattice(ExtrapolatedLattice),
@@ -69,7 +69,7 @@ impl Part {
         }
     }
 
-    /// Displacement, and the gradient of the map.
+    /// Returns the displacement and the gradient of the map.
     fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
         match self {
             Self::Lattice(lattice) => {
@@ -82,86 +82,86 @@ impl Part {
 }
 
 impl Field {
-    /// Nothing moves.
+    /// Returns the identity.
     #[must_use]
     pub const fn identity() -> Self {
         Self { parts: Vec::new() }
     }
 
-    /// The warp of a layer that stands alone (geometry, matted plates): around the box a point moves as the nearest box
-    /// point does.
+    /// Returns the warp of an isolated layer (geometry, matted plates): outside the box a point moves as the nearest
+    /// point of the box does.
     #[must_use]
     pub fn of_layer(lattice: ScreenLattice) -> Self {
         Self { parts: vec![Part::Lattice(ExtrapolatedLattice::clamped(&lattice))] }
     }
 
-    /// The warp of a whole picture: around the box the displacement goes on smoothly and fades to zero, so that the
-    /// background neither slides nor kinks (docs/PLATES.md).
+    /// Returns the warp of a whole picture: outside the box the displacement continues smoothly and fades to zero, so
+    /// that the background neither slides nor kinks (docs/PLATES.md).
     #[must_use]
     pub fn of_picture(lattice: ScreenLattice) -> Self {
         Self { parts: vec![Part::Lattice(ExtrapolatedLattice::fading(&lattice))] }
     }
 
-    /// The warp of a whole picture whose border rests: nothing folds, and pins are met.
+    /// Returns the warp of a whole picture with a fixed border: nothing folds, and pins reach their targets.
     #[must_use]
     pub fn of_whole(whole: &WholeWarp) -> Self {
         Self { parts: vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))] }
     }
 
-    /// One field after the other: the first moves the picture, the next moves what came out.
+    /// Concatenates fields: each one warps the result of the previous one.
     #[must_use]
     pub fn chain(fields: Vec<Self>) -> Self {
         Self { parts: fields.into_iter().flat_map(|field| field.parts).collect() }
     }
 
-    /// Nothing moves anywhere.
+    /// Whether the warp is the identity everywhere.
     #[must_use]
     pub fn is_identity(&self) -> bool {
         self.parts.iter().all(Part::is_at_rest)
     }
 
-    /// It is known that no two points meet.
+    /// Whether the warp is known to be one-to-one.
     pub(super) fn is_one_to_one(&self) -> bool {
         self.parts.iter().all(Part::is_one_to_one)
     }
 
-    /// Where a point goes.
+    /// Returns the image of a point.
     #[must_use]
     pub fn carry(&self, point: ScreenPoint) -> ScreenPoint {
         ScreenPoint(point.0 + self.displace(point.0).0)
     }
 
-    /// Where a point goes, and the gradient there (column = derivative along x, y).
+    /// Returns the image of a point and the gradient there (column = derivative along x, y).
     #[must_use]
     pub fn evaluate_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
         let (moved, gradient) = self.displace(point.0);
         (ScreenPoint(point.0 + moved), gradient)
     }
 
-    /// The point that goes to `point`, looked for from `start` on; `None` where the search ends elsewhere. In folds
-    /// there are several; the one that the search meets first counts.
+    /// Returns the preimage of `point`, searched for from `start`; `None` if the search does not converge. In folds,
+    /// where several preimages exist, returns the one that the search finds first.
     #[must_use]
     pub fn inverse(&self, point: ScreenPoint, start: ScreenPoint) -> Option<ScreenPoint> {
         self.back(point.0, start.0 - point.0).map(|(offset, _)| ScreenPoint(point.0 + offset))
     }
 
-    /// No point moves further, in frame heights.
+    /// Upper bound of the displacement, in frame heights.
     #[must_use]
     pub fn max_displacement(&self) -> f64 {
         self.parts.iter().map(Part::max_displacement).sum()
     }
 
-    /// Distances of rest handles, an axis, of every lattice.
+    /// Returns the distances between rest handles along each axis, for every lattice.
     pub(super) fn spacings(&self) -> impl Iterator<Item = DVec2> {
         self.parts.iter().filter_map(Part::lattice).map(ExtrapolatedLattice::spacing)
     }
 
-    /// Whether the field is smooth between four points that lie near each other.
+    /// Whether the field is smooth on the quadrilateral of four nearby points.
     pub(super) fn is_smooth_between(&self, mut points: [DVec2; 4]) -> bool {
         self.parts.iter().all(|lattice| {
             let lo = points.into_iter().fold(DVec2::INFINITY, DVec2::min);
             let hi = points.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
-            // Sides between the points are curved.
+            // The images of straight sides are curved.
             let bulge = (hi - lo) * 0.1;
             let is_smooth = lattice.is_smooth_within(lo - bulge, hi + bulge);
             points = points.map(|point| point + lattice.displace(point).0);
@@ -169,12 +169,12 @@ impl Field {
         })
     }
 
-    /// How far a point moves (exactly 0 where nothing does), and the gradient of [`Self::carry`].
+    /// Returns the displacement of a point (exactly 0 where nothing moves), and the gradient of [`Self::carry`].
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
         displace(&self.parts, point)
     }
 
-    /// What has to be added to a point to find where it came from, and the gradient of [`Self::carry`] there.
+    /// Returns the offset from a point to its preimage, and the gradient of [`Self::carry`] there.
     pub(super) fn back(&self, point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
         back(&self.parts, point, start)
     }
@@ -190,7 +190,7 @@ fn displace(parts: &[Part], point: DVec2) -> (DVec2, DMat2) {
     (moved, gradient)
 }
 
-/// Flows know their inverse; lattices that follow each other are searched together.
+/// Inverts the parts from last to first: flows have a direct inverse; consecutive lattices are searched together.
 fn back(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
     let Some(last) = parts.iter().rposition(|part| part.lattice().is_none()) else {
         return search(parts, point, start);
@@ -212,14 +212,14 @@ fn back(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
     Some((offset + by, gradient * slope))
 }
 
-/// Newton's method on o + d(x + o) = 0; a step is halved until the miss shrinks.
+/// Solves o + d(x + o) = 0 by Newton's method, halving each step until the residual shrinks.
 fn search(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> {
     let mut offset = start;
     let (mut moved, mut gradient) = displace(parts, point + offset);
     let mut miss = offset + moved;
     for _ in 0..MOST_STEPS {
         if miss.length_squared() <= CLOSE * CLOSE {
-            // Where nothing moves this is 0, to the bit.
+            // Bit-exactly 0 where nothing moves.
             return Some((-moved, gradient));
         }
         let step = newton_step(gradient, miss);
@@ -241,7 +241,7 @@ fn search(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> 
     None
 }
 
-/// J⁻¹ r; near a crease, where J is singular, the damped least-squares step (J^T J + μ I)⁻¹ J^T r.
+/// Returns J⁻¹ r, or near a crease, where J is singular, the damped least-squares step (J^T J + μ I)⁻¹ J^T r.
 fn newton_step(gradient: DMat2, miss: DVec2) -> DVec2 {
     let scale = gradient.x_axis.length_squared() + gradient.y_axis.length_squared();
     if gradient.determinant().abs() > 1e-3 * scale {

@@ -1,57 +1,58 @@
-//! Points that are carried to their targets by small pushes, each of which is one-to-one.
+//! Moves points to their targets by a sequence of small one-to-one pushes.
 //!
-//! In: pins with targets, the box whose border rests. Out: a map of the plane and its inverse, both exact (docs/METHOD.md, "Whole pictures").
+//! In: pins with targets, and the box whose border is fixed. Out: a map of the plane and its inverse, both exact
+//! (docs/METHOD.md, "Whole pictures").
 //!
 //! ```text
 //! push:   x ↦ x + s φ(|x − c|²/r²),   φ(q) = (1 − q)³ for q < 1, else 0      (C2; |∇φ| ≤ SLOPE / r)
 //! ```
 //!
-//! With |s| SLOPE ≤ STEEP r and STEEP < 1 a push maps its disc onto itself, one-to-one. Discs of one step do not overlap; so
-//! the whole, one push after the other, is one-to-one whatever the pins ask for.
+//! With |s| SLOPE ≤ STEEP r and STEEP < 1 a push maps its disc one-to-one onto itself. The discs of one step do not
+//! overlap, so the composition of all pushes is one-to-one for any pins.
 
 use super::swirl::Swirl;
 use crate::space::ScreenBox;
 use glam::{DMat2, DVec2};
 
-/// 6/√5 (4/5)²: the steepest that φ(u²) falls, at u = 1/√5.
+/// 6/√5 (4/5)²: the steepest slope of φ(u²), at u = 1/√5.
 const SLOPE: f64 = 1.717_301_664;
-/// A push moves no further than this part of what it could without folding.
+/// Fraction of the fold-free limit that a push may use.
 const STEEP: f64 = 0.4;
-/// Discs fill this part of the room that they have.
+/// Fraction of the available space that discs fill.
 const FILL: f64 = 0.95;
-/// Largest radius, frame heights.
+/// Largest radius, in frame heights.
 const LARGEST: f64 = 0.35;
-/// A pin whose disc is smaller than this part of its way goes more slowly than the others.
+/// A pin whose disc is smaller than this fraction of its path moves more slowly than the others.
 const SLOW: f64 = 0.05;
-/// Radius at which a pin stands still before another that does not give way, frame heights: a fifth of a pixel at HD.
+/// Radius at which a pin stops in front of another that blocks it, in frame heights: a fifth of a pixel at HD.
 const FLOOR: f64 = 2e-4;
-/// Part of the longest way that every pin's share of the room is raised by, so that no disc is tiny.
+/// Fraction of the longest path that is added to every pin's share of the space, so that no disc becomes tiny.
 const EVEN: f64 = 0.05;
-/// Steps after which a pin stays where it is: it stands before another that does not give way.
+/// Maximum number of steps, after which a pin that is blocked by another stays where it is.
 const MOST_STEPS: usize = 128;
-/// What is left of a way, as a part of it, that counts as nothing.
+/// Remaining fraction of a path below which a pin has arrived.
 const ARRIVED: f64 = 1e-12;
-/// Newton steps of an inverse.
+/// Maximum number of Newton steps of an inverse.
 const MOST_NEWTON: usize = 40;
-/// A disc is smooth over a box of this part of its radius.
+/// A disc counts as smooth over a box of this fraction of its radius.
 const PIECE: f64 = 0.25;
 
-/// A pin as the flow sees it.
+/// A pin of the flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FlowPin {
-    /// Where it is.
+    /// Start position.
     pub(super) from: DVec2,
-    /// Where it goes.
+    /// Target position.
     pub(super) to: DVec2,
-    /// 0 to 1: how much others keep off it.
+    /// Strength, 0 to 1, with which the pin repels the discs of others.
     pub(super) weight: f64,
-    /// How far its disc may reach beyond the border, frame heights.
+    /// Distance that the disc may reach beyond the border, in frame heights.
     pub(super) give: f64,
-    /// Angle, radians, and logarithm of the scale that are left to turn and swell by, once it is there.
+    /// Remaining rotation (radians) and logarithm of the scale, applied after the pin has arrived.
     pub(super) turn: [f64; 2],
 }
 
-/// One push.
+/// A translation that falls off to 0 at the rim of a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Push {
     center: DVec2,
@@ -60,19 +61,19 @@ struct Push {
     inverse_square: f64,
 }
 
-/// What is done to the plane, step by step.
+/// One step of the flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Push(Push),
     Swirl(Swirl),
 }
 
-/// Pushes that share a box with no others.
+/// Steps whose box overlaps that of no other group.
 #[derive(Clone, Debug, PartialEq)]
 struct Group {
     lo: DVec2,
     hi: DVec2,
-    /// One after the other.
+    /// Steps, in order.
     steps: Vec<Step>,
 }
 
@@ -80,14 +81,14 @@ struct Group {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Flow {
     groups: Vec<Group>,
-    /// No point moves further, frame heights.
+    /// Upper bound of the displacement, in frame heights.
     reach: f64,
-    /// Where every pin ends.
+    /// Final position of every pin.
     ends: Vec<DVec2>,
 }
 
 impl Flow {
-    /// Carries pins to where they go, as far as others let them.
+    /// Creates the flow that moves pins to their targets, as far as the other pins allow.
     pub(super) fn of(flow_pins: &[FlowPin], bounds: ScreenBox) -> Self {
         let rooms = Rooms { flow_pins, bounds, even: EVEN * longest(flow_pins) };
         let mut centers: Vec<DVec2> = flow_pins.iter().map(|flow_pin| flow_pin.from).collect();
@@ -132,12 +133,12 @@ impl Flow {
         Self { groups: groups(tracks), reach, ends: centers }
     }
 
-    /// Where every pin ends, in their order.
+    /// Returns the final position of every pin, in input order.
     pub(super) fn ends(&self) -> &[DVec2] {
         &self.ends
     }
 
-    /// The disc that each of these pins starts with, frame heights, if all were as far from their targets.
+    /// Returns the initial disc radius of each pin, in frame heights, as if all had equally long paths.
     pub(super) fn first_radii(flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<f64> {
         let even: Vec<FlowPin> = flow_pins.iter().map(|flow_pin| FlowPin { to: flow_pin.from, ..*flow_pin }).collect();
         let rooms = Rooms { flow_pins: &even, bounds, even: 1.0 };
@@ -149,12 +150,12 @@ impl Flow {
         self.groups.is_empty()
     }
 
-    /// No point moves further, frame heights.
+    /// Upper bound of the displacement, in frame heights.
     pub(super) fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// How far a point moves (exactly 0 outside of all discs), and the gradient of the map.
+    /// Returns the displacement of a point (exactly 0 outside of all discs), and the gradient of the map.
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
         let (mut moved, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
         for step in self.steps_at(point) {
@@ -166,7 +167,7 @@ impl Flow {
         (moved, gradient)
     }
 
-    /// What has to be added to a point to find where it came from, and the gradient of the map there.
+    /// Returns the offset from a point to its preimage, and the gradient of the map there.
     pub(super) fn back(&self, point: DVec2) -> (DVec2, DMat2) {
         let (mut offset, mut gradient) = (DVec2::ZERO, DMat2::IDENTITY);
         for step in self.steps_at(point).iter().rev() {
@@ -178,7 +179,7 @@ impl Flow {
         (offset, gradient)
     }
 
-    /// Whether a box is small beside the discs that may touch it.
+    /// Whether a box is small compared with the discs that may touch it.
     pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
         let extent = (hi - lo).max_element();
         let touching = self.groups.iter().filter(|group| group.hi.cmpge(lo).all() && group.lo.cmple(hi).all());
@@ -189,14 +190,15 @@ impl Flow {
         })
     }
 
-    /// The steps of the group around a point; none elsewhere. Boxes of groups do not overlap, and no step leaves its box.
+    /// Returns the steps of the group that contains a point, if any. Boxes of groups do not overlap, and no step moves
+    /// a point out of its box.
     fn steps_at(&self, point: DVec2) -> &[Step] {
         let around = |group: &&Group| point.cmpgt(group.lo).all() && point.cmplt(group.hi).all();
         self.groups.iter().find(around).map_or(&[], |group| &group.steps)
     }
 }
 
-/// The room of each pin.
+/// Computes the space available to each pin.
 struct Rooms<'a> {
     flow_pins: &'a [FlowPin],
     bounds: ScreenBox,
@@ -204,7 +206,8 @@ struct Rooms<'a> {
 }
 
 impl Rooms<'_> {
-    /// The disc of a pin: off the border, and apart from those of others; who goes further has more of the room.
+    /// Returns the radius of a pin's disc, which stays inside the border and clear of the other discs. Pins with longer
+    /// paths get a larger share of the space.
     fn radius(&self, centers: &[DVec2], index: usize) -> f64 {
         let own = &self.flow_pins[index];
         let at = centers[index];
@@ -220,7 +223,7 @@ impl Rooms<'_> {
         radius
     }
 
-    /// The longest step that a pin allows, and its speed, both as parts of its way.
+    /// Returns the longest step that a pin may take and its speed, both as fractions of its path.
     fn speed(&self, centers: &[DVec2], index: usize) -> [f64; 2] {
         let flow_pin = &self.flow_pins[index];
         let way = flow_pin.from.distance(flow_pin.to);
@@ -237,7 +240,7 @@ impl Step {
         }
     }
 
-    /// How far it moves a point beside what the pushes of its pin add up to.
+    /// Bound of the displacement that comes on top of the sum of the pin's pushes.
     fn swing(&self) -> f64 {
         match self {
             Self::Push(_) => 0.0,
@@ -261,7 +264,7 @@ impl Step {
 }
 
 impl Push {
-    /// φ at a place counted from the centre, and its gradient; `None` outside.
+    /// Returns φ at a position relative to the centre, and its gradient; `None` outside the disc.
     fn bump(&self, from_center: DVec2) -> Option<(f64, DVec2)> {
         let rest = 1.0 - from_center.length_squared() * self.inverse_square;
         (rest > 0.0).then(|| (rest * rest * rest, from_center * (-6.0 * rest * rest * self.inverse_square)))
@@ -272,7 +275,7 @@ impl Push {
         Some((self.shift * height, DMat2::from_cols(self.shift * slope.x, self.shift * slope.y)))
     }
 
-    /// Newton's method on a = φ(y − s a), whose residual rises with a: within 0 and 1 there is one solution.
+    /// Solves a = φ(y − s a) by Newton's method. The residual increases with a, so there is exactly one solution in 0..1.
     fn back(&self, point: DVec2) -> Option<(DVec2, DMat2)> {
         let from_center = point - self.center;
         let (mut height, mut slope) = self.bump(from_center)?;
@@ -296,7 +299,7 @@ impl Push {
     }
 }
 
-/// How far a point lies inside a box; below 0 outside.
+/// Returns the distance of a point from the border of a box, negative outside.
 pub(super) fn inside(bounds: ScreenBox, point: DVec2) -> f64 {
     (point - bounds.min.0).min(bounds.max.0 - point).min_element()
 }
@@ -305,7 +308,7 @@ fn longest(flow_pins: &[FlowPin]) -> f64 {
     flow_pins.iter().map(|flow_pin| flow_pin.from.distance(flow_pin.to)).fold(0.0, f64::max)
 }
 
-/// Tracks of pins whose boxes overlap, together; in each the steps in their order, those of one number by pin.
+/// Merges tracks of pins whose boxes overlap. Each group keeps the order of its steps; steps of equal number are ordered by pin.
 fn groups(tracks: Vec<Vec<(usize, Step)>>) -> Vec<Group> {
     struct Open {
         lo: DVec2,
@@ -319,7 +322,7 @@ fn groups(tracks: Vec<Vec<(usize, Step)>>) -> Vec<Group> {
         let hi = discs().map(|(center, radius)| center + radius).fold(DVec2::NEG_INFINITY, DVec2::max);
         let steps = track.into_iter().map(|(number, step)| (number, index, step)).collect();
         let mut grown = Open { lo, hi, steps };
-        // What the grown box meets may make it meet more.
+        // The grown box may overlap further groups.
         while let Some(met) =
             open.iter().position(|other| other.lo.cmplt(grown.hi).all() && other.hi.cmpgt(grown.lo).all())
         {

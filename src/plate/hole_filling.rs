@@ -1,6 +1,6 @@
-//! What is seen where a layer moved away: the channels of a clean plate.
+//! Fills the holes that moved layers leave, from the channels of a clean plate.
 //!
-//! In: the plate that fills, a composite, a channel's name. Out: samples over the composite's window.
+//! In: the clean plate, a composite, a channel name. Out: samples over the composite's window.
 
 use super::Planes;
 use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
@@ -12,15 +12,15 @@ use crate::image::{Plate, Storage};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
-/// Up to here a float tells all whole numbers apart: 2^24.
+/// Largest range of integers that a float represents exactly: 2^24.
 const MOST_EXACT: u32 = 1 << 24;
-/// The same of halves.
+/// The same for half floats.
 const MOST_EXACT_HALF: u32 = 1 << 11;
 
 /// A plate that fills holes.
 pub(super) struct HoleFilling<'a> {
     table: ChannelTable<'a>,
-    /// Why it cannot be used at all.
+    /// Reason why the plate cannot be used at all.
     pub(super) refusal: Option<String>,
 }
 
@@ -36,8 +36,8 @@ impl<'a> HoleFilling<'a> {
         Self { table: ChannelTable::of(fill, &[]), refusal }
     }
 
-    /// The channel of the same name: in the part of that name, else in the same view. Failing that, the picture, the
-    /// depth and the Cryptomattes of other programs, whatever they call them.
+    /// Returns the channel of the same name, in the part of that name or else in the same view. Otherwise falls back to
+    /// the beauty, depth and Cryptomattes of other programs, whatever their names.
     pub(super) fn find(&self, entry: &ChannelEntry) -> Option<&ChannelEntry> {
         if self.refusal.is_some() {
             return None;
@@ -49,23 +49,23 @@ impl<'a> HoleFilling<'a> {
         in_part.or_else(in_view).or_else(in_role)
     }
 
-    /// What fills.
+    /// Returns the fill plate.
     pub(super) fn plate(&self) -> &Plate {
         self.table.plate
     }
 
-    /// Whether a channel holds its numbers as the plate's channel does, whatever they count: a clean plate comes from where
-    /// the plate comes from.
+    /// Whether a channel uses the same encoding as the plate's channel of the same name. Clean plates are assumed to
+    /// come from the same renderer as the plate.
     pub(super) fn is_stored_alike(&self, behind: &ChannelEntry, entry: &ChannelEntry) -> bool {
         behind.name.full == entry.name.full && !self.table.plate.is_own_render()
     }
 
-    /// Samples of a channel and their window.
+    /// Returns the samples of a channel and their window.
     pub(super) fn samples(&self, place: ChannelIndex) -> (&[f32], PixelRect) {
         (&self.table.channel(place).samples, self.table.window(place))
     }
 
-    /// Writes the names of what fills Cryptomattes beside the names that they have.
+    /// Adds the names in the fill plate's Cryptomatte manifests to those of the plate.
     pub(super) fn add_names(&self, plate: &mut Plate) {
         if self.refusal.is_some() {
             return;
@@ -86,8 +86,8 @@ impl<'a> HoleFilling<'a> {
         }
     }
 
-    /// The nearest sample of a channel at a pixel of a composite, counted in its window, as a channel of another storage holds
-    /// it; `None` where it has none.
+    /// Returns the nearest sample of a channel at a pixel of a composite (relative to its window), converted to another
+    /// storage type; `None` outside its data window.
     pub(super) fn nearest(
         &self,
         place: ChannelIndex,
@@ -99,7 +99,7 @@ impl<'a> HoleFilling<'a> {
         Some(restored(channel.samples[index], channel.storage, storage))
     }
 
-    /// A channel as it is seen at the back of a composite; 0 where it has nothing.
+    /// Resamples a channel as the back of a composite; 0 where it has no samples.
     pub(super) fn seen(&self, place: ChannelIndex, composite: &Composite, by: Resampling) -> Vec<f32> {
         let (window, samples) = (self.table.window(place), &self.table.channel(place).samples);
         match &composite.background().map {
@@ -109,7 +109,8 @@ impl<'a> HoleFilling<'a> {
     }
 }
 
-/// The same number in another storage: whole ones hold bits. Ids that a float cannot tell from others become 0, nothing.
+/// Converts a number between storage types; unsigned integers are stored as bits. Ids that a float cannot represent
+/// exactly become 0 (no object).
 fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
     match (from, to) {
         (Storage::Uint, Storage::Uint) => sample,
@@ -121,13 +122,13 @@ fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
     }
 }
 
-/// `ViewLayer.CryptoObject` is another program's `CryptoObject`.
+/// Whether two names denote the same Cryptomatte: `ViewLayer.CryptoObject` and `CryptoObject` do.
 fn is_same_matte(one: &str, other: &str) -> bool {
     let word = |name: &str| name.rsplit('.').next().map(str::to_lowercase);
     word(one) == word(other)
 }
 
-/// Adds what fills holes, as far as they are open.
+/// Adds the fill samples, weighted by the holes.
 pub(super) fn add_behind(plane: &mut [f32], holes: &[f32], filling: &[f32]) {
     let samples = plane.par_iter_mut().zip(holes).zip(filling).with_min_len(BATCH);
     samples.for_each(|((sample, &hole), &filling)| {

@@ -1,30 +1,30 @@
-//! What a plate's warp needs beside the plate: plain data, made by the pipeline for every frame.
+//! The inputs of a plate's warp besides the plate itself: plain data that the pipeline provides for every frame.
 
 use super::{Field, Matte, WarpSettings};
 use crate::image::Plate;
 
-/// What a plate's warp needs beside the plate.
+/// The inputs of a plate's warp besides the plate itself.
 #[derive(Clone, Debug)]
 pub struct PlateJob<'a> {
-    /// In the shot's order: later ones lie in front. Layers without a matte bend everything that lies below them too.
+    /// Layers in the shot's order, from back to front. Layers without a matte also bend everything below them.
     pub layers: Vec<LayerJob>,
-    /// Filter, semantics, motion.
+    /// Filter, channel semantics and motion settings.
     pub settings: &'a WarpSettings,
-    /// What is seen where a layer moved away: channels of the same names, over the same display window.
+    /// Clean plate for uncovered regions, with the same channel names and display window.
     pub fill: Option<&'a Plate>,
 }
 
 /// One layer of a plate at one frame.
 #[derive(Clone, Debug)]
 pub struct LayerJob {
-    /// Its name in the shot, for messages.
+    /// Name in the shot, for messages.
     pub name: String,
-    /// Where it goes.
+    /// Warp of this frame.
     pub field: Field,
-    /// Where it goes in the frame before; `None`: as in this one. Backward motion needs it.
+    /// Warp of the previous frame; `None`: the same as `field`. Needed for backward motion.
     pub previous: Option<Field>,
-    /// Where it goes in the next frame; `None`: as in this one. Forward motion needs it.
+    /// Warp of the next frame; `None`: the same as `field`. Needed for forward motion.
     pub next: Option<Field>,
-    /// The part of the plate that it moves; `None`: the whole picture.
+    /// Matte that selects the part of the plate to move; `None`: the whole picture.
     pub matte: Option<Matte>,
 }

@@ -1,7 +1,7 @@
-//! Fills a map block by block: few exact points, smooth curves between them, each block checked.
+//! Fills a map block by block from few exact points, with smooth interpolation between them.
 //!
-//! In: a [`PixelField`] and exact points every 32 pixels. Out: offsets, within 1e-3 of a pixel. A block that is not that near
-//! where it is checked, or holds a kink or a fold, is quartered, down to pixels that are solved one by one.
+//! In: a [`PixelField`] and exact points every 32 pixels. Out: offsets, accurate to 1e-3 pixels. A block that misses the tolerance at a
+//! check point, or contains a crease or a fold, is quartered, down to pixels that are solved individually.
 
 use super::WarpMap;
 use super::map_patch::{LARGEST, Patch};
@@ -10,27 +10,27 @@ use crate::space::PixelRect;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Blocks of this size are not quartered any more.
+/// Size below which blocks are not quartered.
 const SMALLEST: usize = 4;
-/// A block is good when it is this near where it is checked, in pixels.
+/// Tolerance at the check points of a block, in pixels.
 const GOOD: f64 = 2e-4;
-/// Places at which a block is checked.
+/// Check points of a block, as fractions of its size.
 const CHECKS: [(f64, f64); 5] = [(0.5, 0.5), (0.25, 0.5), (0.5, 0.25), (0.75, 0.5), (0.5, 0.75)];
 
-/// Exact points of a window, [`LARGEST`] pixels apart, from its first pixel on and one beyond its end.
+/// Exact points of a window, spaced [`LARGEST`] pixels from its first pixel to one point beyond its end.
 pub(super) struct MapNodes {
     columns: usize,
-    /// #columns · #rows, rows from the top; `None` where the search found nothing.
+    /// #columns · #rows, rows from the top; `None` where the search failed.
     nodes: Vec<Option<Node>>,
 }
 
 impl MapNodes {
-    /// Points a window needs.
+    /// Returns the number of points that a window needs, as columns and rows.
     pub(super) fn count(window: PixelRect) -> [usize; 2] {
         [window.width, window.height].map(|pixels| (pixels as usize).div_ceil(LARGEST) + 1)
     }
 
-    /// Solves them, each from an offset near it.
+    /// Solves all points, each from its start offset.
     pub(super) fn solve(pixel_field: PixelField, window: PixelRect, starts: &[DVec2]) -> Self {
         let [columns, rows] = Self::count(window);
         debug_assert_eq!(starts.len(), columns * rows);
@@ -44,12 +44,12 @@ impl MapNodes {
     }
 }
 
-/// A square of pixels of a strip.
+/// A square block of pixels in a strip.
 #[derive(Clone, Copy)]
 struct Block {
-    /// First column, counted from the window's.
+    /// First column, relative to the window.
     x: usize,
-    /// First row, counted from the strip's.
+    /// First row, relative to the strip.
     y: usize,
     size: usize,
     corners: [Option<Node>; 4],
@@ -59,18 +59,18 @@ struct Block {
 struct Strip<'a> {
     pixel_field: PixelField<'a>,
     window: PixelRect,
-    /// Its first row, counted from the window's.
+    /// First row, relative to the window.
     top: usize,
-    /// Rows of the window's width.
+    /// Offsets, in rows of the window's width.
     offsets: &'a mut [[f32; 2]],
-    /// Flags of the same pixels, or none.
+    /// One flag per pixel, or empty.
     excluded: &'a [u8],
-    /// All pixels so far were found.
+    /// Whether all pixels so far were found.
     is_complete: bool,
 }
 
-/// Fills a map that moves nothing so far. `excluded` pixels, one flag a pixel or none at all, are left. Says whether all
-/// others were found; those that were not are NaN.
+/// Fills an identity map. `excluded` pixels (one flag per pixel, or empty) are skipped. Returns whether all other
+/// pixels were found; those that were not are NaN.
 pub(super) fn fill(pixel_field: PixelField, nodes: &MapNodes, excluded: &[u8], map: &mut WarpMap) -> bool {
     let (window, width) = (map.window, map.window.width as usize);
     let strips = map.offsets.par_chunks_mut(LARGEST * width).enumerate().map(|(row, offsets)| {
@@ -85,7 +85,7 @@ pub(super) fn fill(pixel_field: PixelField, nodes: &MapNodes, excluded: &[u8], m
         }
         strip.is_complete
     });
-    // Every strip has to be filled: no early end.
+    // No early exit: every strip has to be filled.
     strips.reduce(|| true, |a, b| a && b)
 }
 
@@ -98,7 +98,7 @@ impl Strip<'_> {
         self.offsets.len() / self.width()
     }
 
-    /// Centre of a pixel of the strip.
+    /// Returns the centre of a pixel of the strip.
     fn pixel(&self, x: usize, y: usize) -> DVec2 {
         center(self.window.x + x as i32, self.window.y + (self.top + y) as i32)
     }
@@ -115,7 +115,7 @@ impl Strip<'_> {
         }
     }
 
-    /// The block's smooth patch, where all corners are known.
+    /// Returns the block's interpolating patch if all corners are known.
     fn patch(&self, block: &Block) -> Option<Patch> {
         let [Some(a), Some(b), Some(c), Some(d)] = block.corners else { return None };
         Some(Patch::new(&[a, b, c, d], block.size as f64))
@@ -134,7 +134,7 @@ impl Strip<'_> {
             })
     }
 
-    /// A corner of the block may be the first pixel of the next: it counts.
+    /// Whether the block contains an excluded pixel. Its far corners count, which may be the first pixels of the next blocks.
     fn holds_excluded(&self, block: &Block) -> bool {
         if self.excluded.is_empty() {
             return false;
@@ -173,7 +173,7 @@ impl Strip<'_> {
         }
     }
 
-    /// A near offset to start a search from: the patch's, else that of any corner.
+    /// Returns a start offset for a search: from the patch, or else from any known corner.
     fn start(&self, block: &Block, patch: Option<&Patch>, place: [f64; 2]) -> DVec2 {
         let corner = || block.corners.iter().flatten().next().map_or(DVec2::ZERO, |node| node.offset);
         patch.map_or_else(corner, |patch| patch.at(place[0], place[1]))

@@ -1,9 +1,9 @@
-//! Places at which a warped picture lies over itself: which preimages land there, and which of them is in front.
+//! Finds the folds of a warped picture: the preimages that land on each folded pixel, and which of them is in front.
 //!
-//! In: a [`PixelField`] and its [`WarpedMesh`]. Out: the pixels of folds, and the preimages on each of them, front first.
+//! In: a [`PixelField`] and its [`WarpedMesh`]. Out: the folded pixels, and the preimages of each, front first.
 //!
-//! Far away nothing turns over, so preimages with negative and with positive determinant come in pairs but for one: a
-//! pixel is covered more than once exactly where the image of a turned-over part lies.
+//! The map is not flipped far away, so except for one, preimages come in pairs with negative and positive determinant:
+//! a pixel is covered more than once exactly where the image of a flipped region lies.
 
 use super::Field;
 use super::map_mesh::{Triangle, WarpedMesh, halves};
@@ -12,47 +12,47 @@ use crate::space::{FrameSize, PixelRect};
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-/// Pixels, in the source and in the picture, between lines of the fine mesh; what it finds is refined by searches.
+/// Spacing of the fine mesh in pixels, in the source and in the picture; its hits are refined by searches.
 const FINE: f64 = 2.0;
-/// Lines of the fine mesh of a cell.
+/// Maximum number of fine mesh lines per cell.
 const MOST_LINES: f64 = 64.0;
-/// A preimage moves by no more than this when it is refined, in pixels; beyond, the search has slipped onto another.
+/// Maximum shift of a preimage by refinement, in pixels; beyond it, the search has moved to another preimage.
 const SLIP: f64 = 2.0;
-/// Sources nearer than this are one, in pixels.
+/// Preimages closer than this are the same, in pixels.
 const SAME: f64 = 0.5;
 
-/// What is known of a pixel.
+/// Pixel flags.
 pub(super) const NEAR: u8 = 1;
 pub(super) const FOLDED: u8 = 2;
 
 /// All folds of a window.
 pub(super) struct MapFolds {
-    /// #pixels of the window, or none where nothing folds: 0, [`NEAR`] a fold, [`FOLDED`].
+    /// #pixels of the window, or empty if nothing folds: 0, [`NEAR`] a fold, or [`FOLDED`].
     pub(super) flags: Vec<u8>,
-    /// Sheets of flagged pixels that are not turned over: by pixel, then front first.
+    /// Preimages of the flagged pixels that are not flipped: ordered by pixel, then front first.
     pub(super) preimages: Vec<Preimage>,
 }
 
-/// A preimage at a pixel.
+/// A preimage of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Preimage {
-    /// Place in the window.
+    /// Index of the pixel in the window.
     pub(super) pixel: u32,
-    /// Pixels to add to find its source.
+    /// Offset to the source, in pixels.
     pub(super) offset: DVec2,
 }
 
-/// A cell of the mesh, cut finely.
+/// A finely subdivided cell of the mesh.
 struct SubdividedCell {
     lines: [usize; 2],
-    /// #lines: places counted from the window's first pixel centre.
+    /// #lines: positions relative to the centre of the window's first pixel.
     places: Vec<DVec2>,
-    /// #lines: offsets back to the source.
+    /// #lines: offsets to the source.
     offsets: Vec<DVec2>,
 }
 
 impl Field {
-    /// Whether any of a window of the warped picture is folded.
+    /// Whether a window of the warped picture contains folds.
     pub(super) fn folds_in(&self, frame: FrameSize, window: PixelRect) -> bool {
         let pixel_field = PixelField { field: self, frame, direction: Direction::Backward };
         !self.is_one_to_one()
@@ -62,7 +62,7 @@ impl Field {
 }
 
 impl MapFolds {
-    /// No folds.
+    /// The absence of folds.
     pub(super) const NONE: Self = Self { flags: Vec::new(), preimages: Vec::new() };
 
     /// Finds all folds.
@@ -70,14 +70,14 @@ impl MapFolds {
         let mut flags = flags(pixel_field, mesh, window);
         let Some(touched) = bounds(&flags, window) else { return Self::NONE };
         let preimages = preimages(pixel_field, mesh, window, (&flags, touched));
-        // A pixel without a preimage is left to the search: it lies on a crease.
+        // Pixels without a preimage lie on a crease and are left to the search.
         let mut is_met = vec![false; flags.len()];
         preimages.iter().for_each(|preimage| is_met[preimage.pixel as usize] = true);
         flags.iter_mut().zip(is_met).filter(|(_, is_met)| !is_met).for_each(|(flag, _)| *flag = 0);
         Self { flags, preimages }
     }
 
-    /// Preimages of the pixels that a search did not find: those whose offset is NaN, found in the fine mesh.
+    /// Finds, in the fine mesh, preimages of the pixels whose offset is NaN because the search failed.
     pub(super) fn of_missing(
         pixel_field: PixelField,
         mesh: &WarpedMesh,
@@ -90,19 +90,19 @@ impl MapFolds {
         Self { flags, preimages }
     }
 
-    /// The preimage in front, of every flagged pixel.
+    /// Returns the front preimage of every flagged pixel.
     pub(super) fn first_preimages(&self) -> impl Iterator<Item = &Preimage> {
         self.preimages.chunk_by(|a, b| a.pixel == b.pixel).map(|group| &group[0])
     }
 
-    /// Places of the folded pixels in the window.
+    /// Returns the indices of the folded pixels in the window.
     pub(super) fn pixels(&self) -> Vec<u32> {
         let folded = self.flags.iter().enumerate().filter(|(_, flag)| **flag == FOLDED);
         folded.map(|(index, _)| index as u32).collect()
     }
 }
 
-/// Marks where turned-over parts land, and a pixel around.
+/// Flags the pixels on which flipped regions land, and a border of one pixel.
 fn flags(pixel_field: PixelField, mesh: &WarpedMesh, window: PixelRect) -> Vec<u8> {
     let counts = [window.width as usize, window.height as usize];
     let found: Vec<Vec<u32>> = mesh
@@ -133,7 +133,7 @@ fn flags(pixel_field: PixelField, mesh: &WarpedMesh, window: PixelRect) -> Vec<u
     flags
 }
 
-/// Box around all flagged pixels, in pixels.
+/// Returns the bounding box of all flagged pixels, in pixels.
 fn bounds(flags: &[u8], window: PixelRect) -> Option<[DVec2; 2]> {
     let width = window.width.max(1) as usize;
     let flagged = flags.iter().enumerate().filter(|(_, flag)| **flag != 0);
@@ -144,7 +144,7 @@ fn bounds(flags: &[u8], window: PixelRect) -> Option<[DVec2; 2]> {
     around.map(|[lo, hi]| [corner(window) + lo, corner(window) + hi + 1.0])
 }
 
-/// All preimages of flagged pixels, refined.
+/// Returns all preimages of the flagged pixels, refined.
 fn preimages(
     pixel_field: PixelField,
     mesh: &WarpedMesh,
@@ -166,18 +166,18 @@ fn preimages(
     });
     let mut preimages: Vec<Preimage> = found.collect();
     preimages.par_iter_mut().for_each(|preimage| preimage.refine(pixel_field, window));
-    // In front is what moved further: what is pulled lies over what stays.
+    // The preimage that moved further is in front: what is pulled lies over what stays.
     preimages.par_sort_by(|a, b| {
         let order = |preimage: &Preimage| -preimage.offset.length_squared();
         a.pixel.cmp(&b.pixel).then(order(a).total_cmp(&order(b)))
     });
-    // Triangles share their sides.
+    // Neighbouring triangles share their sides.
     preimages.dedup_by(|b, a| a.pixel == b.pixel && (a.offset - b.offset).length() < SAME);
     preimages
 }
 
 impl Preimage {
-    /// From the fine mesh's offset to the exact one, unless the search slips onto another preimage.
+    /// Refines the offset from the fine mesh to the exact one, unless the search moves to another preimage.
     fn refine(&mut self, pixel_field: PixelField, window: PixelRect) {
         let (x, y) = (self.pixel % window.width, self.pixel / window.width);
         let pixel = center(window.x + x as i32, window.y + y as i32);
@@ -195,7 +195,7 @@ impl SubdividedCell {
         let [lo, hi] = mesh.image_box(cell);
         let size = mesh.step.max(hi - lo) / FINE;
         let lines = [size.x, size.y].map(|pixels| pixels.ceil().clamp(2.0, MOST_LINES) as usize + 1);
-        // The image may be turned: both axes are cut as finely as the longer needs.
+        // The image may be rotated: both axes are cut as finely as the longer one needs.
         let lines = [lines[0].max(lines[1]); 2];
         let step = mesh.step / DVec2::new((lines[0] - 1) as f64, (lines[1] - 1) as f64);
         let (start, first) = (mesh.point(cell), center(window.x, window.y));

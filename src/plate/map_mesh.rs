@@ -1,43 +1,43 @@
 //! A regular mesh over the unwarped picture, and its image under the field.
 //!
-//! In: a [`PixelField`], the window of the warped picture. Out: near offsets to start searches from, and the cells in which
-//! the field turns over. No cracks: neighbours share their corners.
+//! In: a [`PixelField`], the window of the warped picture. Out: approximate offsets to start searches from, and the
+//! cells in which the field may flip. Neighbouring cells share their corners, so there are no cracks.
 
 use super::pixel_field::{PixelField, corner, extent};
 use crate::space::PixelRect;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Pixels between lines of the mesh, where the lattice is not finer.
+/// Mesh spacing in pixels, unless the lattice is finer.
 const STEP: f64 = 32.0;
-/// Lines of the largest mesh, an axis.
+/// Maximum number of mesh lines per axis.
 const MOST_LINES: usize = 1024;
-/// A cell is searched for folds when the determinant at a corner is below this plus half its range over the cell.
+/// A cell is searched for folds if the determinant at a corner is below this plus half its range over the cell.
 const THIN: f64 = 0.05;
-/// Triangles are drawn larger by this share: neighbours that are cut differently share curved sides only nearly.
+/// Fraction by which triangles are enlarged, since neighbours with different subdivision share curved sides only approximately.
 const OVERLAP: f64 = 0.01;
 
-/// Points of the unwarped picture and where they go.
+/// Points of the unwarped picture and their images.
 pub(super) struct WarpedMesh {
-    /// The first point, in pixels.
+    /// First point, in pixels.
     pub(super) origin: DVec2,
     pub(super) step: DVec2,
     pub(super) columns: usize,
     pub(super) rows: usize,
     /// #columns · #rows: images, in pixels.
     images: Vec<DVec2>,
-    /// #columns · #rows: determinants of the field's gradient.
+    /// #columns · #rows: determinants of the gradient of the field.
     determinants: Vec<f64>,
 }
 
-/// A triangle, with the offset back to the source at its corners.
+/// A triangle with the offsets to the source at its corners.
 pub(super) struct Triangle {
     pub(super) places: [DVec2; 3],
     pub(super) offsets: [DVec2; 3],
 }
 
 impl WarpedMesh {
-    /// A mesh over all that can land in `window`.
+    /// Creates a mesh over everything that may land in `window`.
     pub(super) fn behind(pixel_field: PixelField, window: PixelRect) -> Self {
         Self::over(
             pixel_field,
@@ -46,7 +46,7 @@ impl WarpedMesh {
         )
     }
 
-    /// A mesh over a box of the unwarped picture.
+    /// Creates a mesh over a box of the unwarped picture.
     pub(super) fn over(pixel_field: PixelField, lo: DVec2, hi: DVec2) -> Self {
         let step = pixel_field.finest_step().clamp(1.0, STEP);
         let [columns, rows] = [0, 1].map(|axis| {
@@ -63,41 +63,41 @@ impl WarpedMesh {
         Self { origin: lo, step, columns, rows, images, determinants }
     }
 
-    /// First corners of all cells, x fastest.
+    /// Returns the indices of the first corners of all cells, x fastest.
     fn cells(&self) -> impl Iterator<Item = usize> {
         let columns = self.columns;
         (0..self.rows - 1).flat_map(move |row| (0..columns - 1).map(move |column| row * columns + column))
     }
 
-    /// Indices of a cell's corners: upper left, upper right, lower left, lower right.
+    /// Returns the indices of a cell's corners: upper left, upper right, lower left, lower right.
     fn corners(&self, cell: usize) -> [usize; 4] {
         [cell, cell + 1, cell + self.columns, cell + self.columns + 1]
     }
 
-    /// The point of the unwarped picture with that index.
+    /// Returns the point of the unwarped picture at an index.
     pub(super) fn point(&self, index: usize) -> DVec2 {
         self.origin + self.step * DVec2::new((index % self.columns) as f64, (index / self.columns) as f64)
     }
 
-    /// Smallest box around a cell's image.
+    /// Returns the bounding box of a cell's image.
     pub(super) fn image_box(&self, cell: usize) -> [DVec2; 2] {
         let images = self.corners(cell).map(|index| self.images[index]);
         [images.into_iter().fold(images[0], DVec2::min), images.into_iter().fold(images[0], DVec2::max)]
     }
 
-    /// Cells in which the determinant may be zero or less.
+    /// Returns the cells in which the determinant may be zero or negative.
     pub(super) fn folded(&self) -> Vec<usize> {
         let may_fold = |&cell: &usize| {
             let values = self.corners(cell).map(|index| self.determinants[index]);
             let least = values.into_iter().fold(f64::INFINITY, f64::min);
             let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            // A NaN is no fold.
+            // NaN does not count as a fold.
             least < THIN + 0.5 * (most - least)
         };
         self.cells().filter(may_fold).collect()
     }
 
-    /// Cells whose image may touch a box.
+    /// Returns the cells whose image may touch a box.
     pub(super) fn cells_near(&self, [lo, hi]: [DVec2; 2]) -> Vec<usize> {
         let touches = |&cell: &usize| {
             let [least, most] = self.image_box(cell);
@@ -107,8 +107,8 @@ impl WarpedMesh {
         self.cells().filter(touches).collect()
     }
 
-    /// Near offsets back to the source at the points of a grid: its first point, its step, its columns and rows. 0
-    /// where no cell lands.
+    /// Returns approximate offsets to the source at the points of a grid, given its first point, its step, and its
+    /// columns and rows; 0 where no cell lands.
     pub(super) fn starts(&self, first: DVec2, step: f64, [columns, rows]: [usize; 2]) -> Vec<DVec2> {
         let mut starts = vec![DVec2::ZERO; columns * rows];
         for cell in self.cells() {
@@ -123,27 +123,27 @@ impl WarpedMesh {
     }
 }
 
-/// Two triangles of a cell, turning the way of x to y.
+/// Splits a cell into two triangles that wind from x to y.
 pub(super) fn halves([a, b, c, d]: [usize; 4]) -> [[usize; 3]; 2] {
     [[a, b, d], [a, d, c]]
 }
 
 impl Triangle {
-    /// Twice the area; negative where it is turned over.
+    /// Returns twice the signed area; negative if flipped.
     pub(super) fn area(&self) -> f64 {
         let [a, b, c] = self.places;
         (b - a).perp_dot(c - a)
     }
 
-    /// Calls `visit` for every whole place of 0..columns, 0..rows on the triangle (its border counts), with the offset
-    /// there, unless it is turned over or has no area.
+    /// Calls `visit` for every integer position in 0..columns, 0..rows on the triangle including its border, with the
+    /// offset there. Skips flipped and degenerate triangles.
     pub(super) fn visit(&self, counts: [usize; 2], visit: impl FnMut([usize; 2], DVec2)) {
         if self.area() > 0.0 {
             self.visit_either_way(counts, visit);
         }
     }
 
-    /// The same for triangles that are turned over, too.
+    /// As [`Self::visit`], including flipped triangles.
     pub(super) fn visit_either_way(&self, counts: [usize; 2], mut visit: impl FnMut([usize; 2], DVec2)) {
         let [a, b, c] = self.places;
         let (lo, hi) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());

@@ -1,19 +1,18 @@
-//! One map for a picture whose parts move by themselves.
+//! Builds one map for a picture whose parts move independently.
 //!
-//! In: a [`Field`] and a [`Coverage`] for each part, from back to front. Out: a [`WarpMap`] that shows at every pixel the front
-//! part that is there.
+//! In: a [`Field`] and a [`Coverage`] per part, from back to front. Out: a [`WarpMap`] that shows the front part at every pixel.
 
 use super::warp_map::{HALF, nearest_source};
 use super::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
 use std::collections::BTreeSet;
 
-/// Parts that share a picture among them, from back to front: where each goes, and what it has of every pixel; and what all cover.
+/// Parts that divide a picture among them, from back to front, each with its field and its share of every pixel; and the coverage of all.
 pub type SharedParts = (Vec<(Field, Coverage)>, Coverage);
 
 impl WarpMap {
-    /// For every pixel of the warped picture: where it came from. A part takes the pixels along that it covers by half; the
-    /// rest stays. Nothing is seen where a part left and no other is.
+    /// Returns the source of every pixel of the warped picture. A part moves the pixels of which it covers at least
+    /// half; the rest stays. The map is NaN where a part moved away and no other part lies.
     #[must_use]
     pub fn backward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
         let mut map = Self::identity(frame, window);
@@ -40,9 +39,9 @@ impl WarpMap {
         map
     }
 
-    /// For every pixel of a warped picture that parts share among them, so that nothing of it stays: where it came from. Each takes the
-    /// pixels along of which it has half or more. What is `covered` by half hides what lies behind; the rest, which may be transparent, is
-    /// seen where nothing else is.
+    /// Returns the source of every pixel of a picture whose parts divide it among them, so that nothing of it stays.
+    /// Each part moves the pixels of which it has at least half. Pixels that are `covered` by half or more hide what
+    /// lies behind them; the others, which may be transparent, show only where nothing else does.
     #[must_use]
     pub fn backward_of_shares(
         parts: &[(Field, Coverage)],
@@ -75,7 +74,7 @@ impl WarpMap {
         map
     }
 
-    /// For every pixel of a picture: where its centre goes with the part that covers it by half; the rest stays.
+    /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
     #[must_use]
     pub fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
         let mut map = Self::identity(frame, window);
@@ -100,7 +99,7 @@ mod tests {
 
     const FRAME: FrameSize = FrameSize { width: 40, height: 20, pixel_aspect: 1.0 };
 
-    /// Everything moved right by that many pixels.
+    /// Shifts everything right by a number of pixels.
     fn shift(pixels: f64) -> Field {
         let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [2.0, 1.0] };
         let mut lattice = grid.at_rest();
@@ -108,7 +107,7 @@ mod tests {
         Field::of_layer(lattice)
     }
 
-    /// Columns.
+    /// Coverage of a range of columns.
     fn columns(range: std::ops::Range<i32>) -> Coverage {
         let samples = (0..800).map(|index| f32::from(u8::from(range.contains(&(index % 40))))).collect();
         Coverage { frame: FRAME, window: FRAME.window(), samples }
@@ -116,7 +115,7 @@ mod tests {
 
     #[test]
     fn what_is_transparent_hides_nothing() {
-        // The front part has all to the right of column 12, but shows only columns 20 to 24.
+        // The front part has everything to the right of column 12, but only columns 20 to 24 are visible.
         let parts = [(shift(0.0), columns(0..12)), (shift(-14.0), columns(12..40))];
         let shown = columns(0..24);
         let mut covered = shown.clone();
@@ -124,7 +123,7 @@ mod tests {
         let map = WarpMap::backward_of_shares(&parts, &covered, (FRAME, FRAME.window()));
         let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
         let expected = |x: i32| match x {
-            // What is shown of it lies over the first part; its transparent rest does not.
+            // Its visible columns lie over the first part; its transparent rest does not.
             6..10 => Some(x + 14),
             0..12 => Some(x),
             12..26 => Some(x + 14),
@@ -140,7 +139,7 @@ mod tests {
         let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
         let expected = |x: i32| match x {
             4..8 => None,
-            // The second part stays, and lies over the first.
+            // The second part stays and lies over the first.
             8..12 => Some(x - 4),
             _ => Some(x),
         };

@@ -1,18 +1,18 @@
-//! A block of a map, from its corners alone.
+//! Interpolates a block of a map from its corners.
 //!
 //! In: offsets and slopes at four pixels. Out: offsets of all pixels between them. The sides are cubic Hermite curves,
-//! the inside is blended between them (S. A. Coons, "Surfaces for Computer-Aided Design of Space Forms", 1967): the
-//! error falls with the fourth power of the block's size.
+//! and the interior is a Coons patch (S. A. Coons, "Surfaces for Computer-Aided Design of Space Forms", 1967): the
+//! error falls with the fourth power of the block size.
 
 use super::pixel_field::Node;
 use glam::DVec2;
 
-/// Pixels of the largest block.
+/// Size of the largest block, in pixels.
 pub(super) const LARGEST: usize = 32;
-/// Floats of a register.
+/// Floats per SIMD register.
 const LANES: usize = 8;
 
-/// Four sides of a block: cubic polynomials of 0 to 1, c0 + c1 t + c2 t² + c3 t³.
+/// The four sides of a block as cubic polynomials on 0..1: c0 + c1 t + c2 t² + c3 t³.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     top: [DVec2; 4],
@@ -22,7 +22,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Corners: upper left, upper right, lower left, lower right, `size` pixels apart.
+    /// Creates a patch from its corners (upper left, upper right, lower left, lower right), `size` pixels apart.
     pub(super) fn new(corners: &[Node; 4], size: f64) -> Self {
         let [a, b, c, d] = corners;
         let along = |from: &Node, to: &Node| hermite(from.offset, to.offset, [from, to].map(|n| n.slope.x_axis * size));
@@ -30,10 +30,10 @@ impl Patch {
         Self { top: along(a, b), bottom: along(c, d), left: down(a, c), right: down(b, d) }
     }
 
-    /// The cubic of a row: `v` 0 is the upper side, 1 the lower.
+    /// Returns the cubic of a row: `v` is 0 at the upper side and 1 at the lower.
     fn row(&self, v: f64) -> [DVec2; 4] {
         let mut row: [DVec2; 4] = std::array::from_fn(|k| self.top[k].lerp(self.bottom[k], v));
-        // What the curved sides add to the straight ones.
+        // Deviation of the curved sides from straight ones.
         let left = value(&self.left, v) - row[0];
         let right = value(&self.right, v) - row.iter().sum::<DVec2>();
         row[0] += left;
@@ -41,12 +41,12 @@ impl Patch {
         row
     }
 
-    /// The offset at a place of the block, 0 to 1 an axis.
+    /// Returns the offset at a position of the block, 0 to 1 per axis.
     pub(super) fn at(&self, u: f64, v: f64) -> DVec2 {
         value(&self.row(v), u)
     }
 
-    /// Offsets of the pixels of row `y` of a block of `size`: the first of `row` is the block's first.
+    /// Writes the offsets of row `y` of a block of `size` pixels to `row`, starting at the block's first column.
     pub(super) fn fill(&self, size: usize, y: usize, row: &mut [[f32; 2]]) {
         let scale = 1.0 / size as f64;
         let [c0, c1, c2, c3] = self.row(y as f64 * scale);
@@ -61,13 +61,13 @@ impl Patch {
     }
 }
 
-/// x and y in turn.
+/// Repeats x and y alternately.
 fn spread(c: DVec2) -> [f32; LANES] {
     let (x, y) = (c.x as f32, c.y as f32);
     [x, y, x, y, x, y, x, y]
 }
 
-/// A cubic at four places, x and y in turn.
+/// Evaluates a cubic at four positions, x and y interleaved.
 #[inline(always)]
 fn values([c0, c1, c2, c3]: &[[f32; LANES]; 4], t: &[f32; LANES]) -> [f32; LANES] {
     let mut sums = *c3;
@@ -77,7 +77,7 @@ fn values([c0, c1, c2, c3]: &[[f32; LANES]; 4], t: &[f32; LANES]) -> [f32; LANES
     sums
 }
 
-/// The cubic between two values with slopes.
+/// Returns the cubic between two values with the given slopes.
 fn hermite(from: DVec2, to: DVec2, slopes: [DVec2; 2]) -> [DVec2; 4] {
     let rise = to - from;
     [from, slopes[0], rise * 3.0 - slopes[0] * 2.0 - slopes[1], slopes[0] + slopes[1] - rise * 2.0]

@@ -1,6 +1,6 @@
 //! Solves a field for the map of a window: backward by searches that start from a mesh, forward by evaluation.
 //!
-//! In: a [`Field`], a window of pixels. Out: a [`WarpMap`], NaN where nothing comes from.
+//! In: a [`Field`], a window of pixels. Out: a [`WarpMap`], NaN where a pixel has no source.
 
 use super::Field;
 use super::map_blocks::{self, MapNodes};
@@ -15,9 +15,10 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 impl WarpMap {
-    /// For every pixel of the warped picture: where it came from. Where the picture lies over itself, the preimage in
-    /// front: one that is not turned over, of several the one that moved furthest (what is pulled lies over what
-    /// stays). Every pixel comes from somewhere, unless the field holds NaN.
+    /// Returns the source of every pixel of the warped picture.
+    ///
+    /// Where the picture folds over itself, this is the front preimage: one that is not flipped, and of several the one that moved
+    /// furthest (what is pulled lies over what stays). Every pixel has a source unless the field contains NaN.
     #[must_use]
     pub fn backward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let (mut map, folds) = Self::without_folds(field, frame, window);
@@ -25,9 +26,11 @@ impl WarpMap {
         map
     }
 
-    /// As [`Self::backward`], but what is transparent hides nothing: where the picture lies over itself, the first preimage
-    /// that is covered by half, or else the one that is covered most. `coverage`: how much of a pixel of the unwarped picture,
-    /// from the upper left corner of the display window, can be seen, 0 to 1. Folds in which nothing can be seen do not count.
+    /// As [`Self::backward`], but transparent pixels do not hide anything: in folds, selects the first preimage with a
+    /// coverage of at least half, or else the one with the highest.
+    ///
+    /// `coverage`: coverage of a pixel of the unwarped picture, 0 to 1, relative to the upper left corner of the
+    /// display window. Folds in which nothing is visible are not counted.
     #[must_use]
     pub fn backward_showing(
         field: &Field,
@@ -57,9 +60,8 @@ impl WarpMap {
         map
     }
 
-    /// All preimages of the warped picture that are not turned over, front first: [`Self::backward`], and behind it maps
-    /// that are NaN but where the picture lies over itself. A layer with a matte needs them: what is transparent in
-    /// front does not hide what lies behind.
+    /// Returns all preimages that are not flipped, front first: the map of [`Self::backward`], followed by maps that are NaN except where
+    /// the picture folds over itself. A matted layer needs them because its transparent front does not hide what lies behind.
     #[must_use]
     pub fn backward_preimages(field: &Field, frame: FrameSize, window: PixelRect) -> Vec<Self> {
         let (map, folds) = Self::without_folds(field, frame, window);
@@ -82,7 +84,7 @@ impl WarpMap {
         maps
     }
 
-    /// The map except where preimages overlap.
+    /// Computes the map except where preimages overlap.
     fn without_folds(field: &Field, frame: FrameSize, window: PixelRect) -> (Self, MapFolds) {
         let pixel_field = PixelField { field, frame, direction: Direction::Backward };
         let mut map = Self::identity(frame, window);
@@ -108,8 +110,8 @@ impl WarpMap {
         (map, folds)
     }
 
-    /// For every pixel of a picture: where its centre goes. Folded are pixels that are turned over and pixels that land
-    /// where another part of the picture does.
+    /// Returns the target of every pixel centre of a picture. Pixels that are flipped, and pixels that land on another
+    /// part of the picture, count as folded.
     #[must_use]
     pub fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let mut map = Self::forward_alone(field, frame, window);
@@ -119,7 +121,7 @@ impl WarpMap {
         map
     }
 
-    /// The same, but nothing tells of folds.
+    /// As [`Self::forward`], without finding folds.
     pub(super) fn forward_alone(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let pixel_field = PixelField { field, frame, direction: Direction::Forward };
         let mut map = Self::identity(frame, window);
@@ -131,7 +133,7 @@ impl WarpMap {
         map
     }
 
-    /// Pixels that land where a fold does.
+    /// Returns the pixels that land on a fold.
     fn overlapping(&self, pixel_field: PixelField) -> Vec<u32> {
         let lands_in = pixel_field.field.warped_window(self.frame, self.window);
         let mesh = WarpedMesh::behind(pixel_field, lands_in);

@@ -1,6 +1,6 @@
-//! The data window of a warped picture.
+//! Computes the data window of a warped picture.
 //!
-//! In: a [`Field`], the frame and a data window. Out: all pixels that can receive anything of it.
+//! In: a [`Field`], the frame and a data window. Out: the window of all pixels that can receive part of the picture.
 
 use super::Field;
 use super::map_mesh::WarpedMesh;
@@ -8,14 +8,14 @@ use super::pixel_field::{Direction, PixelField, corner, extent};
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
 
-/// Less than this of the picture does not touch a pixel, in pixels: shifts by whole pixels stay whole.
+/// Tolerance in pixels, so that shifts by whole pixels stay exact.
 const SLIVER: f64 = 1e-3;
-/// Points of a folded cell, an axis.
+/// Sample points of a folded cell per axis.
 const FINE: usize = 33;
 
 impl Field {
-    /// The data window after the warp: all pixels that `window` (relative to the display window) reaches. Cut to the
-    /// frame and as much again on every side, unless `window` itself reaches further.
+    /// Returns the data window after the warp: all pixels that `window` (relative to the display window) reaches. It is
+    /// limited to the frame extended by its own size on every side, unless `window` itself reaches further.
     #[must_use]
     pub fn warped_window(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
         if window.area() == 0 || self.is_identity() {
@@ -26,7 +26,7 @@ impl Field {
         let image = |point: DVec2| point + pixel_field.displace(point).0;
         let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let folded = (!self.is_one_to_one()).then(|| folded_points(pixel_field, lo, hi)).into_iter().flatten();
-        // The image of a picture that does not fold ends at the image of its border.
+        // Without folds, the border of the image is the image of the border.
         for point in border(window).map(image).chain(folded.map(image)) {
             if !point.is_finite() {
                 return window;
@@ -39,7 +39,7 @@ impl Field {
     }
 }
 
-/// Corners of all pixels along the border of a window.
+/// Returns the corners of all pixels along the border of a window.
 fn border(window: PixelRect) -> impl Iterator<Item = DVec2> {
     let (lo, size) = (corner(window), extent(window));
     let across = (0..=window.width).flat_map(move |x| [0.0, size.y].map(|y| DVec2::new(f64::from(x), y)));
@@ -47,7 +47,7 @@ fn border(window: PixelRect) -> impl Iterator<Item = DVec2> {
     across.chain(down).map(move |place| lo + place)
 }
 
-/// Points of all cells between two corners that may turn over.
+/// Returns the sample points of all cells between two corners that may flip.
 fn folded_points(pixel_field: PixelField, lo: DVec2, hi: DVec2) -> impl Iterator<Item = DVec2> {
     let mesh = WarpedMesh::over(pixel_field, lo, hi);
     let step = mesh.step / (FINE - 1) as f64;
@@ -57,7 +57,7 @@ fn folded_points(pixel_field: PixelField, lo: DVec2, hi: DVec2) -> impl Iterator
     })
 }
 
-/// The pixels between two corners; none where they do not lie so.
+/// Returns the pixels between two corners; empty if the corners are out of order.
 fn rect(lo: DVec2, hi: DVec2) -> PixelRect {
     let size = (hi - lo).max(DVec2::ZERO);
     PixelRect { x: lo.x as i32, y: lo.y as i32, width: size.x as u32, height: size.y as u32 }

@@ -1,7 +1,7 @@
-//! How much of every pixel of a plate a layer moves.
+//! Evaluates mattes: the fraction of every pixel of a plate that a layer moves.
 //!
-//! In: a [`Matte`], the channels of a plate, a view and a window. Out: coverage from 0 to 1, or an error that names what
-//! the plate lacks and what it has.
+//! In: a [`Matte`], the channels of a plate, a view and a window. Out: coverage from 0 to 1, or an error that names
+//! what is missing and what is available.
 
 use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
 use super::semantics::ChannelName;
@@ -12,11 +12,11 @@ use crate::space::PixelRect;
 use crate::spelling;
 use std::collections::BTreeSet;
 
-/// Where a matte is wanted: pixels of one view.
+/// The pixels of one view at which a matte is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MatteRegion<'a> {
     pub(super) view: Option<&'a str>,
-    /// Measured from the upper left corner of the display window.
+    /// Relative to the upper left corner of the display window.
     pub(super) window: PixelRect,
 }
 
@@ -25,23 +25,23 @@ pub(super) struct MatteRegion<'a> {
 pub(super) struct MatteCoverage {
     /// #pixels of the window, 0 to 1; `None`: everything.
     pub(super) coverage: Option<Vec<f32>>,
-    /// The share of it that a part of a layer has, #pixels of the window; `None`: all.
+    /// The share of it that belongs to one part of a layer, #pixels of the window; `None`: all.
     pub(super) share: Option<Vec<f32>>,
-    /// Where names of a Cryptomatte select it: the Cryptomatte's name, and the ids.
+    /// For mattes selected by Cryptomatte names: the name of the Cryptomatte, and the ids.
     pub(super) selection: Option<(String, BTreeSet<MatteId>)>,
-    /// Names that the plate does not know beside others that it knows; in words.
+    /// Message about names that the plate does not contain, if it contains others.
     pub(super) warning: Option<String>,
 }
 
-/// What names select from a Cryptomatte.
+/// A selection of names from a Cryptomatte.
 struct Selection {
     matte: MatteLayer<ChannelIndex>,
     ids: BTreeSet<MatteId>,
-    /// Names that it does not know, in words.
+    /// Names that are not in the manifest, for messages.
     unknown: Vec<String>,
 }
 
-/// The coverage of a layer's matte; `layer` names it in messages.
+/// Computes the coverage of a layer's matte; the name in `layer` is for messages.
 pub(super) fn matte_coverage(
     table: &ChannelTable,
     (layer, matte): (&str, &Matte),
@@ -76,7 +76,7 @@ pub(super) fn matte_coverage(
     Ok(MatteCoverage { coverage: Some(coverage), ..MatteCoverage::default() })
 }
 
-/// A channel by the name that the shot gives: in this view, else in the first that has it.
+/// Finds a channel by the name given in the shot: in this view, or else in the first view that has it.
 fn find(table: &ChannelTable, layer: &str, name: &str, view: Option<&str>) -> Result<ChannelIndex, PlateError> {
     let is_meant = |entry: &&ChannelEntry| entry.name.full == name || entry.name.with_all_of_part() == name;
     let named: Vec<&ChannelEntry> = table.entries.iter().filter(is_meant).collect();
@@ -85,7 +85,7 @@ fn find(table: &ChannelTable, layer: &str, name: &str, view: Option<&str>) -> Re
         let hint = spelling::hint(name, names);
         return Err(PlateError::NoMatteChannel { layer: layer.into(), channel: name.into(), hint });
     };
-    // `mask.left.A` was meant for the view `left`; other views have their own.
+    // `mask.left.A` names the view `left`; other views use their own counterpart.
     let is_twin = |other: &ChannelName| {
         other.view.as_deref() == view
             && other.segments == first.name.segments
@@ -95,7 +95,7 @@ fn find(table: &ChannelTable, layer: &str, name: &str, view: Option<&str>) -> Re
     Ok(twin.unwrap_or(first).index)
 }
 
-/// Checks what names alone tell: that the plate has what a matte asks for. No samples are needed.
+/// Checks from the channel names alone that the plate has what a matte refers to; needs no samples.
 pub(super) fn check_matte(table: &ChannelTable, layer: &str, matte: &Matte) -> Result<(), PlateError> {
     let view = table.entries.first().and_then(|entry| entry.name.view.as_deref());
     match matte {
@@ -106,7 +106,7 @@ pub(super) fn check_matte(table: &ChannelTable, layer: &str, matte: &Matte) -> R
     }
 }
 
-/// The share of what a pixel shows, where its coverage is known: what covers 0.3 of a pixel whose alpha is 0.3 is all of it.
+/// Divides by the alpha of the picture where it is known: coverage 0.3 of a pixel whose alpha is 0.3 is all of the pixel.
 fn of_picture(table: &ChannelTable, mut coverage: Vec<f32>, region: MatteRegion) -> Vec<f32> {
     let of_view = table.entries.iter().filter(|entry| entry.name.view.as_deref() == region.view);
     let mut colors = of_view.filter(|entry| entry.class.semantic == Semantic::Color);
@@ -134,7 +134,7 @@ fn cryptomatte_coverage(
     })
 }
 
-/// The Cryptomatte that knows most of the names.
+/// Selects the Cryptomatte that contains most of the names.
 fn select(
     table: &ChannelTable,
     layer: &str,
@@ -179,7 +179,7 @@ fn matte_layers_of_view(table: &ChannelTable, view: Option<&str>) -> Vec<MatteLa
     first.map_or_else(Vec::new, |entry| of_view(entry.name.view.as_deref()))
 }
 
-/// Coverage of ids, all ranks together.
+/// Sums the coverage of ids over all ranks.
 fn summed_coverage(
     table: &ChannelTable,
     matte: &MatteLayer<ChannelIndex>,
@@ -199,12 +199,12 @@ fn summed_coverage(
     sum
 }
 
-/// `CryptoObject` is also `ViewLayer.CryptoObject`.
+/// Whether a layer has the wanted name, with or without its prefix: `CryptoObject` also matches `ViewLayer.CryptoObject`.
 fn is_named(name: &str, wanted: &str) -> bool {
     name == wanted || name.rsplit_once('.').is_some_and(|(_, last)| last == wanted)
 }
 
-/// Ids are bits of integers, or whole numbers as floats.
+/// Decodes an id, stored as the bits of an integer or as a whole number in a float.
 fn id_of(sample: f32, storage: Storage) -> u32 {
     if storage == Storage::Uint { sample.to_bits() } else { sample.round() as u32 }
 }

@@ -1,6 +1,6 @@
-//! Stage 7b: finished frames of any renderer, warped as pictures: every channel by its semantic.
+//! Stage 7b: warps finished frames of any renderer as pictures, each channel according to its semantic.
 //!
-//! In: a [`Plate`](crate::image::Plate) and solved lattices of the screen. Out: the warped plate.
+//! In: a [`Plate`](crate::image::Plate) and solved screen lattices. Out: the warped plate.
 //!
 //! ```text
 //! Lattice ─field─▶ Field ─map─▶ WarpMap ─┬─ filter (colour) ──────────────────┐

@@ -1,9 +1,9 @@
-//! Motion vectors of a warped picture.
+//! Warps motion vectors.
 //!
 //! In: vectors of the unwarped plate, the fields of this frame and its neighbours. Out: vectors after the warp.
 //!
 //! A point at x that moves by u lies at φ_t(x) in this frame's result and at φ_t+1(x + u) in the next one's, so
-//! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x). Where a warp is undone, d = φ⁻¹ − x.
+//! u'(φ_t(x)) = φ_t+1(x + u) − φ_t(x): with d = φ − x it is u + d_t+1(x + u) − d_t(x). To undo a warp, d = φ⁻¹ − x.
 
 use super::composite::Composite;
 use super::disjoint_over::BATCH;
@@ -15,24 +15,24 @@ use crate::space::{FrameSize, ImagePoint, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// A difference that counts, in pixels: below it the vectors keep their bits. Maps are no finer than this.
+/// Changes below this, in pixels, leave the vectors bit-exact. Maps are no more accurate than this.
 const LEAST: f64 = 5e-4;
 
-/// Longer vectors, in pixels, are marks for "no motion known", not motion.
+/// Longer vectors, in pixels, are markers for unknown motion.
 const MOST: f64 = 1e6;
 
-/// Two channels with a vector, and how it is stored.
+/// Two channels that hold a vector, and their encoding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MotionVectors<'a> {
     /// #pixels of the source each.
     pub(super) uv: [&'a [f32]; 2],
     /// [`Semantic::Forward`] or [`Semantic::Backward`].
     pub(super) semantic: Semantic,
-    /// Pixels a unit is, x right, y up.
+    /// Pixels per unit, x right, y up.
     pub(super) encoding: MotionEncoding,
 }
 
-/// The vectors after the warp: #pixels of the composite each; 0 where nothing is.
+/// Returns the warped vectors: #pixels of the composite each; 0 where nothing is visible.
 pub(super) fn warped_motion(
     composite: &Composite,
     vectors: MotionVectors,
@@ -57,16 +57,16 @@ pub(super) fn warped_motion(
     visible.par_iter().with_min_len(BATCH / 16).map(warped).unzip().into()
 }
 
-/// Vectors of what fills holes.
+/// Motion vectors of the fill plate.
 pub(super) struct HoleVectors<'a> {
     pub(super) vectors: MotionVectors<'a>,
-    /// Their pixels.
+    /// Window of the vectors.
     pub(super) window: PixelRect,
-    /// The background, which carries them.
+    /// The background layer, which moves them.
     pub(super) background: &'a MovingLayer<'a>,
 }
 
-/// Puts vectors into the holes of a composite, carried by the warp and stored in the plate's encoding.
+/// Fills the holes of a composite with vectors, warped and converted to the plate's encoding.
 pub(super) fn fill_motion(
     composite: &Composite,
     behind: &HoleVectors,
@@ -103,19 +103,19 @@ impl MotionVectors<'_> {
         if !change.is_finite() || change.length() < LEAST {
             return stored;
         }
-        // Vectors count up, maps down.
+        // Vectors have y up, maps y down.
         let warped = (pixels + DVec2::new(change.x, -change.y)) / per_unit;
         if warped.is_finite() { warped.as_vec2().to_array() } else { stored }
     }
 }
 
-/// How far the points of a moving layer move in this frame and in the one that vectors point to, in pixels, y down.
+/// Displacements of a moving layer in this frame and in the frame that the vectors point to, in pixels, y down.
 ///
-/// Fields are asked for every pixel once, by blocks; asking them for each vector took three times as long as all else.
+/// Fields are evaluated once per pixel, by blocks; evaluating them per vector took three times as long as everything else.
 struct Displacements<'a> {
     now: WarpMap,
     other: WarpMap,
-    /// What `other` was made of.
+    /// The field from which `other` was computed.
     field: &'a Field,
     direction: Direction,
 }
@@ -130,12 +130,13 @@ impl<'a> Displacements<'a> {
         Self { now, other, field, direction: moving_layer.direction }
     }
 
-    /// At the centre of a pixel, in this frame.
+    /// Returns the displacement in this frame at the centre of a pixel.
     fn here(&self, pixel: [i32; 2]) -> DVec2 {
         self.now.window.place_of(pixel).map_or(DVec2::NAN, |index| offset(&self.now, index))
     }
 
-    /// At any place, in the other frame: Catmull-Rom between pixels, the field itself around the picture.
+    /// Returns the displacement in the other frame at any position: Catmull-Rom between pixels, evaluated from the
+    /// field outside the picture.
     fn there(&self, at: DVec2) -> DVec2 {
         between(&self.other, at).unwrap_or_else(|| {
             let frame = self.other.frame;
@@ -149,7 +150,7 @@ impl<'a> Displacements<'a> {
     }
 }
 
-/// The offset of a map at a place; `None` where it does not tell of all pixels around.
+/// Interpolates the offset of a map at a position; `None` unless all surrounding pixels are known.
 fn between(map: &WarpMap, at: DVec2) -> Option<DVec2> {
     let place = at - corner(map.window) - 0.5;
     let whole = place.floor();
@@ -168,7 +169,7 @@ fn offset(map: &WarpMap, index: usize) -> DVec2 {
     DVec2::new(x.into(), y.into())
 }
 
-/// Weights of four neighbours, a share `t` of the way from the second to the third (Keys 1981, a = -1/2).
+/// Returns the Catmull-Rom weights of four neighbours at `t` between the second and the third (Keys 1981, a = -1/2).
 fn catmull_rom(t: f64) -> [f64; 4] {
     let (a, b) = (t * t, t * t * t);
     [-0.5 * t + a - 0.5 * b, 1.0 - 2.5 * a + 1.5 * b, 0.5 * t + 2.0 * a - 1.5 * b, 0.5 * (b - a)]

@@ -1,33 +1,33 @@
-//! What moves as one in a plate: the background and the layers with mattes.
+//! The layers of a plate that move as units: the background and the layers with mattes.
 //!
-//! In: a [`PlateJob`]. Out: one [`MovingLayer`] each, with its fields of three frames; words about its folds.
+//! In: a [`PlateJob`]. Out: one [`MovingLayer`] each, with its fields at three frames, and fold warnings.
 
 use super::pixel_field::Direction;
 use super::{Field, LayerJob, Matte, PlateJob};
 use crate::space::{FrameSize, PixelRect};
 use crate::spelling::counted;
 
-/// What moves as one: the background that no matte takes, or a layer with its matte.
+/// A unit of motion: the background outside of all mattes, or a layer with its matte.
 #[derive(Clone, Debug)]
 pub(super) struct MovingLayer<'a> {
-    /// For messages.
+    /// Name for messages.
     pub(super) name: &'a str,
-    /// What it moves of the plate; `None`: what no other layer moves.
+    /// Matte of what it moves; `None`: everything outside of the other mattes.
     pub(super) matte: Option<&'a Matte>,
     /// Name and field of each layer that bends it.
     pub(super) bent_by: Vec<(&'a str, &'a Field)>,
-    /// Forward: along its fields; backward: against them, to undo a warp.
+    /// Forward to apply its fields; backward to undo a warp.
     pub(super) direction: Direction,
-    /// Where it goes in this frame.
+    /// Field of this frame.
     pub(super) now: Field,
-    /// Where it goes in the frame before.
+    /// Field of the previous frame.
     pub(super) previous: Field,
-    /// Where it goes in the next frame.
+    /// Field of the next frame.
     pub(super) next: Field,
 }
 
 impl<'a> MovingLayer<'a> {
-    /// The background, then the layers with mattes in the shot's order. Layers without a matte bend all of them.
+    /// Returns the background, followed by the layers with mattes in the shot's order. Layers without a matte bend all of them.
     pub(super) fn all_of(job: &'a PlateJob) -> Vec<Self> {
         let whole: Vec<_> = job.layers.iter().filter(|layer| layer.matte.is_none()).collect();
         let matted = job.layers.iter().filter(|layer| layer.matte.is_some());
@@ -51,7 +51,7 @@ impl<'a> MovingLayer<'a> {
 }
 
 impl MovingLayer<'_> {
-    /// Says that it lies over itself, which layers fold it, and what to do.
+    /// Describes a fold, the layers that cause it, and the remedy.
     pub(super) fn fold_warning(&self, pixels: usize, (frame, window): (FrameSize, PixelRect)) -> String {
         let folding: Vec<&str> = match &self.bent_by[..] {
             [(only, _)] => vec![only],

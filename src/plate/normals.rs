@@ -1,17 +1,17 @@
-//! Normals that turn with the picture.
+//! Rotates normals with the picture.
 //!
-//! In: normals of view space (x right, y up, z towards the viewer) of the pixels that are shown, the map. Out: the same,
-//! turned about the view axis by the rotation nearest to the warp's gradient (its polar factor).
+//! In: view-space normals (x right, y up, z towards the viewer) of the visible pixels, and the map. Out: the same,
+//! rotated about the view axis by the rotation nearest to the gradient of the warp (its polar factor).
 
 use super::WarpMap;
 use super::composite::Composite;
 use super::visible_samples::VisibleSample;
 use rayon::prelude::*;
 
-/// A rotation that counts, in radians: below it normals keep their bits.
+/// Rotations below this, in radians, leave the normals bit-exact.
 const LEAST: f64 = 1e-6;
 
-/// Turns the first two components of the normals that a composite shows; each #pixels of the composite.
+/// Rotates the first two components of the visible normals of a composite; each: #pixels of the composite.
 pub(super) fn turn_normals(
     composite: &Composite,
     visible: &[VisibleSample],
@@ -33,9 +33,9 @@ pub(super) fn turn_normals(
     });
 }
 
-/// How far the picture turns at a pixel, counter-clockwise in radians.
+/// Returns the counter-clockwise rotation of the picture at a pixel, in radians.
 ///
-/// The map leads back, with y down: both turn the sign over, so its angle is the warp's.
+/// The map is an inverse and has y down: each flips the sign, so its angle is that of the warp.
 fn rotation(map: &WarpMap, index: usize, pixel_aspect: f64) -> f64 {
     let [[xx, xy], [yx, yy]] = map.jacobian(index).map(|row| row.map(f64::from));
     (yx / pixel_aspect - xy * pixel_aspect).atan2(xx + yy)

@@ -1,26 +1,26 @@
-//! A field in pixels of a frame: points and offsets, y down.
+//! A field in pixel coordinates of a frame, y down.
 //!
-//! In: a [`Field`] and the size of the frame. Out: the offset of any point, either way, with its slopes.
+//! In: a [`Field`] and the size of the frame. Out: the offset at any point and its slopes, in either direction.
 
 use super::Field;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenVector};
 use glam::{DMat2, DVec2};
 
-/// Which way a map tells.
+/// Direction of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Direction {
-    /// Where a point came from.
+    /// From a point to its source.
     Backward,
-    /// Where a point goes.
+    /// From a point to its target.
     Forward,
 }
 
-/// What a map holds at a point.
+/// The value of a map at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Node {
-    /// Pixels to add to the point.
+    /// Offset to add to the point, in pixels.
     pub(super) offset: DVec2,
-    /// Change of the offset a pixel to the right (first column) and down (second).
+    /// Change of the offset per pixel to the right (first column) and down (second).
     pub(super) slope: DMat2,
 }
 
@@ -30,7 +30,7 @@ impl Node {
     }
 }
 
-/// A field, a frame and a direction.
+/// A field with a frame and a direction.
 #[derive(Clone, Copy)]
 pub(super) struct PixelField<'a> {
     pub(super) field: &'a Field,
@@ -39,7 +39,7 @@ pub(super) struct PixelField<'a> {
 }
 
 impl PixelField<'_> {
-    /// Pixels a frame height, y turned over.
+    /// Pixels per frame height, with y flipped.
     fn scale(self) -> DVec2 {
         let up = self.frame.pixels_from_screen(ScreenVector::new(1.0, 1.0));
         DVec2::new(up.x, -up.y)
@@ -49,13 +49,13 @@ impl PixelField<'_> {
         self.frame.screen_from_image(ImagePoint(pixel)).0
     }
 
-    /// How far a point of the unwarped picture moves, in pixels, and the gradient of the field there.
+    /// Returns the displacement of a point of the unwarped picture, in pixels, and the gradient of the field there.
     pub(super) fn displace(self, pixel: DVec2) -> (DVec2, DMat2) {
         let (moved, gradient) = self.field.displace(self.screen(pixel));
         (moved * self.scale(), self.pixels(gradient))
     }
 
-    /// The map at a point, looked for from the offset `start` on; `None` where it is not found.
+    /// Solves for the map at a point, starting from the offset `start`; `None` if the search fails.
     pub(super) fn solve(self, pixel: DVec2, start: DVec2) -> Option<Node> {
         if self.direction == Direction::Forward {
             let (offset, gradient) = self.displace(pixel);
@@ -67,7 +67,7 @@ impl PixelField<'_> {
         slope.is_finite().then_some(Node { offset: offset * self.scale(), slope })
     }
 
-    /// How far an offset is from the right one, to first order, in pixels.
+    /// Estimates the error of an offset to first order, in pixels.
     pub(super) fn residual(self, pixel: DVec2, offset: DVec2) -> f64 {
         if self.direction == Direction::Forward {
             return (self.displace(pixel).0 - offset).length();
@@ -76,7 +76,7 @@ impl PixelField<'_> {
         (gradient.inverse() * (offset + moved)).length()
     }
 
-    /// Whether the map is one smooth piece between four points, given with their nodes.
+    /// Whether the map is smooth on the quadrilateral of four points, given with their nodes.
     pub(super) fn is_smooth(self, corners: &[(DVec2, Node); 4]) -> bool {
         let source = corners.map(|(pixel, node)| match self.direction {
             Direction::Backward => self.screen(pixel + node.offset),
@@ -85,19 +85,18 @@ impl PixelField<'_> {
         self.field.is_smooth_between(source)
     }
 
-    /// Pixels between places at which the field has to be looked at in order to see all that it does: a quarter of the
-    /// finest spacing.
+    /// Returns the sampling distance, in pixels, that resolves all features of the field: a quarter of the finest spacing.
     pub(super) fn finest_step(self) -> f64 {
         let scale = self.scale().abs();
         self.field.spacings().map(|spacing| (spacing * scale).min_element()).fold(f64::INFINITY, f64::min) / 4.0
     }
 
-    /// No point moves further, in pixels an axis.
+    /// Upper bound of the displacement, in pixels per axis.
     pub(super) fn max_displacement(self) -> DVec2 {
         self.scale().abs() * self.field.max_displacement()
     }
 
-    /// A gradient of the screen in pixels.
+    /// Converts a gradient from screen to pixel coordinates.
     fn pixels(self, gradient: DMat2) -> DMat2 {
         let scale = self.scale();
         DMat2::from_cols(gradient.x_axis * scale / scale.x, gradient.y_axis * scale / scale.y)

@@ -1,78 +1,78 @@
-//! What a warp did to a plate, and what it cannot do.
+//! The report of a plate's warp, and its errors.
 //!
 //! In: counts from the warp. Out: [`PlateReport`], plain data for logs and reports; [`PlateError`].
 
 use super::Semantic;
 use serde::Serialize;
 
-/// What was done to one plate.
+/// The result of warping one plate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PlateReport {
     /// Every channel of every part, in the plate's order.
     pub channels: Vec<ChannelReport>,
-    /// Pixels of the first view's picture that a matted layer left and nothing covers; filled ones are counted too.
+    /// Pixels of the first view's beauty that a matted layer left uncovered, including those that were filled.
     pub hole_pixels: usize,
-    /// Pixels of the first view's picture where a layer lies over itself. Its front is seen; the warp cannot be undone there.
+    /// Pixels of the first view's beauty where a layer folds over itself. The front is shown; the warp cannot be undone there.
     pub folded_pixels: usize,
-    /// Samples of colour that were no number (made 0) or infinite (made 65504) and would have spread to their neighbours.
+    /// Colour samples that were NaN (replaced by 0) or infinite (replaced by 65504) and would have spread to their neighbours.
     pub contained_samples: usize,
-    /// What the user should know, in plain words.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// What one channel was taken for.
+/// The semantic assigned to one channel.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ChannelReport {
-    /// Name of its part, where it has one.
+    /// Name of its part, if it has one.
     pub part: Option<String>,
     /// Full name of the channel.
     pub channel: String,
-    /// How it was treated.
+    /// The assigned semantic.
     #[serde(rename = "meaning")]
     pub semantic: Semantic,
-    /// How that is known.
+    /// How the semantic was determined.
     pub reason: SemanticReason,
 }
 
-/// How the semantic of a channel is known.
+/// How the semantic of a channel was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SemanticReason {
-    /// The shot says so.
+    /// Set in the shot.
     Shot,
-    /// The file's metadata say so.
+    /// Set in the metadata of the file.
     Metadata,
-    /// Its name or its storage is one that renderers use for it.
+    /// By a name or storage type that renderers use for it.
     Name,
-    /// Nothing says so; see the table in docs/PLATES.md.
+    /// Guessed; see the table in docs/PLATES.md.
     Guess,
 }
 
-/// A plate that cannot be warped as asked. Each message says what, where and how to fix it.
+/// Errors of warping a plate. Each message says what is wrong, where, and how to fix it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
-    /// A layer's matte names a channel that the plate does not have.
+    /// A layer's matte names a channel that is not in the plate.
     #[error("layer \"{layer}\": the plate has no channel \"{channel}\" for its matte; {hint}")]
     NoMatteChannel {
-        /// The layer.
+        /// Name of the layer.
         layer: String,
-        /// The channel asked for.
+        /// Name of the requested channel.
         channel: String,
-        /// The nearest right name, or what there is.
+        /// The closest match, or the available names.
         hint: String,
     },
-    /// A layer's matte selects names that no Cryptomatte of the plate knows.
+    /// A layer's matte selects names that are in no Cryptomatte of the plate.
     #[error("layer \"{layer}\": no Cryptomatte of the plate knows {wanted}; {hint}")]
     NoCryptomatte {
-        /// The layer.
+        /// Name of the layer.
         layer: String,
-        /// What was asked for: a Cryptomatte layer or a name.
+        /// The requested Cryptomatte layer or object name.
         wanted: String,
-        /// The nearest right name, or what there is.
+        /// The closest match, or the available names.
         hint: String,
     },
-    /// The map was made for another frame.
+    /// The map belongs to a frame of another size.
     #[error(
         "the map is for a frame of {map:?} pixels, the plate shows {plate:?}; make the map from a plate of this size"
     )]
@@ -82,25 +82,25 @@ pub enum PlateError {
         /// Width and height of the plate's display window.
         plate: [u32; 2],
     },
-    /// A picture that was to be an STMap has no pair of channels for it.
+    /// A picture used as an STMap has no pair of channels for it.
     #[error("the picture holds no STMap: it has the channels {found}; write u and v as R and G, 32-bit float")]
     NoStMap {
-        /// What there is.
+        /// The available channels.
         found: String,
     },
-    /// The channels of an STMap hold no fractions.
+    /// The channels of an STMap are integers.
     #[error("channel \"{channel}\" of the STMap holds whole numbers; write shares of the frame as 32-bit float")]
     StMapOfIntegers {
-        /// The channel.
+        /// Name of the channel.
         channel: String,
     },
-    /// The values of an STMap are not shares of the frame.
+    /// The values of an STMap are not fractions of the frame.
     #[error(
         "channel \"{channel}\" of the STMap holds {found}, which is no share of a frame; divide pixels by the display \
          window, {frame:?}: u = (x + 0.5)/width, v = 1 - (y + 0.5)/height"
     )]
     StMapInPixels {
-        /// Name of the channel of u.
+        /// Name of the u channel.
         channel: String,
         /// The first such u and v.
         found: String,

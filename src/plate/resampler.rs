@@ -1,22 +1,22 @@
-//! What resamples the planes of a plate, and memory that is used again.
+//! Dispatches the resampling of planes, and recycles their memory.
 //!
-//! In: maps, planes, a filter. Out: planes. The kernels of this stage resample, or a device that is lent; where that
-//! fails, the kernels go on, and a warning says why.
+//! In: maps, planes, a filter. Out: resampled planes, from the CPU kernels of this stage or from a device. If the
+//! device fails, the kernels take over with a warning.
 
 use super::{Filter, Planes, WarpMap, resample_into};
 use crate::image::Plate;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Something that resamples planes.
+/// A device that resamples planes.
 pub trait Resampler: Send {
-    /// What resamples, for messages and metadata.
+    /// Name of the device, for messages and metadata.
     fn name(&self) -> String;
 
-    /// The planes as seen through the map, as [`resample_into`] gives them: each of `results` has `map.window.area()`
-    /// samples, and every one of them is written.
+    /// Resamples planes through a map with the results of [`resample_into`]. Each of `results` has `map.window.area()`
+    /// samples, all of which are written.
     ///
     /// # Errors
-    /// Where memory or the device fails; `results` may hold anything then.
+    /// Fails if memory runs out or the device fails; the contents of `results` are then unspecified.
     fn resample(
         &mut self,
         map: &WarpMap,
@@ -26,17 +26,17 @@ pub trait Resampler: Send {
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
 }
 
-/// What a warp uses from plate to plate.
+/// State that a warper keeps from plate to plate.
 #[derive(Default)]
 pub(super) struct ResampleContext {
-    /// `None`: the kernels of this stage.
+    /// `None`: the CPU kernels.
     device: Mutex<Option<Box<dyn Resampler>>>,
-    /// Planes that nobody needs any more.
+    /// Planes to be reused.
     buffer_pool: Mutex<Vec<Vec<f32>>>,
     warnings: Mutex<Vec<String>>,
 }
 
-/// What colour is resampled by.
+/// The filter and context with which colour is resampled.
 #[derive(Clone, Copy)]
 pub(super) struct Resampling<'a> {
     pub(super) context: &'a ResampleContext,
@@ -48,19 +48,19 @@ impl ResampleContext {
         Self { device: Mutex::new(device), ..Self::default() }
     }
 
-    /// What resamples, where it is not the CPU.
+    /// Returns the name of the resampling device; `None` for the CPU.
     pub(super) fn device(&self) -> Option<String> {
         locked(&self.device).as_ref().map(|device| device.name())
     }
 
-    /// Keeps the planes of a plate for the next one, instead of those kept before: fresh memory costs more time than
-    /// what is written into it.
+    /// Keeps the planes of a plate for the next one, replacing those kept before: allocating memory takes longer than
+    /// writing the samples.
     pub(super) fn recycle(&self, plate: Plate) {
         let channels = plate.parts.into_iter().flat_map(|part| part.channels);
         *locked(&self.buffer_pool) = channels.map(|channel| channel.samples).collect();
     }
 
-    /// A plane of so many samples, whatever they are.
+    /// Returns a plane of `length` samples with unspecified contents.
     pub(super) fn plane(&self, length: usize) -> Vec<f32> {
         let mut buffers = locked(&self.buffer_pool);
         let fitting =
@@ -76,14 +76,14 @@ impl ResampleContext {
         )
     }
 
-    /// What went wrong since this was asked before.
+    /// Returns and clears the warnings.
     pub(super) fn take_warnings(&self) -> Vec<String> {
         std::mem::take(&mut locked(&self.warnings))
     }
 }
 
 impl Resampling<'_> {
-    /// The planes as seen through a map.
+    /// Resamples the planes through a map.
     pub(super) fn seen(self, map: &WarpMap, source: &Planes) -> Vec<Vec<f32>> {
         let mut results: Vec<_> = source.planes.iter().map(|_| self.context.plane(map.window.area())).collect();
         let mut device = locked(&self.context.device);
@@ -97,14 +97,14 @@ impl Resampling<'_> {
                 }
             }
         }
-        // The kernels share out their work: nobody may wait for the lock meanwhile.
+        // The kernels run in parallel: no thread may hold the lock meanwhile.
         drop(device);
         resample_into(map, source, self.filter, &mut results);
         results
     }
 }
 
-/// What a panicking thread left behind is whole: nothing is changed in steps.
+/// Locks a mutex, ignoring poisoning: the guarded data are never in an intermediate state.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
     use crate::space::{FrameSize, PixelRect};
 
-    /// A device that works so many times.
+    /// A device that fails after a number of calls.
     struct Mortal(usize);
 
     impl Resampler for Mortal {

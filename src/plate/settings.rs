@@ -1,6 +1,6 @@
-//! Settings of a warp: filter, semantics of channels, mattes, holes.
+//! Settings of a warp: filter, channel semantics, mattes, holes.
 //!
-//! Plain data that the shot file fills.
+//! Plain data, filled from the shot file.
 
 use super::Coverage;
 use crate::space::FrameSize;
@@ -10,25 +10,25 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// How finished frames are warped.
+/// Settings for warping finished frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarpSettings {
-    /// How colour is resampled.
+    /// Filter for colour.
     pub filter: Filter,
-    /// What becomes of normals.
+    /// Treatment of normals.
     pub normals: NormalMode,
-    /// How motion vectors are stored; `None`: not said, so vectors of other programs pass through unrotated.
+    /// Encoding of motion vectors; `None`: unspecified, so vectors of other programs pass through unchanged.
     pub motion: Option<MotionEncoding>,
-    /// What that rule's pixels are counted against.
+    /// Unit of the pixels in `motion`.
     pub motion_scale: MotionUnit,
-    /// Patterns of full channel names (`*` and `?`) and what they mean, before any guess; the first that fits counts.
+    /// Patterns of full channel names (`*` and `?`) with their semantics. They take precedence over guesses; the first match wins.
     pub semantics: Vec<(String, Semantic)>,
-    /// What fills places that the warp uncovers.
+    /// How uncovered regions are filled.
     pub holes: Holes,
 }
 
 impl WarpSettings {
-    /// The settings for plates of that size: motion in pixels.
+    /// Returns the settings for plates of the given size, with motion in pixels.
     #[must_use]
     pub fn in_pixels(&self, size: FrameSize) -> Self {
         let sides = match self.motion_scale {
@@ -68,18 +68,18 @@ pub enum NormalMode {
     Rotate,
 }
 
-/// How a renderer stores motion vectors.
+/// Encoding of motion vectors in a renderer's channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionEncoding {
-    /// Pixels a unit of u and of v is: 1 for pixels, the width and height of the frame for normalised vectors; negative
+    /// Pixels per unit of u and of v: 1 for pixels, the width and height of the frame for normalised vectors; negative
     /// where an axis points left or down. Pinwarp's own channels have (1, 1): pixels, x right, y up.
     pub pixels_per_unit: [f64; 2],
 }
 
-/// What the numbers of a [`MotionEncoding`] count.
+/// Unit of a [`MotionEncoding`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MotionUnit {
-    /// Pixels of the plate, of whatever size it is.
+    /// Pixels of the plate.
     #[default]
     Pixels,
     /// Widths and heights of the plate's frame; see [`WarpSettings::in_pixels`].
@@ -113,29 +113,29 @@ pub enum Semantic {
 /// The part of a plate that a layer moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Matte {
-    /// All that is there: for pictures of one thing over nothing. Nothing of the picture stays behind.
+    /// Everything in the picture, by its alpha; nothing stays behind. For pictures of one object over nothing.
     Alpha,
     /// The values of a channel, 0 to 1: `mask.R`.
     Channel(String),
-    /// Pixels whose id is one of these.
+    /// Pixels with one of the given ids.
     Id {
         /// Name of the channel: `id.object`.
         channel: String,
-        /// Ids.
+        /// Selected ids.
         values: Vec<u32>,
     },
-    /// Coverage of names in a Cryptomatte, patterns with `*` and `?`.
+    /// Coverage of names in a Cryptomatte; patterns with `*` and `?`.
     Cryptomatte {
-        /// Name of its layer, `CryptoObject`; `None`: the only one that knows the names.
+        /// Name of the Cryptomatte layer, `CryptoObject`; `None`: the only one that contains the names.
         layer: Option<String>,
-        /// Names in its manifest, or ids as hexadecimal numbers.
+        /// Names in the manifest, or ids as hexadecimal numbers.
         names: Vec<String>,
     },
-    /// Coverage that was drawn for this frame.
+    /// Coverage rendered for this frame.
     Drawn(Arc<Coverage>),
-    /// The share that one of several parts, which move by themselves, has of what a layer moves. Those of all parts of a layer sum to 1.
+    /// One of several parts that split a layer and move independently. The shares of all parts of a layer sum to 1.
     Part {
-        /// What the layer moves: [`Self::Alpha`]: all that is there.
+        /// Matte of the layer; [`Self::Alpha`]: everything in the picture.
         of: Box<Matte>,
         /// The part's share of every pixel.
         share: Arc<Coverage>,
@@ -143,7 +143,7 @@ pub enum Matte {
 }
 
 impl Matte {
-    /// Nothing of the picture stays behind.
+    /// Whether the matte takes the whole picture, so that nothing stays behind.
     #[must_use]
     pub fn is_all(&self) -> bool {
         match self {
@@ -153,7 +153,7 @@ impl Matte {
         }
     }
 
-    /// Whether both take the same pixels of any plate, in whatever order they list ids or names.
+    /// Whether both mattes select the same pixels of any plate, regardless of the order of ids or names.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
@@ -172,14 +172,14 @@ fn sorted<T: Ord>(list: &[T]) -> BTreeSet<&T> {
     list.iter().collect()
 }
 
-/// What fills places of the background that a matted layer no longer covers.
+/// How regions of the background that a matted layer uncovers are filled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Holes {
-    /// Nothing: they stay transparent, and the report counts them.
+    /// Not filled: they stay transparent, and the report counts them.
     #[default]
     Leave,
-    /// A clean plate: a path, with a frame counter where it is a sequence.
+    /// From a clean plate: a path, with a frame counter for sequences.
     Plate(PathBuf),
-    /// The shot's own scene, drawn without the layers that were moved away.
+    /// From the shot's scene, rendered without the layers that moved.
     Geometry,
 }

@@ -1,23 +1,23 @@
-//! STMaps: maps as pictures that other compositors read and write.
+//! Reads and writes STMaps, the exchange format of compositors for warps.
 //!
-//! In: a [`WarpMap`], or a picture of any program. Out: the other. u = (x + .5)/W, v = 1 − (y + .5)/H with y from the top and
-//! W, H of the display window, also where the data window reaches beyond it: the identity is exact in OpenImageIO's
-//! `st_warp`, in Nuke and in Natron; (x / (W − 1)) is not.
+//! In: a [`WarpMap`] or an STMap of any program. Out: the other. u = (x + .5)/W, v = 1 − (y + .5)/H with y from the top
+//! and W, H of the display window, even if the data window extends beyond it. The identity is then exact in
+//! OpenImageIO's `st_warp`, in Nuke and in Natron; (x / (W − 1)) is not.
 
 use super::{PlateError, WarpMap};
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
 use crate::space::{FrameSize, PixelRect};
 use rayon::prelude::*;
 
-/// Layers and names under which STMaps lie in files, likeliest first.
+/// Channel names of u and v in STMaps, most likely first.
 const NAMES: [[&str; 2]; 5] = [["R", "G"], ["u", "v"], ["U", "V"], ["X", "Y"], ["red", "green"]];
-/// u and v of pixels at rest lie this near to the exact quotient: single precision and a quotient taken as a product.
+/// Tolerance within which u and v count as identity: single-precision rounding, and division by multiplication with a reciprocal.
 const REST: f64 = 1.5e-7;
-/// No sensible map looks further than this, in frame widths or heights: its numbers are pixels.
+/// Largest plausible coordinate, in frame widths or heights; larger values are pixels.
 const FURTHEST: f32 = 64.0;
 
-/// The map as 32-bit float channels R (u), G (v), B (0) and A (1; where nothing is seen 0, with u = v = −1, which every
-/// reader takes for black).
+/// Converts a map to 32-bit float channels R (u), G (v), B (0) and A (1). Where the map is undefined, A is 0 and both u
+/// and v are −1, which every reader renders as black.
 #[must_use]
 pub fn stmap_of(map: &WarpMap) -> Frame {
     let (frame, window) = (map.frame, map.window);
@@ -38,13 +38,15 @@ pub fn stmap_of(map: &WarpMap) -> Frame {
     stmap
 }
 
-/// The map that an STMap holds: channels R and G (u and v, forward.u and forward.v, ... where there is no such layer) of
-/// the first part that has them. Where they are no finite numbers, and where the alpha of the same layer is 0, nothing
-/// is seen. What single precision cannot tell from rest rests.
+/// Converts an STMap to a map.
+///
+/// Takes u and v from channels R and G (or u and v, forward.u and forward.v, ... if there is no such layer) of the
+/// first part that has them. The map is undefined where they are not finite or the alpha of the same layer is 0. Values
+/// that equal the identity in single precision become exactly the identity.
 ///
 /// # Errors
-/// [`PlateError::NoStMap`] where there are no such channels; [`PlateError::StMapOfIntegers`] where they hold whole
-/// numbers; [`PlateError::StMapInPixels`] where the values are no shares of the frame.
+/// [`PlateError::NoStMap`] if there are no such channels; [`PlateError::StMapOfIntegers`] if they are integers;
+/// [`PlateError::StMapInPixels`] if the values are not fractions of the frame.
 pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
     let Found { part, layer, uv } = found_in(stmap)?;
     let alpha = part.channel(&format!("{layer}A")).map(|alpha| alpha.samples.as_slice());
@@ -65,7 +67,7 @@ pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
     }
 }
 
-/// From the centre of a pixel to the place (u, v), in pixels, y down; NaN where it is no place.
+/// Returns the offset from a pixel centre to the position (u, v), in pixels, y down; NaN if the position is not finite.
 fn offset_of(place: [f32; 2], rest: [f64; 2], frame: FrameSize) -> [f32; 2] {
     if !place.iter().all(|share| share.is_finite()) {
         return [f32::NAN; 2];
@@ -77,23 +79,23 @@ fn offset_of(place: [f32; 2], rest: [f64; 2], frame: FrameSize) -> [f32; 2] {
     [(du * f64::from(frame.width)) as f32, (-dv * f64::from(frame.height)) as f32]
 }
 
-/// u and v of a pixel at rest.
+/// Returns u and v of the identity at a pixel.
 fn rest(frame: FrameSize, window: PixelRect, index: usize) -> [f64; 2] {
     let width = window.width as usize;
     let (x, y) = (f64::from(window.x) + (index % width) as f64, f64::from(window.y) + (index / width) as f64);
-    // The image's rows run down, v runs up.
+    // Image rows run down, v runs up.
     [(x + 0.5) / f64::from(frame.width), (f64::from(frame.height) - y - 0.5) / f64::from(frame.height)]
 }
 
-/// Where an STMap lies in a file.
+/// The location of an STMap in a file.
 struct Found<'a> {
     part: &'a PlatePart,
-    /// Name of the layer with its dot; empty: none.
+    /// Layer prefix including its dot; empty for none.
     layer: &'a str,
     uv: [&'a Channel; 2],
 }
 
-/// The likeliest layer of the first part that has one.
+/// Finds the most likely layer of the first part that has one.
 fn found_in(stmap: &Plate) -> Result<Found<'_>, PlateError> {
     let found = stmap.parts.iter().find_map(found_in_part).ok_or_else(|| {
         let channels = stmap.parts.iter().flat_map(|part| &part.channels);
@@ -106,7 +108,7 @@ fn found_in(stmap: &Plate) -> Result<Found<'_>, PlateError> {
     }
 }
 
-/// Checks what the head of an STMap tells: that it has channels for a map of the plate's frame. No samples are needed.
+/// Checks from the header alone that a plate holds an STMap of another plate's frame size; needs no samples.
 ///
 /// # Errors
 /// [`PlateError::NoStMap`], [`PlateError::StMapOfIntegers`], [`PlateError::WrongMap`].

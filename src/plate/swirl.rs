@@ -1,4 +1,4 @@
-//! A disc that turns and swells about its centre and rests at its rim.
+//! A disc that rotates and scales about its centre and is fixed at its rim.
 //!
 //! In: centre, radius, angle and logarithm of the scale at the centre. Out: a map of the plane and its inverse.
 //!
@@ -6,14 +6,14 @@
 //! x ↦ c + exp((ln σ + i θ) φ(q)) (x − c),   q = |x − c|²/r²,  φ(q) = (1 − q)³ for q < 1, else 0
 //! ```
 //!
-//! Turning is one-to-one for any θ: circles stay. Swelling is while |ln σ| u |dφ/du| ≤ |ln σ| 8/9 < 1 (u² = q, the greatest at u² = 1/3), so
-//! large scales are reached in steps.
+//! Rotation is one-to-one for any θ, since it preserves circles. Scaling is one-to-one while |ln σ| u |dφ/du| ≤ |ln σ|
+//! 8/9 < 1 (u² = q, with the maximum at u² = 1/3), so large scales are split into steps.
 
 use glam::{DMat2, DVec2};
 
-/// Largest |ln σ| of a step: 4/9 of what would fold.
+/// Largest |ln σ| of a step: 4/9 of the limit at which it folds.
 const MOST_SWELL: f64 = 0.5;
-/// Newton steps of an inverse.
+/// Maximum number of Newton steps of an inverse.
 const MOST_NEWTON: usize = 40;
 
 /// One step.
@@ -28,7 +28,7 @@ pub(super) struct Swirl {
 }
 
 impl Swirl {
-    /// The steps that turn and swell the neighbourhood of `center` by an angle and a logarithm of a scale.
+    /// Returns the steps that rotate and scale the neighbourhood of `center` by an angle and the logarithm of a scale.
     pub(super) fn of(center: DVec2, radius: f64, [angle, swell]: [f64; 2]) -> Vec<Self> {
         if radius <= 0.0 || (angle == 0.0 && swell == 0.0) {
             return Vec::new();
@@ -46,14 +46,14 @@ impl Swirl {
         (self.center, self.radius)
     }
 
-    /// No point moves further.
+    /// Upper bound of the displacement.
     pub(super) fn reach(&self) -> f64 {
         // |x − c| φ is at most r / √7 (6/7)³.
         let most = self.radius / 7.0_f64.sqrt() * (6.0_f64 / 7.0).powi(3);
         self.angle.abs() * most + self.swell.abs().exp_m1() * self.radius
     }
 
-    /// How far a point moves, and the gradient of that; `None`: it rests.
+    /// Returns the displacement of a point and its gradient; `None` outside the disc.
     pub(super) fn displace(&self, point: DVec2) -> Option<(DVec2, DMat2)> {
         let from_center = point - self.center;
         let q = from_center.length_squared() / (self.radius * self.radius);
@@ -63,7 +63,7 @@ impl Swirl {
         })
     }
 
-    /// What has to be added to a point to find where it came from, and the gradient of [`Self::displace`] there.
+    /// Returns the offset from a point to its preimage, and the gradient of [`Self::displace`] there.
     pub(super) fn back(&self, point: DVec2) -> Option<(DVec2, DMat2)> {
         let from_center = point - self.center;
         let image_q = from_center.length_squared() / (self.radius * self.radius);
@@ -90,7 +90,7 @@ impl Swirl {
         outer * inner - DMat2::IDENTITY
     }
 
-    /// q of the point whose image has `image_q`: Newton's method on ln q + 2 ln σ φ(q), which rises with q.
+    /// Returns the q of the preimage of a point with `image_q`, by Newton's method on ln q + 2 ln σ φ(q), which increases with q.
     fn unswollen(&self, image_q: f64) -> f64 {
         if self.swell == 0.0 || image_q == 0.0 {
             return image_q;
@@ -114,7 +114,7 @@ impl Swirl {
     }
 }
 
-/// φ(q) within the disc.
+/// Evaluates φ(q) within the disc.
 fn bump(q: f64) -> f64 {
     (1.0 - q).powi(3)
 }

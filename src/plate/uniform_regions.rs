@@ -1,11 +1,11 @@
-//! Regions in which the samples of all planes are the same, bit for bit: most of a picture of ids.
+//! Finds regions in which the samples of all planes are bit-identical, which make up most of an id picture.
 //!
-//! In: planes over one window. Out: for rectangles of samples, whether one stands for all.
+//! In: planes over one window. Out: for rectangles of samples, whether one represents all.
 
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
-/// For every sample whether it equals its neighbours to the right, below, and below to the right.
+/// A flag per sample: whether it equals its neighbours to the right, below, and diagonally below right.
 pub(super) struct UniformRegions {
     width: usize,
     height: usize,
@@ -14,7 +14,7 @@ pub(super) struct UniformRegions {
 }
 
 impl UniformRegions {
-    /// Of planes with `window.area()` samples each.
+    /// Compares planes with `window.area()` samples each.
     pub(super) fn of(window: PixelRect, planes: &[&[f32]]) -> Self {
         let (width, height) = (window.width as usize, window.height as usize);
         let mut flags = vec![false; width * height];
@@ -29,14 +29,14 @@ impl UniformRegions {
         Self { width, height, flags }
     }
 
-    /// Index of a sample that equals all from the first to the last (column and row); `None` where they differ or lie
-    /// outside the window.
+    /// Returns the index of a sample that equals all from the first to the last (column and row, inclusive); `None` if
+    /// they differ or lie outside the window.
     pub(super) fn representative(&self, [first, last]: [[i32; 2]; 2]) -> Option<usize> {
         let is_within = first[0] >= 0 && first[1] >= 0 && last[0] < self.width as i32 && last[1] < self.height as i32;
         if !is_within {
             return None;
         }
-        // A rectangle one sample wide asks for the next column too, which may cost it its answer, but never gives a wrong one.
+        // A rectangle one sample wide also compares the next column: it may miss a match, but never reports a false one.
         let [columns, rows] =
             [0, 1].map(|axis| first[axis] as usize..(last[axis] as usize).max(first[axis] as usize + 1));
         let is_uniform =

@@ -1,4 +1,4 @@
-//! Channels that are components of vectors: motion and normals.
+//! Warps channels that are vector components: motion and normals.
 //!
 //! In: the entries of a composite. Out: pairs of channels, their encoding, and their warped samples.
 
@@ -13,14 +13,14 @@ use super::{MotionEncoding, NormalMode, PlateReport, Semantic};
 use crate::image::Plate;
 use crate::space::PixelRect;
 
-/// What is not known where vectors pass through as they are.
+/// The missing information because of which vectors pass through unchanged.
 enum Unknown {
     Pair,
     Encoding,
     Time,
 }
 
-/// Warps the vectors of a group: motion, and normals where they are to turn.
+/// Warps the vectors of a group: motion, and normals if they are to rotate.
 pub(super) fn compose_vectors(
     compositor: &PlateCompositor,
     composite: &Composite,
@@ -66,7 +66,7 @@ fn motion(
     Ok([(u.index, us), (v.index, vs)])
 }
 
-/// The vectors of what fills holes, and their encoding: a clean plate's as the plate's, ours as ours.
+/// Returns the vectors that fill holes, and their encoding: that of the plate for a clean plate, our own for our render.
 fn hole_vectors<'a>(
     compositor: &'a PlateCompositor,
     pair: [&ChannelEntry; 2],
@@ -80,7 +80,7 @@ fn hole_vectors<'a>(
     (window == other).then_some((MotionVectors { uv: [us, vs], semantic, encoding }, window))
 }
 
-/// Says so where vectors that could fill holes cannot be stored as the plate's are.
+/// Returns a message if vectors that could fill holes cannot be converted to the plate's encoding.
 fn unfilled(compositor: &PlateCompositor, group: &AlphaGroup, layer: &[&ChannelEntry]) -> Option<String> {
     let filling = compositor.filling.as_ref().filter(|_| group.visible.contains(&VisibleSample::Hole))?;
     let is_left =
@@ -88,8 +88,7 @@ fn unfilled(compositor: &PlateCompositor, group: &AlphaGroup, layer: &[&ChannelE
     layer.iter().any(is_left).then(|| format!("{}: holes stay empty for the same reason", names(layer)))
 }
 
-/// The encoding of a layer's vectors: as the shot says, which is then the whole truth, or as the program that wrote them
-/// is known to store them.
+/// Returns the encoding of a layer's vectors: that of the shot if it gives one, or else that of the program that wrote them, if known.
 fn encoding_of(compositor: &PlateCompositor, entry: &ChannelEntry, semantic: Semantic) -> Option<MotionEncoding> {
     compositor.settings.motion.or_else(|| known_encoding(compositor.table.plate, entry, semantic))
 }
@@ -116,10 +115,10 @@ fn rotate_normals(
     }
 }
 
-/// How the programs that are known store their vectors.
+/// Returns the motion encoding of known programs.
 fn known_encoding(plate: &Plate, entry: &ChannelEntry, semantic: Semantic) -> Option<MotionEncoding> {
     let is_blender = entry.name.layer_word() == Some("vector");
-    // Of the vector to the next frame Cycles stores this frame's place less the next one's.
+    // For the vector to the next frame, Cycles stores the position in this frame minus that in the next.
     let sign = if is_blender && semantic == Semantic::Forward { -1.0 } else { 1.0 };
     (is_blender || plate.is_own_render()).then_some(MotionEncoding { pixels_per_unit: [sign; 2] })
 }
@@ -139,7 +138,7 @@ impl Unknown {
     }
 }
 
-/// Entries of one layer each.
+/// Groups entries by layer.
 fn layers<'a>(entries: &[&'a ChannelEntry]) -> Vec<Vec<&'a ChannelEntry>> {
     let mut layers: Vec<Vec<&ChannelEntry>> = Vec::new();
     for &entry in entries {
@@ -154,7 +153,7 @@ fn layers<'a>(entries: &[&'a ChannelEntry]) -> Vec<Vec<&'a ChannelEntry>> {
     layers
 }
 
-/// The two components on the screen.
+/// Returns the two screen components.
 fn pair<'a>(layer: &[&'a ChannelEntry]) -> Option<[&'a ChannelEntry; 2]> {
     let find = |name: &str| layer.iter().copied().find(|entry| entry.name.component.eq_ignore_ascii_case(name));
     VECTOR_COMPONENTS.iter().find_map(|[a, b]| Some([find(a)?, find(b)?]))

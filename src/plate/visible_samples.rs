@@ -1,8 +1,8 @@
-//! Data that must never be blended: which one source sample each pixel of the result shows.
+//! Selects the one source sample that each output pixel shows, for data that must not be blended.
 //!
-//! In: a composite with maps, alpha. Out: a [`VisibleSample`] a pixel; copies of samples.
+//! In: a composite with maps, alpha. Out: one [`VisibleSample`] per pixel; copies of samples.
 //!
-//! The layer in front counts, as for colour, so depth and ids are those of the surface that is seen.
+//! As for colour, the front layer wins, so depth and ids belong to the visible surface.
 
 use super::WarpMap;
 use super::composite::{Composite, WarpedLayer};
@@ -10,47 +10,47 @@ use super::filter::{BAND, NOWHERE, bands, copy_samples, nearest_in_row};
 use super::warp_map::HALF;
 use rayon::prelude::*;
 
-/// Columns of a tile.
+/// Width of a tile, in columns.
 const TILE: usize = 64;
 
-/// Where a pixel's data come from.
+/// The source of a pixel's data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum VisibleSample {
     /// A sample of a layer.
     Sample {
-        /// Index among the composite's layers.
+        /// Index into the composite's layers.
         layer: u16,
         /// Index into the source window.
         index: u32,
     },
-    /// Something was here and left.
+    /// Uncovered: a layer moved away.
     Hole,
-    /// The picture does not reach here.
+    /// Outside the picture.
     Nothing,
 }
 
 impl VisibleSample {
-    /// Of a composite of one layer.
+    /// Converts an index for a composite of one layer.
     fn of_only_layer(index: u32) -> Self {
         if index == NOWHERE { Self::Nothing } else { Self::Sample { layer: 0, index } }
     }
 
-    /// Index into the source window; [`NOWHERE`] where no sample is shown.
+    /// Returns the index into the source window; [`NOWHERE`] if no sample is visible.
     fn index(&self) -> u32 {
         if let Self::Sample { index, .. } = *self { index } else { NOWHERE }
     }
 }
 
-/// A layer at one pixel.
+/// A layer's contribution to one pixel.
 struct Candidate {
     sample: VisibleSample,
-    /// How much of the source pixel belongs to the layer.
+    /// Fraction of the source pixel that belongs to the layer.
     coverage: f32,
-    /// How much of the result it hides: coverage times alpha.
+    /// Coverage times alpha.
     opacity: f32,
 }
 
-/// For every pixel of a composite: the sample it shows. `alpha`: #pixels of the source.
+/// Returns the visible sample of every pixel of a composite. `alpha`: #pixels of the source.
 pub(super) fn visible_samples(composite: &Composite, alpha: Option<&[f32]>) -> Vec<VisibleSample> {
     let window = composite.window;
     let width = window.width as usize;
@@ -69,7 +69,7 @@ pub(super) fn visible_samples(composite: &Composite, alpha: Option<&[f32]>) -> V
     visible
 }
 
-/// The map of the only layer, where it moves all of the picture and is as large as the composite.
+/// Returns the map if a single layer moves the whole picture and covers the whole composite.
 fn only_map<'a>(composite: &'a Composite) -> Option<&'a WarpMap> {
     match &composite.layers[..] {
         [only] if only.matte.coverage.is_none() && only.window == composite.window => only.map.as_deref(),
@@ -83,9 +83,9 @@ fn visible_at(composite: &Composite, at: [i32; 2], alpha: Option<&[f32]>) -> Vis
     }
     let mut sum = 0.0;
     let (mut best, mut background): (Option<Candidate>, Option<VisibleSample>) = (None, None);
-    // What the parts of one layer show together, and the first that shows most of it.
+    // The accumulated opacity of the parts of one layer, and the front sample of the part with the highest.
     let mut parts: Option<(usize, f32, f32, VisibleSample)> = None;
-    // From the front to the back.
+    // Front to back.
     for (index, layer) in composite.layers.iter().enumerate().rev() {
         let Some(candidate) = candidate(composite, (index, layer), at, alpha) else { continue };
         if candidate.opacity >= HALF {
@@ -105,7 +105,7 @@ fn visible_at(composite: &Composite, at: [i32; 2], alpha: Option<&[f32]>) -> Vis
                 return seen;
             }
         }
-        // The background needs no alpha: its samples say what is there where nothing is.
+        // Alpha does not matter for the background: its data are valid where it is transparent.
         if layer.moving_layer == 0 && candidate.coverage >= HALF {
             background = background.or(Some(candidate.sample));
         }
@@ -138,8 +138,8 @@ fn candidate(
     })
 }
 
-/// The visible samples of several planes, each given with what stands where there is none. Tiles of one plane after the
-/// other stay in the cache and in the table of pages.
+/// Copies the visible samples of several planes, each given with a value for empty pixels. Works plane by plane on
+/// tiles, which stay in the cache and the TLB.
 pub(super) fn copied(visible: &[VisibleSample], width: usize, sources: &[(&[f32], f32)], copies: &mut [Vec<f32>]) {
     if visible.is_empty() || copies.is_empty() {
         return;

@@ -1,41 +1,40 @@
-//! A warp as a map of pixels: where every pixel of a warped picture comes from, or where every pixel of a picture goes.
+//! A warp as a pixel map: the source of every pixel of a warped picture, or the target of every pixel of a picture.
 //!
-//! In: offsets, from a [`Field`](super::Field) or an STMap. Out: sources and Jacobians of single pixels, parts of the map.
+//! In: offsets, from a [`Field`](super::Field) or an STMap. Out: sources and Jacobians of pixels, and crops of the map.
 
 use crate::space::{FrameSize, PixelRect};
 use glam::DVec2;
 
-/// Where every pixel of a window comes from (or goes to).
+/// Per-pixel sources (or targets) over a window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpMap {
-    /// The display window that the screen is measured against.
+    /// The display window that defines screen coordinates.
     pub frame: FrameSize,
-    /// The pixels that the map tells of, relative to the upper left corner of the DISPLAY window; may lie partly or
-    /// wholly outside the frame.
+    /// The pixels of the map, relative to the upper left corner of the DISPLAY window; may lie partly or wholly outside the frame.
     pub window: PixelRect,
-    /// #pixels of the window, rows from the top: what has to be added to a pixel's centre, in pixels, x right, y DOWN;
-    /// NaN where nothing is seen. Exactly 0 where nothing moves.
+    /// #pixels of the window, rows from the top: offset from the pixel centre, in pixels, x right, y DOWN. NaN where
+    /// nothing is visible; exactly 0 where nothing moves.
     pub offsets: Vec<[f32; 2]>,
-    /// Pixels of the window (places in `offsets`, in order) at which the field is not one-to-one: several points of the
-    /// source land there (backward), or the pixel lands where others do (forward).
+    /// Pixels of the window (ascending indices into `offsets`) at which the field is not one-to-one: several source
+    /// points land there (backward), or the pixel lands on others (forward).
     pub folded_pixels: Vec<u32>,
 }
 
-/// Steps between neighbours that differ by more than this, in pixels a pixel, belong to different surfaces.
+/// Largest difference between neighbouring steps on one surface, in pixels per pixel; larger ones mark an edge between surfaces.
 const TEAR: f32 = 0.5;
 
-/// A surface is seen at a pixel if it covers at least this much of it.
+/// Smallest coverage at which a surface counts as visible at a pixel.
 pub(super) const HALF: f32 = 0.5;
 
 impl WarpMap {
-    /// The map that moves nothing.
+    /// Returns the identity map.
     #[must_use]
     pub fn identity(frame: FrameSize, window: PixelRect) -> Self {
         Self { frame, window, offsets: vec![[0.0; 2]; window.area()], folded_pixels: Vec::new() }
     }
 
-    /// Where pixel (x, y) of the display window comes from (or goes to), in pixels: the centre of pixel (i, j) is
-    /// (i + .5, j + .5). `None` outside the window and where nothing is seen.
+    /// Returns the source (or target) of pixel (x, y) of the display window, in pixels: the centre of pixel (i, j) is
+    /// (i + .5, j + .5). `None` outside the window and where nothing is visible.
     #[must_use]
     pub fn source(&self, x: i32, y: i32) -> Option<[f64; 2]> {
         let column = usize::try_from(i64::from(x) - i64::from(self.window.x)).ok()?;
@@ -48,8 +47,9 @@ impl WarpMap {
         source.is_finite().then_some(source.to_array())
     }
 
-    /// How the source moves per pixel at a place in `offsets`: `[row][column]`, column 0 a step to the right, column 1 a
-    /// step DOWN, in pixels. Steps across the edge of a surface do not count; a pixel alone gets the identity.
+    /// Returns the derivative of the source position per output pixel at an index into `offsets`: `[row][column]`,
+    /// column 0 for a step to the right, column 1 for a step DOWN, in pixels. Ignores steps across the edge of a
+    /// surface; an isolated pixel gets the identity.
     #[must_use]
     pub fn jacobian(&self, index: usize) -> [[f32; 2]; 2] {
         let width = self.window.width as usize;
@@ -61,7 +61,7 @@ impl WarpMap {
         [[1.0 + x[0], y[0]], [x[1], 1.0 + y[1]]]
     }
 
-    /// Change of the offsets a pixel, between two neighbours.
+    /// Returns the change of the offset per pixel, from the neighbours.
     fn step(&self, at: usize, before: Option<usize>, after: Option<usize>) -> [f32; 2] {
         let here = self.offsets[at];
         let change = |other: Option<usize>, sign: f32| {
@@ -86,7 +86,7 @@ impl WarpMap {
         }
     }
 
-    /// The map over another window; nothing is seen where it told nothing.
+    /// Returns the map over another window, undefined outside its own.
     pub(super) fn cropped(&self, window: PixelRect) -> Self {
         let place = |&index: &u32| window.place_of(self.window.pixel_at(index as usize)).map(|index| index as u32);
         Self {
@@ -98,7 +98,7 @@ impl WarpMap {
     }
 }
 
-/// The pixel whose centre is nearest to where a pixel comes from; `None` where nothing is seen.
+/// Returns the pixel whose centre is nearest to the source of a pixel; `None` where nothing is visible.
 pub(super) fn nearest_source(pixel: [i32; 2], offset: [f32; 2]) -> Option<[i32; 2]> {
     let [x, y] = [0, 1].map(|axis| (f64::from(offset[axis]) + 0.5).floor() + f64::from(pixel[axis]));
     (x.abs() < 1e9 && y.abs() < 1e9).then_some([x as i32, y as i32])

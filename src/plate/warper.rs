@@ -1,6 +1,6 @@
-//! A finished frame, warped channel by channel.
+//! Warps a finished frame channel by channel.
 //!
-//! In: a plate, the fields of its layers, mattes, settings. Out: the warped plate and a report of what was done.
+//! In: a plate, the fields of its layers, mattes, settings. Out: the warped plate and a report.
 
 use super::channel_table::ChannelTable;
 use super::compose::compose;
@@ -20,13 +20,13 @@ use crate::space::PixelRect;
 use crate::spelling;
 use std::sync::Arc;
 
-/// Whether a plate holds motion vectors, so that the fields of neighbour frames are needed.
+/// Whether a plate holds motion vectors, for which the fields of the neighbouring frames are needed.
 #[must_use]
 pub fn has_motion(plate: &Plate, settings: &WarpSettings) -> bool {
     has_any(plate, settings, &[Semantic::Forward, Semantic::Backward])
 }
 
-/// Whether a plate holds Cryptomattes, so that what fills its holes needs some too.
+/// Whether a plate holds Cryptomattes, which a fill plate must then provide too.
 #[must_use]
 pub fn has_cryptomattes(plate: &Plate, settings: &WarpSettings) -> bool {
     has_any(plate, settings, &[Semantic::Cryptomatte])
@@ -37,11 +37,11 @@ fn has_any(plate: &Plate, settings: &WarpSettings, semantics: &[Semantic]) -> bo
     table.entries.iter().any(|entry| semantics.contains(&entry.class.semantic))
 }
 
-/// Checks what the head of a plate tells, before anything is warped: that it has what mattes (with the names of their
-/// layers) ask for. No samples are needed. Gives back what the user should know.
+/// Checks from the header that a plate has what the mattes (given with the names of their layers) refer to; needs no
+/// samples. Returns warnings for the user.
 ///
 /// # Errors
-/// [`PlateError`] as [`warp_plate`] would give it.
+/// [`PlateError`] in the cases in which [`warp_plate`] returns it.
 pub fn check_plate(
     head: &Plate,
     mattes: &[(&str, &Matte)],
@@ -57,32 +57,32 @@ pub fn check_plate(
     Ok(table.unmatched_patterns(&settings.semantics).into_iter().map(note).collect())
 }
 
-/// What every channel of a plate is taken for, in the order of parts and channels. No samples are needed.
+/// Returns the semantic of every channel of a plate, ordered by part and channel; needs no samples.
 #[must_use]
 pub fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<ChannelReport> {
     ChannelTable::of(head, &settings.semantics).entries.iter().map(|entry| entry.report(head)).collect()
 }
 
-/// Warps plates one after the other, and uses memory again.
+/// Warps a sequence of plates and reuses memory between them.
 #[derive(Default)]
 pub struct Warper {
     context: ResampleContext,
 }
 
 impl Warper {
-    /// A warper whose colour is resampled by a device, not by the kernels of this stage.
+    /// Creates a warper that resamples colour on a device instead of on the CPU.
     #[must_use]
     pub fn on(device: Box<dyn Resampler>) -> Self {
         Self { context: ResampleContext::with_device(Some(device)) }
     }
 
-    /// What resamples, where it is not the CPU; `None` too from the moment on when a device failed.
+    /// Returns the name of the resampling device; `None` for the CPU, including after the device has failed.
     #[must_use]
     pub fn device(&self) -> Option<String> {
         self.context.device()
     }
 
-    /// Takes a plate that is not needed any more: the next result lies in its memory.
+    /// Recycles a plate: the next result reuses its memory.
     pub fn recycle(&self, plate: Plate) {
         self.context.recycle(plate);
     }
@@ -167,35 +167,35 @@ impl Warper {
     }
 }
 
-/// The plate, and its whole report.
+/// Composes the plate and returns it with its full report.
 fn composed(compositor: &PlateCompositor, composites: &[Composite], mut report: PlateReport) -> (Plate, PlateReport) {
     let plate = compose(compositor, composites, &mut report);
     report.warnings.extend(compositor.context.take_warnings());
     (plate, report)
 }
 
-/// Warps a plate: every part and channel by its semantic, layer over layer. Windows, attributes and the order of
-/// everything stay; data windows grow and shrink with the picture, unless the plate fills its frame.
+/// Warps a plate: every part and channel by its semantic, composited layer by layer. Keeps display windows, attributes
+/// and the order of parts and channels; data windows follow the picture, unless the plate fills its frame.
 ///
 /// # Errors
-/// [`PlateError`] where a matte names something that the plate does not have.
+/// [`PlateError`] if a matte refers to something that is not in the plate.
 pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
     Warper::default().warp(plate, job)
 }
 
-/// Undoes the warp of a plate by the layers of a job, which have no mattes, where it is one-to-one: motion vectors too.
-/// `reach`: the pixels of the result, from the upper left corner of the display window.
+/// Undoes the warp of a plate by the unmatted layers of a job, including its motion vectors, where the warp is
+/// one-to-one. `reach`: the window of the result, relative to the upper left corner of the display window.
 ///
 /// # Errors
-/// None but those of [`remap_plate`].
+/// The errors of [`remap_plate`].
 pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
     Warper::default().undo(plate, job, reach)
 }
 
-/// Warps a plate by a map alone. Nothing tells how the map goes on in time, so motion vectors keep their values.
+/// Warps a plate by a map. Since a map says nothing about other frames, motion vectors keep their values.
 ///
 /// # Errors
-/// [`PlateError::WrongMap`] where the map was made for another frame.
+/// [`PlateError::WrongMap`] if the map belongs to a frame of another size.
 pub fn remap_plate(plate: &Plate, map: &WarpMap, settings: &WarpSettings) -> Result<(Plate, PlateReport), PlateError> {
     Warper::default().remap(plate, map, settings)
 }

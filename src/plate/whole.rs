@@ -1,6 +1,7 @@
-//! The warp of a whole picture whose border rests: what a lattice can do smoothly, and a flow that meets the pins.
+//! The warp of a whole picture with a fixed border: the smooth part of a lattice, followed by a flow that moves the
+//! pins to their targets.
 //!
-//! In: a lattice that was solved with compliant pins, the pins. Out: the parts of a [`Field`](super::Field) (docs/METHOD.md, "Whole pictures").
+//! In: a lattice solved with compliant pins, the pins. Out: the parts of a [`Field`](super::Field) (docs/METHOD.md, "Whole pictures").
 //!
 //! ```text
 //! x ↦ flow(x + α w(x) L(x)),   L: displacement of the lattice,  w: 0 at the border,  α: 0 to 1
@@ -15,55 +16,55 @@ use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Least and greatest width of the ramp, parts of the frame's shorter side.
+/// Least and greatest width of the ramp, as fractions of the frame's shorter side.
 const RAMP: [f64; 2] = [0.02, 0.2];
-/// The lattice may press the picture together by this part at most, where it is looked at.
+/// Greatest compression by the lattice at any sample point.
 const PRESS: f64 = 0.75;
-/// No point moves further than this times the furthest pin; a single pin, several.
+/// Upper bound of the displacement relative to that of the furthest pin; for a single pin, for several.
 const AMPLIFY: [f64; 2] = [1.04, 1.4];
-/// What is left to the flow may be this much steeper than all of it, by a factor and in itself.
+/// How much steeper the remainder for the flow may be than the whole, as a factor and as an absolute margin.
 const STEEPER: [f64; 2] = [1.2, 0.1];
-/// Looks a span of the lattice, and an axis at least and at most.
+/// Sample points per span of the lattice, and their minimum and maximum per axis.
 const LOOKS: (usize, [usize; 2]) = (6, [48, 160]);
-/// The border gives way when a pin comes nearer to it than this part of its way.
+/// The border gives way if a pin comes closer to it than this fraction of its path.
 const NEAR: f64 = 0.1;
-/// The disc of such a pin reaches beyond the border by this times what is missing.
+/// The disc of such a pin reaches beyond the border by this multiple of the missing distance.
 const GIVE: f64 = 3.0;
-/// How far turned and scaled pins reach, frame heights.
+/// Reach of rotated and scaled pins, in frame heights.
 const LEVER: f64 = 0.15;
-/// The border's points that are looked at, an axis.
+/// Sample points of the border per axis.
 const BORDER_LOOKS: usize = 2048;
 
 /// A pin of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WholePin {
-    /// Where it is before the warp.
+    /// Position before the warp.
     pub rest: ScreenPoint,
-    /// Where it has to go.
+    /// Target position.
     pub target: ScreenPoint,
-    /// 0 to 1: the part of the way that it goes.
+    /// Fraction of the path that the pin moves, 0 to 1.
     pub weight: f64,
-    /// The turn that it holds, radians.
+    /// Prescribed rotation, in radians.
     pub rotation: Option<f64>,
-    /// The logarithm of the scale that it holds.
+    /// Logarithm of the prescribed scale.
     pub log_scale: Option<f64>,
 }
 
-/// The warp of a whole picture whose border rests but where pins are dragged past it.
+/// The warp of a whole picture. Its border is fixed except where pins are dragged past it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WholeWarp {
-    /// The lattice as far as it is used; its displacement counts times a factor that is 0 at the border.
+    /// The lattice, already scaled by the fraction that is used; its displacement is multiplied by a ramp that is 0 at the border.
     pub lattice: ScreenLattice,
     ramp: Ramp,
     flow: Arc<Flow>,
-    /// Pins at which the border gives way, by index, and how far it moves there, frame heights.
+    /// Pins at which the border gives way: index, and displacement of the border in frame heights.
     pub given_way: Vec<(usize, f64)>,
-    /// Where every pin ends.
+    /// Final position of every pin.
     pub ends: Vec<ScreenPoint>,
 }
 
 impl WholeWarp {
-    /// Takes of a lattice what keeps the picture whole, and carries the pins the rest of their ways.
+    /// Uses the lattice as far as it keeps the picture one-to-one, and moves the pins the rest of the way by a flow.
     #[must_use]
     pub fn fit(lattice: &ScreenLattice, pins: &[WholePin]) -> Self {
         let grid = &lattice.grid;
@@ -80,24 +81,24 @@ impl WholeWarp {
         Self { lattice, ramp, flow: Arc::new(flow), given_way, ends }
     }
 
-    /// The lattice's part.
+    /// Returns the lattice part of the warp.
     pub(super) fn extrapolated(&self) -> ExtrapolatedLattice {
         ExtrapolatedLattice::resting(&self.lattice, self.ramp)
     }
 
-    /// The flow's part.
+    /// Returns the flow part of the warp.
     pub(super) fn flow(&self) -> &Arc<Flow> {
         &self.flow
     }
 }
 
 impl WholePin {
-    /// What its way leaves to the flow, after the lattice.
+    /// Returns the motion that remains for the flow after the lattice.
     fn flow_pin(&self, resting: &ExtrapolatedLattice, bounds: ScreenBox) -> FlowPin {
         let (moved, slope) = resting.displace(self.rest.0);
         let from = self.rest.0 + moved;
         let gradient = DMat2::IDENTITY + slope;
-        // The lattice never turns by a quarter: it presses less than that would.
+        // The lattice never rotates by 90 degrees or more: its bound on compression excludes that.
         let turned = (gradient.x_axis.y - gradient.y_axis.x).atan2(gradient.x_axis.x + gradient.y_axis.y);
         let swollen = 0.5 * gradient.determinant().ln();
         let turn = [
@@ -111,20 +112,20 @@ impl WholePin {
         (self.target.0 - self.rest.0) * self.weight
     }
 
-    /// How far the border gives way to it.
+    /// Returns how far the border gives way to the pin.
     fn give(&self, bounds: ScreenBox) -> f64 {
         let room = inside(bounds, self.rest.0).min(inside(bounds, self.rest.0 + self.way()));
         GIVE * (NEAR * self.way().length() - room).clamp(0.0, 1.0 / GIVE)
     }
 
-    /// How far a turn and a scale move what is around the pin.
+    /// Returns how far a rotation and a scale move the surroundings of the pin.
     fn lever(&self) -> f64 {
         let most = |part: Option<f64>| part.map_or(0.0, |part| part.abs().min(1.0));
         LEVER * (most(self.rotation) + most(self.log_scale)) * self.weight
     }
 }
 
-/// The ramp is as wide as the pin nearest to each side is far from it, so that the lattice acts on all of them.
+/// Returns the widths of the ramp: the distance of the nearest pin from each side, so that the lattice acts on all pins.
 fn widths(bounds: ScreenBox, pins: &[WholePin]) -> [[f64; 2]; 2] {
     let side = bounds.size().min_element();
     let [least, most] = RAMP.map(|part| part * side);
@@ -135,8 +136,9 @@ fn widths(bounds: ScreenBox, pins: &[WholePin]) -> [[f64; 2]; 2] {
     [0, 1].map(|axis| [nearest(&|at| at[axis] - bounds.min.0[axis]), nearest(&|at| bounds.max.0[axis] - at[axis])])
 }
 
-/// The part of the lattice that is used: all of it, unless it presses the picture together, moves any point further than the
-/// pins go, or leaves the flow more than it takes. All three are convex in the part, so it changes steadily with the pins.
+/// Returns the fraction of the lattice that is used: 1, unless the lattice compresses the picture too much, moves any
+/// point further than the pins move, or leaves the flow more than it removes. All three are convex in the fraction, so
+/// it varies continuously with the pins.
 fn share(
     full: &ExtrapolatedLattice,
     ramp: &Ramp,
@@ -182,8 +184,8 @@ fn share(
     lo
 }
 
-/// How far the lattice's part moves a point at most, and by how much it presses the picture together: the greatest
-/// −λ of the symmetric part of its gradient. Below 1 the map is one-to-one on the frame, which is convex.
+/// Returns the greatest displacement by the lattice part, and its greatest compression: the greatest −λ of the
+/// symmetric part of its gradient. Below 1 the map is one-to-one on the frame, which is convex.
 fn looks(full: &ExtrapolatedLattice, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
     let grid = &lattice.grid;
     let places = |axis: usize| {
@@ -211,7 +213,7 @@ fn greater(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].max(b[0]), a[1].max(b[1])]
 }
 
-/// At which pins the flow moves the border, and how far.
+/// Returns the pins at which the flow moves the border, and how far.
 fn given_way(flow: &Flow, flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<(usize, f64)> {
     let mut found: Vec<(usize, f64)> = Vec::new();
     let free =

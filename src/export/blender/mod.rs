@@ -1,79 +1,80 @@
-//! A Python script that rebuilds the warp in Blender: lattice objects where Blender's lattice is ours, else shape keys.
+//! Writes a Python script that rebuilds the warp in Blender: as lattice objects where the lattices are equivalent,
+//! otherwise as shape keys.
 //!
 //! In: lattices placed in the scene, or the reason why a layer is baked into the .glb beside the script. Out: the
-//! script. docs/EXPORT.md derives why both lattices agree.
+//! script. docs/EXPORT.md derives why the lattices agree.
 
 use crate::scene::{Lens, Packed, Scene};
 use crate::space::FrameSize;
 use glam::DMat4;
 use serde_json::{Value, json};
 
-/// The script around the data.
+/// Template of the script, around the data.
 const SCRIPT: &str = include_str!("script.py");
 
-/// Key under which objects carry the number of their node.
+/// Custom property in which objects store the number of their node.
 const NODE_KEY: &str = "pinwarp_node";
 
-/// What the script builds.
+/// Contents of the script.
 #[derive(Clone, Debug)]
 pub struct BlenderScene {
     /// Name of the .glb file beside the script.
     pub scene_file: String,
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub rate: f64,
     /// First and last frame of the shot.
     pub frames: [i32; 2],
-    /// How many frames the file is later than the shot.
+    /// Number of frames by which the file is later than the shot.
     pub later: i32,
-    /// The frame in pixels.
+    /// Size of the frame in pixels.
     pub size: FrameSize,
-    /// Name of the camera's node, and its lens.
+    /// Node and lens of the camera.
     pub camera: (CameraNode, Lens),
     /// The layers that are warped.
     pub layers: Vec<BlenderLayer>,
 }
 
-/// Which node is the camera.
+/// The node of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CameraNode {
     /// Index into [`Scene::nodes`].
     OfScene(usize),
-    /// The one that the export adds.
+    /// The camera node that the export adds.
     Added,
 }
 
-/// A layer and the way it travels.
+/// A layer, and how it is exported.
 #[derive(Clone, Debug)]
 pub struct BlenderLayer {
-    /// Its name.
+    /// Name of the layer.
     pub name: String,
-    /// How.
+    /// How it is exported.
     pub way: BlenderWay,
 }
 
-/// How a layer travels.
+/// How a layer is exported.
 #[derive(Clone, Debug)]
 pub enum BlenderWay {
     /// As a lattice object.
     Lattice(LatticeObject),
-    /// As shape keys of its vertices; why.
+    /// As shape keys of its vertices; contains the reason.
     Baked(String),
 }
 
-/// A lattice that stands in the scene.
+/// A lattice placed in the scene.
 #[derive(Clone, Debug)]
 pub struct LatticeObject {
     /// Nodes whose meshes it deforms.
     pub nodes: Vec<usize>,
-    /// Points an axis.
+    /// Number of points per axis.
     pub dims: [usize; 3],
-    /// How its points are blended.
+    /// Interpolation of the points.
     pub blend: LatticeBlend,
-    /// One a frame, increasing.
+    /// One pose per frame, increasing.
     pub frames: Vec<LatticePose>,
 }
 
-/// Blender's ways of blending that are ours, too.
+/// The interpolation types of Blender that match our bases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatticeBlend {
     /// Uniform cubic B-spline.
@@ -82,24 +83,24 @@ pub enum LatticeBlend {
     Linear,
 }
 
-/// A lattice in one frame.
+/// A lattice at one frame.
 #[derive(Clone, Debug)]
 pub struct LatticePose {
     /// Frame of the shot.
     pub frame: i32,
-    /// scene_from_lattice, where the points rest evenly between −1/2 and 1/2 on each axis that has more than one.
+    /// scene_from_lattice; points rest evenly between −1/2 and 1/2 on each axis that has more than one.
     pub scene_from_lattice: DMat4,
-    /// #points, x fastest: how far each is from its rest, in lattice space.
+    /// #points, x fastest: displacement from rest, in lattice space.
     pub moved: Vec<[f64; 3]>,
 }
 
-/// Whole frames a second that a file counts for a rate.
+/// Returns the whole number of frames per second that a file uses for a rate.
 #[must_use]
 pub fn nominal_rate(rate: f64) -> f64 {
     rate.round().max(1.0)
 }
 
-/// Writes into every node of a file its number, by which the script finds the objects, whatever they are called.
+/// Stores its number in every node of a file, so that the script finds the objects whatever their names.
 pub fn number_nodes(packed: &mut Packed, scene: &Scene) {
     for (number, &place) in scene.file_from_scene.iter().enumerate() {
         let node = &mut packed.json["nodes"][place];
@@ -110,7 +111,7 @@ pub fn number_nodes(packed: &mut Packed, scene: &Scene) {
     }
 }
 
-/// The text of the script.
+/// Returns the text of the script.
 #[must_use]
 pub fn script(scene: &BlenderScene) -> String {
     let told = scene.layers.iter().map(|layer| match &layer.way {
@@ -125,7 +126,7 @@ pub fn script(scene: &BlenderScene) -> String {
             format!("  {}: NO lattice but baked shape keys of its vertices, because {why}\n", layer.name)
         }
     });
-    // Names of layers are free text: nothing in them may end the string that they stand in.
+    // Layer names are free text: they must not terminate the string literal that contains them.
     let told: String = told.collect::<String>().replace('\\', "/").replace('"', "'");
     let data = data(scene).to_string().replace('\'', "\\u0027");
     SCRIPT.replace("@SCENE@", &scene.scene_file).replace("@LAYERS@", &told).replace("@DATA@", &data)

@@ -1,53 +1,53 @@
-//! A scene with some of its meshes deformed frame by frame: what the glTF writer wants to know.
+//! A scene with some meshes deformed frame by frame: the input of the glTF writer.
 //!
-//! In: the pipeline fills it. Out: plain data.
+//! In: filled by the pipeline. Out: plain data.
 
 use crate::scene::{Lens, Scene};
 use glam::{Mat4, Vec3, Vec4};
 
-/// A scene whose warped meshes are told anew for some frames.
+/// A scene with the vertices of its warped meshes at each frame.
 #[derive(Clone, Debug)]
 pub struct BakedScene<'a> {
     /// The scene as it was loaded.
     pub scene: &'a Scene,
-    /// Its clip in use; other clips are left out.
+    /// The clip to export; others are dropped.
     pub clip: Option<usize>,
     /// Frames, increasing, at least one.
     pub frames: Vec<i32>,
-    /// One a frame: its time in the file, seconds, increasing, ≥ 0.
+    /// One per frame: time in the file, in seconds, increasing, ≥ 0.
     pub times_secs: Vec<f64>,
-    /// How the nodes move.
+    /// Animation of the nodes.
     pub motion: NodeMotion,
     /// Nodes whose meshes are deformed.
     pub nodes: Vec<BakedNode>,
-    /// A camera that the file does not have.
+    /// A camera to add to the file.
     pub camera: Option<AddedCamera>,
 }
 
-/// How the nodes of an exported scene move.
+/// Animation of the nodes of an exported scene.
 #[derive(Clone, Debug)]
 pub enum NodeMotion {
-    /// By the keys of the clip, this many seconds later.
+    /// The keys of the clip, shifted in time.
     Keys {
-        /// Seconds, ≥ 0.
+        /// Shift in seconds, ≥ 0.
         shift_secs: f64,
     },
-    /// By a key a frame, for programs that run between keys otherwise than glTF says.
+    /// One key per frame, for programs whose interpolation differs from that of glTF.
     Sampled(Vec<SampledNode>),
 }
 
-/// The placement of a moving node, frame by frame.
+/// The transform of an animated node, frame by frame.
 #[derive(Clone, Debug)]
 pub struct SampledNode {
     /// Index into [`Scene::nodes`].
     pub node: usize,
-    /// One a frame.
+    /// One per frame.
     pub translations: Vec<Vec3>,
-    /// One a frame; neighbours on the same half of the sphere.
+    /// One per frame; neighbours lie in the same hemisphere.
     pub rotations: Vec<Vec4>,
-    /// One a frame.
+    /// One per frame.
     pub scales: Vec<Vec3>,
-    /// #targets a frame; none where nothing is morphed.
+    /// #targets per frame; empty without morph targets.
     pub weights: Vec<f32>,
 }
 
@@ -56,7 +56,7 @@ pub struct SampledNode {
 pub struct BakedNode {
     /// Index into [`Scene::nodes`].
     pub node: usize,
-    /// One a primitive that is deformed.
+    /// One per deformed primitive.
     pub parts: Vec<BakedPart>,
 }
 
@@ -65,9 +65,9 @@ pub struct BakedNode {
 pub struct BakedPart {
     /// Index into the mesh's primitives.
     pub primitive: usize,
-    /// Before the warp, in the first frame.
+    /// Undeformed vertices at the first frame.
     pub base: BakedShape,
-    /// One a frame.
+    /// One per frame.
     pub shapes: Vec<BakedShape>,
 }
 
@@ -78,19 +78,19 @@ pub struct BakedShape {
     pub positions: Vec<Vec3>,
     /// #vertices, unit length.
     pub normals: Vec<Vec3>,
-    /// #vertices or none; w = handedness.
+    /// #vertices, or empty; w = handedness.
     pub tangents: Vec<Vec4>,
 }
 
-/// A camera to add.
+/// A camera to add to the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AddedCamera {
-    /// Where it stands; it looks along −z.
+    /// Placement of the camera, which looks along −z.
     pub scene_from_camera: Mat4,
-    /// Its lens.
+    /// Lens of the camera.
     pub lens: Lens,
-    /// Distance of its near plane, metres.
+    /// Distance of the near plane, in metres.
     pub near: f32,
-    /// One per frame where it moves, else empty: scene_from_camera.
+    /// scene_from_camera, one per frame; empty if the camera does not move.
     pub motion: Vec<Mat4>,
 }

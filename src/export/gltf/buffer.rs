@@ -1,6 +1,6 @@
-//! Accessors added to a packed glTF file.
+//! Adds accessors to a packed glTF file.
 //!
-//! In: arrays. Out: numbers of accessors, the arrays behind the file's buffer.
+//! In: arrays. Out: accessor indices; the arrays are appended to the file's buffer.
 
 use crate::scene::Packed;
 use bytemuck::Pod;
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// An element that accessors may have.
+/// An element type of accessors.
 pub(super) trait Element: Pod {
     /// Its glTF type and component type.
     const KIND: (&'static str, u32);
@@ -36,7 +36,7 @@ impl Element for Vec4 {
     const KIND: (&'static str, u32) = ("VEC4", FLOAT);
 }
 
-/// Adds a list of elements; gives the number of the accessor.
+/// Adds a list of elements; returns the accessor's index.
 pub(super) fn add<T: Element>(packed: &mut Packed, elements: &[T]) -> usize {
     let start = packed.binary.len().next_multiple_of(4);
     packed.binary.resize(start, 0);
@@ -49,7 +49,7 @@ pub(super) fn add<T: Element>(packed: &mut Packed, elements: &[T]) -> usize {
     push(&mut packed.json, "accessors", accessor)
 }
 
-/// Adds places, with the bounds that the format asks for; gives the number of the accessor.
+/// Adds positions with the bounds that the format requires; returns the accessor's index.
 pub(super) fn add_bounded<const N: usize, T: Element + Into<[f32; N]>>(packed: &mut Packed, places: &[T]) -> usize {
     let accessor = add(packed, places);
     let all = || places.iter().map(|&place| -> [f32; N] { place.into() });
@@ -63,7 +63,7 @@ pub(super) fn add_bounded<const N: usize, T: Element + Into<[f32; N]>>(packed: &
     accessor
 }
 
-/// Adds times, with their bounds.
+/// Adds times with their bounds; returns the accessor's index.
 pub(super) fn add_times(packed: &mut Packed, times: &[f32]) -> usize {
     let accessor = add(packed, times);
     if let (Some(first), Some(last)) = (times.first(), times.last()) {
@@ -73,7 +73,7 @@ pub(super) fn add_times(packed: &mut Packed, times: &[f32]) -> usize {
     accessor
 }
 
-/// Puts an item behind a list of the file; gives its number.
+/// Appends an item to a list of the file; returns its index.
 pub(super) fn push(json: &mut Value, list: &str, item: Value) -> usize {
     if !json[list].is_array() {
         json[list] = json!([]);

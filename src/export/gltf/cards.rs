@@ -1,17 +1,17 @@
-//! A scene of pictures as a glTF file, for programs that know scenes only.
+//! Exports a scene of pictures as a glTF file, for programs that only read scenes.
 //!
-//! In: the cards of a shot of pictures, and their pictures as PNG files. Out: a packed file: unlit cards with textures,
-//! and the camera before them.
+//! In: the cards of a shot of pictures, and their pictures as PNG files. Out: a packed file with unlit textured cards,
+//! and the camera in front of them.
 
 use super::buffer::{add, add_bounded, push};
 use crate::scene::{Camera, Lens, Node, Packed, Placement, Primitive, Scene};
 use serde_json::{Value, json};
 
-/// Distance of the camera's far plane; the cards stand close behind one another.
+/// Distance of the camera's far plane; the cards lie closely behind each other.
 const FAR: f32 = 100.0;
 
-/// The file of a scene that [`crate::scene::picture_cards`] made: nodes keep their numbers. `pictures`: one a mesh, a PNG
-/// file of the whole frame.
+/// Returns the file of a scene made by [`crate::scene::picture_cards`]; nodes keep their numbers. `pictures`: one per
+/// mesh, a PNG file of the whole frame.
 #[must_use]
 pub fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed {
     let json = json!({
@@ -21,7 +21,7 @@ pub fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed 
         "extensionsUsed": ["KHR_materials_unlit"],
         "nodes": scene.nodes.iter().map(node).collect::<Vec<_>>(),
         "cameras": scene.cameras.iter().map(|camera| lens(camera, aspect)).collect::<Vec<_>>(),
-        // Nothing beyond the frame is on the pictures.
+        // The pictures end at the frame: clamp instead of repeating.
         "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071 }],
     });
     let mut packed = Packed { json, binary: Vec::new() };
@@ -66,7 +66,7 @@ fn lens(camera: &Camera, aspect: f64) -> Value {
     }
 }
 
-/// A material that shows a picture as it is; gives its number.
+/// Adds an unlit material with a picture; returns its index.
 fn material(packed: &mut Packed, name: &str, picture: &[u8]) -> usize {
     let start = packed.binary.len().next_multiple_of(4);
     packed.binary.resize(start, 0);

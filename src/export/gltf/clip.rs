@@ -1,4 +1,4 @@
-//! The clip of an exported scene: the file's own keys, moved in time, and the weights of the deformed meshes.
+//! The animation of an exported scene: the clip's own keys, shifted in time, and the weights of the deformed meshes.
 //!
 //! In: a clip and frames. Out: one animation in the file.
 
@@ -8,7 +8,7 @@ use crate::scene::{Interpolation, Packed, Track, TrackValues};
 use glam::{Quat, Vec4};
 use serde_json::{Value, json};
 
-/// Replaces the animations of the file by one that plays the clip and the deformed meshes together.
+/// Replaces the animations of the file by one that combines the clip and the deformed meshes.
 pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>) {
     if let Some(root) = packed.json.as_object_mut() {
         root.remove("animations");
@@ -33,7 +33,7 @@ pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>) {
     }
 }
 
-/// The clip while channels are added to it.
+/// State while the channels of the clip are added.
 struct Moving<'a> {
     packed: &'a mut Packed,
     baked: &'a BakedScene<'a>,
@@ -42,7 +42,7 @@ struct Moving<'a> {
 
 impl Moving<'_> {
     fn track(&mut self, track: &Track, shift_secs: f64) {
-        // Deformed meshes have other targets than those that the clip weighs.
+        // The morph targets of deformed meshes are not those that the clip's weights refer to.
         if matches!(track.values, TrackValues::Weights(_)) && self.is_deformed(track.node) {
             return;
         }
@@ -75,7 +75,7 @@ impl Moving<'_> {
         for (path, output) in outputs {
             self.channel(node.node, path, json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
         }
-        // Only translation, rotation and scale may be animated.
+        // The format only allows animating translation, rotation and scale.
         let node = &mut self.packed.json["nodes"][self.baked.scene.file_from_scene[node.node]];
         node.as_object_mut().and_then(|node| node.remove("matrix"));
     }
@@ -91,7 +91,7 @@ impl Moving<'_> {
     }
 }
 
-/// Adds the keys of a camera that moves, one per frame, to the file's animation.
+/// Adds the keys of a moving camera, one per frame, to the file's animation.
 pub(super) fn add_camera_motion(packed: &mut Packed, baked: &BakedScene<'_>, (camera, node): (&AddedCamera, usize)) {
     if camera.motion.is_empty() {
         return;
@@ -101,7 +101,7 @@ pub(super) fn add_camera_motion(packed: &mut Packed, baked: &BakedScene<'_>, (ca
     let (mut rotations, mut translations) = (Vec::new(), Vec::new());
     let mut last = Quat::IDENTITY;
     for (_, rotation, translation) in placed {
-        // Neighbours on the same half of the sphere: players turn the short way.
+        // Keep neighbours in the same hemisphere, since players interpolate along the shorter arc.
         last = if rotation.dot(last) < 0.0 { -rotation } else { rotation };
         rotations.push(Vec4::from(last));
         translations.push(translation);
@@ -119,7 +119,7 @@ pub(super) fn add_camera_motion(packed: &mut Packed, baked: &BakedScene<'_>, (ca
     }
 }
 
-/// Frame k shows target k alone; between frames neighbours are mixed, as lattice files say.
+/// Frame k shows only target k; between frames, neighbours are interpolated linearly, as in lattice files.
 fn add_weights(packed: &mut Packed, baked: &BakedScene<'_>, animation: &mut Value) {
     if baked.nodes.is_empty() {
         return;

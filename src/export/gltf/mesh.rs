@@ -1,6 +1,6 @@
-//! The meshes of deformed nodes: morph targets, one a frame.
+//! Writes the meshes of deformed nodes as morph targets, one per frame.
 //!
-//! In: a packed file and shapes in the space of a node. Out: a mesh of the node's own in the file.
+//! In: a packed file and shapes in the space of a node. Out: a separate mesh for the node in the file.
 
 use super::baked::{BakedNode, BakedPart, BakedScene, BakedShape};
 use super::buffer::{add, add_bounded, push};
@@ -8,10 +8,10 @@ use crate::scene::{Packed, Primitive};
 use glam::{Vec3, Vec4};
 use serde_json::{Map, Value, json};
 
-/// A direction that moves less than this, in all frames, needs no target.
+/// Directions that change by less than this in all frames need no target.
 const STILL: f32 = 1e-6;
 
-/// Gives a node a mesh of its own with one target a frame, and takes its skin: the targets hold what it did.
+/// Gives a node its own mesh with one target per frame, and removes its skin, whose effect is included in the targets.
 pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>, node: &BakedNode) {
     let number = baked.scene.file_from_scene[node.node];
     let Some(mesh) = packed.json["nodes"][number]["mesh"].as_u64() else { return };
@@ -38,7 +38,7 @@ pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>, node: &BakedNod
     }
 }
 
-/// All primitives of a mesh have the same number of targets: those that nothing deforms (points) get targets of zeros.
+/// Adds zero targets to a primitive that is not deformed (points), because all primitives of a mesh need the same number.
 fn hold_still(packed: &mut Packed, primitive: &mut Value, count: usize) {
     let Some(position) = primitive["attributes"]["POSITION"].as_u64() else { return };
     let vertices = packed.json["accessors"][position as usize]["count"].as_u64().unwrap_or(0);
@@ -55,7 +55,7 @@ struct Editor<'a> {
 impl Editor<'_> {
     fn edit(&mut self, json: &mut Value) {
         let Some(mut attributes) = json["attributes"].as_object().cloned() else { return };
-        // Normals that the file lacks were made on vertices that no two triangles share.
+        // Missing normals were generated on vertices that triangles do not share.
         let is_unshared = !attributes.contains_key("NORMAL") && !self.primitive.triangles.is_empty();
         if is_unshared {
             attributes = self.all_attributes();
@@ -76,7 +76,7 @@ impl Editor<'_> {
         json["targets"] = self.targets();
     }
 
-    /// The attributes of vertices that are not those of the file.
+    /// Returns the attributes of vertices that differ from those of the file.
     fn all_attributes(&mut self) -> Map<String, Value> {
         let mut attributes = Map::new();
         for (set, uvs) in self.primitive.uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty()) {
@@ -88,7 +88,7 @@ impl Editor<'_> {
         attributes
     }
 
-    /// One target a frame: what has to be added to the base.
+    /// Returns one target per frame: the differences from the base.
     fn targets(&mut self) -> Value {
         let base = &self.part.base;
         let turns = !self.primitive.triangles.is_empty() && self.any_moves(|shape| by(&shape.normals, &base.normals));
@@ -113,12 +113,12 @@ impl Editor<'_> {
     }
 }
 
-/// What leads from one list to another.
+/// Returns the differences between two lists.
 fn by(to: &[Vec3], from: &[Vec3]) -> Vec<Vec3> {
     to.iter().zip(from).map(|(to, from)| to - from).collect()
 }
 
-/// The same of tangents, whose handedness no target changes.
+/// Returns the differences between tangents; targets do not change the handedness.
 fn by_tangents(to: &BakedShape, from: &BakedShape) -> Vec<Vec3> {
     to.tangents.iter().zip(&from.tangents).map(|(to, from): (&Vec4, &Vec4)| (to - from).truncate()).collect()
 }

@@ -1,4 +1,4 @@
-//! The warped scene as a .glb file: deformed meshes become morph targets, one a frame; all else stays.
+//! Writes the warped scene as a .glb file: deformed meshes become morph targets, one per frame; everything else is kept.
 //!
 //! In: the packed file of a scene, and its deformed meshes. Out: the bytes of a .glb file (glTF 2.0, section 4).
 
@@ -19,13 +19,13 @@ use serde_json::{Value, json};
 
 const MAGIC: &[u8; 4] = b"glTF";
 const VERSION: u32 = 2;
-/// Bytes of the file's header, and of a chunk's.
+/// Sizes in bytes of the file header and of a chunk header.
 const HEADERS: [usize; 2] = [12, 8];
 
-/// The file with its deformed meshes and their clip.
+/// Returns the file with its deformed meshes and their clip.
 ///
 /// # Errors
-/// [`ExportError::TooLarge`] beyond the 4 GiB that the format can count.
+/// [`ExportError::TooLarge`] above 4 GiB, the limit of the format.
 pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, ExportError> {
     for node in &baked.nodes {
         mesh::write(&mut packed, baked, node);
@@ -38,7 +38,7 @@ pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, Export
     container(packed)
 }
 
-/// Adds the camera on a node of its own; gives the node's number.
+/// Adds the camera on a new node; returns the node's index.
 fn add_camera(json: &mut Value, camera: &AddedCamera) -> usize {
     let near = camera.near;
     let lens = match camera.lens {
@@ -63,7 +63,7 @@ fn add_camera(json: &mut Value, camera: &AddedCamera) -> usize {
     node
 }
 
-/// Header, JSON chunk padded with spaces, binary chunk padded with zeros.
+/// Assembles the header, the JSON chunk padded with spaces, and the binary chunk padded with zeros.
 fn container(mut packed: Packed) -> Result<Vec<u8>, ExportError> {
     packed.binary.resize(packed.binary.len().next_multiple_of(4), 0);
     packed.json["buffers"] = json!([{ "byteLength": packed.binary.len() }]);

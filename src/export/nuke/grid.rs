@@ -1,30 +1,31 @@
-//! A lattice as the grids of Nuke's GridWarp3.
+//! Writes a lattice as the grids of Nuke's GridWarp3.
 //!
-//! In: lattices of the screen by frame. Out: the two grid knobs: points and Bézier handles, keyed over the frames.
+//! In: screen lattices by frame. Out: the two grid knobs: points and Bézier handles, keyed over the frames.
 //!
-//! The syntax was read from scripts that Nuke wrote and that trackers write for it: "1 columns rows 4 1 0", then a point
-//! a line from below: its place, then handles up, down, right, left relative to it; `{2 x y}` holds, `{1 {curve ..} ..}`
-//! is keyed. No Nuke was at hand to open the result.
+//! The syntax was inferred from scripts that Nuke and trackers wrote: "1 columns rows 4 1 0", then one line per point
+//! from the bottom: its position, then handles up, down, right, left relative to it; `{2 x y}` is constant, `{1 {curve
+//! ..} ..}` is keyed. The result has not been opened in Nuke.
 
 use crate::lattice::{Grid, Lattice};
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// A point of a grid: its place and its four handles, in pixels, y up.
+/// A point of a grid: its position and its four handles, in pixels, y up.
 type Knot = [[f64; 2]; 5];
 
-/// Which of the two grids.
+/// The two grids of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
-    /// Where the picture is.
+    /// The undeformed grid.
     Source,
-    /// Where it goes.
+    /// The deformed grid.
     Destination,
 }
 
-/// The value of a grid knob. The grid's lines lie where the lattice's spans meet, and a span's border is a cubic whose
-/// ends and slopes are the lattice's: along lines of B-splines both agree exactly. Between lines Nuke fills its own way.
+/// Returns the value of a grid knob. The grid lines lie at the boundaries of the lattice's spans, and the border of a
+/// span is a cubic with the ends and slopes of the lattice: along lines of B-splines both agree exactly. Between the
+/// lines Nuke interpolates in its own way.
 pub(super) fn grid_knob(lattices: &BTreeMap<i32, Lattice<2>>, frame: FrameSize, side: Side) -> String {
     let Some(first) = lattices.values().next() else { return String::new() };
     let [columns, rows] = [0, 1].map(|axis| first.grid.basis.spans(first.grid.dims[axis]) + 1);
@@ -67,8 +68,8 @@ fn rest(grid: &Grid<2>, place: [usize; 2], spans: [usize; 2]) -> [f64; 2] {
     [0, 1].map(|axis| grid.lo[axis] + grid.size(axis) * place[axis] as f64 / spans[axis] as f64)
 }
 
-/// Image of a point of the box, and a third of the slope over a span to the right and upwards: the handles of a cubic
-/// with the lattice's ends and slopes. Cells have corners there; their handles are the mean of both sides.
+/// Returns the image of a point of the box, and a third of its slope over a span to the right and upwards: the handles of a cubic with
+/// the ends and slopes of the lattice. Piecewise linear cells have corners there; their handles are the mean of both sides.
 fn moved(lattice: &Lattice<2>, at: [f64; 2], step: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 2]) {
     let is_cell = lattice.grid.basis.is_piecewise_linear();
     let slope = |axis: usize| -> [f64; 2] {
@@ -85,9 +86,9 @@ fn moved(lattice: &Lattice<2>, at: [f64; 2], step: [f64; 2]) -> ([f64; 2], [f64;
     (lattice.evaluate(at), slope(0), slope(1))
 }
 
-/// A place or handle: constant, or a curve with a key a frame.
+/// Formats a position or handle: constant, or a curve with a key per frame.
 fn vector(knots: &[(i32, Knot)], part: usize) -> String {
-    // Rounded first, and without negative zeros: what stands still shall read alike in all frames.
+    // Rounded first, without negative zeros, so that constant values are written identically in all frames.
     let written = |knot: &Knot| knot[part].map(|value| format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0));
     let first = knots.first().map(|(_, knot)| written(knot)).unwrap_or_default();
     if knots.iter().all(|(_, knot)| written(knot) == first) {

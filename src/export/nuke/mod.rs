@@ -1,6 +1,6 @@
-//! A Nuke script: the STMaps read and applied, and the same warp as grids that an artist can move.
+//! Writes a Nuke script that applies the STMaps, and the same warp as grids that an artist can edit.
 //!
-//! In: lattices of the screen, and the STMap sequence beside the script. Out: the text of a .nk file.
+//! In: screen lattices, and the STMap sequence beside the script. Out: the text of a .nk file.
 
 mod grid;
 
@@ -9,20 +9,20 @@ use crate::space::FrameSize;
 use grid::{Side, grid_knob};
 use std::fmt::Write;
 
-/// What the script is about.
+/// Contents of the script.
 #[derive(Clone, Debug)]
 pub struct NukeScene<'a> {
-    /// The lattices; those of the world are left out.
+    /// The lattices; those in scene space are skipped.
     pub lattices: &'a LatticeFile,
     /// The STMap sequence, relative to the script: `out.stmap.####.exr`.
     pub stmap: String,
     /// First and last frame.
     pub frames: [i32; 2],
-    /// The frame in pixels.
+    /// Size of the frame in pixels.
     pub size: FrameSize,
 }
 
-/// What stands at the head of the script.
+/// Header of the script.
 const HEAD: &str = "\
 # Written by `pinwarp export --to nuke`.
 # Connect your plate to the dots 'plate' and 'plate_for_grids'.
@@ -32,7 +32,7 @@ const HEAD: &str = "\
 # Nuke at hand: compare both branches before you trust them.
 ";
 
-/// The text of the script.
+/// Returns the text of the script.
 #[must_use]
 pub fn script(scene: &NukeScene<'_>) -> String {
     let [first, last] = scene.frames;
@@ -45,7 +45,7 @@ pub fn script(scene: &NukeScene<'_>) -> String {
          last_frame {last}\n fps {rate}\n format {format}\n}}\n"
     );
     text.push_str(&root);
-    // Inputs are taken from the top of the stack: the plate is pushed last and becomes input 0.
+    // Nodes take their inputs from the top of the stack: the plate is pushed last and becomes input 0.
     let map = &scene.stmap;
     let read = format!(
         "Read {{\n inputs 0\n file_type exr\n file \"{map}\"\n format {format}\n first {first}\n last {last}\n \

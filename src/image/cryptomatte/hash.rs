@@ -1,9 +1,9 @@
-//! A name becomes the id that stands in the pixels.
+//! Hashes names to the ids that are stored in pixels.
 //!
 //! In: a name. Out: [`MatteId`].
 
-/// The id of a name: a hash whose bits are those of an ordinary 32-bit float, never 0, infinite, subnormal or NaN.
-/// [`MatteId::NOTHING`] stands where no object is. Two different names share an id once in four thousand million.
+/// The id of a name: a hash whose bits are those of a normal 32-bit float, never 0, infinite, subnormal or NaN.
+/// [`MatteId::NOTHING`] marks the absence of objects. Two different names collide with a probability of about 1 in 4e9.
 ///
 /// ```
 /// use pinwarp::image::cryptomatte::MatteId;
@@ -16,8 +16,8 @@ impl MatteId {
     /// No object.
     pub const NOTHING: Self = Self(0);
 
-    /// The id of a name. Where all bits of the exponent agree, its lowest is flipped (section "Floating point
-    /// conversion"), so that no program takes the id for infinity or zero.
+    /// Returns the id of a name. If all bits of the exponent are equal, its lowest is flipped (section "Floating point
+    /// conversion"), so that no program mistakes the id for infinity or zero.
     #[must_use]
     pub fn of_name(name: &str) -> Self {
         let hash = murmur3_32(name.as_bytes());
@@ -25,19 +25,19 @@ impl MatteId {
         Self(if matches!(exponent, 0 | 0xff) { hash ^ (1 << 23) } else { hash })
     }
 
-    /// The id that a sample of a rank's id channel holds; 0 and −0 are [`MatteId::NOTHING`].
+    /// Returns the id of a sample from a rank's id channel; 0 and −0 are [`MatteId::NOTHING`].
     #[must_use]
     pub fn from_sample(sample: f32) -> Self {
         Self(if sample == 0.0 { 0 } else { sample.to_bits() })
     }
 
-    /// What the id channel holds.
+    /// Returns the sample that represents the id.
     #[must_use]
     pub const fn sample(self) -> f32 {
         f32::from_bits(self.0)
     }
 
-    /// Eight hexadecimal digits, as manifests write ids; `None` for anything else.
+    /// Parses eight hexadecimal digits, the format of ids in manifests; `None` for anything else.
     #[must_use]
     pub fn from_hex(digits: &str) -> Option<Self> {
         let is_hex = digits.len() == 8 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
@@ -45,7 +45,7 @@ impl MatteId {
     }
 }
 
-/// Eight hexadecimal digits, as manifests write ids.
+/// Eight hexadecimal digits, the format of ids in manifests.
 impl std::fmt::Display for MatteId {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(out, "{:08x}", self.0)
@@ -76,7 +76,7 @@ fn scrambled(word: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Values that implementations of the hash publish; tails of no, one, two and three bytes.
+    /// Published test vectors of the hash, with tails of zero to three bytes.
     #[test]
     fn the_hash_is_murmur_hash_3() {
         assert_eq!(murmur3_32(b""), 0);
@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(murmur3_32(b"hello world"), 1_586_663_183);
     }
 
-    /// Values of `nuke/cryptomatte_utilities_tests.py` in github.com/Psyop/Cryptomatte.
+    /// Test values of `nuke/cryptomatte_utilities_tests.py` in github.com/Psyop/Cryptomatte.
     #[test]
     fn ids_are_those_of_the_reference_implementation() {
         for (name, sample) in [("hello", 6.070_563e-17_f32), ("равнина", -1.319_263_1e-25), ("mädchen", 6.236_13e25)]
@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Pairs of the specification's example, of Psyop's `multilayer.exr` and of Gaffer's tests.
+    /// Pairs from the specification's example, Psyop's `multilayer.exr` and Gaffer's tests.
     #[test]
     fn ids_are_those_of_other_renderers() {
         for (name, hex) in [

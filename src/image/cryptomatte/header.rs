@@ -1,30 +1,30 @@
-//! What a file's header says about its Cryptomattes.
+//! Header attributes of Cryptomattes.
 //!
-//! In: a name and a manifest, or attributes of a foreign header. Out: attributes, or [`MatteHeader`].
+//! In: a name and a manifest, or the attributes of a file from another program. Out: attributes, or [`MatteHeader`].
 
 use super::Manifest;
 use super::hash::murmur3_32;
 use std::collections::BTreeMap;
 
-/// One Cryptomatte of a header.
+/// The header entry of one Cryptomatte.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MatteHeader {
-    /// Its name: `CryptoObject`; the channels begin with it.
+    /// Name: `CryptoObject`; a prefix of the channel names.
     pub name: String,
-    /// Names and ids; empty where the header has none, or a side file holds it, which `read_plate` takes in where it can.
+    /// Names and ids. Empty if the header has none or refers to a side file, which `read_plate` loads if possible.
     pub manifest: Manifest,
-    /// A file with the manifest, beside the picture; empty manifests only.
+    /// A sidecar file with the manifest; only used if the manifest is empty.
     pub side_file: Option<String>,
 }
 
-/// Hash and conversion: the only ones there are.
+/// Hash and conversion: the only methods that exist.
 const METHODS: [(&str, &str); 2] = [("hash", "MurmurHash3_32"), ("conversion", "uint32_to_float32")];
 
-/// Attributes begin with this; OpenImageIO and Nuke put `exr/` in front of it.
+/// Prefix of attribute names; OpenImageIO and Nuke add `exr/` before it.
 const PREFIX: &str = "cryptomatte/";
 
 impl MatteHeader {
-    /// The key of a name: seven digits of its hash, the same for every frame and shot.
+    /// Returns the key of a name: seven digits of its hash, the same for every frame and shot.
     ///
     /// ```
     /// use pinwarp::image::cryptomatte::MatteHeader;
@@ -35,7 +35,7 @@ impl MatteHeader {
         format!("{:08x}", murmur3_32(name.as_bytes()))[..7].to_owned()
     }
 
-    /// Names and texts of the attributes, in alphabetical order.
+    /// Returns names and values of the attributes, in alphabetical order.
     #[must_use]
     pub fn attributes(&self) -> Vec<(String, String)> {
         let source = match &self.side_file {
@@ -50,7 +50,7 @@ impl MatteHeader {
         attributes
     }
 
-    /// The Cryptomattes that a header's text attributes tell of, by name. Those without a name are left out.
+    /// Parses the Cryptomattes in a header's text attributes, sorted by name. Those without a name are skipped.
     #[must_use]
     pub fn from_attributes<'a>(attributes: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<Self> {
         let mut by_key: BTreeMap<&str, Self> = BTreeMap::new();
@@ -79,7 +79,7 @@ mod tests {
         MatteHeader { name: name.into(), manifest: Manifest::of_names(["bunny", "default"]), side_file: None }
     }
 
-    /// Keys of Blender's `cryptomatte_test.cc`, and of Arnold's files in Gaffer's tests.
+    /// Keys from Blender's `cryptomatte_test.cc`, and from Arnold's files in Gaffer's tests.
     #[test]
     fn keys_are_those_of_other_programs() {
         for (name, key) in [

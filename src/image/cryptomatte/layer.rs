@@ -1,34 +1,34 @@
-//! Which channels of a file are the ranks of a Cryptomatte.
+//! Finds the channels of a file that are ranks of Cryptomattes.
 //!
-//! In: channel names of any program. Out: [`MatteLayer`]; the names we write.
+//! In: channel names of any program. Out: [`MatteLayer`]; the names that we write.
 
 use std::collections::BTreeMap;
 
-/// One Cryptomatte of a file and where its ranks stand. `K` says where a channel is: its place in a part, or part and
-/// place.
+/// A Cryptomatte of a file with its rank channels. `K` identifies a channel: its index in a part, or part and index.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MatteLayer<K> {
-    /// Its name, as in the manifest: `CryptoObject`, `ViewLayer.CryptoObject`.
+    /// Name, as in the manifest: `CryptoObject`, `ViewLayer.CryptoObject`.
     pub name: String,
-    /// Channels of the ranks, the first rank first.
+    /// Channels of the ranks, in rank order.
     pub ranks: Vec<RankChannels<K>>,
 }
 
 /// The two channels of a rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RankChannels<K> {
-    /// Holds ids.
+    /// Channel of ids.
     pub id: K,
-    /// Holds coverage, 0 to 1.
+    /// Channel of coverage, 0 to 1.
     pub coverage: K,
 }
 
-/// One of the four channels of a layer, in the order of their ranks.
+/// Suffixes of the four channels of a layer, in the order of their ranks.
 const SUFFIXES: [[&str; 2]; 4] = [["r", "red"], ["g", "green"], ["b", "blue"], ["a", "alpha"]];
 
-/// The Cryptomattes among channels: `<name>NN.R`, also `.r` or `.red`. A name counts where the headers of the file know it
-/// (`known`), or where it says `crypto`; so `diffuse00.R` of a renderer without Cryptomatte stays colour. Where a file
-/// has a part for each layer whose channels are plain `R G B A`, write the part's name and a dot in front of them.
+/// Finds the Cryptomattes among channels: `<name>NN.R`, also `.r` or `.red`.
+///
+/// A name counts if the headers of the file declare it (`known`) or it contains `crypto`; `diffuse00.R` of a renderer without Cryptomatte
+/// thus stays colour. If a file has one part per layer with plain `R G B A` channels, prefix them with the part's name and a dot.
 ///
 /// ```
 /// use pinwarp::image::cryptomatte::matte_layers;
@@ -55,13 +55,13 @@ pub fn matte_layers<'a, K: Copy>(
     layers.into_iter().filter_map(layer).collect()
 }
 
-/// The one or two whole ranks of an RGBA layer.
+/// Returns the one or two complete ranks of an RGBA layer.
 fn pairs<K: Copy>([r, g, b, a]: [Option<K>; 4]) -> impl Iterator<Item = RankChannels<K>> {
     [r.zip(g), b.zip(a)].into_iter().flatten().map(|(id, coverage)| RankChannels { id, coverage })
 }
 
-/// Name, number and place of the suffix: `a.CryptoObject01.G` is (`a.CryptoObject`, 1, 1). The name is what stands in
-/// front of all digits, as Blender and Nuke read it.
+/// Splits a channel name into layer, number and suffix index: `a.CryptoObject01.G` becomes (`a.CryptoObject`, 1, 1). As
+/// in Blender and Nuke, the layer name ends before all trailing digits.
 fn rank_channel(channel: &str) -> Option<(&str, u32, usize)> {
     let (layer, suffix) = channel.rsplit_once('.')?;
     let suffix = SUFFIXES.iter().position(|names| names.iter().any(|name| suffix.eq_ignore_ascii_case(name)))?;
@@ -73,8 +73,8 @@ fn rank_channel(channel: &str) -> Option<(&str, u32, usize)> {
     Some((name, digits.parse().ok()?, suffix))
 }
 
-/// The channels of that many ranks, two for each: `CryptoObject00.R`, `.G`, `.B`, `.A`, `CryptoObject01.R`. An odd count
-/// is rounded up to whole RGBA layers.
+/// Returns the channel names of a number of ranks, two for each: `CryptoObject00.R`, `.G`, `.B`, `.A`,
+/// `CryptoObject01.R`. An odd count is rounded up to full RGBA layers.
 #[must_use]
 pub fn rank_channel_names(layer: &str, ranks: usize) -> Vec<String> {
     let numbers = 0..ranks.div_ceil(2);

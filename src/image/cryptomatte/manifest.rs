@@ -1,6 +1,6 @@
-//! The names behind ids.
+//! Manifests, which map names to ids.
 //!
-//! In: names, or the JSON of a foreign file. Out: JSON, sorted; the ids that a pattern selects.
+//! In: names, or the JSON of a file from another program. Out: sorted JSON; the ids that a pattern selects.
 
 use super::MatteId;
 use crate::spelling;
@@ -13,18 +13,17 @@ pub struct Manifest {
     ids: BTreeMap<String, MatteId>,
 }
 
-/// What patterns select.
+/// Ids selected by patterns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Ids of all names that a pattern fits.
+    /// Ids of all names that match a pattern.
     pub ids: BTreeSet<MatteId>,
-    /// Patterns that fit nothing, with a hint: `"Taepot": did you mean "Teapot"?`.
+    /// Patterns without a match, with a hint: `"Taepot": did you mean "Teapot"?`.
     pub unknown: Vec<String>,
 }
 
 impl Manifest {
-    /// The manifest of these names, cleaned by [`clean_name`]; a name that comes twice stands once, since objects of one
-    /// name share an id.
+    /// Creates a manifest of names, normalised by [`clean_name`]. Duplicate names are merged, since objects of one name share an id.
     #[must_use]
     pub fn of_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let named = |name| {
@@ -35,22 +34,22 @@ impl Manifest {
         Self { ids: names.into_iter().map(named).collect() }
     }
 
-    /// Reads a manifest of any program: a JSON object, names to eight hexadecimal digits. Headers cut long texts, so one
-    /// that ends too early is read up to its last whole entry; entries that are no ids are left out.
+    /// Parses a manifest of any program: a JSON object that maps names to eight hexadecimal digits. Since headers
+    /// truncate long texts, a truncated manifest is read up to its last complete entry; invalid ids are skipped.
     #[must_use]
     pub fn from_json(text: &str) -> Self {
         let entry = |(name, id): (String, Value)| Some((name, MatteId::from_hex(id.as_str()?)?));
         Self { ids: whole_entries(text).into_iter().filter_map(entry).collect() }
     }
 
-    /// The manifest as headers and side files hold it: sorted by name, the same text every time.
+    /// Returns the JSON for headers and sidecar files, sorted by name and therefore deterministic.
     #[must_use]
     pub fn to_json(&self) -> String {
         let entries = self.ids.iter().map(|(name, id)| (name.clone(), Value::String(id.to_string())));
         Value::Object(entries.collect::<Map<_, _>>()).to_string()
     }
 
-    /// The names of both; where both know one, the own id counts.
+    /// Merges two manifests; if both contain a name, this one's id takes precedence.
     #[must_use]
     pub fn joined(&self, other: &Self) -> Self {
         let mut ids = other.ids.clone();
@@ -58,26 +57,27 @@ impl Manifest {
         Self { ids }
     }
 
-    /// Names and ids, by name.
+    /// Iterates over names and ids, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, MatteId)> {
         self.ids.iter().map(|(name, &id)| (name.as_str(), id))
     }
 
-    /// Number of names.
+    /// Returns the number of names.
     #[must_use]
     pub fn len(&self) -> usize {
         self.ids.len()
     }
 
-    /// No names: ids can still be selected by the name they come from, or by number.
+    /// Whether there are no names; ids can then still be selected by number or by hashing a name.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
 
-    /// The ids that patterns select. A pattern is a name as it stands, a name with `*` and `?`, or an id: eight
-    /// hexadecimal digits as in manifests, or the number in the pixels as Nuke's lists have it, `<3.36000126251e-27>`. Without any names in the manifest a plain name
-    /// selects the id it hashes to.
+    /// Returns the ids that patterns select.
+    ///
+    /// A pattern is a literal name, a name with `*` and `?`, or an id: eight hexadecimal digits as in manifests, or the pixel value as in
+    /// Nuke's lists, `<3.36000126251e-27>`. If the manifest is empty, a plain name selects the id that it hashes to.
     ///
     /// ```
     /// use pinwarp::image::cryptomatte::{Manifest, MatteId};
@@ -114,18 +114,18 @@ impl Manifest {
     }
 }
 
-/// The entries of a JSON object, or those in front of the place where it breaks off.
+/// Returns the entries of a JSON object, or of its intact beginning if it is truncated.
 fn whole_entries(text: &str) -> Map<String, Value> {
     if let Ok(entries) = serde_json::from_str(text) {
         return entries;
     }
-    // A comma may also stand in a name, so further ones are tried; a broken name is shorter than this many commas.
+    // Names may contain commas, so several are tried; a truncated name is assumed to contain fewer than this.
     const TRIES: usize = 16;
     let commas = text.rmatch_indices(',').take(TRIES);
     commas.filter_map(|(at, _)| serde_json::from_str(&format!("{}}}", &text[..at])).ok()).next().unwrap_or_default()
 }
 
-/// A name as it goes into ids: without control characters and space around it, never empty.
+/// Normalises a name for hashing: no control characters, trimmed, never empty.
 #[must_use]
 pub fn clean_name(name: &str) -> String {
     let clean: String = name.trim().chars().map(|letter| if letter.is_control() { '_' } else { letter }).collect();
@@ -140,7 +140,7 @@ mod tests {
         Manifest::from_json(text).to_json()
     }
 
-    /// Cases of Blender's `cryptomatte_test.cc`.
+    /// Test cases of Blender's `cryptomatte_test.cc`.
     #[test]
     fn manifests_read_as_blender_reads_them() {
         assert_eq!(round_trip("{}"), "{}");

@@ -1,8 +1,8 @@
-//! Cryptomatte: mattes of everything that has a name, to the specification of Psyop.
+//! Cryptomatte: id mattes of all named objects, to the specification of Psyop.
 //!
-//! In: names, shares of pixels; foreign channels and attributes. Out: ids, ranks, manifests, and the way back.
-//! Friedman and Jones, "Fully automatic ID mattes with support for motion blur and transparency", SIGGRAPH 2015 posters;
-//! Cryptomatte Specification 1.2.0, github.com/Psyop/Cryptomatte.
+//! In: names, shares of pixels; channels and attributes of other programs. Out: ids, ranks, manifests, and the inverse.
+//! Friedman and Jones, "Fully automatic ID mattes with support for motion blur and transparency", SIGGRAPH 2015
+//! posters; Cryptomatte Specification 1.2.0, github.com/Psyop/Cryptomatte.
 //!
 //! ```text
 //! CryptoObject00.R = id of rank 0, .G = its coverage;  .B = id of rank 1, .A = its coverage;  CryptoObject01.R …
@@ -22,5 +22,5 @@ pub use manifest::{Manifest, Selection, clean_name};
 pub use ranks::Coverage;
 pub(super) use side::take_in_manifests;
 
-/// Ranks that the specification suggests: three RGBA layers.
+/// Number of ranks that the specification suggests: three RGBA layers.
 pub const USUAL_RANKS: usize = 6;

@@ -1,23 +1,22 @@
-//! The ids of one pixel and how much each covers.
+//! Accumulates the coverage per id in one pixel.
 //!
-//! In: samples, or ranks of other pixels, with weights. Out: ranks, the largest coverage first.
+//! In: samples, or ranks of other pixels, with weights. Out: ranks in order of decreasing coverage.
 
 use super::MatteId;
 
-/// How much of a pixel each id covers. Made once and used again for every pixel, so that no memory is asked for.
+/// Coverage per id of a pixel. Reused from pixel to pixel to avoid allocations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coverage {
     shares: Vec<(MatteId, f32)>,
 }
 
 impl Coverage {
-    /// Forgets all ids.
+    /// Removes all ids.
     pub fn clear(&mut self) {
         self.shares.clear();
     }
 
-    /// Adds to an id's coverage; nothing for [`MatteId::NOTHING`], for 0 and for NaN. Negative shares (of filters with
-    /// negative lobes) count.
+    /// Adds to an id's coverage; ignores [`MatteId::NOTHING`], 0 and NaN. Negative shares (from negative filter lobes) are added as well.
     pub fn add(&mut self, id: MatteId, share: f32) {
         if id == MatteId::NOTHING || share == 0.0 || share.is_nan() {
             return;
@@ -28,25 +27,25 @@ impl Coverage {
         }
     }
 
-    /// The coverage of an id; 0 where it is not there.
+    /// Returns the coverage of an id; 0 if it is absent.
     #[must_use]
     pub fn of(&self, id: MatteId) -> f32 {
         self.shares.iter().find(|(other, _)| *other == id).map_or(0.0, |&(_, share)| share)
     }
 
-    /// All ids and their coverage, largest first; of equal ones the smaller id first, so that the order never depends on
-    /// the order in which they were added. Ids with no coverage left are gone.
+    /// Returns all ids with positive coverage, largest first. Ties are broken by the smaller id, so that the order does
+    /// not depend on that of insertion. Other ids are removed.
     pub fn ranked(&mut self) -> &[(MatteId, f32)] {
         self.shares.retain(|(_, share)| *share > 0.0);
         self.shares.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         &self.shares
     }
 
-    /// Writes the ranks of the pixel: id, coverage, id, coverage …; zeros where there are fewer. Ids beyond the last rank
-    /// are lost, as the specification expects.
+    /// Writes the ranks of the pixel: id, coverage, id, coverage …; padded with zeros. Ids beyond the last rank are
+    /// dropped, as the specification expects.
     ///
     /// # Panics
-    /// Where `ranks` does not have an even length.
+    /// If the length of `ranks` is odd.
     pub fn write(&mut self, ranks: &mut [f32]) {
         assert!(ranks.len().is_multiple_of(2), "two numbers a rank");
         ranks.fill(0.0);

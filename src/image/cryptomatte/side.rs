@@ -1,16 +1,16 @@
-//! Manifests that lie in a file beside the picture.
+//! Loads manifests from sidecar files.
 //!
-//! In: a plate as it was read, and its path. Out: the same plate with those manifests in its header, so that they travel
-//! with it; what could not be read is said in [`Plate::left_out`].
+//! In: a plate as read, and its path. Out: the plate with those manifests in its header, so that they are written with
+//! it; failures are reported in [`Plate::left_out`].
 
 use super::Manifest;
 use crate::image::{Plate, PlatePart};
 use std::path::Path;
 
-/// What names the side file.
+/// Attribute suffix that names the sidecar file.
 const SIDE_FILE: &str = "manif_file";
 
-/// Takes all manifests of side files into the header. Their paths are relative to the picture's.
+/// Loads all manifests of sidecar files into the header. Their paths are relative to the picture's.
 pub(in crate::image) fn take_in_manifests(plate: &mut Plate, picture: &Path) {
     let faults: Vec<String> =
         plate.parts.iter_mut().flat_map(|part| take_into_part(part, picture)).filter_map(Result::err).collect();
@@ -46,7 +46,7 @@ mod tests {
     use crate::image::{Channel, Storage};
     use crate::space::PixelRect;
 
-    /// A pixel whose only Cryptomatte has its names in a side file.
+    /// A pixel whose only Cryptomatte has its manifest in a sidecar file.
     fn plate(side_file: &str) -> Plate {
         let window = PixelRect { x: 0, y: 0, width: 1, height: 1 };
         let channel = Channel { name: "A".into(), storage: Storage::Half, samples: vec![1.0] };

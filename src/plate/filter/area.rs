@@ -10,7 +10,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Both halves, cut across the longer side.
+    /// Splits the area in two across its longer side.
     pub(super) fn halves(self) -> [Self; 2] {
         if self.width >= self.height {
             let left = self.width / 2;
@@ -23,7 +23,7 @@ impl Area {
         }
     }
 
-    /// Its rows in the map.
+    /// Returns its row range in the map.
     pub(super) fn rows(self) -> std::ops::Range<usize> {
         self.row..self.row + self.height
     }

@@ -1,25 +1,24 @@
-//! A part of the source, made ready for filters: four planes side by side, borders filled in, no infinities.
+//! Prepares a region of the source for filtering: interleaves four planes, extends borders, and removes infinities.
 //!
-//! In: planes, a rectangle of samples that may extend over their borders. Out: texels; and where samples are not a
-//! number, texels that say so.
+//! In: planes, and a rectangle of samples that may extend beyond them. Out: texels, and a mask of NaN samples.
 
 use super::border::Extent;
 use pulp::{Simd, WithSimd};
 
-/// What infinities become: the greatest finite half, as sums of it stay finite.
+/// Replacement for infinities: the greatest finite half float, since sums of it stay finite.
 const MAX_HALF: f32 = 65504.0;
-/// Texels after the last that kernels may read (times a weight of 0).
+/// Texels after the last that kernels may read (with weight 0).
 const PADDING: usize = 8;
 
-/// Four planes' samples at one place.
+/// Samples of four planes at one position.
 pub(super) type Texel = [f32; 4];
 
-/// A rectangle of the source; may extend over its borders.
+/// A rectangle of the source; may extend beyond its borders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SampleRect {
     /// First sample on both axes.
     pub(super) low: [i32; 2],
-    /// One after the last.
+    /// End (exclusive) on both axes.
     pub(super) high: [i32; 2],
 }
 
@@ -34,15 +33,15 @@ impl SampleRect {
 pub(super) struct Block {
     /// First sample on both axes.
     pub(super) low: [i32; 2],
-    /// Texels of a row.
+    /// Texels per row.
     pub(super) stride: usize,
-    /// Samples; 0 for what is not a number.
+    /// Samples; NaN is replaced by 0.
     pub(super) texels: Vec<Texel>,
-    /// 1 for numbers, 0 for what is none; empty where all are numbers.
+    /// 1 for numbers, 0 for NaN; empty if there are no NaN samples.
     pub(super) presence: Vec<Texel>,
 }
 
-/// Reads a rectangle of up to four planes.
+/// Reads a rectangle of up to four planes into a block.
 pub(super) struct FillBlock<'a> {
     pub(super) block: &'a mut Block,
     pub(super) planes: &'a [&'a [f32]],
@@ -74,7 +73,7 @@ impl WithSimd for FillBlock<'_> {
 }
 
 impl Block {
-    /// Replaces what is no finite number.
+    /// Replaces samples that are not finite.
     fn contain(&mut self) {
         let lacks = self.texels.iter().flatten().any(|sample| sample.is_nan());
         if lacks {
@@ -86,12 +85,12 @@ impl Block {
     }
 }
 
-/// Infinities as [`MAX_HALF`]; other samples as they are.
+/// Replaces infinities by ±[`MAX_HALF`].
 fn finite(sample: f32) -> f32 {
     if sample.is_infinite() { MAX_HALF.copysign(sample) } else { sample }
 }
 
-/// Reads a row from sample `low`; whether all samples are finite.
+/// Reads a row from sample `low` on; returns whether all samples are finite.
 #[inline(always)]
 fn fill_row(planes: &[&[f32]], y: usize, extent: &Extent, low: i32, texels: &mut [Texel]) -> bool {
     let count = extent.count;
@@ -105,7 +104,7 @@ fn fill_row(planes: &[&[f32]], y: usize, extent: &Extent, low: i32, texels: &mut
         let beyond = |x| std::array::from_fn(|k| planes.get(k).map_or(0.0, |plane| plane[row + x]));
         texels.fill(extent.sample(place).map_or([0.0; 4], beyond));
     }
-    // A sum of products with 0 is 0 or NaN, and needs no branch a sample.
+    // Multiplying by 0 yields 0 or NaN, so the sum needs no branch per sample.
     let mut sum = [0.0; 4];
     for texel in texels {
         for k in 0..4 {
@@ -115,7 +114,7 @@ fn fill_row(planes: &[&[f32]], y: usize, extent: &Extent, low: i32, texels: &mut
     sum == [0.0; 4]
 }
 
-/// Puts planes side by side from a sample on.
+/// Interleaves planes from a sample on.
 #[inline(always)]
 fn interleave(planes: &[&[f32]], begin: usize, texels: &mut [Texel]) {
     if let [r, g, b, a] = planes[..] {

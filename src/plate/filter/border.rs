@@ -1,25 +1,25 @@
-//! What lies beyond the last samples of a picture.
+//! Border handling: what filters see outside of the picture.
 //!
-//! In: the windows of the picture and of the display. Out: for each side whether the picture goes on there, and how
+//! In: the windows of the picture and of the display. Out: for each side whether the picture continues there, and how
 //! much of an output pixel it covers.
 //!
-//! A side inside the display was cropped: outside of it is nothing, and samples there are 0. A side on the display's
-//! edge (or beyond: overscan) cuts a world that goes on: filters see the last sample again, so that a border that
-//! stays in place does not darken, and the cut is drawn as an edge one pixel soft.
+//! A side inside the display window is a crop: samples beyond it are 0. At a side on (or beyond: overscan) the
+//! display's edge the scene continues: filters repeat the last sample, so that a border at rest does not darken, and
+//! the cut is drawn as an edge one pixel soft.
 
 use crate::space::PixelRect;
 
 /// The picture along one axis, in samples from its first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
-    /// Samples.
+    /// Number of samples.
     pub(crate) count: i32,
-    /// Whether the picture goes on before the first and after the last sample.
+    /// Whether the picture continues before the first and after the last sample.
     pub(crate) goes_on: [bool; 2],
 }
 
 impl Extent {
-    /// Both axes of a picture.
+    /// Returns the extents of both axes of a picture.
     pub(crate) fn of_window(window: PixelRect, display: PixelRect) -> [Self; 2] {
         let axis = |start: i32, count: u32, edge: i32, edges: u32| {
             let end = i64::from(start) + i64::from(count);
@@ -32,14 +32,14 @@ impl Extent {
         ]
     }
 
-    /// The sample that stands at a place; `None`: nothing is there.
+    /// Returns the sample at a position; `None` outside the picture.
     pub(super) fn sample(self, place: i32) -> Option<usize> {
         let held = (place < 0 && self.goes_on[0]) || (place >= self.count && self.goes_on[1]);
         let place = if held { place.clamp(0, self.count - 1) } else { place };
         (0..self.count).contains(&place).then_some(place as usize)
     }
 
-    /// How much of a pixel centred at `sample + fraction` lies inside the sides that cut, 0 to 1.
+    /// Returns how much of a pixel centred at `sample + fraction` lies inside the sides where the picture continues, 0 to 1.
     #[inline(always)]
     pub(super) fn coverage(self, sample: f32, fraction: f32) -> f32 {
         let before = if self.goes_on[0] { sample + 1.0 + fraction } else { 1.0 };

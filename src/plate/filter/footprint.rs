@@ -1,39 +1,40 @@
-//! The footprint of an output pixel in the source: how far, and in which direction, the warp shrinks there.
+//! The footprint of an output pixel in the source: the amount and direction in which the warp minifies.
 //!
-//! In: the offsets around a pixel. Out: the map that takes source distances to filter distances.
+//! In: the offsets around a pixel. Out: the linear map from source distances to filter distances.
 //!
-//! P. Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, chapter 3: a round pixel becomes an ellipse
-//! with J Jᵀ, J = d source / d output. Its axes are held at 1 or more, so that magnified samples are interpolated, not blurred:
-//! H = max(1, √(J Jᵀ)) by eigenvalues, and a filter is read at H⁻¹ (source − position). H = 1 wherever the warp turns, shifts or magnifies.
+//! A round pixel becomes an ellipse with J Jᵀ, J = d source / d output (P. Heckbert, "Fundamentals of Texture Mapping
+//! and Image Warping", 1989, chapter 3). Its axes are clamped to 1 or more, so that magnified samples are interpolated,
+//! not blurred: H = max(1, √(J Jᵀ)) by eigenvalues, and the filter is evaluated at H⁻¹ (source − position). H = 1 for
+//! rotation, translation and magnification.
 
 use super::simd::LANES;
 use crate::plate::WarpMap;
 
-/// Greatest shrink that is filtered in full; a footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
+/// Greatest minification that is fully filtered; the footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
 const SHRINK_LIMIT: f32 = 16.0;
-/// Shrinks up to this factor count as none: rounding of maps must not widen a filter.
+/// Minification up to this factor is ignored, so that rounding of maps does not widen the filter.
 const SLACK: f32 = 1.02;
 
-/// Filter distances from source distances.
+/// The linear map from source distances to filter distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     /// H⁻¹: xx, xy = yx, yy.
     pub(super) filter_from_source: [f32; 3],
-    /// Source distance along x and y of the corners of the filter's square of "radius" 1.
+    /// Half extents along x and y, in the source, of the filter's square of "radius" 1.
     pub(super) half_extent: [f32; 2],
 }
 
 impl Footprint {
-    /// No shrink.
+    /// No minification.
     pub(super) const UNIT: Self = Self { filter_from_source: [1.0, 0.0, 1.0], half_extent: [1.0, 1.0] };
 
-    /// Whether the plain filter serves.
+    /// Whether the unwidened filter applies.
     #[inline(always)]
     pub(super) fn is_unit(&self) -> bool {
         self.half_extent == Self::UNIT.half_extent
     }
 
-    /// The footprint of the pixel with that index.
+    /// Computes the footprint of a pixel of the map.
     #[inline(always)]
     pub(super) fn at(map: &WarpMap, column: usize, row: usize) -> Self {
         let (width, height) = (map.window.width as usize, map.window.height as usize);
@@ -43,7 +44,7 @@ impl Footprint {
         Self::of_jacobian(jacobian(across, down))
     }
 
-    /// The footprints of pixels side by side, none of them at the border of the map.
+    /// Computes the footprints of adjacent pixels, none of them at the border of the map.
     #[inline(always)]
     pub(super) fn of_inner(map: &WarpMap, column: usize, row: usize) -> [Self; LANES] {
         let width = map.window.width as usize;
@@ -53,13 +54,13 @@ impl Footprint {
             let before = difference(here, map.offsets[index + k - stride]);
             smaller(before, difference(map.offsets[index + k + stride], here))
         };
-        // Whether anything shrinks is asked of all at once, in wide registers; few footprints have to be found then.
+        // Minification is tested for all pixels at once, in SIMD registers; few footprints then remain to be computed.
         let jacobians: [_; LANES] = std::array::from_fn(|k| jacobian(step(k, 1), step(k, width)));
         let longest = jacobians.map(|jacobian| Ellipse::of_jacobian(jacobian).longest());
         std::array::from_fn(|k| if shrinks(longest[k]) { Self::of_jacobian(jacobians[k]) } else { Self::UNIT })
     }
 
-    /// From J, rows first.
+    /// Computes the footprint for J in row-major order.
     #[inline(always)]
     fn of_jacobian(jacobian: [f32; 4]) -> Self {
         let ellipse = Ellipse::of_jacobian(jacobian);
@@ -82,7 +83,7 @@ impl Footprint {
     }
 }
 
-/// J Jᵀ by its eigenvalues, mean ± radius.
+/// The eigenvalues of J Jᵀ, mean ± radius.
 #[derive(Clone, Copy)]
 struct Ellipse {
     mean: f32,
@@ -94,7 +95,7 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// From J, rows first.
+    /// Computes J Jᵀ from J in row-major order.
     #[inline(always)]
     fn of_jacobian([xx, xy, yx, yy]: [f32; 4]) -> Self {
         let (a, b, c) = (xx * xx + xy * xy, xx * yx + xy * yy, yx * yx + yy * yy);
@@ -108,26 +109,26 @@ impl Ellipse {
     }
 }
 
-/// J, rows first, from how the offsets change to the right and down.
+/// Returns J, row-major, from the changes of the offsets to the right and down.
 #[inline(always)]
 fn jacobian(across: [f32; 2], down: [f32; 2]) -> [f32; 4] {
     [1.0 + across[0], down[0], across[1], 1.0 + down[1]]
 }
 
-/// Whether the longer eigenvalue of J Jᵀ widens the footprint.
+/// Whether the larger eigenvalue of J Jᵀ widens the footprint.
 #[inline(always)]
 fn shrinks(longest: f32) -> bool {
     longest > SLACK * SLACK && longest < f32::INFINITY
 }
 
-/// A half axis of the footprint from an eigenvalue of J Jᵀ.
+/// Returns a clamped half axis of the footprint from an eigenvalue of J Jᵀ.
 #[inline(always)]
 fn held(squared: f32) -> f32 {
     (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT)
 }
 
-/// How offsets change along an axis, a pixel: the smaller of both sides' differences, since the other may cross a fold
-/// or a hole. 0 where neither side has one.
+/// Returns the change of the offset per pixel along an axis: the smaller of the differences on both sides, since the
+/// other may cross a fold or a hole. 0 if neither side has one.
 #[inline(always)]
 fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]) -> [f32; 2] {
     let here = offsets[index];
@@ -136,7 +137,7 @@ fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]
     smaller(before, after)
 }
 
-/// The smaller difference; the other one where one is NaN, 0 where both are.
+/// Returns the smaller difference; the other if one is NaN, 0 if both are.
 #[inline(always)]
 fn smaller(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let first = before[0] * before[0] + before[1] * before[1];

@@ -1,7 +1,7 @@
-//! The inner loops: weighted sums of texels.
+//! The inner loops of filtering: weighted sums of texels.
 //!
-//! In: texels from a pixel's first tap on, weights. Out: the sum, four planes at once; footprints hold it within the
-//! range of their nearest texels, since the negative weights beside a flame of 400 would dig a black rim.
+//! In: the texels from a pixel's first tap on, weights. Out: the sum for four planes at once. Footprints clamp it to
+//! the range of the nearest texels; otherwise, the negative weights next to a flame of 400 would leave a black rim.
 
 use super::block::{Block, Texel};
 use super::footprint::Footprint;
@@ -11,29 +11,29 @@ use super::simd::{LANES, load, store};
 use crate::plate::Filter;
 use pulp::{Simd, WithSimd};
 
-/// Places within a register.
+/// Lane indices of a register.
 const STEPS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// The `k`-th two texels of a row as one register.
+/// Loads the `k`-th pair of texels of a row into one register.
 #[inline(always)]
 fn pair<S: Simd>(texels: &[f32], k: usize) -> S::f32s {
     load::<S>(texels[LANES * k..].first_chunk().expect("a block ends with spare texels"))
 }
 
-/// The weights of two texels as one register.
+/// Returns the weights of two texels in one register.
 #[inline(always)]
 fn twice<S: Simd>(a: f32, b: f32) -> S::f32s {
     load::<S>(&[a, a, a, a, b, b, b, b])
 }
 
-/// The sum of both texels of a register.
+/// Adds the two texels of a register.
 #[inline(always)]
 fn halves<S: Simd>(sum: S::f32s) -> Texel {
     let sum = store::<S>(sum);
     [sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6], sum[3] + sum[7]]
 }
 
-/// The least and the greatest of some texels, a pair at a time.
+/// The minimum and maximum of a set of texels, accumulated in pairs.
 #[derive(Clone, Copy)]
 struct Range<S: Simd> {
     low: S::f32s,
@@ -46,14 +46,14 @@ impl<S: Simd> Range<S> {
         Self { low: simd.splat_f32s(f32::INFINITY), high: simd.splat_f32s(f32::NEG_INFINITY) }
     }
 
-    /// Counts a pair of texels in, where `out` is 0, or leaves them out, where it is infinite.
+    /// Includes a pair of texels where `out` is 0, and excludes it where `out` is infinite.
     #[inline(always)]
     fn with(self, simd: S, pair: S::f32s, out: S::f32s) -> Self {
         let low = simd.min_f32s(self.low, simd.add_f32s(pair, out));
         Self { low, high: simd.max_f32s(self.high, simd.sub_f32s(pair, out)) }
     }
 
-    /// The nearest value of the range. An empty one holds nothing back.
+    /// Clamps a texel to the range. An empty range does not clamp.
     #[inline(always)]
     fn hold(self, texel: Texel) -> Texel {
         let (low, high) = (store::<S>(self.low), store::<S>(self.high));
@@ -67,7 +67,7 @@ impl<S: Simd> Range<S> {
     }
 }
 
-/// The four texels around a position; `texels` begins at the one before it.
+/// Returns the range of the four texels around a position; `texels` starts at the one before it.
 #[inline(always)]
 fn around<S: Simd>(simd: S, texels: &[Texel], stride: usize) -> Range<S> {
     let nothing = simd.splat_f32s(0.0);
@@ -75,7 +75,7 @@ fn around<S: Simd>(simd: S, texels: &[Texel], stride: usize) -> Range<S> {
     Range::empty(simd).with(simd, row(0), nothing).with(simd, row(1), nothing)
 }
 
-/// A separable filter of 2·`PAIRS` taps a side; `texels` begins at the first tap.
+/// Applies a separable filter of 2·`PAIRS` taps per side; `texels` starts at the first tap.
 #[inline(always)]
 fn separable<const PAIRS: usize, S: Simd>(
     simd: S,
@@ -98,9 +98,9 @@ fn separable<const PAIRS: usize, S: Simd>(
     halves::<S>(sum)
 }
 
-/// Catmull-Rom along the axes of a widened footprint, normalised: `N` groups of planes share its weights. `texels` are
-/// whole blocks, `base` the position in them of the sample before the pixel's position, `fraction` how far behind that sample the
-/// position lies.
+/// Applies Catmull-Rom along the axes of a widened footprint, normalised; `N` groups of planes share the weights.
+/// `texels` are whole blocks, `base` is the index in them of the sample before the pixel's position, and `fraction` is
+/// the distance of the position from that sample.
 #[inline(always)]
 fn widened<const N: usize, S: Simd>(
     simd: S,
@@ -129,7 +129,7 @@ fn widened<const N: usize, S: Simd>(
             let (weights, out) = weights(simd, [x as f32 - fraction[0], dy], footprint.filter_from_source);
             let taps = texels.map(|texels| texels[(row + x) as usize..][..LANES].as_flattened());
             let (each, out) = (store::<S>(weights), store::<S>(out));
-            // Pairs beyond the last sample weigh nothing.
+            // Pairs beyond the last sample have weight 0.
             let pairs = ((last - x) as usize / 2 + 1).min(LANES / 2);
             for k in 0..pairs {
                 let weight = twice::<S>(each[2 * k], each[2 * k + 1]);
@@ -151,7 +151,7 @@ fn widened<const N: usize, S: Simd>(
     std::array::from_fn(|n| near[n].hold(halves::<S>(sums[n]).map(|value| value * norm)))
 }
 
-/// The rectangle of samples around a filter's inner square, the only ones that count for the range.
+/// The rectangle of samples around the filter's inner square; only these define the range.
 struct Inner {
     low: [i32; 2],
     high: [i32; 2],
@@ -160,13 +160,13 @@ struct Inner {
 impl Inner {
     #[inline(always)]
     fn of(fraction: [f32; 2], footprint: &Footprint) -> Self {
-        // A little more, since rounding decides what is inside.
+        // Slightly enlarged, because rounding decides which samples are inside.
         let half_extent = [1.001 * footprint.half_extent[0], 1.001 * footprint.half_extent[1]];
         let [x, y] = [0, 1].map(|axis| whole(fraction[axis] - half_extent[axis], fraction[axis] + half_extent[axis]));
         Self { low: [x.0, y.0], high: [x.1, y.1] }
     }
 
-    /// Pairs of samples from sample `x` of row `y` on, of `pairs`, that lie in it.
+    /// Returns which of the `pairs` of samples from sample `x` of row `y` on lie in the rectangle.
     #[inline(always)]
     fn pairs(&self, x: i32, y: i32, pairs: usize) -> std::ops::Range<usize> {
         if y < self.low[1] || y > self.high[1] {
@@ -178,8 +178,8 @@ impl Inner {
     }
 }
 
-/// Weights of eight samples from a distance on; and 0 for those in the filter's inner square, where weights are
-/// positive, infinity for the others.
+/// Returns the weights of eight samples starting at a distance; and 0 for those in the filter's inner square, where the
+/// weights are positive, infinity for the others.
 #[inline(always)]
 fn weights<S: Simd>(simd: S, [dx, dy]: [f32; 2], [xx, xy, yy]: [f32; 3]) -> (S::f32s, S::f32s) {
     let dx = simd.add_f32s(simd.splat_f32s(dx), load::<S>(&STEPS));
@@ -191,7 +191,7 @@ fn weights<S: Simd>(simd: S, [dx, dy]: [f32; 2], [xx, xy, yy]: [f32; 3]) -> (S::
     (simd.mul_f32s(catmull_rom(simd, u), catmull_rom(simd, v)), out)
 }
 
-/// The whole numbers in a range: first and last.
+/// Returns the first and last integers in a range.
 #[inline(always)]
 fn whole(low: f32, high: f32) -> (i32, i32) {
     (low.ceil() as i32, high.floor() as i32)
@@ -199,8 +199,8 @@ fn whole(low: f32, high: f32) -> (i32, i32) {
 
 /// The edges of a filter's square of "radius" 2 in the source.
 struct Edges {
-    /// What a row further down adds to the distance along a row at which an edge is met, and half the distance of the two
-    /// edges along a row; of both pairs of edges.
+    /// For both pairs of opposite edges: the change per row of the intersection with a row, and half the distance of
+    /// the two edges along a row.
     pairs: [[f32; 2]; 2],
 }
 
@@ -208,13 +208,13 @@ impl Edges {
     #[inline(always)]
     fn of(footprint: &Footprint) -> Self {
         let [xx, xy, yy] = footprint.filter_from_source;
-        // Edges along the rows are never met: any distance that no footprint has will do.
+        // Edges parallel to the rows never intersect them: use a distance larger than any footprint.
         let level = [0.0, 1e6];
         let second = if xy.abs() < 1e-5 { level } else { [-yy / xy, 2.0 / xy.abs()] };
         Self { pairs: [[-xy / xx, 2.0 / xx], second] }
     }
 
-    /// Where a row cuts the square: from and to, within `half_extent`.
+    /// Returns the interval in which a row intersects the square, clamped to `half_extent`.
     #[inline(always)]
     fn chord(&self, dy: f32, half_extent: f32) -> [f32; 2] {
         let [[a, b], [c, d]] = self.pairs;
@@ -226,16 +226,16 @@ impl Edges {
 /// Filters an area: `N` groups of up to four planes that share positions and weights.
 pub(super) struct Accumulate<'a, const N: usize> {
     pub(super) filter: Filter,
-    /// Weights of Lanczos.
+    /// Weights of the Lanczos filter.
     pub(super) table: &'a [Weights],
-    /// Of each group the texels of its block, or which of them are there.
+    /// Per group, the texels or the presence mask of its block.
     pub(super) texels: [&'a [Texel]; N],
-    /// Where the blocks lie, the same for all.
+    /// Geometry of the blocks, the same for all groups.
     pub(super) block: &'a Block,
     pub(super) positions: &'a [SourcePosition],
-    /// As many as positions, or none: all are plain.
+    /// One per position, or empty if no footprint is widened.
     pub(super) footprints: &'a [Footprint],
-    /// As many as positions.
+    /// One per position.
     pub(super) sums: &'a mut [[Texel; N]],
 }
 
@@ -254,13 +254,13 @@ impl<const N: usize> WithSimd for Accumulate<'_, N> {
 }
 
 impl<const N: usize> Accumulate<'_, N> {
-    /// The same filter for all pixels.
+    /// Applies the same unwidened filter to all pixels.
     #[inline(always)]
     fn run_plain<const PAIRS: usize, S: Simd>(self, simd: S, profile: impl Profile<PAIRS>) {
         let (stride, low) = (self.block.stride, self.block.low);
         let low = [(low[0] + PAIRS as i32 - 1) as f32, (low[1] + PAIRS as i32 - 1) as f32];
         for (position, sums) in self.positions.iter().zip(self.sums) {
-            // Nowhere is NaN, and so becomes texel 0; its sum is not used.
+            // A NaN position maps to texel 0; its sum is not used.
             let first =
                 (position.sample[1] - low[1]) as i32 as usize * stride + (position.sample[0] - low[0]) as i32 as usize;
             let across = profile.weights(simd, position.fraction[0]);
@@ -272,7 +272,7 @@ impl<const N: usize> Accumulate<'_, N> {
         }
     }
 
-    /// Footprints.
+    /// Filters pixels with individual footprints.
     #[inline(always)]
     fn run_footprints<S: Simd>(self, simd: S) {
         let (stride, low) = (self.block.stride, [self.block.low[0] as f32, self.block.low[1] as f32]);

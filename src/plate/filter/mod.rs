@@ -1,8 +1,8 @@
-//! Resampling: the samples of a picture, seen through a map.
+//! Resamples pictures through a map.
 //!
-//! In: a [`WarpMap`], planes of samples, a [`Filter`]. Out: as many planes of the map's window, the same on any number
-//! of threads; or the weights of one pixel's footprint. What happens at borders and to samples that are no numbers:
-//! docs/PLATES.md, "Filters".
+//! In: a [`WarpMap`], planes of samples, a [`Filter`]. Out: as many planes over the map's window, identical for any
+//! number of threads; or the weights of one pixel's footprint. docs/PLATES.md, "Filters", describes the treatment of
+//! borders and of samples that are not finite.
 
 mod area;
 mod block;
@@ -30,32 +30,32 @@ use crate::space::PixelRect;
 use rayon::prelude::*;
 use tile::{Scratch, Tiles};
 
-/// Rows that a task takes.
+/// Rows per parallel task.
 pub(super) const BAND: usize = 32;
 
-/// Samples that are looked through at once for those that are not finite.
+/// Samples per task of the search for non-finite samples.
 const CHECKED: usize = 1 << 14;
 
-/// Samples of equal windows.
+/// Planes of samples over a common window.
 #[derive(Clone, Debug)]
 pub struct Planes<'a> {
-    /// Where they lie, in image space.
+    /// Window of the planes, in image space.
     pub window: PixelRect,
     /// Each with `window.area()` samples, rows from the top.
     pub planes: Vec<&'a [f32]>,
 }
 
-/// Samples that are no finite numbers.
+/// Counts of samples that are not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NotFinite {
-    /// Not a number: a filter takes them for absent.
+    /// NaN samples, which filters treat as missing.
     pub nan: usize,
-    /// Infinite: a filter takes them for the greatest finite half, 65504.
+    /// Infinite samples, which filters replace by the greatest finite half float, 65504.
     pub infinite: usize,
 }
 
 impl Planes<'_> {
-    /// Counts the samples that a filter contains, for the report.
+    /// Counts the samples that a filter replaces, for the report.
     #[must_use]
     pub fn not_finite(&self) -> NotFinite {
         let rows = self.planes.par_iter().flat_map(|plane| plane.par_chunks(CHECKED));
@@ -74,7 +74,7 @@ impl NotFinite {
     }
 }
 
-/// A product with 0 is 0 or NaN: the sum needs no branch a sample.
+/// Whether all samples are finite. Multiplying by 0 yields 0 or NaN, so the sum needs no branch per sample.
 fn all_finite(samples: &[f32]) -> bool {
     let mut sums = [0.0; 16];
     let (chunks, rest) = samples.as_chunks::<16>();
@@ -84,13 +84,13 @@ fn all_finite(samples: &[f32]) -> bool {
     sums.iter().sum::<f32>() == 0.0 && rest.iter().all(|sample| sample.is_finite())
 }
 
-/// The planes as seen through the map: one an input plane, each `map.window.area()` samples; 0 where the map holds NaN.
+/// Resamples planes through a map. Returns one plane per input plane, each with `map.window.area()` samples; 0 where the map is NaN.
 ///
-/// All planes of a call share their weights. Where the map moves nothing, samples keep their bits. [`Filter::Nearest`]
-/// copies bits everywhere, so it may be used for ids.
+/// All planes of a call share their weights. Where nothing moves, samples are copied bit-exactly. [`Filter::Nearest`]
+/// always copies bit-exactly, so it is suitable for ids.
 ///
 /// # Panics
-/// Where a plane or the map does not have as many elements as its window has pixels.
+/// If the length of a plane or of the map differs from the area of its window.
 ///
 /// ```
 /// use pinwarp::plate::{Filter, Planes, WarpMap, resampled};
@@ -108,18 +108,18 @@ pub fn resampled(map: &WarpMap, source: &Planes, filter: Filter) -> Vec<Vec<f32>
     planes
 }
 
-/// As [`resampled`], into planes that are already there: every sample is written.
+/// As [`resampled`], writing every sample of existing planes.
 ///
 /// # Panics
-/// As [`resampled`], and where the planes are not as many or as large as the result.
+/// As [`resampled`], and if the number or the size of the planes does not match the result.
 pub fn resample_into(map: &WarpMap, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
     resample_part(map, map.window, source, filter, planes);
 }
 
-/// As [`resample_into`], but only a window within the map's: the same pixels, as footprints look at the map around it.
+/// As [`resample_into`], for a window within the map's. The pixels are identical, since footprints use the map around the window.
 ///
 /// # Panics
-/// As [`resample_into`], and where the part is not within the map.
+/// As [`resample_into`], and if the window is not within the map's.
 pub fn resample_part(map: &WarpMap, part: PixelRect, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
     assert_eq!(map.offsets.len(), map.window.area(), "an offset a pixel");
     assert_eq!(map.window.intersection(part), part, "a part of the map");
@@ -141,7 +141,7 @@ pub fn resample_part(map: &WarpMap, part: PixelRect, source: &Planes, filter: Fi
     bands.par_iter_mut().enumerate().for_each_init(Scratch::default, work);
 }
 
-/// Cuts planes into bands of `length` samples: the bands, and in each the part of every plane.
+/// Splits planes into bands of `length` samples; each band holds a slice of every plane.
 pub(super) fn bands(planes: &mut [Vec<f32>], length: usize) -> Vec<Vec<&mut [f32]>> {
     let mut bands: Vec<Vec<&mut [f32]>> = Vec::new();
     for plane in planes {

@@ -1,6 +1,6 @@
-//! The nearest sample.
+//! Nearest-neighbour lookup.
 //!
-//! In: offsets of a row of pixels. Out: the places of the samples nearest to where they lead; copies of their bits.
+//! In: offsets of a row of pixels. Out: indices of the nearest source samples; bit-exact copies of them.
 
 use super::border::Extent;
 use super::simd::dispatch;
@@ -8,11 +8,11 @@ use crate::plate::WarpMap;
 use crate::space::PixelRect;
 use pulp::{Simd, WithSimd};
 
-/// Stands for a place outside the picture.
+/// Marks a position outside the picture.
 pub(crate) const NOWHERE: u32 = u32::MAX;
 
-/// Index into the source of the sample nearest to a place; [`NOWHERE`] outside the picture and where the offset is NaN.
-/// `start` is the pixel's own sample, in samples of the source.
+/// Returns the index of the source sample nearest to a position; [`NOWHERE`] outside the picture and for NaN offsets.
+/// `start` is the pixel's own position, in samples of the source.
 #[inline(always)]
 pub(super) fn nearest_sample(offset: [f32; 2], start: [i32; 2], extents: &[Extent; 2]) -> u32 {
     let x = start[0] as f32 + rounded(offset[0]);
@@ -22,20 +22,20 @@ pub(super) fn nearest_sample(offset: [f32; 2], start: [i32; 2], extents: &[Exten
     if is_inside { index as u32 } else { NOWHERE }
 }
 
-/// The nearest whole number, halves up. Adding a half first would round the number before it.
+/// Rounds to the nearest integer, halves up. Adding 0.5 first would round the sum.
 #[inline(always)]
 fn rounded(x: f32) -> f32 {
     let whole = x.floor();
     if x - whole >= 0.5 { whole + 1.0 } else { whole }
 }
 
-/// Finds the nearest samples of pixels side by side.
+/// Finds the nearest samples of adjacent pixels.
 pub(super) struct FindNearest<'a> {
     pub(super) offsets: &'a [[f32; 2]],
-    /// The first pixel's own sample.
+    /// Position of the first pixel, in samples of the source.
     pub(super) start: [i32; 2],
     pub(super) extents: &'a [Extent; 2],
-    /// As many as offsets.
+    /// One per offset.
     pub(super) samples: &'a mut [u32],
 }
 
@@ -51,8 +51,8 @@ impl WithSimd for FindNearest<'_> {
     }
 }
 
-/// For the pixels of a row of the map, from column `first` on: places of the nearest samples in a source window of fewer
-/// than 2^32 samples.
+/// Finds the nearest samples for the pixels of a row of the map from column `first` on, as indices into a source window
+/// of fewer than 2^32 samples.
 pub(crate) fn nearest_in_row(map: &WarpMap, [first, row]: [usize; 2], source: PixelRect, samples: &mut [u32]) {
     let offsets = &map.offsets[row * map.window.width as usize + first..][..samples.len()];
     let extents = &Extent::of_window(source, map.frame.window());
@@ -60,7 +60,7 @@ pub(crate) fn nearest_in_row(map: &WarpMap, [first, row]: [usize; 2], source: Pi
     dispatch(FindNearest { offsets, start, extents, samples });
 }
 
-/// Copies the samples at some places; `empty` for those outside the picture.
+/// Copies samples by index; `empty` for indices outside the picture.
 #[inline(always)]
 pub(crate) fn copy_samples(from: &[f32], samples: &[u32], empty: f32, to: &mut [f32]) {
     for (to, sample) in to.iter_mut().zip(samples) {

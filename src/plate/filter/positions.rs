@@ -1,7 +1,7 @@
-//! Where the pixels of a tile lie in the source.
+//! Computes the source positions of the pixels of a tile.
 //!
-//! In: the offsets of a map, the picture's extent. Out: for each pixel the sample before it and how far behind that it
-//! lies; the rectangle of the source that its filter needs.
+//! In: the offsets of a map, the picture's extent. Out: for each pixel the preceding sample and the distance from it;
+//! the rectangle of the source that the filter needs.
 
 use super::area::Area;
 use super::block::SampleRect;
@@ -11,15 +11,15 @@ use super::simd::LANES as WIDE;
 use crate::plate::WarpMap;
 use pulp::{Simd, WithSimd};
 
-/// Pixels side by side in a register: x and y of each.
+/// Pixels per SIMD register, with x and y of each.
 const LANES: usize = 4;
 
-/// SourcePosition of a pixel in the source; NaN where it lies nowhere near the picture.
+/// Position of a pixel in the source; NaN if it is far outside the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SourcePosition {
-    /// The sample before it on both axes: whole numbers.
+    /// The preceding sample on both axes, as integers.
     pub(super) sample: [f32; 2],
-    /// How far behind that sample it lies, 0 to 1.
+    /// Distance from that sample, 0 to 1.
     pub(super) fraction: [f32; 2],
 }
 
@@ -32,18 +32,18 @@ impl SourcePosition {
     }
 }
 
-/// What [`FindPositions`] found out.
+/// Results of [`FindPositions`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FoundPositions {
-    /// Samples before the pixels that lie near the picture: least and greatest on both axes; none where least > greatest.
+    /// Least and greatest preceding sample of the pixels near the picture, on both axes; empty if least > greatest.
     low: [f32; 2],
     high: [f32; 2],
-    /// Pixels that do not move.
+    /// Number of pixels that do not move.
     pub(super) still: usize,
 }
 
 impl FoundPositions {
-    /// NaN counts for nothing: comparisons with it fail.
+    /// NaN is ignored: comparisons with it are false.
     #[inline(always)]
     fn include(&mut self, sample: [f32; 2]) {
         for (axis, sample) in sample.into_iter().enumerate() {
@@ -52,7 +52,7 @@ impl FoundPositions {
         }
     }
 
-    /// The samples that filters with so many taps on each side need.
+    /// Returns the samples that a filter with this many taps on each side needs.
     pub(super) fn rect(&self, taps: i32) -> Option<SampleRect> {
         let low = self.low.map(|least| (least as i32).saturating_add(1 - taps));
         let high = self.high.map(|greatest| (greatest as i32).saturating_add(1 + taps));
@@ -60,14 +60,14 @@ impl FoundPositions {
     }
 }
 
-/// Finds the positions of an area.
+/// Computes the positions of an area.
 pub(super) struct FindPositions<'a> {
     pub(super) map: &'a WarpMap,
     pub(super) area: Area,
-    /// The sample at the position of the area's first pixel.
+    /// Position of the area's first pixel, in samples of the source.
     pub(super) start: [i32; 2],
     pub(super) extents: &'a [Extent; 2],
-    /// Taps on each side: pixels further from the picture see nothing.
+    /// Taps on each side; pixels further from the picture see nothing.
     pub(super) taps: i32,
     pub(super) positions: &'a mut Vec<SourcePosition>,
 }
@@ -107,7 +107,7 @@ impl WithSimd for FindPositions<'_> {
     }
 }
 
-/// Finds the footprints of an area; the greatest number of taps on each side that one of them needs.
+/// Computes the footprints of an area and returns the greatest number of taps on each side that they need.
 pub(super) struct FindFootprints<'a> {
     pub(super) map: &'a WarpMap,
     pub(super) area: Area,
@@ -143,7 +143,7 @@ impl WithSimd for FindFootprints<'_> {
 }
 
 impl WarpMap {
-    /// Offsets of a part of a row.
+    /// Returns the offsets of a segment of a row.
     #[inline(always)]
     fn row(&self, row: usize, column: usize, count: usize) -> &[[f32; 2]] {
         &self.offsets[row * self.window.width as usize + column..][..count]

@@ -1,13 +1,13 @@
-//! Running inner loops with wide registers.
+//! Runs inner loops with SIMD instructions.
 //!
-//! In: a kernel whose whole body is inlined. Out: its result, compiled for the processor at hand.
+//! In: a kernel whose whole body is inlined. Out: its result, compiled for the current processor.
 
 use pulp::{Simd, WithSimd};
 
-/// Numbers of a register. Both instruction sets of [`dispatch`] have exactly eight.
+/// Floats per register. Both instruction sets of [`dispatch`] have exactly eight.
 pub(super) const LANES: usize = 8;
 
-/// Runs a kernel with the widest registers of eight floats that the processor has.
+/// Runs a kernel with the widest registers of up to eight floats that the processor supports.
 pub(super) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
@@ -16,13 +16,13 @@ pub(super) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
     Simd::vectorize(pulp::Scalar256b, kernel)
 }
 
-/// Eight numbers as a register.
+/// Loads eight floats into a register.
 #[inline(always)]
 pub(super) fn load<S: Simd>(lanes: &[f32; LANES]) -> S::f32s {
     S::as_simd_f32s(lanes).0[0]
 }
 
-/// A register as eight numbers.
+/// Stores a register as eight floats.
 #[inline(always)]
 pub(super) fn store<S: Simd>(register: S::f32s) -> [f32; LANES] {
     let mut lanes = [0.0; LANES];

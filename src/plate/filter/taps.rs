@@ -1,16 +1,16 @@
-//! The samples below one output pixel, for what may be weighed but not interpolated beyond its values.
+//! The source samples in the footprint of one output pixel, for data that may be weighted but not extrapolated.
 //!
-//! In: a map and a pixel. Out: source samples and weights, never negative: a tent as wide as the pixel's footprint.
+//! In: a map and a pixel. Out: source samples and non-negative weights, from a tent filter as wide as the pixel's footprint.
 
 use super::border::Extent;
 use super::footprint::Footprint;
 use crate::plate::WarpMap;
 use crate::space::PixelRect;
 
-/// Collects the samples below an output pixel: (index into the source window, weight).
+/// Collects the samples in the footprint of an output pixel: (index into the source window, weight).
 ///
-/// Weights are positive and sum to 1 inside the picture, to less where part of the pixel sees nothing; no taps where
-/// the map holds NaN or leads out of the picture. One tap of weight 1 where nothing moves. `taps` is emptied first.
+/// Weights are positive. They sum to 1 inside the picture, and to less if part of the pixel lies outside; there are no taps where the map
+/// is NaN or points outside the picture, and a single tap of weight 1 where nothing moves. Clears `taps` first.
 pub fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
     taps.clear();
     if source_window.area() == 0 {
@@ -29,15 +29,15 @@ pub fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRect, tap
     let coverage = extents[0].coverage(positions[0].0 as f32, positions[0].1)
         * extents[1].coverage(positions[1].0 as f32, positions[1].1);
     let sum = gather(&positions, &footprint, extents, source_window.width as usize, taps);
-    // Far beyond a held side every tap is the last sample, but nothing of it is covered.
+    // Far beyond a side that continues, every tap is the last sample, with coverage 0.
     taps.retain_mut(|(_, weight)| {
         *weight *= coverage / sum;
         *weight > 0.0
     });
 }
 
-/// The first and the last sample (column and row of the source window) of the rectangle that holds all below a pixel's
-/// footprint; `None` where the map tells nothing.
+/// Returns the first and the last sample (column and row of the source window) of the rectangle around a pixel's
+/// footprint; `None` where the map is undefined.
 pub(crate) fn footprint_bounds(map: &WarpMap, pixel: usize, source: PixelRect) -> Option<[[i32; 2]; 2]> {
     let width = map.window.width as usize;
     let (column, row) = (pixel % width, pixel / width);
@@ -54,7 +54,7 @@ pub(crate) fn footprint_bounds(map: &WarpMap, pixel: usize, source: PixelRect) -
     Some([low, high])
 }
 
-/// Sample and fraction on both axes; `None` where the position is not near the picture.
+/// Returns the sample and fraction on both axes; `None` if the position is not near the picture.
 fn positions(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<[(i32, f32); 2]> {
     let position = |axis: usize| {
         let whole = offset[axis].floor();
@@ -65,7 +65,7 @@ fn positions(offset: [f32; 2], start: [i64; 2], extents: [Extent; 2]) -> Option<
     Some([position(0)?, position(1)?])
 }
 
-/// Adds taps with plain tent weights; the sum of all weights, also of those that met nothing.
+/// Adds taps with tent weights; returns the sum of all weights, including those outside the picture.
 fn gather(
     positions: &[(i32, f32); 2],
     footprint: &Footprint,
@@ -95,7 +95,7 @@ fn gather(
     sum
 }
 
-/// A held border names a sample more than once.
+/// A repeated border yields the same sample more than once.
 fn add(taps: &mut Vec<(usize, f32)>, index: usize, weight: f32) {
     match taps.last_mut() {
         Some(last) if last.0 == index => last.1 += weight,

@@ -1,4 +1,4 @@
-//! What every filter has to keep: bits, constants, whole shifts, sums, and faults in their place.
+//! Invariants of every filter: bit-exactness, constants, integer shifts, sums, and containment of non-finite samples.
 
 use super::*;
 use crate::space::FrameSize;
@@ -21,7 +21,7 @@ fn wave(x: f32, y: f32) -> [f32; 2] {
     [3.0 * (0.11 * y + 0.05 * x).sin(), 4.0 * (0.09 * x).cos()]
 }
 
-/// Values that mean nothing, from -1 to 1.
+/// Pseudorandom values from -1 to 1.
 fn noise(index: usize) -> f32 {
     ((index as f32 * 12.9898).sin() * 43_758.547).fract()
 }
@@ -48,7 +48,7 @@ fn what_does_not_move_keeps_its_bits() {
     }
 }
 
-/// Tiles are 64 pixels wide: the last column of 65 is one of its own.
+/// Tiles are 64 pixels wide: the last column of 65 has a tile of its own.
 #[test]
 fn a_still_column_beside_a_shrink_is_drawn() {
     let (frame, window) = (FrameSize::new(65, 40), PixelRect { x: 0, y: 0, width: 65, height: 40 });
@@ -64,7 +64,7 @@ fn a_still_column_beside_a_shrink_is_drawn() {
 #[test]
 fn constants_stay_constant() {
     let source = plane(WINDOW, |_| 0.7);
-    // Shrinks by up to three, turns, and leaves the frame nowhere by more than the held border.
+    // Minifies by up to three, rotates, and nowhere leaves the frame by more than the repeated border.
     let swirl = map(|x, y| [0.6 * (45.0 - x) + 0.2 * (y - 35.0), -0.2 * (x - 45.0) + 0.5 * (35.0 - y)]);
     let squeeze = map(|x, y| [(0.3 * (x - 45.0)).clamp(-x, 89.0 - x), (2.0 * (y - 35.0)).clamp(-y, 69.0 - y)]);
     for (map, filter) in [swirl, squeeze, map(wave_inside)].iter().flat_map(|map| FILTERS.map(|filter| (map, filter))) {
@@ -73,7 +73,7 @@ fn constants_stay_constant() {
     }
 }
 
-/// The wave, held where it would leave the frame.
+/// The wave, clamped to the frame.
 fn wave_inside(x: f32, y: f32) -> [f32; 2] {
     let [dx, dy] = wave(x, y);
     [dx.clamp(-x, 89.0 - x), dy.clamp(-y, 69.0 - y)]
@@ -92,7 +92,7 @@ fn whole_shifts_are_exact_and_uncover_nothing_but_zeros() {
     }
 }
 
-/// What a data window leaves out is zeros: a cropped plate and the whole one look the same.
+/// Samples outside the data window are zero: a cropped plate and the full one give the same result.
 #[test]
 fn cropping_zeros_changes_nothing() {
     let crop = PixelRect { x: 20, y: 11, width: 37, height: 29 };
@@ -114,7 +114,7 @@ fn a_fault_stays_in_its_footprint() {
     let faulty = |value: f32| plane(WINDOW, |k| if k == 35 * 90 + 45 { value } else { 0.5 });
     let shifted = map(|_, _| [0.3, -0.4]);
     for filter in [Filter::Ewa, Filter::Cubic, Filter::Lanczos] {
-        // Constants stay constants around a sample that is missing.
+        // Constants stay constant around a missing sample.
         let found = one(&shifted, WINDOW, &faulty(f32::NAN), filter);
         let inner = |k: usize| (5..85).contains(&(k % 90)) && (5..65).contains(&(k / 90));
         let wrong = (0..found.len()).filter(|k| inner(*k) && (found[*k] - 0.5).abs() > 1e-5).count();
@@ -139,7 +139,7 @@ fn nothing_is_seen_where_the_map_says_so() {
     }
 }
 
-/// A plate that fills its display keeps its brightness where the warp slides along the border, and its cut is soft.
+/// A plate that fills its display keeps its brightness where the warp moves along the border, and its cut is soft.
 #[test]
 fn held_borders_do_not_darken() {
     let source = plane(WINDOW, |_| 1.0);
@@ -151,7 +151,7 @@ fn held_borders_do_not_darken() {
     }
 }
 
-/// A plane wave finer than the output can show has to vanish, not to come back as a coarse one.
+/// A plane wave above the Nyquist frequency of the output must vanish, not alias to a lower one.
 #[test]
 fn shrinking_does_not_alias() {
     let window = PixelRect { x: 0, y: 0, width: 400, height: 400 };
@@ -170,7 +170,8 @@ fn shrinking_does_not_alias() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Catmull-Rom weights of a place add to 1 and their absolute values to 1.25 an axis at most: so much a step may ring.
+    /// The Catmull-Rom weights of a position sum to 1 and their absolute values to at most 1.25 per axis, which bounds
+    /// the ringing at a step.
     #[test]
     fn ringing_is_bounded(dx in -3.0_f32..3.0, dy in -3.0_f32..3.0, turn in -0.6_f32..0.6, grow in 0.4_f32..3.0) {
         let source = plane(WINDOW, |k| noise(k).signum());
@@ -185,7 +186,7 @@ proptest! {
         }
     }
 
-    /// Weights of a footprint: none negative, 1 in sum inside.
+    /// Weights of a footprint are non-negative and sum to 1 inside the picture.
     #[test]
     fn footprints_are_shares(a in -2.0_f32..2.0, b in -2.0_f32..2.0, c in -2.0_f32..2.0, d in -2.0_f32..2.0) {
         let bent = map(|x, y| [a * (x - 45.0) + b * (y - 35.0) + 0.3, c * (x - 45.0) + d * (y - 35.0) - 0.2]);

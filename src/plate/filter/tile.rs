@@ -1,8 +1,8 @@
-//! Resampling tile by tile, so that the samples a tile needs stay in the cache.
+//! Resamples tile by tile, so that the samples of a tile stay in the cache.
 //!
-//! In: a map and planes. Out: bands of rows. A tile finds positions, footprints and the rectangle of the source below it once
-//! for all planes (cut in half while that is too large); for some planes at a time it copies that into [`Block`]s and
-//! runs a kernel that needs no tests for borders.
+//! In: a map and planes. Out: bands of rows. For each tile, positions, footprints and the source rectangle are computed
+//! once for all planes (splitting the tile while the rectangle is too large); a few planes at a time are then copied
+//! into [`Block`]s and filtered by a kernel without border checks.
 
 use super::Planes;
 use super::area::Area;
@@ -18,20 +18,20 @@ use crate::plate::{Filter, WarpMap};
 use crate::space::PixelRect;
 use pulp::{Simd, WithSimd};
 
-/// Columns of a tile.
+/// Columns per tile.
 const TILE: usize = 64;
-/// Texels of a block, 16 bytes each: half of a second-level cache.
+/// Texels per block, 16 bytes each: half of an L2 cache.
 const BLOCK: usize = 1 << 15;
-/// Planes that lie side by side in a block.
+/// Planes interleaved in a block.
 const GROUP: usize = 4;
-/// Groups that share the weights of a pixel: as many as registers hold the sums of.
+/// Groups that share the weights of a pixel, limited by the registers for their sums.
 const GROUPS: usize = 2;
-/// A sum that misses more than three quarters of its weights says nothing.
+/// A sum that lacks more than three quarters of its weights is treated as missing.
 const LEAST_PRESENCE: f32 = 0.25;
-/// A sum that misses less than this of its weights is whole: rounding must not tell whether a NaN lies elsewhere in its tile.
+/// A sum that lacks less than this is complete, so that rounding does not reveal a NaN elsewhere in the tile.
 const ROUNDING: f32 = 1e-5;
 
-/// What all tiles of a resampling share.
+/// State shared by all tiles of a resampling.
 pub(super) struct Tiles<'a> {
     map: &'a WarpMap,
     source: &'a Planes<'a>,
@@ -40,7 +40,7 @@ pub(super) struct Tiles<'a> {
     table: &'static [Weights],
 }
 
-/// Memory that tiles of a thread use one after the other.
+/// Per-thread scratch memory, reused from tile to tile.
 #[derive(Default)]
 pub(super) struct Scratch {
     blocks: [Block; GROUPS],
@@ -51,7 +51,7 @@ pub(super) struct Scratch {
     samples: Vec<u32>,
 }
 
-/// Rows of the planes that a band writes, and the position of their first pixel in the map.
+/// The rows of the planes that a band writes, and the position of their first pixel in the map.
 struct Band<'a, 'b> {
     planes: &'a mut [&'b mut [f32]],
     column: usize,
@@ -60,7 +60,7 @@ struct Band<'a, 'b> {
 }
 
 impl Band<'_, '_> {
-    /// Index into the planes of a pixel of the map.
+    /// Returns the index into the planes of a pixel of the map.
     #[inline(always)]
     const fn index(&self, column: usize, row: usize) -> usize {
         (row - self.row) * self.width + column - self.column
@@ -91,7 +91,7 @@ impl<'a> Tiles<'a> {
         let Scratch { positions, footprints, .. } = scratch;
         let taps = self.find_footprints(area, footprints);
         let found = self.find_positions(area, taps, positions);
-        // A narrow tile may stand still beside a part that shrinks: then its footprints extend out of it.
+        // A narrow tile may be at rest next to a minified region; its footprints then extend beyond it.
         if found.still == area.width * area.height && footprints.iter().all(Footprint::is_unit) {
             return self.copy_still(area, band);
         }
@@ -111,7 +111,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Filters `N` groups of planes from the plane `first` on.
+    /// Filters `N` groups of planes, starting at the plane `first`.
     fn write_groups<const N: usize>(
         &self,
         (area, rect): (Area, SampleRect),
@@ -141,14 +141,14 @@ impl<'a> Tiles<'a> {
         dispatch(Scatter { area, sums, planes, begin, width });
     }
 
-    /// A pixel's own position in samples of the source.
+    /// Returns a pixel's own position, in samples of the source.
     #[inline(always)]
     fn start(&self, column: usize, row: usize) -> [i32; 2] {
         let (to, from) = (self.map.window, self.source.window);
         [to.x + column as i32 - from.x, to.y + row as i32 - from.y]
     }
 
-    /// Footprints, where the filter has them, and taps on each side of the widest.
+    /// Computes the footprints, if the filter has any, and returns the taps on each side of the widest.
     fn find_footprints(&self, area: Area, footprints: &mut Vec<Footprint>) -> i32 {
         match self.filter {
             Filter::Ewa => dispatch(FindFootprints { map: self.map, area, footprints }),
@@ -162,7 +162,7 @@ impl<'a> Tiles<'a> {
         dispatch(FindPositions { map: self.map, area, start, extents: &self.extents, taps, positions })
     }
 
-    /// Runs the filter over an area: one sum a group, pixel after pixel.
+    /// Filters an area: one sum per group and pixel.
     fn filter_texels<const N: usize>(
         &self,
         block: &Block,
@@ -175,7 +175,7 @@ impl<'a> Tiles<'a> {
         dispatch(Accumulate { filter: self.filter, table: self.table, block, texels, positions, footprints, sums });
     }
 
-    /// The softness of the picture's own edges.
+    /// Multiplies by the coverage at the edges of the picture.
     fn cover<const N: usize>(&self, positions: &[SourcePosition], sums: &mut [[Texel; N]]) {
         for (position, sums) in positions.iter().zip(sums).filter(|(position, _)| !position.is_nowhere()) {
             let [x, y] = [0, 1].map(|axis| self.extents[axis].coverage(position.sample[axis], position.fraction[axis]));
@@ -183,7 +183,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Copies the samples of pixels that do not move, bit for bit.
+    /// Copies the samples of pixels that do not move, bit-exactly.
     fn copy_still(&self, area: Area, band: &mut Band) {
         let width = self.map.window.width as usize;
         for row in area.rows() {
@@ -197,7 +197,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Copies a sample of all planes to a pixel; nothing is 0.
+    /// Copies a sample of all planes to a pixel; 0 outside the picture.
     #[inline(always)]
     fn copy_sample(&self, sample: u32, [column, row]: [usize; 2], band: &mut Band) {
         let index = band.index(column, row);
@@ -206,8 +206,8 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Copies the nearest samples of an area, a plane after the other: few rows of one plane stay in the cache and in
-    /// the table of pages, those of all planes do not.
+    /// Copies the nearest samples of an area plane by plane: a few rows of one plane fit into the cache and the TLB,
+    /// those of all planes do not.
     fn copy_nearest(&self, area: Area, band: &mut Band, samples: &mut Vec<u32>) {
         let width = self.map.window.width as usize;
         samples.resize(area.width * area.height, 0);
@@ -225,7 +225,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Fills an area with nothing.
+    /// Fills an area with zeros.
     fn clear(&self, area: Area, band: &mut Band) {
         for row in area.rows() {
             let begin = band.index(area.column, row);
@@ -234,7 +234,7 @@ impl<'a> Tiles<'a> {
     }
 }
 
-/// Spreads the weights of samples that are no numbers over the others.
+/// Divides by the weight of the samples that are not NaN.
 fn renormalize(sum: &mut Texel, present: &Texel) {
     for (sum, present) in sum.iter_mut().zip(present) {
         let is_whole = (1.0 - present).abs() < ROUNDING;
@@ -246,14 +246,14 @@ fn renormalize(sum: &mut Texel, present: &Texel) {
     }
 }
 
-/// Puts sums into their planes: `N` groups of four, the last may have fewer.
+/// Scatters sums to their planes: `N` groups of four, the last of which may have fewer.
 struct Scatter<'a, 'b, const N: usize> {
     area: Area,
     sums: &'a [[Texel; N]],
     planes: &'a mut [&'b mut [f32]],
-    /// SourcePosition of the area's first pixel in the planes.
+    /// Index of the area's first pixel in the planes.
     begin: usize,
-    /// Pixels of a row of the planes.
+    /// Row length of the planes, in pixels.
     width: usize,
 }
 

@@ -1,7 +1,7 @@
-//! What the channels of a plate mean, told by their names as renderers write them.
+//! Infers the semantics of a plate's channels from the names that renderers use.
 //!
-//! In: names of parts and channels, storage, the shot's patterns. Out: a [`Semantic`] each, and how it is known.
-//! The table stands in docs/PLATES.md.
+//! In: names of parts and channels, storage types, the shot's patterns. Out: a [`Semantic`] each, and how it was
+//! determined. docs/PLATES.md has the table.
 
 mod channel_name;
 mod vocabulary;
@@ -13,7 +13,7 @@ use crate::image::Storage;
 use crate::spelling;
 use vocabulary::{COLOR_WORDS, LAYER_WORDS, NAME_WORDS};
 
-/// A semantic and how it is known.
+/// A semantic and how it was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Classified {
     pub(super) semantic: Semantic,
@@ -21,7 +21,7 @@ pub(super) struct Classified {
 }
 
 impl ChannelName {
-    /// What the channel means, where it is no rank of a Cryptomatte.
+    /// Returns the semantic of a channel that is not a rank of a Cryptomatte.
     pub(super) fn semantic(&self, storage: Storage, patterns: &[(String, Semantic)]) -> Classified {
         let told = |semantic, reason| Classified { semantic, reason };
         if let Some((_, semantic)) = patterns.iter().find(|(pattern, _)| self.fits(pattern)) {
@@ -38,7 +38,7 @@ fn semantic_by_name(name: &ChannelName, storage: Storage) -> Option<Semantic> {
     if storage == Storage::Uint {
         return Some(Semantic::Id);
     }
-    // Ids or coverage of which the other half is missing.
+    // A rank channel whose other half is missing.
     let is_rank = |word: &str| word.contains("crypto") && word.ends_with(|letter: char| letter.is_ascii_digit());
     if name.layer_word().is_some_and(is_rank) {
         return Some(Semantic::Data);
@@ -60,7 +60,8 @@ fn semantic_by_name(name: &ChannelName, storage: Storage) -> Option<Semantic> {
     }
 }
 
-/// Colour is what a half float holds; 32 bits are for colour where the channels are called so, and for data elsewhere.
+/// Guesses from the storage type: half floats are colour; 32-bit floats are colour only if the component names are
+/// those of colour, and data otherwise.
 fn guess(name: &ChannelName, storage: Storage) -> Semantic {
     let component = name.component.to_ascii_lowercase();
     let is_vector = matches!(component.as_str(), "x" | "y" | "z" | "w" | "u" | "v") && name.has_vector_siblings();
@@ -72,7 +73,7 @@ fn guess(name: &ChannelName, storage: Storage) -> Semantic {
     }
 }
 
-/// What a layer of that name holds in one of its components.
+/// Returns the semantic of a component of a layer of this name.
 fn semantic_of_layer(word: &str, component: &str) -> Option<Semantic> {
     let component = component.to_ascii_lowercase();
     if matches!(component.as_str(), "a" | "alpha") {
@@ -82,7 +83,7 @@ fn semantic_of_layer(word: &str, component: &str) -> Option<Semantic> {
         return semantic_in_blender(&component);
     }
     match found(LAYER_WORDS, word) {
-        // The third component of a vector of the screen says nothing; Arnold and V-Ray write one.
+        // The third component of a screen vector carries no information; Arnold and V-Ray write one.
         Some(Semantic::Forward | Semantic::Backward) if matches!(component.as_str(), "b" | "z" | "w") => {
             Some(Semantic::Data)
         }
@@ -91,8 +92,8 @@ fn semantic_of_layer(word: &str, component: &str) -> Option<Semantic> {
     }
 }
 
-/// Blender's `Vector`: X and Y lead to the previous frame, Z and W come from the next
-/// (`primitive_motion_vector` in Cycles' kernel/geom/primitive.h).
+/// Blender's `Vector`: X and Y point to the previous frame, Z and W come from the next (`primitive_motion_vector` in
+/// Cycles' kernel/geom/primitive.h).
 fn semantic_in_blender(component: &str) -> Option<Semantic> {
     match component {
         "z" | "w" | "b" => Some(Semantic::Forward),
@@ -108,13 +109,13 @@ fn found(words: &[(Semantic, &[&str])], word: &str) -> Option<Semantic> {
     words.iter().find(|(_, words)| words.contains(&word)).map(|(semantic, _)| *semantic)
 }
 
-/// A name without what people put between its words: `world_normal` is `worldnormal`.
+/// Normalises a name by removing separators: `world_normal` becomes `worldnormal`.
 fn word_of(segment: &str) -> String {
     segment.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase()
 }
 
 impl ChannelName {
-    /// Whether a pattern of a shot means this channel: by its full name, or by its part's and its own.
+    /// Whether a pattern of the shot matches this channel, by its full name or with the part's name as prefix.
     pub(super) fn fits(&self, pattern: &str) -> bool {
         spelling::fits(pattern, &self.full) || spelling::fits(pattern, &self.with_all_of_part())
     }

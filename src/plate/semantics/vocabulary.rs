@@ -1,10 +1,10 @@
-//! Names that renderers and compositors give to layers and channels.
+//! Layer and channel names that renderers and compositors use.
 //!
-//! In: nothing. Out: words in lower case without `_`, `-` and spaces, and what they mean.
+//! In: nothing. Out: normalised names (lower case without `_`, `-` and spaces) by semantic.
 
 use crate::plate::Semantic;
 
-/// Layers, and parts whose channels have no layer: `N.X`, `ViewLayer.Depth.Z`, a part `depth` with a channel `R`.
+/// Names of layers, and of parts whose channels have no layer: `N.X`, `ViewLayer.Depth.Z`, a part `depth` with a channel `R`.
 pub(super) const LAYER_WORDS: &[(Semantic, &[&str])] = &[
     (Semantic::Depth, &["depth", "z", "zdepth", "zback", "zbuffer", "depthz", "distance", "deptheye", "linearz"]),
     (
@@ -132,7 +132,7 @@ pub(super) const LAYER_WORDS: &[(Semantic, &[&str])] = &[
     ),
 ];
 
-/// Whole names of channels that stand in no layer.
+/// Full names of channels that belong to no layer.
 pub(super) const NAME_WORDS: &[(Semantic, &[&str])] = &[
     (Semantic::Depth, &["z", "zback", "depth", "zdepth", "distance"]),
     (Semantic::Normal, &["nx", "ny", "nz"]),
@@ -141,7 +141,7 @@ pub(super) const NAME_WORDS: &[(Semantic, &[&str])] = &[
     (Semantic::Color, &["ao", "mist", "shadow", "mask", "matte", "coverage", "luminance"]),
 ];
 
-/// What names of layers of light and of masks begin with.
+/// Prefixes of the names of colour and mask layers.
 pub(super) const COLOR_WORDS: &[&str] = &[
     "albedo",
     "ambient",
