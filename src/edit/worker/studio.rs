@@ -229,7 +229,7 @@ impl Studio {
             None => DragSolve::begin(prepared, job.frame, layers)?,
         };
         if drag.solve(prepared).is_err() {
-            // A rotation that was not constrained before needs other rows.
+            // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
             drag = DragSolve::begin(prepared, job.frame, layers)?;
             drag.solve(prepared)?;
         }
