@@ -272,7 +272,7 @@ pub struct Pin {
     pub unit: OffsetUnit,
     /// The region that it carries; `None`: only its point.
     pub region: Option<PinRegion>,
-    /// Weight, 0..=1, in decades: how firmly it holds its point; 1: exactly.
+    /// Weight, 0..=1, on a logarithmic scale: how firmly it holds its point; 1: exactly.
     pub weight: f64,
     /// Whether it is inactive.
     pub is_muted: bool,

@@ -219,8 +219,8 @@ impl Check<'_> {
             Some(RawPreset::Paper) => Settings::paper(),
             Some(RawPreset::Default) | None => Settings::default(),
         };
-        // Frames solved individually use the minimum nearest to the previous frame's. In a solve over time, the first
-        // knot searches for the lowest minimum, and the others follow it.
+        // Frames solved individually use the minimum that the rigid fit leads to, which varies continuously from frame
+        // to frame. In a solve over time, the first knot searches for the lowest minimum, and the others follow it.
         settings.minima = Minima::Nearest;
         settings.energy = raw.energy.unwrap_or(settings.energy);
         if let Some(regularizer) = raw.regularizer {
