@@ -212,7 +212,8 @@ impl Teller {
         }
     }
 
-    /// Prints whole lines. Errors are ignored, as a closed pipe or a full disk is no reason to stop rendering.
+    /// Prints whole lines. Errors are stored for the end, as a closed pipe or a full disk is no reason to stop
+    /// rendering.
     fn print(&self, lines: &str) {
         let mut out = io::stdout().lock();
         if let Err(error) = out.write_all(lines.as_bytes()).and_then(|()| out.flush()) {

@@ -150,7 +150,8 @@ impl Event<'_> {
         Status::OK
     }
 
-    /// Returns the points that the pen can hit: targets, with their pins' numbers.
+    /// Returns the points that the pen can hit, targets or rest positions by what a drag moves, with their pins'
+    /// indices.
     fn points(&self, settings: &Settings, viewer: Viewer) -> Vec<(usize, [f64; 2])> {
         let by_pin = self.values.choice("handles", &HANDLES) == Handles::Pins;
         let warp = settings.shown(self.effect, &self.host_frame);

@@ -63,7 +63,7 @@ pub(super) fn reset(values: ParamValues, pin: usize) {
     values.params.set_double(&pin_id(pin, "Angle"), 0.0, When::Now);
 }
 
-/// Moves a pin to its target.
+/// Moves a pin to its target, and resets its rotation, at the time of the values.
 pub(super) fn rest_to_target(values: ParamValues, pin: usize) {
     if let Some(target) = values.params.point(&pin_id(pin, "Target"), values.time) {
         values.params.set_point(&pin_id(pin, "Rest"), target, When::Now);

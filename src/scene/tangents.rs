@@ -56,7 +56,7 @@ fn split(primitive: &mut Primitive, corners: &[[Vec4; 3]]) {
 }
 
 /// Returns the tangent displacements of a morph target: the tangents of the fully morphed mesh minus those at rest;
-/// empty if they are equal.
+/// empty if the target moves neither positions nor normals.
 fn displacements(primitive: &Primitive, target: &MorphTarget, uvs: &[Vec2]) -> Vec<Vec3> {
     if target.positions.is_empty() && target.normals.is_empty() {
         return Vec::new();

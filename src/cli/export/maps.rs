@@ -145,8 +145,8 @@ impl Maps {
         }
     }
 
-    /// Computes the map of a frame: all layers, composed in the shot's depth order. Where the warp folds, pixels
-    /// outside the silhouette do not hide pixels inside it.
+    /// Computes the map of a frame: all layers, composed one after the other in the order of the shot. Where the warp
+    /// folds, pixels outside the silhouette do not hide pixels inside it.
     pub(super) fn map(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
         if self.lattices.layers.iter().any(|layer| layer.branches_at(frame).is_some()) {
             return self.map_of_branches(frame, silhouette);
@@ -253,7 +253,8 @@ impl Maps {
     }
 }
 
-/// Returns the layers of the shot that the lattices belong to, if there are several and each moves its own nodes.
+/// Returns the layers of the shot that the lattices belong to, if there are several, or one with branches, and each
+/// moves its own nodes.
 fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize>> {
     let index = |track: &LatticeTrack| prepared.shot.layers.iter().position(|layer| layer.name == track.name);
     let of_track = |track: &LatticeTrack| index(track).filter(|&layer| prepared.moves_own_nodes(layer));

@@ -228,7 +228,7 @@ impl Session {
         self.pump_export() || is_any || has_run_on
     }
 
-    /// Waits until the current frame is displayed as rendered. Returns false on timeout.
+    /// Waits until the current frame is displayed as rendered. Returns false on a timeout or an error.
     pub fn settle(&mut self, longest: std::time::Duration) -> bool {
         let begun = std::time::Instant::now();
         while !self.is_final() && self.fault.is_none() {

@@ -99,7 +99,7 @@ impl Session {
         }
     }
 
-    /// Sets the region that a pin moves rigidly with it.
+    /// Sets the region that a pin carries; `None`: only its point.
     pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);

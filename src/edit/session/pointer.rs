@@ -193,7 +193,7 @@ impl Session {
         }
     }
 
-    /// Cancels the gesture.
+    /// Cancels the gesture, or clears the selection if there is none.
     pub fn cancel(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => self.selection.clear(),

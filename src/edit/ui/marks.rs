@@ -209,7 +209,7 @@ impl Over<'_> {
         self.painter.circle_filled(knob, 3.5, over::CHOSEN);
     }
 
-    /// Draws the trails of the selected pins, or of all pins in layers without a selected pin.
+    /// Draws the trails of the selected pins, or of all pins of the selected layer if no pin is selected.
     fn trails(&self) {
         let (chosen, here) = (&self.session.selection, self.session.playhead.frame());
         let mut ways: BTreeMap<[usize; 2], Vec<(i32, Pos2)>> = BTreeMap::new();

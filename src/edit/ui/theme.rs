@@ -71,7 +71,7 @@ fn common(visuals: &mut Visuals) {
     visuals.indent_has_left_vline = false;
 }
 
-/// Returns the colour of a stretch factor: 1 is blue, 2 and above red.
+/// Returns the colour of a stretch factor: 1 is blue, 2.5 and above red.
 pub(super) fn heat(stretch: f64) -> Color32 {
     let t = ((stretch - 1.0).clamp(0.0, 1.5) / 1.5) as f32;
     let channel =

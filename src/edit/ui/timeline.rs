@@ -228,7 +228,7 @@ fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
     }
 }
 
-/// Returns 1, 2 or 5 times a power of ten, at least `least` frames.
+/// Returns the smallest step of the ruler that is at least `least` frames.
 fn nice_step(least: f32) -> i32 {
     let steps = [1, 2, 4, 6, 12, 24, 48, 120, 240, 480, 1200, 2400, 4800, 12_000, 48_000, 240_000];
     steps.into_iter().find(|&step| step as f32 >= least).unwrap_or(1_000_000)

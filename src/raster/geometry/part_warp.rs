@@ -113,7 +113,7 @@ impl PartWarp<'_> {
         }
     }
 
-    /// Returns the curvature; `None` without displacement.
+    /// Returns the curvature; `None` at rest, and for blends, whose layers have tables of their own.
     fn curvature(&self) -> Option<Curvature> {
         match self {
             Self::Rest | Self::Blend(_) => None,
