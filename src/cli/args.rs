@@ -1,6 +1,6 @@
-//! All arguments of the program: help, manual pages and completions come from here.
+//! All command-line arguments; help, manual pages and completions are generated from these definitions.
 //!
-//! In: words of the command line. Out: one struct of plain values for each command.
+//! In: the words of the command line. Out: one struct of plain values per command.
 
 use super::frames::{FrameList, Scale};
 use super::job::JobArgs;
@@ -211,7 +211,7 @@ pub(super) struct CameraArg {
 }
 
 impl CameraArg {
-    /// Replaces the shot's camera where another one is asked for.
+    /// Replaces the shot's camera if the arguments select another one.
     pub(super) fn choose(&self, shot: &mut Shot) {
         if let Some(name) = &self.camera {
             shot.camera = CameraRule::Named(name.clone());
@@ -482,12 +482,12 @@ pub(super) struct CompareArgs {
     pub(super) outside: OutsideArg,
 }
 
-/// A basis by the name it has in shot files.
+/// Parses a basis by its name in shot files.
 fn parse_basis(text: &str) -> Result<Basis, String> {
     serde_json::from_value(text.into()).map_err(|_| "use bspline, bernstein, bilinear or barytri".to_owned())
 }
 
-/// A size in pixels.
+/// Parses a size in pixels.
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=16384).contains(side));
     text.split_once('x')
@@ -495,13 +495,13 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "two whole numbers from 1 to 16384 with an x between them are needed, e.g. 1920x1080".to_owned())
 }
 
-/// A strength as shots take it.
+/// Parses a strength, with the limits of shot files.
 fn parse_strength(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|number| (-100.0..=100.0).contains(number));
     number.ok_or_else(|| "a number from -100 to 100 is needed, e.g. 0.8".to_owned())
 }
 
-/// Two numbers with a comma between them.
+/// Parses two numbers separated by a comma.
 fn parse_pair(text: &str) -> Result<[f64; 2], String> {
     let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
     text.split_once(',')

@@ -1,6 +1,6 @@
-//! `pinwarp bake`: solves layers over time ahead of their frames.
+//! `pinwarp bake`: solves the layers that are solved over time, before their frames are rendered.
 //!
-//! In: a shot. Out: trajectories in a folder beside its frames; events as they happen.
+//! In: a shot. Out: trajectories in a folder next to its frames; progress events.
 
 use super::args::BakeArgs;
 use super::outcome::Outcome;

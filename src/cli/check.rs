@@ -1,4 +1,4 @@
-//! `pinwarp check`: solves every frame and prints what a render would warn of.
+//! `pinwarp check`: solves every frame and prints the warnings that a render would give.
 //!
 //! In: a shot and frames. Out: notes, warnings and the worst figures of each layer on standard output.
 
@@ -11,16 +11,16 @@ use crate::spelling::counted;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// What the numbers mean.
+/// Explains the jerk figures.
 const JERK_IN_WORDS: &str = "jerk: how much the acceleration of a point changes from frame to frame, in pixels a frame \
     cubed. It is 0 in steady motion, and high where a motion starts, stops, turns fast or flickers. The warp is warned of where it \
     jerks by more than 2 px and more than 6 times as much as the model and the keys that it follows, and is no smooth motion.";
 
-/// What was worst in a layer over all frames.
+/// The worst figures of a layer over all frames.
 #[derive(Default)]
 struct Peaks {
     iterations: usize,
-    /// Jerk of the warp, and in which frame.
+    /// Jerk of the warp, and its frame.
     jerk: Option<(Jerk, i32)>,
 }
 
@@ -37,7 +37,7 @@ impl Peaks {
             format!("; its warp jerks by at most {warp_px:.1} px, in frame {frame} (model and keys: {input_px:.1} px)")
         };
         let jerk = self.jerk.as_ref().map(jerk).unwrap_or_default();
-        // Frames that are solved together were solved before.
+        // No iterations are counted per frame for layers solved over time, as their solve precedes the frames.
         match self.iterations {
             0 => format!("its frames are solved together{jerk}"),
             most => format!("solved in at most {} a frame{jerk}", counted(most, "iteration", "iterations")),

@@ -1,6 +1,6 @@
-//! `pinwarp compare`: deforms a problem or a shot's layer with several methods.
+//! `pinwarp compare`: deforms a problem, or a layer of a shot, with several methods.
 //!
-//! In: a problem file, or a shot and a frame. Out: a table or JSON lines; a picture with one panel for each method.
+//! In: a problem file, or a shot and a frame. Out: a table or JSON lines; a picture with one panel per method.
 
 use super::args::CompareArgs;
 use super::outcome::{Outcome, OutputCutOff};
@@ -38,7 +38,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
     }
 }
 
-/// The layer's shape on the screen at the frame asked for.
+/// Compares on a layer's screen-space shape at the requested frame.
 fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let shot = args.outside.read(&args.input)?;
     let frame = args.frame.unwrap_or(shot.frames.first);
@@ -98,7 +98,7 @@ fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Re
     Ok(Outcome::Complete)
 }
 
-/// The pose asked for, else the first.
+/// Returns the requested pose, or the first.
 fn pose<'a, const D: usize>(
     args: &CompareArgs,
     figure: &'a problem_file::Figure<D>,

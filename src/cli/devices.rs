@@ -1,4 +1,4 @@
-//! `pinwarp devices`.
+//! `pinwarp devices`: lists the rendering devices.
 
 use super::outcome::Outcome;
 use crate::raster::vulkan::{self, DeviceInfo};
@@ -20,7 +20,7 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
     Ok(Outcome::Complete)
 }
 
-/// Number, name, kind, driver, version, memory; and why it cannot draw.
+/// Formats number, name, kind, driver, version and memory, and the reason if the device is unusable.
 fn line(device: &DeviceInfo) -> String {
     let gib = device.memory_bytes as f64 / f64::from(1 << 30);
     let DeviceInfo { index, name, kind, driver, api_version, .. } = device;

@@ -1,6 +1,6 @@
-//! `pinwarp edit`: the editor's window, or a picture of it.
+//! `pinwarp edit`: opens the editor's window, or renders a picture of it.
 //!
-//! In: a file to open. Out: whatever is saved in the window; with `--screenshot` a PNG file.
+//! In: a file to open. Out: the files saved in the window; with `--screenshot` a PNG file.
 
 use super::args::EditArgs;
 use super::outcome::Outcome;

@@ -1,6 +1,6 @@
-//! `pinwarp fit`: the lattice that carries landmarks of one picture or pose onto those of another.
+//! `pinwarp fit`: fits the lattice that maps landmarks of one picture or pose to those of another.
 //!
-//! In: two pictures or shots and pairs of points. Out: a lattice file, and how far each landmark is off.
+//! In: two pictures or shots and pairs of points. Out: a lattice file, and the residual of each landmark.
 
 use super::args::FitArgs;
 use super::outcome::Outcome;
@@ -17,19 +17,19 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Frames a second of a lattice file that comes from pictures.
+/// Frames per second of a lattice file fitted to pictures.
 const PICTURE_RATE: f64 = 24.0;
 
-/// A landmark farther off than this, in pixels, is reported with the reason.
+/// Residual in pixels above which a landmark is reported, with the reason.
 const MISSED_PX: f64 = 0.05;
 
-/// What the lattice is laid over.
+/// The shape that the lattice is fitted over.
 struct Subject {
     shape: Shape<2>,
     size: FrameSize,
     frame: i32,
     rate: f64,
-    /// Name of the layer.
+    /// The layer's name.
     name: String,
 }
 
@@ -60,12 +60,12 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Complete)
 }
 
-/// What `A` shows: a layer of a shot or a scene in one frame, or a picture.
+/// Returns the shape of `A`: a layer of a shot or a scene at one frame, or a picture.
 fn subject(args: &FitArgs, inputs: &mut Inputs) -> anyhow::Result<Subject> {
     match FileKind::of(&args.a) {
         Some(FileKind::Shot) => shot_subject(args.outside.read(&args.a)?, args, inputs),
         Some(FileKind::Scene) => {
-            // Quoted as TOML strings are, which JSON's are, too.
+            // Quoted as a JSON string, which is a valid TOML string.
             let scene = serde_json::to_string(&args.a.file_name().unwrap_or_default().to_string_lossy())?;
             let text = format!(
                 "version = 1\nscene = {scene}\nframes = {{ first = 0, last = 0, rate = 24 }}\nsize = [1920, 1080]\n\
@@ -109,7 +109,7 @@ fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
     Ok(Subject { shape, size, frame: args.frame.unwrap_or(1), rate: PICTURE_RATE, name })
 }
 
-/// Size of what `B` shows.
+/// Returns the size of `B`.
 fn size_of(path: &Path) -> anyhow::Result<FrameSize> {
     if FileKind::of(path) == Some(FileKind::Shot) {
         return Ok(Shot::read(path)?.size);
@@ -117,7 +117,7 @@ fn size_of(path: &Path) -> anyhow::Result<FrameSize> {
     Ok(read_any(path)?.frame_size())
 }
 
-/// The pairs on A's screen. B is laid over A with equal heights, middle on middle.
+/// Returns the pairs in A's screen space. B is scaled to the same height and centred on A.
 fn pairs(landmarks: &Landmarks, a: FrameSize, b: FrameSize) -> Vec<[ScreenPoint; 2]> {
     let place = |size: FrameSize, [x, y]: [f64; 2]| match landmarks.unit {
         LandmarkUnit::Pixels => size.screen_from_image(ImagePoint::new(x, y)),
@@ -127,7 +127,8 @@ fn pairs(landmarks: &Landmarks, a: FrameSize, b: FrameSize) -> Vec<[ScreenPoint;
     landmarks.pairs.iter().map(|pair| [place(a, pair.a), place(b, pair.b) + shift]).collect()
 }
 
-/// Refuses landmarks that lie a whole picture outside of theirs, and warns of others outside: mostly the unit is wrong.
+/// Fails for landmarks more than a picture's extent outside their picture, and warns of others outside: usually the
+/// unit is wrong.
 fn check_inside(args: &FitArgs, landmarks: &Landmarks, sizes: [FrameSize; 2]) -> anyhow::Result<()> {
     for pair in &landmarks.pairs {
         for (point, size, path) in [(pair.a, sizes[0], &args.a), (pair.b, sizes[1], &args.b)] {
@@ -156,7 +157,7 @@ fn check_inside(args: &FitArgs, landmarks: &Landmarks, sizes: [FrameSize; 2]) ->
     Ok(())
 }
 
-/// What is left between the points, and what folds.
+/// Prints the residuals and folds.
 fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     let px = |length: f64| length * f64::from(size.height);

@@ -1,13 +1,13 @@
-//! Frame lists and scale factors as they are written on the command line.
+//! Parsing of frame lists and scale factors on the command line.
 
 use crate::space::FrameSize;
 use std::str::FromStr;
 
-/// Frames in the order written, without repetition: `1-48x2,60`; steps also as OpenJD writes them, `1-48:2`.
+/// Frames in the given order, without duplicates: `1-48x2,60`; steps may also be written as in OpenJD, `1-48:2`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct FrameList(pub(super) Vec<i32>);
 
-/// The greatest number of a frame, as in shot files.
+/// Largest frame number, as in shot files.
 const MAX_FRAME: i32 = 1_000_000;
 
 impl FromStr for FrameList {
@@ -31,7 +31,7 @@ impl FromStr for FrameList {
     }
 }
 
-/// First frame, last frame and step of `7`, `1-48`, `1-48x2`, `1-48:2`, `-5--1`.
+/// Parses first frame, last frame and step of `7`, `1-48`, `1-48x2`, `1-48:2`, `-5--1`.
 fn range(item: &str) -> Option<(i32, i32, i32)> {
     let (span, step) = match item.split_once(['x', ':']) {
         Some((span, step)) => (span, step.parse().ok()?),
@@ -48,7 +48,7 @@ fn range(item: &str) -> Option<(i32, i32, i32)> {
     }
 }
 
-/// Size of the picture against the shot's.
+/// Resolution relative to the shot's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale(f64);
 
@@ -70,7 +70,7 @@ impl FromStr for Scale {
 }
 
 impl Scale {
-    /// The scaled frame, at least one pixel on a side.
+    /// Returns the scaled frame size, at least one pixel on each side.
     pub(super) fn of(self, size: FrameSize) -> FrameSize {
         size.scaled(self.0)
     }

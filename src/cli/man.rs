@@ -1,6 +1,6 @@
 //! `pinwarp man`: the manual pages of the program and of all its commands.
 //!
-//! In: the definition of the arguments. Out: troff text on standard output, or one file for each command in a folder.
+//! In: the argument definitions. Out: troff text on standard output, or one file per command in a folder.
 
 use super::args::{Args, ManArgs};
 use super::outcome::Outcome;
@@ -14,7 +14,7 @@ use std::io::{self, Write};
 pub(super) fn run(args: &ManArgs) -> anyhow::Result<Outcome> {
     let pages = pages()?;
     let Some(folder) = &args.output else {
-        // Into memory first: one write, which a reader may cut off.
+        // Buffered into a single write, which a reader may cut off.
         let all: Vec<u8> = pages.into_iter().flat_map(|page| page.troff).collect();
         io::stdout().write_all(&all)?;
         return Ok(Outcome::Complete);
@@ -35,7 +35,7 @@ struct Page {
     troff: Vec<u8>,
 }
 
-/// The page of the program, then those of its commands.
+/// Returns the page of the program, then those of its commands.
 fn pages() -> anyhow::Result<Vec<Page>> {
     let mut program = Args::command();
     program.build();

@@ -1,9 +1,9 @@
-//! The command line: arguments in, one of the library's jobs run, words and an exit code out.
+//! The command line: parses arguments, runs one of the library's operations, prints the result, returns an exit code.
 //!
-//! Exit codes: 0 all good, 1 some frames failed or were not reached, 2 bad input or usage.
+//! Exit codes: 0 success, 1 some frames failed or were not reached, 2 bad input or usage.
 
-/// The standard macro, but for what the program says to people: text in it may come from files, so control characters
-/// are escaped. Every module of the command line uses it; JSON is written as bytes.
+/// Like the standard macro, but escapes control characters, since output meant for people may contain text from files.
+/// Used by all modules of the command line; JSON is written as bytes instead.
 macro_rules! writeln {
     ($out:expr, $($words:tt)*) => {
         $out.write_fmt(format_args!("{}\n", crate::spelling::escaped(&format!($($words)*))))
@@ -49,14 +49,14 @@ use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
-/// Runs the program on its own arguments.
+/// Runs the program with the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
     ExitCode::from(main_with(std::env::args_os()))
 }
 
-/// Runs the program on other arguments, the first of which is its name. Out: the exit code. Usage errors, `--help` and `--version` end the
-/// process.
+/// Runs the program with other arguments, the first of which is its name; returns the exit code. Usage errors, `--help`
+/// and `--version` end the process.
 #[must_use]
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args = Args::parse_from(args);
@@ -97,7 +97,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Info(args) => info::run(&args),
         Command::Devices => devices::run(),
         Command::Completions { shell } => {
-            // Into memory first: the generator does not survive a reader that hangs up.
+            // Buffered, because the generator panics if the reader hangs up.
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Args::command(), "pinwarp", &mut script);
             io::stdout().write_all(&script)?;
@@ -107,7 +107,7 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
     }
 }
 
-/// An error, one line for each fault of a shot.
+/// Prints an error; a shot's faults take one line each.
 fn report_error(error: &anyhow::Error) {
     let lines: Vec<String> = match error.downcast_ref::<ShotError>() {
         Some(ShotError::Many(faults)) => faults.iter().map(ToString::to_string).collect(),
@@ -120,7 +120,7 @@ fn report_error(error: &anyhow::Error) {
     }
 }
 
-/// Sends the library's log to stderr: warnings, with -v information, with -vv everything.
+/// Sends the library's log to stderr: warnings; with -v information, with -vv everything.
 fn log_to_stderr(verbose: u8) {
     let level = match verbose {
         0 => tracing::Level::WARN,

@@ -1,4 +1,4 @@
-//! `pinwarp new`: writes a shot file that renders as it stands.
+//! `pinwarp new`: writes a shot file that can be rendered immediately.
 //!
 //! In: a scene or a picture. Out: commented TOML with its clips, cameras, nodes and size.
 

@@ -1,6 +1,6 @@
 //! `pinwarp pick`: casts a screen point onto the model.
 //!
-//! In: a shot, a frame and a point. Out: a pin, printed or put into the shot file.
+//! In: a shot, a frame and a point. Out: a pin, printed or inserted into the shot file.
 
 use super::args::PickArgs;
 use super::outcome::Outcome;
@@ -15,7 +15,7 @@ use std::io::Write;
 pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     let mut shot = args.outside.read(&args.shot)?;
     args.camera.choose(&mut shot);
-    // The pins that are there do not matter here, and may be what has to be placed anew.
+    // Existing pins do not affect the result, and invalid ones may be the reason to pick again.
     shot.layers.iter_mut().for_each(|layer| layer.pins.clear());
     let frame = args.frame.unwrap_or(shot.frames.first);
     let at = point(args, &shot)?;
@@ -47,7 +47,7 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Complete)
 }
 
-/// The screen point asked for.
+/// Returns the requested screen point.
 fn point(args: &PickArgs, shot: &Shot) -> anyhow::Result<ScreenPoint> {
     match (args.at, args.at_px) {
         (Some([x, y]), _) if is_in_pixels([x, y], shot.size) => bail!(
@@ -60,7 +60,7 @@ fn point(args: &PickArgs, shot: &Shot) -> anyhow::Result<ScreenPoint> {
     }
 }
 
-/// Whether a point says pixels where frame heights are meant: nothing that is seen lies so far outside.
+/// Returns whether a point seems to be in pixels instead of frame heights: no visible point is that far outside.
 fn is_in_pixels([x, y]: [f64; 2], size: FrameSize) -> bool {
     x.abs() > 3.0 * size.aspect() || y.abs() > 3.0
 }

@@ -16,29 +16,30 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Warnings that every frame repeats are printed this often, then counted.
+/// How often a warning repeated in many frames is printed; further ones are counted.
 const REPEATS_TOLD: usize = 1;
 
-/// What the user asked for.
+/// The output format of progress events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProgressForm {
-    /// Words and a bar.
+    /// Text and a progress bar.
     Words,
-    /// One JSON event a line, on standard output.
+    /// One JSON event per line, on standard output.
     Json,
-    /// Words, and on standard output what a scheduler of the Open Job Description looks for (its wiki, "How Jobs Are Run").
+    /// Text, and on standard output the messages that an Open Job Description scheduler parses (its wiki, "How Jobs Are
+    /// Run").
     OpenJd,
 }
 
-/// Prints events in the form the user asked for.
+/// Prints events in the selected format.
 pub(super) struct Teller {
     form: ProgressForm,
     bar: ProgressBar,
     begun: Instant,
-    /// Of a warp: what fills holes.
+    /// How a warp fills its holes.
     holes: Holes,
     told: Mutex<BTreeMap<String, usize>>,
-    /// The first line of JSON that could not be printed.
+    /// The first error of printing JSON.
     failed: Mutex<Option<io::Error>>,
 }
 
@@ -56,7 +57,7 @@ impl Teller {
         Self { form, bar, begun: Instant::now(), holes: Holes::Leave, told: Mutex::default(), failed: Mutex::default() }
     }
 
-    /// The same for a warp whose holes something fills.
+    /// Sets how the warp fills its holes.
     pub(super) fn of_holes(self, holes: &Holes) -> Self {
         Self { holes: holes.clone(), ..self }
     }
@@ -135,7 +136,7 @@ impl Teller {
         }
     }
 
-    /// Layers are solved side by side: the bar shows all of them.
+    /// Layers are solved in parallel: the bar shows their sum.
     fn baking(&self, layer: &str, done: usize, of: usize) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         if !told.contains_key(layer) {
@@ -174,7 +175,7 @@ impl Teller {
         self.tell_scheduler(&format!("frame {frame} is done"));
     }
 
-    /// Frames often repeat a warning with other numbers: the kind is the text without them.
+    /// Counts repeated warnings by their text without numbers, as these often vary from frame to frame.
     fn warn(&self, frame: i32, warning: &str) {
         let kind = kind_of(warning);
         let count = {
@@ -211,7 +212,8 @@ impl Teller {
         }
     }
 
-    /// Whole lines. A reader that has gone away is no reason to stop, nor is a full disk: the frames are what counts.
+    /// Prints whole lines. Errors are stored for the end, as a closed pipe or a full disk is no reason to stop
+    /// rendering.
     fn print(&self, lines: &str) {
         let mut out = io::stdout().lock();
         if let Err(error) = out.write_all(lines.as_bytes()).and_then(|()| out.flush()) {
@@ -219,12 +221,12 @@ impl Teller {
         }
     }
 
-    /// Keeps the first failure for the end.
+    /// Stores the first error until the end.
     fn tell_failure(&self, error: io::Error) {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 
-    /// How far the run is, percent, and what it did last.
+    /// Prints the progress in percent, and the last status.
     fn tell_scheduler(&self, status: &str) {
         if self.form == ProgressForm::OpenJd {
             let all = self.bar.length().unwrap_or_default();
@@ -233,10 +235,10 @@ impl Teller {
         }
     }
 
-    /// Whether all events could be printed.
+    /// Checks that all events were printed.
     ///
     /// # Errors
-    /// [`OutputCutOff`] where one could not, for another reason than that the reader has gone away.
+    /// [`OutputCutOff`] if one could not be, for a reason other than a closed pipe.
     pub(super) fn end(self) -> Result<(), OutputCutOff> {
         match self.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(OutputCutOff(error)),
@@ -251,7 +253,7 @@ impl Teller {
     }
 }
 
-/// What became of a layer.
+/// Describes the result of a baked layer.
 fn baked_in_words(baked: &BakedLayer) -> String {
     let BakedLayer { layer, path, is_kept, knots, spreads, wall_secs } = baked;
     let times = counted(*knots, "time", "times");
@@ -264,13 +266,13 @@ fn baked_in_words(baked: &BakedLayer) -> String {
     format!("layer '{layer}' {done}{path}{told}")
 }
 
-/// The last line of a render or a warp.
+/// The summary line of a render or a warp.
 struct Totals {
     done: usize,
     failed: usize,
     is_cancelled: bool,
     wall_secs: f64,
-    /// Stages, and for how long each was busy, milliseconds.
+    /// Stages with their busy time in milliseconds.
     busy: [(&'static str, f64); 3],
 }
 
@@ -288,7 +290,7 @@ impl Totals {
     }
 }
 
-/// Counts of a warped frame that are worth a word.
+/// Returns the noteworthy counts of a warped frame.
 fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
     let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
     let empty =

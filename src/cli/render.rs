@@ -1,6 +1,6 @@
 //! `pinwarp render`: renders a shot into an EXR sequence.
 //!
-//! In: a shot and what the command line says instead. Out: files; events as they happen.
+//! In: a shot and overriding arguments. Out: files; progress events.
 
 use super::args::{DrawArgs, RenderArgs};
 use super::outcome::Outcome;
@@ -15,7 +15,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     draw(Shot::read(&args.shot)?, &args.draw, Vec::new())
 }
 
-/// Renders a shot as asked. `inputs`: files that it was made from beside those that it names.
+/// Renders a shot with overrides. `inputs`: files that it was made from, besides those it refers to.
 pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> anyhow::Result<Outcome> {
     shot.size = args.scale.of(shot.size);
     args.camera.choose(&mut shot);
@@ -45,7 +45,7 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }
 
-/// The first Ctrl-C lets the frames in flight end, the second ends the program.
+/// Installs a Ctrl-C handler: the first press finishes the frames in flight, the second ends the program.
 pub(super) fn cancel_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancel);

@@ -1,7 +1,8 @@
-//! `pinwarp report`: the state of finished frames: missing, damaged and mixed ones, and the worst figures of every layer.
+//! `pinwarp report`: the state of finished frames (missing, damaged, inconsistent), and the worst figures of every
+//! layer.
 //!
-//! In: a folder, a sequence or a shot; limits. Out: a table or JSON on standard output, a contact sheet; exit code 1 where frames
-//! are missing or damaged, come from different states of the shot, or a figure is over its limit.
+//! In: a folder, a sequence or a shot; limits. Out: a table or JSON on standard output, a contact sheet; exit code 1 if
+//! frames are missing or damaged, come from different states of the shot, or a figure exceeds its limit.
 
 use super::frames::FrameList;
 use super::outcome::{Outcome, OutputCutOff};
@@ -16,9 +17,10 @@ use anyhow::bail;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Tiles of a contact sheet at most; longer sequences show every n-th frame, and those in which a figure is worst.
+/// Maximum number of tiles of a contact sheet; longer sequences show every n-th frame, and those with the worst
+/// figures.
 const MOST_TILES: usize = 120;
-/// Width of a tile, pixels.
+/// Width of a tile in pixels.
 const TILE_WIDTH: u32 = 320;
 
 #[derive(Debug, clap::Args)]
@@ -95,7 +97,7 @@ pub(super) fn run(args: &ReportArgs) -> anyhow::Result<Outcome> {
     Ok(if is_good { Outcome::Complete } else { Outcome::Partial })
 }
 
-/// The sequences asked for, and the frames that each should have.
+/// Returns the requested sequences, and the frames that each should have.
 fn sequences(args: &ReportArgs) -> anyhow::Result<Vec<(SequencePath, Vec<i32>)>> {
     let source = &args.source;
     let wanted = args.frames.clone().map(|list| list.0);
@@ -124,7 +126,7 @@ fn sequences(args: &ReportArgs) -> anyhow::Result<Vec<(SequencePath, Vec<i32>)>>
     paths.into_iter().map(of_path).collect()
 }
 
-/// The number that a single file says of itself.
+/// Returns the frame number stored in a single file.
 fn own_frame(path: &SequencePath) -> anyhow::Result<i32> {
     let file = path.path_of(0);
     crate::image::read_whole(&file, crate::image::Depth::Head)
@@ -132,7 +134,7 @@ fn own_frame(path: &SequencePath) -> anyhow::Result<i32> {
         .map_err(|reason| anyhow::anyhow!("{}: {reason}", file.display()))
 }
 
-/// Everything that makes the frames unfit, one sentence each.
+/// Returns every reason why the frames are unfit for use, one sentence each.
 fn faults(report: &SequenceReport, limits: &Limits) -> Vec<String> {
     let mut faults = Vec::new();
     if !report.missing.is_empty() {
@@ -187,7 +189,7 @@ fn print(path: &SequencePath, report: &SequenceReport, faults: &[String]) -> any
     Ok(())
 }
 
-/// The worst figures of a layer, in words.
+/// Describes the worst figures of a layer.
 fn figures(layer: &LayerPeaks) -> String {
     let told = |what: &str, peak: Option<Peak>, unit: &str| {
         peak.map(|peak| format!("{what} {}{unit} (frame {})", short(peak.value), peak.frame))
@@ -207,7 +209,7 @@ fn figures(layer: &LayerPeaks) -> String {
     words.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// Whole numbers without a point, others with three digits that count.
+/// Formats integers without a decimal point, other numbers with three significant digits.
 fn short(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 {
         return format!("{value}");
@@ -219,7 +221,7 @@ fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// Frames in rows, the worst ones framed.
+/// Draws the contact sheet, with the worst frames outlined.
 fn contact_sheet(
     path: &SequencePath,
     frames: &[i32],
@@ -229,7 +231,7 @@ fn contact_sheet(
     let step = frames.len().div_ceil(MOST_TILES.saturating_sub(worst.len()).max(1)).max(1);
     let chosen = |(index, frame): (usize, &i32)| (index % step == 0 || worst.contains(frame)).then_some(*frame);
     let shown: Vec<i32> = frames.iter().enumerate().filter_map(chosen).collect();
-    // A frame that is missing or damaged has an empty tile, also where only its pixels are.
+    // A missing or damaged frame has an empty tile, even if only its pixels are damaged.
     let read = |frame: i32| read_any(&path.path_of(frame)).ok().map(|plate| preview(&plate.into_frame()));
     let first = shown.iter().find_map(|&frame| read(frame));
     let Some(first) = first else { bail!("there is no whole frame to show on a contact sheet") };

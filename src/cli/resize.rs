@@ -1,6 +1,6 @@
 //! `pinwarp resize`: gives the lattices of a file other dims or another basis.
 //!
-//! In: a lattice file. Out: another, and the greatest change of the warp.
+//! In: a lattice file. Out: another lattice file, and the largest change of the warp.
 
 use super::args::ResizeArgs;
 use super::outcome::Outcome;
@@ -33,7 +33,8 @@ pub(super) fn run(args: &ResizeArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Complete)
 }
 
-/// Resizes the branches of all frames, which keep their regions; gives the greatest error. The lattices are those before.
+/// Resizes the branches of all frames, keeping their regions; returns the largest error. `lattices` are those before
+/// resizing.
 fn resize_branches(
     lattices: &BTreeMap<i32, Lattice<2>>,
     branches: &mut BTreeMap<i32, LatticeBranches>,
@@ -41,7 +42,7 @@ fn resize_branches(
 ) -> anyhow::Result<f64> {
     let mut worst = 0.0_f64;
     for (frame, branches) in branches {
-        // A branch stands in for a frame: all are resized alike.
+        // The branches take the place of frames, as all lattices are resized alike.
         let mut alone: BTreeMap<i32, Lattice<2>> =
             (0..).zip(lattices_of_file(branches, &lattices[frame].grid)).collect();
         worst = worst.max(resize(&mut alone, args)?);
@@ -50,7 +51,7 @@ fn resize_branches(
     Ok(worst)
 }
 
-/// Resizes all frames; gives the greatest error.
+/// Resizes the lattices of all frames; returns the largest error.
 fn resize<const D: usize>(lattices: &mut BTreeMap<i32, Lattice<D>>, args: &ResizeArgs) -> anyhow::Result<f64> {
     let dims = <[usize; D]>::try_from(args.dims.as_slice()).map_err(|_| {
         anyhow!("--dims has {}, the lattice has {D} axes", counted(args.dims.len(), "number", "numbers"))

@@ -17,17 +17,17 @@ pub(super) struct OutsideArg {
 }
 
 impl OutsideArg {
-    /// Reads a shot file; its scene may refer to what the user allows.
+    /// Reads a shot file, with the file access that the user allows.
     pub(super) fn read(self, path: &Path) -> Result<Shot, ShotError> {
         Ok(self.allow(Shot::read(path)?))
     }
 
-    /// The shot, with what the user allows.
+    /// Sets the file access that the user allows.
     pub(super) fn allow(self, shot: Shot) -> Shot {
         Shot { allow_outside: self.allow_outside, ..shot }
     }
 
-    /// The same for a scene that no shot names.
+    /// Returns the file access, for a scene opened without a shot.
     pub(super) const fn access(self) -> FileAccess {
         if self.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder }
     }
@@ -115,7 +115,7 @@ impl From<ExistingArgs> for Existing {
     }
 }
 
-/// `auto`, `cpu`, anything else by name.
+/// Parses `auto`, `cpu`, or a device name.
 pub(super) fn device_parser() -> impl TypedValueParser<Value = DeviceChoice> {
     clap::builder::NonEmptyStringValueParser::new().map(|text| DeviceChoice::of_name(&text))
 }

@@ -1,6 +1,6 @@
 //! `pinwarp solve`: solves a problem file.
 //!
-//! In: JSON. Out: JSON, into a file or on standard output.
+//! In: JSON. Out: JSON, to a file or standard output.
 
 use super::args::SolveArgs;
 use super::outcome::Outcome;

@@ -1,4 +1,5 @@
-//! `pinwarp transfer`: a shot whose layers take their lattices from a file, made for the occasion and rendered.
+//! `pinwarp transfer`: renders a shot whose layers take their lattices from a file. The shot is created for this
+//! purpose.
 
 use super::args::{FitKind, TransferArgs};
 use super::outcome::Outcome;
@@ -17,7 +18,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Lines of frames that show a scene whose size nobody said.
+/// Default height in pixels of frames that show a scene.
 const LINES: f64 = 1080.0;
 
 pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
@@ -30,7 +31,7 @@ pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
     render::draw(shot, &args.draw, args.landmarks.iter().map(PathBuf::from).collect())
 }
 
-/// What lattices are laid over.
+/// Returns what the lattices are applied to.
 fn target(path: &Path) -> anyhow::Result<FileKind> {
     let kind =
         FileKind::of(path).filter(|kind| !matches!(kind, FileKind::Json | FileKind::Csv)).with_context(|| {
@@ -52,7 +53,7 @@ fn target(path: &Path) -> anyhow::Result<FileKind> {
     Ok(kind)
 }
 
-/// Where the lattices go, as asked.
+/// Returns how the lattices are placed, by the arguments.
 fn fit(args: &TransferArgs) -> anyhow::Result<TransferFit> {
     match (args.fit, &args.landmarks) {
         (Some(FitKind::Landmarks) | None, Some(text)) => Ok(TransferFit::Landmarks(landmarks(text)?)),
@@ -63,7 +64,7 @@ fn fit(args: &TransferArgs) -> anyhow::Result<TransferFit> {
     }
 }
 
-/// Pairs of points from the text itself, or from the file it names.
+/// Parses pairs of points from the text itself, or from the file that it names.
 fn landmarks(text: &str) -> anyhow::Result<Vec<[ScreenPoint; 2]>> {
     const WANTED: &str = "pairs of screen points are needed, there and here: [[[0.5,0.5],[0.9,0.4]]]";
     let is_inline = text.trim_start().starts_with('[');
@@ -79,7 +80,7 @@ fn landmarks(text: &str) -> anyhow::Result<Vec<[ScreenPoint; 2]>> {
     Ok(pairs.into_iter().map(|pair| pair.map(|[x, y]| ScreenPoint::new(x, y))).collect())
 }
 
-/// The track asked for, else the one that is named like the layer it goes to, else the only one.
+/// Returns the requested track, else the one with the target layer's name, else the only one.
 fn track<'a>(args: &TransferArgs, file: &'a LatticeFile, layer: Option<&str>) -> anyhow::Result<&'a LatticeTrack> {
     let names = || file.layers.iter().map(|layer| layer.name.as_str());
     let named = |name: &str| file.layers.iter().find(|track| track.name == name);
@@ -102,7 +103,7 @@ fn track<'a>(args: &TransferArgs, file: &'a LatticeFile, layer: Option<&str>) ->
     }
 }
 
-/// Another shot: its layers of the screen take lattices instead of their pins.
+/// Applies the lattices to another shot: they replace the pins of its screen-space layers.
 fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyhow::Result<Shot> {
     if args.shot.is_some() {
         bail!("--shot names the file to write for a picture or a scene; {} is a shot already", args.onto.display());
@@ -126,7 +127,7 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
     Ok(shot)
 }
 
-/// A picture or a scene: a shot is written around it.
+/// Applies the lattices to a picture or a scene, writing a shot for it.
 fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: FileKind) -> anyhow::Result<Shot> {
     let track = track(args, file, None)?;
     let path = shot_path(args, target)?;
@@ -141,7 +142,7 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     Ok(shot)
 }
 
-/// Writes the shot around a picture or a scene, unless it is there already.
+/// Writes the shot for a picture or a scene, unless it exists already.
 fn write_shot(args: &TransferArgs, (path, text): (&Path, &str), target: FileKind) -> anyhow::Result<()> {
     let mut inputs = outputs::inputs_of([&args.lattice, &args.onto]);
     args.landmarks.iter().for_each(|landmarks| inputs.add(Path::new(landmarks)));
@@ -156,7 +157,7 @@ fn write_shot(args: &TransferArgs, (path, text): (&Path, &str), target: FileKind
     Ok(())
 }
 
-/// Where the shot lies, or would lie.
+/// Returns the path of the shot, whether it exists or not.
 fn shot_path(args: &TransferArgs, target: FileKind) -> anyhow::Result<PathBuf> {
     let own = args.onto.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(match (&args.shot, &args.draw.output, target) {
@@ -169,7 +170,7 @@ fn shot_path(args: &TransferArgs, target: FileKind) -> anyhow::Result<PathBuf> {
     })
 }
 
-/// A shot of one layer.
+/// Returns the text of a shot with one layer.
 fn text(
     args: &TransferArgs,
     (file, track, fit): (&LatticeFile, &LatticeTrack, &TransferFit),
@@ -216,7 +217,7 @@ fn fit_text(fit: &TransferFit) -> String {
     }
 }
 
-/// A text as TOML: JSON's escapes are TOML's.
+/// Quotes a text for TOML, by JSON's escapes, which are valid in TOML.
 fn quoted(text: &str) -> String {
     Value::from(text).to_string()
 }

@@ -1,31 +1,31 @@
-//! Warnings of many frames in few lines: what frames in a row say alike is one line.
+//! Condenses warnings of many frames: similar warnings of consecutive frames become one line.
 //!
-//! In: warnings, frame by frame. Out: lines, in the order in which each kind first came.
+//! In: warnings, frame by frame. Out: lines, in order of first occurrence.
 
 use std::collections::HashMap;
 
-/// Frames that a warning may leave out and still be the same event: one kink in a motion is seen in four frames.
+/// Maximum gap in frames within one event: a single kink in a motion affects four frames.
 const GAP: i32 = 3;
 
 /// Collects warnings.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     events: Vec<Event>,
-    /// The last event of a kind, by index.
+    /// Index of the last event of each kind.
     last: HashMap<String, usize>,
 }
 
-/// Frames that say the same.
+/// Consecutive frames with the same kind of warning.
 #[derive(Debug)]
 struct Event {
     first: i32,
     last: i32,
-    /// The warning with the greatest numbers.
+    /// The warning with the largest numbers.
     text: String,
 }
 
 impl Warnings {
-    /// Adds a warning; frames come in increasing order.
+    /// Adds a warning; frames must be in increasing order.
     pub(super) fn add(&mut self, frame: i32, warning: &str) {
         let kind = kind_of(warning);
         if let Some(event) = self.last.get(&kind).and_then(|&event| self.events.get_mut(event))
@@ -41,7 +41,7 @@ impl Warnings {
         self.events.push(Event { first: frame, last: frame, text: warning.to_owned() });
     }
 
-    /// One line for each event.
+    /// Returns one line per event.
     pub(super) fn lines(&self) -> impl Iterator<Item = String> {
         self.events.iter().map(|Event { first, last, text }| {
             if first == last {
@@ -53,8 +53,8 @@ impl Warnings {
     }
 }
 
-/// A warning with every number outside quotes replaced: frames often repeat a warning with other numbers. Names may hold
-/// digits and tell warnings apart.
+/// Returns a warning with every number outside quotes masked, as numbers vary from frame to frame. Quoted names, which
+/// may contain digits, are kept, since they distinguish warnings.
 pub(super) fn kind_of(warning: &str) -> String {
     let unquoted = |(index, piece): (usize, &str)| {
         if index % 2 == 1 {
@@ -66,7 +66,7 @@ pub(super) fn kind_of(warning: &str) -> String {
     warning.split('\'').enumerate().map(unquoted).collect::<Vec<_>>().join("'")
 }
 
-/// The numbers outside quotes.
+/// Returns the numbers outside quotes.
 fn numbers_of(warning: &str) -> Vec<f64> {
     let unquoted = warning.split('\'').step_by(2);
     unquoted

@@ -1,6 +1,6 @@
 //! `pinwarp warp`: warps finished frames.
 //!
-//! In: plates, and a shot, a lattice file or STMaps. Out: files; events as they happen.
+//! In: plates, and a shot, a lattice file or STMaps. Out: files; progress events.
 
 use super::outcome::Outcome;
 use super::progress::Teller;
@@ -42,7 +42,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }
 
-/// The shot, made ready. A shot over a plate that says no size takes the plate's.
+/// Prepares the shot. A shot without a size takes the plate's.
 fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     let path = args.shot.as_ref().context("clap asks for one of --shot, --lattice, --stmap")?;
     let mut shot = args.outside.read(path)?;
@@ -55,7 +55,7 @@ fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     Ok(PreparedShot::new(shot)?.keeping_trajectories(outputs.iter().map(PathBuf::as_path), Keeping::Write))
 }
 
-/// What warps, where there is no shot.
+/// Returns the warp for arguments without a shot.
 fn without_shot(args: &WarpArgs) -> anyhow::Result<PlateWarp<'static>> {
     match (&args.lattice, &args.stmap) {
         (Some(path), _) => {
@@ -72,7 +72,7 @@ fn plate(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
     plate.context("the shot names no `plate`; give one: pinwarp warp beauty.####.exr --shot SHOT")
 }
 
-/// The shot's own output is for what is rendered from its scene, or else for its plate.
+/// Returns the output path. The shot's own output is for renders of its scene, or for its own plate.
 fn output(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
     let of_shot = || shot.filter(|shot| shot.source == Source::Frame).map(|shot| shot.output.path.clone());
     let output = args.output.clone().or_else(of_shot);
@@ -81,7 +81,7 @@ fn output(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
     )
 }
 
-/// The shot's settings, and what the command line says instead.
+/// Returns the shot's settings with the overrides of the arguments.
 fn settings(args: &WarpArgs, shot: Option<&Shot>) -> WarpSettings {
     let mut settings = shot.map(|shot| shot.warp.clone()).unwrap_or_default();
     settings.filter = args.filter.unwrap_or(settings.filter);

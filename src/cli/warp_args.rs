@@ -60,7 +60,7 @@ pub(super) struct WarpArgs {
     pub(super) progress: ProgressArgs,
 }
 
-/// A filter by the name it has in shot files.
+/// Parses a filter by its name in shot files.
 fn parse_filter(text: &str) -> Result<Filter, String> {
     serde_json::from_value(text.into()).map_err(|_| "use ewa, cubic, lanczos or nearest".to_owned())
 }
@@ -70,7 +70,7 @@ fn parse_number(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "a number is needed, e.g. 0.5".to_owned())
 }
 
-/// `alpha`, `mask.R`, `id.object=3,7`, `crypto:Body*,Head`.
+/// Parses a matte: `alpha`, `mask.R`, `id.object=3,7`, `crypto:Body*,Head`.
 fn parse_matte(text: &str) -> Result<Matte, String> {
     let wrong = || "use alpha, the name of a channel, id.object=3,7 or crypto:Body*,Head".to_owned();
     if let Some(names) = text.strip_prefix("crypto:") {

@@ -33,7 +33,7 @@ const MISS: Rgba8 = Rgba8([214, 60, 20, 255]);
 const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 const TEXT: Rgba8 = Rgba8([206, 214, 226, 255]);
 const BEST: Rgba8 = Rgba8([255, 214, 10, 255]);
-/// Colour of models that define none.
+/// Colour of models without colours.
 const PLAIN: [u8; 3] = [134, 178, 214];
 
 /// Number of consecutive triangles, and their colour; triangles after the last run have the default colour.
@@ -80,21 +80,21 @@ pub fn comparison_sheet(figure: &SheetModel, entries: &[Entry<2>]) -> Preview {
     picture
 }
 
-/// What a panel shows.
+/// The content of a panel.
 struct PanelContent<'a> {
     lattice: &'a Lattice<2>,
     points: &'a [[f64; 2]],
     is_rest: bool,
 }
 
-/// From the model to the pixels of a panel.
+/// Transforms model coordinates to pixels of a panel.
 struct PanelTransform {
     middle: DVec2,
     scale: f64,
 }
 
 impl PanelTransform {
-    /// Shows the rest box, all targets, and the whole last entry.
+    /// Fits the rest box, all targets, and the last entry completely.
     fn of(figure: &SheetModel, entries: &[Entry<2>]) -> Self {
         let grid = &figure.problem.grid;
         let corners = [grid.lo, grid.hi].into_iter();
@@ -125,7 +125,7 @@ fn panel(figure: &SheetModel, view: &PanelTransform, shown: PanelContent) -> Pre
     picture
 }
 
-/// Cells that turn over.
+/// Draws the inverted cells.
 fn draw_cells(canvas: &mut Canvas, view: &PanelTransform, lattice: &Lattice<2>) {
     let grid = &lattice.grid;
     let margin = grid.basis.margin();
@@ -138,7 +138,7 @@ fn draw_cells(canvas: &mut Canvas, view: &PanelTransform, lattice: &Lattice<2>) 
     }
 }
 
-/// The handles and the lines between them.
+/// Draws the handles and the lines between them.
 fn draw_net(canvas: &mut Canvas, view: &PanelTransform, lattice: &Lattice<2>) {
     let [nx, ny] = lattice.grid.dims;
     let at = |i: usize, j: usize| view.px(lattice.handles[i + nx * j]);
@@ -155,7 +155,7 @@ fn draw_net(canvas: &mut Canvas, view: &PanelTransform, lattice: &Lattice<2>) {
     }
 }
 
-/// Parts in their order, thin edges, and a dark rim around each mesh.
+/// Draws the parts in order, thin edges, and a dark outline around each mesh.
 fn draw_mesh(canvas: &mut Canvas, view: &PanelTransform, figure: &SheetModel, points: &[[f64; 2]]) {
     let triangles = &figure.problem.shape.triangles;
     let edge_counts = edge_counts(triangles);
@@ -183,7 +183,7 @@ fn edges(corners: &[u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// How many triangles each edge has.
+/// Counts the triangles of each edge.
 fn edge_counts(triangles: &[[u32; 3]]) -> HashMap<[u32; 2], usize> {
     let mut counts = HashMap::new();
     for [a, b] in triangles.iter().flat_map(edges) {
@@ -192,7 +192,7 @@ fn edge_counts(triangles: &[[u32; 3]]) -> HashMap<[u32; 2], usize> {
     counts
 }
 
-/// Pins at their solved positions, with lines to their targets.
+/// Draws the pins at their solved positions, with lines to their targets.
 fn draw_pins(canvas: &mut Canvas, view: &PanelTransform, figure: &SheetModel, shown: &PanelContent) {
     for pin in figure.problem.pins {
         let (now, target) = (view.px(shown.lattice.deform(pin.at)), view.px(pin.target));
@@ -216,7 +216,7 @@ fn rest_words(canvas: &mut Canvas, at: DVec2, figure: &SheetModel) {
     canvas.text(ImagePoint(at + DVec2::new(0.0, 56.0)), "at rest; rings: where the pins have to go", 2, TEXT);
 }
 
-/// Name and metrics; the smallest distortion of each kind in yellow.
+/// Writes name and metrics; the smallest distortion of each kind in yellow.
 fn words(canvas: &mut Canvas, at: DVec2, entry: &Entry<2>, entries: &[Entry<2>]) {
     let Metrics { angle, area, pin_error, flips, folded_cells, iterations, ms, .. } = entry.metrics;
     let ink = |value: f64, pick: fn(&Metrics) -> f64| {

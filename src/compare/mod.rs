@@ -1,4 +1,4 @@
-//! All methods on one problem: the same pins, the same grid, one table and one picture.
+//! Compares all methods on one problem: the same pins and grid, one table and one picture.
 //!
 //! In: a problem and methods. Out: [`Entry`]s, a table, a [`comparison_sheet`].
 
@@ -31,31 +31,31 @@ pub struct Entry<const D: usize> {
     pub points: Vec<[f64; D]>,
 }
 
-/// How good a result is.
+/// Quality measures of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Mean change of a triangle's corner, radians.
+    /// Mean change of a triangle's corner angle, in radians.
     pub angle: f64,
     /// Mean of |σ1σ2 − 1|, weighted by rest area.
     pub area: f64,
     /// Largest distance of a pin from its target, in diagonals of the rest box.
     pub pin_error: f64,
-    /// Triangles that turn over.
+    /// Number of inverted triangles.
     pub flips: usize,
-    /// Lattice cells that turn over.
+    /// Number of inverted lattice cells.
     pub folded_cells: usize,
     /// Largest distance of a handle from the rest box, in diagonals of that box.
     pub stray: f64,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Milliseconds of the fastest of three cold runs.
+    /// Time in milliseconds of the fastest of three cold runs.
     pub ms: f64,
 }
 
 /// Runs a method on a problem.
 ///
 /// # Errors
-/// [`SolveError`] where the method cannot solve it.
+/// [`SolveError`] if the method cannot solve it.
 pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Result<Entry<D>, SolveError> {
     let grid = Grid { basis: method.basis().unwrap_or(problem.grid.basis), ..problem.grid.clone() };
     let problem = Problem { grid: &grid, ..*problem };
@@ -96,7 +96,7 @@ fn largest_residual<const D: usize>(lattice: &Lattice<D>, pins: &[PointPin<D>]) 
     residuals.fold(0.0, f64::max)
 }
 
-/// How far handles leave the rest box, in its diagonals.
+/// Returns the largest distance of a handle from the rest box, in its diagonals.
 fn stray<const D: usize>(lattice: &Lattice<D>) -> f64 {
     let grid = &lattice.grid;
     let away = lattice.handles.iter().map(|&handle| distance(&grid.clamp_to_box(handle), &handle));

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 /// Column headings, as wide as the columns.
 const HEAD: &str = "method                   angle    area  pin error  flips  folded  stray  iterations        ms";
 
-/// A table of all entries; the smallest distortion of each kind is marked with a star.
+/// Formats a table of all entries; the smallest distortion of each kind is marked with a star.
 ///
 /// angle: mean change of a triangle corner, radians; area: mean |σ1σ2 − 1| by area; pin error and stray handles in
 /// diagonals of the rest box.

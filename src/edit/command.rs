@@ -1,23 +1,23 @@
-//! One change of a shot's text: what stood where, and what stands there now.
+//! One change of a shot's text, as a reversible replacement.
 //!
-//! In: a text before and after. Out: plain data that turns one into the other, both ways. Every edit of a shot is one of these, so
-//! that all of it can be undone, kept beside the file and done again.
+//! In: the text before and after. Out: plain data that converts either into the other. Every edit of a shot is one
+//! command, so that all edits can be undone, redone and journalled.
 
 use serde::{Deserialize, Serialize};
 
-/// A change of a text, with a name for people.
+/// A change of a text, with a label for the user.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Command {
-    /// What was done: "Move pin".
+    /// A short description, such as "Move pin".
     pub label: String,
-    /// Byte at which the texts begin to differ.
+    /// Byte offset of the first difference.
     at: usize,
     removed: String,
     inserted: String,
 }
 
 impl Command {
-    /// What turns one text into another; `None`: they are the same.
+    /// Returns the command that turns one text into another; `None` if they are equal.
     ///
     /// ```
     /// use pinwarp::edit::Command;
@@ -44,13 +44,13 @@ impl Command {
         Some(Self { label: label.to_owned(), at, removed, inserted })
     }
 
-    /// The text after the change; `None`: it is not the text that was changed.
+    /// Returns the text after the change; `None` if `text` is not the text before it.
     #[must_use]
     pub fn apply(&self, text: &str) -> Option<String> {
         replaced(text, self.at, (&self.removed, &self.inserted))
     }
 
-    /// The text before the change; `None`: it is not the text that came of it.
+    /// Returns the text before the change; `None` if `text` is not the text after it.
     #[must_use]
     pub fn undo(&self, text: &str) -> Option<String> {
         replaced(text, self.at, (&self.inserted, &self.removed))

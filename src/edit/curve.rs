@@ -1,30 +1,30 @@
-//! Keys of a pin as curves over time.
+//! The keys of a pin as animation curves.
 //!
-//! In: keys, a channel. Out: numbers for people (pixels, degrees, factors), and keys with other numbers.
+//! In: keys, a channel. Out: values in display units (pixels, degrees, factors), and keys with changed values.
 
 use super::track::{key_at, with_key, without_keys};
 use crate::shot::{Ease, Goal, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
-/// A number that keys of a pin hold.
+/// An animated value of a pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// To the right, pixels.
+    /// The target's x, rightwards, in pixels.
     X,
-    /// Up, pixels.
+    /// The target's y, upwards, in pixels.
     Y,
-    /// Degrees, counter-clockwise.
+    /// Rotation in degrees, counter-clockwise.
     Rotation,
-    /// A factor.
+    /// Scale factor.
     Scale,
 }
 
 impl Channel {
-    /// All of them.
+    /// All channels.
     pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Rotation, Self::Scale];
 
-    /// For people.
+    /// Returns the display name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -35,7 +35,7 @@ impl Channel {
         }
     }
 
-    /// The number in a key; `None`: it holds none of the kind, or one of the scene. `lines` of the frame.
+    /// Returns a key's value; `None` if it has none, or one given in scene space. `lines`: frame height in pixels.
     #[must_use]
     pub fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
         let place = match key.goal {
@@ -52,7 +52,7 @@ impl Channel {
         }
     }
 
-    /// The key with another number; numbers that cannot be are brought to the nearest that can.
+    /// Returns the key with another value, clamped to the valid range.
     #[must_use]
     pub fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
         let mut key = *key;
@@ -72,7 +72,7 @@ impl Channel {
     }
 }
 
-/// The curve of a channel at some times; empty: the pin has none of the kind.
+/// Samples a channel's curve at some times as (time, value); empty if the pin does not use the channel.
 #[must_use]
 pub(in crate::edit) fn samples(shot: &Shot, at: [usize; 2], channel: Channel, times: &[f64]) -> Vec<[f64; 2]> {
     let lines = f64::from(shot.size.height);
@@ -80,20 +80,20 @@ pub(in crate::edit) fn samples(shot: &Shot, at: [usize; 2], channel: Channel, ti
     times.iter().filter_map(value).collect()
 }
 
-/// An end of a curve's tangent at a key.
+/// One Bézier handle of a curve at a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
     /// Time of the key that holds the ease.
     pub key: f64,
-    /// 0: it leaves that key; 1: it comes to the next one.
+    /// 0: the outgoing handle of that key; 1: the incoming handle of the next key.
     pub control: usize,
-    /// Time and number of the key that it touches.
+    /// Time and value of the key that it is attached to.
     pub from: [f64; 2],
-    /// Its own time and number.
+    /// Its own time and value.
     pub to: [f64; 2],
 }
 
-/// The tangents of a channel at the keys of some times.
+/// Returns the tangents of a channel at the keys of some times.
 #[must_use]
 pub(in crate::edit) fn tangents(keys: &[PinKey], times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
     let mut found = Vec::new();
@@ -108,7 +108,7 @@ pub(in crate::edit) fn tangents(keys: &[PinKey], times: &[f64], channel: Channel
     found
 }
 
-/// The ease of a key after an end of a tangent went to a time and a number; `None`: it holds, or nothing comes after it.
+/// Returns the ease of a key after a tangent's end is moved to (time, value); `None` if the key holds or is the last.
 #[must_use]
 pub(in crate::edit) fn bent(
     keys: &[PinKey],
@@ -121,14 +121,14 @@ pub(in crate::edit) fn bent(
     let (start, end) = (channel.of(&pair[0], lines)?, channel.of(&pair[1], lines)?);
     let round = |value: f64| (value * 1e3).round() / 1e3;
     controls[2 * control] = round(((time - pair[0].frame) / (pair[1].frame - pair[0].frame)).clamp(0.0, 1.0));
-    // Between equal numbers every tangent lies flat.
+    // Between equal values the tangents are always flat.
     if (end - start).abs() > 1e-6 {
         controls[2 * control + 1] = round(((value - start) / (end - start)).clamp(-10.0, 10.0));
     }
     Some(Ease::Bezier(controls))
 }
 
-/// The inner control points of an ease, x1, y1, x2, y2; `None`: it holds.
+/// Returns the inner Bézier control points of an ease, x1, y1, x2, y2; `None` if it holds.
 const fn controls(ease: Ease) -> Option<[f64; 4]> {
     match ease {
         Ease::Hold => None,
@@ -138,7 +138,7 @@ const fn controls(ease: Ease) -> Option<[f64; 4]> {
     }
 }
 
-/// Keys with that at one time in place of that at another.
+/// Returns the keys with the key at time `from` replaced by `key`.
 #[must_use]
 pub(in crate::edit) fn with_key_moved(keys: &[PinKey], from: f64, key: PinKey) -> Vec<PinKey> {
     let rest = if keys.len() > 1 { without_keys(keys, &[from]) } else { Vec::new() };
@@ -187,7 +187,7 @@ mod tests {
         bent_keys[0].ease = ease;
         let end = tangents(&bent_keys, &[1.0], Channel::X, 100.0)[0];
         assert_eq!((end.from, end.to), ([1.0, 0.0], [3.0, -25.0]));
-        // Flat segments keep their tangents flat, held ones have none.
+        // Segments between equal values keep flat tangents; held ones have none.
         let flat = bent(&keys, (5.0, 0), Channel::X, ([6.0, 900.0], 100.0)).expect("it bends");
         assert_eq!(
             flat,

@@ -1,7 +1,7 @@
-//! A shot file that is being edited: its text, what it says, and everything that was done to it.
+//! A shot file being edited: its text, the parsed shot, and the edit history.
 //!
-//! In: texts that edits make of the text. Out: the checked [`Shot`]; the file, comments and order kept. A text that is no shot is refused,
-//! so what is saved can always be rendered.
+//! In: new texts, one per edit. Out: the validated [`Shot`]; the file, with comments and order preserved. A text that
+//! is not a valid shot is rejected, so that what is saved can always be rendered.
 
 use super::EditError;
 use super::command::Command;
@@ -19,23 +19,23 @@ use std::path::{Path, PathBuf};
 pub struct Document {
     path: PathBuf,
     text: String,
-    /// What the file holds, as far as it is known; `None`: there is no file yet.
+    /// The file's contents as last read or written; `None` if the file does not exist yet.
     on_disk: Option<String>,
     shot: Shot,
     history: History,
     journal: Option<Journal>,
-    /// Goes up with every change.
+    /// Incremented by every change.
     revision: u64,
 }
 
-/// What happened to the file while it was open.
+/// The result of checking the file on disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DiskChange {
-    /// Nothing.
+    /// Unchanged.
     None,
-    /// Another program wrote it, and nothing was changed here since: it was read again.
+    /// Another program wrote it, and it was reloaded, as there are no unsaved changes.
     Reloaded,
-    /// Another program wrote it, and there are changes here: its text.
+    /// Another program wrote it while there are unsaved changes; holds the text on disk.
     Conflict(String),
 }
 
@@ -43,7 +43,7 @@ impl Document {
     /// Reads a shot file.
     ///
     /// # Errors
-    /// [`EditError`] where it cannot be read or is no shot.
+    /// [`EditError`] if the file cannot be read or is not a valid shot.
     pub fn open(path: &Path) -> Result<Self, EditError> {
         let text = read_text(path, SHOT_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
         let mut document = Self::new(path, text.clone())?;
@@ -51,17 +51,17 @@ impl Document {
         Ok(document)
     }
 
-    /// A shot that has no file yet.
+    /// Creates a shot that has no file yet.
     ///
     /// # Errors
-    /// [`EditError`] where the text is no shot.
+    /// [`EditError`] if the text is not a valid shot.
     pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let shot = Shot::parse(&text, path)?;
         let (path, history) = (path.to_owned(), History::default());
         Ok(Self { path, text, on_disk: None, shot, history, journal: None, revision: 0 })
     }
 
-    /// What a killed editor left.
+    /// Restores a document from the journal of a killed editor.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -72,7 +72,7 @@ impl Document {
         Ok(document)
     }
 
-    /// Keeps a journal in a folder from now on. Without one, everything goes on all the same.
+    /// Starts a journal in a folder. Failures are ignored: editing goes on without one.
     pub fn keep_journal(&mut self, folder: &Path) {
         self.journal = match Journal::begin(folder, &self.path, &self.text) {
             Ok(journal) => Some(journal),
@@ -83,46 +83,46 @@ impl Document {
         };
     }
 
-    /// The shot file.
+    /// Returns the path of the shot file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its text.
+    /// Returns the text.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// What it says.
+    /// Returns the parsed shot.
     #[must_use]
     pub const fn shot(&self) -> &Shot {
         &self.shot
     }
 
-    /// What was done.
+    /// Returns the edit history.
     #[must_use]
     pub const fn history(&self) -> &History {
         &self.history
     }
 
-    /// Goes up with every change.
+    /// Returns the revision number, incremented by every change.
     #[must_use]
     pub const fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Something is not saved.
+    /// Returns whether there are unsaved changes.
     #[must_use]
     pub fn is_dirty(&self) -> bool {
         self.on_disk.as_deref() != Some(&self.text)
     }
 
-    /// Changes the text. Changes in a row with the same `series` are undone together.
+    /// Replaces the text. Consecutive changes with the same `series` are undone together.
     ///
     /// # Errors
-    /// [`ShotError`] where the text is no shot; then nothing is changed.
+    /// [`ShotError`] if the text is not a valid shot; the document is then unchanged.
     pub fn change(&mut self, label: &str, text: String, series: Option<&str>) -> Result<(), ShotError> {
         let Some(command) = Command::between(label, &self.text, &text) else { return Ok(()) };
         self.shot = Shot::parse(&text, &self.path)?;
@@ -133,12 +133,12 @@ impl Document {
         Ok(())
     }
 
-    /// What comes now is undone by itself.
+    /// Ends the series: the next change is undone separately.
     pub fn end_series(&mut self) {
         self.history.end_series();
     }
 
-    /// Takes the last change back; gives its name.
+    /// Undoes the last change; returns its label.
     pub fn undo(&mut self) -> Option<String> {
         let (text, label) = self.history.undo(&self.text)?;
         self.put_old(text);
@@ -146,7 +146,7 @@ impl Document {
         Some(label)
     }
 
-    /// Does again what was undone last; gives its name.
+    /// Redoes the change undone last; returns its label.
     pub fn redo(&mut self) -> Option<String> {
         let (text, label) = self.history.redo(&self.text)?;
         self.put_old(text);
@@ -154,7 +154,7 @@ impl Document {
         Some(label)
     }
 
-    /// A text that was a shot before.
+    /// Restores a text that was valid before.
     fn put_old(&mut self, text: String) {
         if let Ok(shot) = Shot::parse(&text, &self.path) {
             self.shot = shot;
@@ -172,17 +172,17 @@ impl Document {
         }
     }
 
-    /// Writes the file.
+    /// Saves the file.
     ///
     /// # Errors
-    /// [`EditError`] where it cannot be written.
+    /// [`EditError`] if it cannot be written.
     pub fn save(&mut self) -> Result<(), EditError> {
         replace_text(&self.path, &self.text)?;
         self.on_disk = Some(self.text.clone());
         Ok(())
     }
 
-    /// Writes another file, and goes on with that. A scene or picture that the shot names is found from there, too.
+    /// Saves to another path, which becomes the document's. Relative paths of scenes and pictures are adjusted.
     ///
     /// # Errors
     /// As [`Self::save`].
@@ -222,10 +222,10 @@ impl Document {
         Ok(())
     }
 
-    /// Looks whether another program wrote the file; reads it again where nothing is lost by that.
+    /// Checks whether another program wrote the file, and reloads it if there are no unsaved changes.
     ///
     /// # Errors
-    /// [`EditError`] where what it wrote is no shot.
+    /// [`EditError`] if the file on disk is not a valid shot.
     pub fn check_disk(&mut self) -> Result<DiskChange, EditError> {
         let Some(known) = &self.on_disk else { return Ok(DiskChange::None) };
         let Ok(text) = read_text(&self.path, SHOT_BYTES) else { return Ok(DiskChange::None) };
@@ -239,17 +239,17 @@ impl Document {
         Ok(DiskChange::Reloaded)
     }
 
-    /// Goes on with what another program wrote; what was here can be undone to.
+    /// Takes over the text that another program wrote, as one undoable change.
     ///
     /// # Errors
-    /// [`EditError`] where it is no shot.
+    /// [`EditError`] if it is not a valid shot.
     pub fn take_from_disk(&mut self, text: String) -> Result<(), EditError> {
         self.change("Reload from disk", text.clone(), None)?;
         self.on_disk = Some(text);
         Ok(())
     }
 
-    /// Goes on with what is here; the next save replaces what another program wrote.
+    /// Keeps the document's text; the next save overwrites what another program wrote.
     pub fn keep_own(&mut self, on_disk: String) {
         self.on_disk = Some(on_disk);
     }

@@ -1,4 +1,4 @@
-//! What can go wrong in the editor, in words for the person at it.
+//! Errors of the editor, worded for its user.
 
 use crate::image::ImageError;
 use crate::pipeline::PipelineError;
@@ -6,31 +6,31 @@ use crate::shot::ShotError;
 use std::io;
 use std::path::PathBuf;
 
-/// An edit, a file or a frame that failed.
+/// An edit, file or frame that failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
-    /// The shot file would be wrong.
+    /// The edited shot file would be invalid.
     #[error(transparent)]
     Shot(#[from] ShotError),
-    /// The shot cannot be loaded or drawn.
+    /// The shot cannot be loaded or rendered.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
-    /// A file could not be written or read.
+    /// An image or other file cannot be read or written.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// A file cannot be read.
     #[error("{path}: {source}; check the name and its permissions")]
     Io {
-        /// Which.
+        /// Its path.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// The edit asks for something that cannot be.
+    /// The requested edit is not possible.
     #[error("{what}; {hint}")]
     Unusable {
-        /// What, and why not.
+        /// What is impossible, and why.
         what: String,
         /// What to do instead.
         hint: String,
@@ -41,7 +41,7 @@ pub enum EditError {
          or draw into a file: pinwarp edit SHOT --frame 1 --screenshot out.png"
     )]
     NoDisplay {
-        /// What was missing.
+        /// The missing display.
         what: String,
     },
 }

@@ -1,21 +1,21 @@
-//! What was done to a text, and what was undone of it: without an end, and beyond saves.
+//! Undo and redo history of a text: unlimited, and kept across saves.
 //!
-//! In: [`Command`]s as they happen. Out: texts before and after them.
+//! In: [`Command`]s as they are executed. Out: the texts before and after them.
 
 use super::command::Command;
 
-/// Done and undone commands.
+/// Executed and undone commands.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     done: Vec<Command>,
     undone: Vec<Command>,
-    /// The last command goes on: nudges and typed digits of one kind count as one.
+    /// The series that the last command belongs to, if it may be extended: nudges or typed digits of one kind.
     open: Option<String>,
 }
 
 impl History {
-    /// Notes a change that was made. Changes in a row that have the same `series` are undone together. Gives what a journal
-    /// has to note: the command, and whether it takes the place of the last.
+    /// Records an executed change. Consecutive changes with the same `series` are merged. Returns what a journal has to
+    /// record: the command, and whether it replaces the last one.
     pub fn record(&mut self, command: Command, series: Option<&str>, before: &str) -> Recorded {
         let goes_on = series.is_some() && series == self.open.as_deref() && self.undone.is_empty();
         self.undone.clear();
@@ -40,12 +40,12 @@ impl History {
         }
     }
 
-    /// What comes now is undone by itself.
+    /// Ends the series: the next change is undone separately.
     pub fn end_series(&mut self) {
         self.open = None;
     }
 
-    /// The text before the last command, and what that command was.
+    /// Undoes the last command: returns the text before it, and its label.
     pub fn undo(&mut self, text: &str) -> Option<(String, String)> {
         let before = self.done.last()?.undo(text)?;
         let command = self.done.pop()?;
@@ -55,7 +55,7 @@ impl History {
         Some((before, label))
     }
 
-    /// The text after the command undone last, and what that command was.
+    /// Redoes the command undone last: returns the text after it, and its label.
     pub fn redo(&mut self, text: &str) -> Option<(String, String)> {
         let after = self.undone.last()?.apply(text)?;
         let command = self.undone.pop()?;
@@ -65,30 +65,30 @@ impl History {
         Some((after, label))
     }
 
-    /// What would be undone next.
+    /// Returns the label of the next command to undo.
     #[must_use]
     pub fn next_undo(&self) -> Option<&str> {
         self.done.last().map(|command| command.label.as_str())
     }
 
-    /// What would be done again next.
+    /// Returns the label of the next command to redo.
     #[must_use]
     pub fn next_redo(&self) -> Option<&str> {
         self.undone.last().map(|command| command.label.as_str())
     }
 
-    /// Labels of all that was done, the oldest first.
+    /// Returns the labels of all executed commands, oldest first.
     pub fn labels(&self) -> impl Iterator<Item = &str> {
         self.done.iter().map(|command| command.label.as_str())
     }
 }
 
-/// How a change was noted.
+/// How a change was recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Recorded {
-    /// As a command of its own.
+    /// As a separate command.
     Added(Command),
-    /// Together with the last; `None`: both together change nothing.
+    /// Merged with the last command; `None` if the two cancel out.
     Joined(Option<Command>),
 }
 

@@ -1,6 +1,6 @@
-//! A journal beside the work: every change is on disk before the next one, so that a kill loses nothing.
+//! A write-ahead journal of edits, so that no work is lost if the editor is killed.
 //!
-//! In: what is done to a document. Out: a file of one JSON object a line; after a kill, the document as it was.
+//! In: the changes of a document. Out: a file with one JSON object per line; after a crash, the restored document.
 
 use super::command::Command;
 use super::history::{History, Recorded};
@@ -10,55 +10,55 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-/// Ending of journals.
+/// File extension of journals.
 const ENDING: &str = "pinwarp-journal";
 
 /// A line of a journal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Line {
-    /// The file, its text at that time, and the process that edits it.
+    /// The file, its text when the journal began, and the id of the editing process.
     Begin {
         path: PathBuf,
         text: String,
         process: u32,
     },
     Do(Command),
-    /// Takes the place of the last.
+    /// Replaces the last command.
     Join(Option<Command>),
     Undo,
     Redo,
-    /// The document is another file from here on.
+    /// The document was saved to another path.
     Path(PathBuf),
 }
 
-/// The journal of one open document. It goes when it is dropped, unless the program is killed.
+/// The journal of one open document. Dropping it deletes the file; a killed process leaves it behind.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
 }
 
-/// A document that a killed editor left behind.
+/// A document restored from the journal of a killed editor.
 #[derive(Clone, Debug)]
 pub struct Unfinished {
     /// The shot file.
     pub path: PathBuf,
-    /// Its text, with everything that was done.
+    /// Its text with all journalled changes.
     pub text: String,
-    /// The text it began with.
+    /// The text when the journal began.
     pub begun: String,
-    /// What can be undone.
+    /// The undo history.
     pub history: History,
-    /// The journal.
+    /// The journal's path.
     pub journal: PathBuf,
 }
 
 impl Journal {
-    /// Begins a journal in a folder, which is made where it is not there.
+    /// Starts a journal in a folder, which is created if needed.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// I/O errors of creating or writing the file.
     pub fn begin(folder: &Path, document: &Path, text: &str) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let process = std::process::id();
@@ -71,10 +71,10 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Notes a change.
+    /// Records a change.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// I/O errors of writing.
     pub fn note(&mut self, recorded: &Recorded) -> io::Result<()> {
         self.write(&match recorded {
             Recorded::Added(command) => Line::Do(command.clone()),
@@ -82,26 +82,26 @@ impl Journal {
         })
     }
 
-    /// Notes that the last change was undone.
+    /// Records an undo.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// I/O errors of writing.
     pub fn note_undo(&mut self) -> io::Result<()> {
         self.write(&Line::Undo)
     }
 
-    /// Notes that a change was done again.
+    /// Records a redo.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// I/O errors of writing.
     pub fn note_redo(&mut self) -> io::Result<()> {
         self.write(&Line::Redo)
     }
 
-    /// Notes that the document has another file now.
+    /// Records that the document has another path.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// I/O errors of writing.
     pub fn note_path(&mut self, document: &Path) -> io::Result<()> {
         self.write(&Line::Path(document.to_owned()))
     }
@@ -109,7 +109,8 @@ impl Journal {
     fn write(&mut self, line: &Line) -> io::Result<()> {
         let mut bytes = serde_json::to_vec(line)?;
         bytes.push(b'\n');
-        // One call: a line is there or not. The system has it once this returns, whatever becomes of the process.
+        // A single write, so that a line is written whole or not at all. Once it returns, the operating system holds
+        // the data, even if the process is killed.
         self.file.write_all(&bytes)
     }
 }
@@ -120,7 +121,7 @@ impl Drop for Journal {
     }
 }
 
-/// What killed editors left in a folder of journals; journals of living processes stay theirs.
+/// Returns the documents that killed editors left in a folder of journals; journals of running processes are skipped.
 #[must_use]
 pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
@@ -133,7 +134,7 @@ pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
     found
 }
 
-/// Replays a journal; a line that was cut off ends it. `None`: nothing was done, or its process lives.
+/// Replays a journal up to the first truncated line; `None` if it holds no changes, or its process is still running.
 fn read(journal: &Path) -> Option<Unfinished> {
     let mut lines = BufReader::new(File::open(journal).ok()?).lines().map_while(Result::ok);
     let Line::Begin { mut path, text: begun, process } = serde_json::from_str(&lines.next()?).ok()? else {
@@ -155,7 +156,7 @@ fn read(journal: &Path) -> Option<Unfinished> {
     (text != begun).then(|| Unfinished { path, text, begun, history, journal: journal.to_owned() })
 }
 
-/// The text and the history after a line.
+/// Applies a line to text and history.
 fn replay(line: Line, text: &str, mut history: History) -> Option<(String, History)> {
     let after = match line {
         Line::Begin { .. } | Line::Path(_) => return None,
@@ -185,7 +186,7 @@ fn replay(line: Line, text: &str, mut history: History) -> Option<(String, Histo
 mod tests {
     use super::*;
 
-    /// A journal as a process leaves it that was killed: the file stays, and its process is none that lives.
+    /// Leaves a journal as a killed process would: the file stays, with the id of a process that does not run.
     fn killed(folder: &Path, journal: Journal) {
         let text = fs::read_to_string(&journal.path).expect("it is there");
         let dead = text.replacen(&format!("\"process\":{}", std::process::id()), "\"process\":4194305", 1);

@@ -1,14 +1,15 @@
-//! The two sides of a body, by the names that people give them.
+//! Left-right counterparts by name.
 //!
-//! In: a name. Out: that of its counterpart on the other side.
+//! In: a name. Out: the name of the counterpart on the other side.
 
-/// Words of the two sides, wherever they stand in a name.
+/// Pairs of words that name the sides, anywhere in a name.
 const WORDS: [[&str; 2]; 4] = [["left", "right"], ["Left", "Right"], ["LEFT", "RIGHT"], ["near", "far"]];
 
-/// What stands before a single letter at the end of a name.
+/// Separators before a single-letter side suffix.
 const SEPARATORS: [char; 4] = ['.', '_', '-', ' '];
 
-/// The name of the other side: "left hand" and "right hand", "Hand.L" and "Hand.R". `None`: the name speaks of no side.
+/// Returns the name of the other side, such as "right hand" for "left hand" and "Hand.R" for "Hand.L"; `None` if the
+/// name denotes no side.
 #[must_use]
 pub(in crate::edit) fn other_side(name: &str) -> Option<String> {
     let both = WORDS.iter().flat_map(|[one, other]| [(one, other), (other, one)]);

@@ -1,7 +1,7 @@
-//! The native editor, `pinwarp edit`: pins under the hand.
+//! The native editor, `pinwarp edit`: interactive pinning.
 //!
-//! In: anything that can be opened. Out: a shot file, comments and order kept; frames as they are rendered. A front end of `shot` and
-//! `pipeline`; it holds no geometry and no solver.
+//! In: any file that can be opened. Out: a shot file with comments and order preserved; frames exactly as rendered. A
+//! front end of `shot` and `pipeline` without geometry or solver of its own.
 //!
 //! ```text
 //! pen, keys ─ui─▶ Session ─shot::edit─▶ Document: text, Shot, Commands ─▶ shot.toml, journal

@@ -1,6 +1,7 @@
-//! Opens anything: a shot, a scene, a picture, a sequence of plates.
+//! Opens any supported file: a shot, a scene, a picture, or a sequence of plates.
 //!
-//! In: a path. Out: a [`Document`]; what is no shot file yet gets the text that `pinwarp new` would write, and a name beside it.
+//! In: a path. Out: a [`Document`]. Anything but a shot file gets the text that `pinwarp new` would write, and a shot
+//! path next to it.
 
 use super::{Document, EditError};
 use crate::image::{PictureKind, SequencePath, picture_size};
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Opens a file for editing.
 ///
 /// # Errors
-/// [`EditError`] where it cannot be read, or is none of these.
+/// [`EditError`] if it cannot be read or its type is not supported.
 pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     if ending == "toml" {
@@ -20,7 +21,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     }
     let beside = shot_beside(path);
     if beside.is_file() {
-        // Who opens the scene again wants to go on.
+        // Opening a scene again continues its existing shot.
         return Document::open(&beside);
     }
     if PictureKind::of(path).is_some() && !path.is_file() {
@@ -35,7 +36,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     Document::new(&beside, template::write(name, &facts))
 }
 
-/// Finished frames of another renderer, as a shot that warps them whole.
+/// Creates a shot that warps finished frames of another renderer as whole pictures.
 fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
     let sequence = SequencePath::parse(pattern)?;
     let frames = sequence.frames_on_disk()?.unwrap_or_default();
@@ -55,7 +56,7 @@ fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
     Document::new(shot, text)
 }
 
-/// Where the shot of a scene or picture is looked for, and goes.
+/// Returns the path at which the shot of a scene or picture is looked up and saved.
 fn shot_beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let stem = stem.trim_end_matches(['#', '.', '_', '-']);

@@ -1,15 +1,16 @@
-//! A frame as a viewer shows it.
+//! A frame as displayed by the viewer.
 //!
-//! In: a [`Frame`]. Out: 8-bit pixels, as the previews of a render have them, alpha multiplied in.
+//! In: a [`Frame`]. Out: 8-bit pixels, as in the previews of a render, premultiplied.
 
 use crate::image::{Frame, Preview, preview};
 
-/// How near to the rendered frame a picture is.
+/// How close a picture is to the rendered frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
-    /// One sample a pixel, and perhaps fewer pixels. Where layers are solved over time, this frame may have been solved alone.
+    /// One sample per pixel, possibly at reduced resolution. If layers are solved over time, this frame may have been
+    /// solved in isolation.
     Provisional,
-    /// One sample a pixel, and perhaps fewer pixels, of the solve that is rendered.
+    /// One sample per pixel, possibly at reduced resolution, of the final solve.
     Draft,
     /// The rendered frame.
     Final,
@@ -18,20 +19,20 @@ pub enum Quality {
 /// A drawn frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Number of the frame.
+    /// Frame number.
     pub frame: i32,
-    /// Change of the document that it shows.
+    /// Revision of the document that it shows.
     pub revision: u64,
-    /// How near to the rendered frame it is.
+    /// How close it is to the rendered frame.
     pub quality: Quality,
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub size: [usize; 2],
-    /// Red, green, blue, alpha of each pixel, multiplied by alpha; rows from the top.
+    /// Premultiplied red, green, blue and alpha of each pixel; rows from the top.
     pub rgba: Vec<u8>,
 }
 
 impl Picture {
-    /// A frame, to be shown.
+    /// Converts a frame for display.
     #[must_use]
     pub fn of(frame: &Frame, (number, revision): (i32, u64), quality: Quality) -> Self {
         let Preview { width, height, mut rgba } = preview(frame);

@@ -1,42 +1,42 @@
-//! The frame that is seen, and how it moves when the shot plays.
+//! The current frame, and its advance during playback.
 //!
-//! In: the clock, what the user asks. Out: frame numbers.
+//! In: the clock and user commands. Out: frame numbers.
 
 use crate::shot::FrameRange;
 
-/// How frames follow each other while the shot plays.
+/// Playback mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// As fast as the shot's rate; frames that are not ready are left out.
+    /// At the shot's frame rate; frames that are not ready are skipped.
     #[default]
     RealTime,
-    /// Every frame, as fast as they are ready.
+    /// Every frame, as fast as they become ready.
     EveryFrame,
 }
 
-/// Where the shot is, and whether it plays.
+/// The current frame and the playback state.
 #[derive(Clone, Copy, Debug)]
 pub struct Playhead {
     frame: i32,
     shot: [i32; 2],
-    /// First and last frame that is played, instead of all.
+    /// First and last frame of the playback range, if it is not the whole shot.
     range: Option<[i32; 2]>,
     rate: f64,
-    /// When it began to play, seconds, and from which frame.
+    /// Time in seconds and frame at which playback started.
     playing: Option<(f64, i32)>,
-    /// How it plays.
+    /// The playback mode.
     pub pace: Pace,
 }
 
 impl Playhead {
-    /// At the first frame of a shot.
+    /// Creates a playhead at the first frame of a shot.
     #[must_use]
     pub fn new(frames: &FrameRange) -> Self {
         let shot = [frames.first, frames.last];
         Self { frame: frames.first, shot, range: None, rate: frames.rate, playing: None, pace: Pace::default() }
     }
 
-    /// The shot has other frames now.
+    /// Adapts to a changed frame range of the shot.
     pub fn follow(&mut self, frames: &FrameRange) {
         self.shot = [frames.first, frames.last];
         self.rate = frames.rate;
@@ -44,42 +44,42 @@ impl Playhead {
         self.frame = self.frame.clamp(self.shot[0], self.shot[1].max(self.shot[0]));
     }
 
-    /// The frame that is seen.
+    /// Returns the current frame.
     #[must_use]
     pub const fn frame(&self) -> i32 {
         self.frame
     }
 
-    /// First and last frame of the shot.
+    /// Returns the first and last frame of the shot.
     #[must_use]
     pub const fn shot_range(&self) -> [i32; 2] {
         self.shot
     }
 
-    /// First and last frame that is played.
+    /// Returns the first and last frame of the playback range.
     #[must_use]
     pub fn range(&self) -> [i32; 2] {
         self.range.unwrap_or(self.shot)
     }
 
-    /// Whether only a part is played.
+    /// Returns whether playback is restricted to a part of the shot.
     #[must_use]
     pub const fn has_range(&self) -> bool {
         self.range.is_some()
     }
 
-    /// Plays a part alone; `None` and the whole range play all.
+    /// Restricts playback to a range; `None`, or the whole range, plays all.
     pub fn set_range(&mut self, range: Option<[i32; 2]>) {
         self.range = range.filter(|range| range[0] <= range[1] && *range != self.shot);
     }
 
-    /// Goes to a frame of the shot.
+    /// Goes to a frame, clamped to the shot, and stops playback.
     pub fn go(&mut self, frame: i32) {
         self.frame = frame.clamp(self.shot[0], self.shot[1].max(self.shot[0]));
         self.playing = None;
     }
 
-    /// Goes so many frames on, around the ends of what is played.
+    /// Moves by a number of frames, wrapping around within the playback range, and stops playback.
     pub fn step(&mut self, by: i32) {
         let [first, last] = self.range();
         let count = (last - first + 1).max(1);
@@ -87,13 +87,13 @@ impl Playhead {
         self.go(frame);
     }
 
-    /// Whether it plays.
+    /// Returns whether the shot is playing.
     #[must_use]
     pub const fn is_playing(&self) -> bool {
         self.playing.is_some()
     }
 
-    /// Begins to play, or ends.
+    /// Starts or stops playback.
     pub fn toggle(&mut self, now_secs: f64) {
         self.playing = match self.playing {
             Some(_) => None,
@@ -101,8 +101,8 @@ impl Playhead {
         };
     }
 
-    /// The clock goes on; `is_ready` tells whether the frame that is asked for is seen already. Gives whether another frame is to be
-    /// seen now.
+    /// Advances playback to the time `now_secs`; `is_ready`: whether the current frame is displayed already. Returns
+    /// whether the current frame changed.
     pub fn tick(&mut self, now_secs: f64, is_ready: bool) -> bool {
         let Some((since, from)) = self.playing else { return false };
         let [first, last] = self.range();
@@ -124,7 +124,7 @@ impl Playhead {
         is_other
     }
 
-    /// Seconds until the next frame is due; `None`: it does not play.
+    /// Returns the seconds until the next frame is due; `None` if playback is stopped.
     #[must_use]
     pub fn due_in(&self, now_secs: f64) -> Option<f64> {
         let (since, _) = self.playing?;

@@ -1,6 +1,7 @@
-//! A picture to match by eye, above or below the frame: a director's draw-over. It belongs to the window, not to the shot.
+//! A reference picture above or below the frame, for matching by eye, such as a director's draw-over. It belongs to the
+//! window, not to the shot.
 //!
-//! In: a picture, or a sequence of them. Out: the one of a frame, decoded.
+//! In: a picture or a sequence. Out: the decoded picture of a frame.
 
 use super::EditError;
 use super::picture::{Picture, Quality};
@@ -12,22 +13,22 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Reference {
     path: PathBuf,
-    /// 0 to 1.
+    /// Opacity, 0 to 1.
     pub opacity: f32,
-    /// It covers the frame; else it lies behind.
+    /// Whether it is drawn above the frame; else below.
     pub is_above: bool,
-    /// Moved right and up, frame heights.
+    /// Offset to the right and up, in frame heights.
     pub offset: [f32; 2],
-    /// Its height, frame heights.
+    /// Its height in frame heights.
     pub scale: f32,
     loaded: Option<(PathBuf, Arc<Picture>)>,
 }
 
 impl Reference {
-    /// Takes a picture, or a path with a frame counter.
+    /// Opens a picture, or a path with a frame counter.
     ///
     /// # Errors
-    /// [`EditError`] where it cannot be read.
+    /// [`EditError`] if it cannot be read.
     pub fn open(path: &Path, frame: i32) -> Result<Self, EditError> {
         let mut reference =
             Self { path: path.to_owned(), opacity: 0.5, is_above: true, offset: [0.0; 2], scale: 1.0, loaded: None };
@@ -36,7 +37,7 @@ impl Reference {
         Ok(reference)
     }
 
-    /// The picture of a frame; one that a sequence lacks is none.
+    /// Returns the picture of a frame; `None` if the sequence lacks it.
     pub fn at(&mut self, frame: i32) -> Option<Arc<Picture>> {
         let file = self.file_of(frame).ok()?;
         if self.loaded.as_ref().is_none_or(|(known, _)| *known != file) {

@@ -1,12 +1,14 @@
-//! Handles moved by hand, when their lattice gets other dims.
+//! Transfers manually moved handles to a lattice of other dims.
 //!
-//! In: tracks of handles, dims before and after. Out: tracks of those handles of the new lattice that rest nearest to them.
+//! In: tracks of handles, dims before and after. Out: tracks of the nearest handles of the new lattice, by rest
+//! position.
 
 use crate::lattice::{Basis, Grid};
 use crate::shot::HandleTrack;
 use std::collections::BTreeMap;
 
-/// The tracks in a lattice of other dims over the same box. Of two that come to one handle the nearer stays.
+/// Returns the tracks in a lattice of other dims over the same box. If two map to the same handle, the nearer one is
+/// kept.
 #[must_use]
 pub(in crate::edit) fn regridded(
     tracks: &[HandleTrack],
@@ -46,7 +48,7 @@ mod tests {
     #[test]
     fn handles_stay_where_they_are_and_keep_their_keys() {
         let tracks = [track(2, 3, 0.1), track(6, 6, 0.2)];
-        // Twice as many spans: each old handle has a new one in its place.
+        // Twice as many spans: each old handle coincides with a new one.
         let finer = regridded(&tracks, Basis::Bilinear, ([7, 7], [13, 13]));
         assert_eq!(finer.iter().map(|track| track.index).collect::<Vec<_>>(), [[4, 6, 0], [12, 12, 0]]);
         assert_eq!(finer[0].keys, tracks[0].keys);

@@ -1,16 +1,16 @@
-//! Every action of the editor that has a key, one table for menus, the list in the app, the file of own keys, and the window.
+//! All actions with keyboard shortcuts: one table for menus, the in-app list, the user's key file and the window.
 //!
-//! In: a JSON file `{"undo": "Ctrl+Z"}`. Out: chords by action. Names of keys are those of the list.
+//! In: a JSON file `{"undo": "Ctrl+Z"}`. Out: chords by action. Key names are those of the list.
 
 use super::EditError;
 use crate::files::{TABLE_BYTES, read_text};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Keys held together.
+/// A key combination.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Chord {
-    /// Ctrl, on a Mac Cmd.
+    /// Ctrl, or Cmd on a Mac.
     pub command: bool,
     /// Shift.
     pub shift: bool,
@@ -21,7 +21,7 @@ pub struct Chord {
 }
 
 impl Chord {
-    /// Reads "Ctrl+Shift+Z".
+    /// Parses a chord such as "Ctrl+Shift+Z".
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let mut chord = Self::default();
@@ -50,32 +50,32 @@ impl std::fmt::Display for Chord {
     }
 }
 
-/// Declares the actions: name in the code, in files, for people, and the usual key.
+/// Declares the actions: variant, id in files, description, default chord.
 macro_rules! actions {
     ($($action:ident $id:literal $group:literal $words:literal $chord:literal,)*) => {
-        /// Something a key does.
+        /// An action that a key can trigger.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Action {
             $(#[doc = $words] $action,)*
         }
 
         impl Action {
-            /// All of them, in the order of the list.
+            /// All actions, in the order of the list.
             pub const ALL: &[Self] = &[$(Self::$action,)*];
 
-            /// In files.
+            /// Returns the id used in files.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$action => $id,)* }
             }
 
-            /// What belongs together.
+            /// Returns the group that the action is listed under.
             #[must_use]
             pub const fn group(self) -> &'static str {
                 match self { $(Self::$action => $group,)* }
             }
 
-            /// For people.
+            /// Returns the description shown to the user.
             #[must_use]
             pub const fn words(self) -> &'static str {
                 match self { $(Self::$action => $words,)* }
@@ -145,10 +145,10 @@ impl Default for Shortcuts {
 }
 
 impl Shortcuts {
-    /// The usual ones, but for those that a file names. Without a file, the usual ones.
+    /// Reads the default shortcuts with the overrides of a file. If the file does not exist, the defaults.
     ///
     /// # Errors
-    /// [`EditError`] where the file cannot be read, names no action, or a chord that is none or is taken.
+    /// [`EditError`] if the file cannot be read, or holds an unknown action, an invalid chord or a duplicate one.
     pub fn read(path: &Path) -> Result<Self, EditError> {
         if !path.exists() {
             return Ok(Self::default());
@@ -159,7 +159,7 @@ impl Shortcuts {
             .map_err(|(what, hint)| EditError::Unusable { what: format!("{}: {what}", path.display()), hint })
     }
 
-    /// With what a text names.
+    /// Applies the overrides of a text.
     fn with(mut self, text: &str) -> Result<Self, (String, String)> {
         let own: BTreeMap<String, String> = serde_json::from_str(text)
             .map_err(|error| (error.to_string(), "write {\"undo\": \"Ctrl+Z\"}".to_owned()))?;
@@ -181,7 +181,7 @@ impl Shortcuts {
         Ok(self)
     }
 
-    /// The chord of an action.
+    /// Returns the chord of an action.
     #[must_use]
     pub fn of(&self, action: Action) -> Option<&Chord> {
         self.0.get(&action)

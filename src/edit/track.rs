@@ -1,35 +1,35 @@
-//! Keys of one pin or handle: what a drag, a nudge or the timeline makes of them.
+//! Operations on the keys of one pin or handle: drag, nudge, timeline edits.
 //!
-//! In: keys, a time, a change. Out: keys, frames strictly increasing, never none.
+//! In: keys, a time, a change. Out: keys with strictly increasing frames, at least one.
 
 use super::EditError;
 use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
-/// What becomes of keys at other times when a pin is moved.
+/// How moving a pin affects its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AutoKey {
-    /// The pin gets a key at this time.
+    /// A key is set at the current time.
     #[default]
     On,
-    /// All its keys move alike.
+    /// All keys are moved by the same amount.
     Off,
 }
 
-/// What a gesture does to a pin.
+/// The transformation that a gesture applies to a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::edit) enum Move {
-    /// Its target, frame heights.
+    /// Translation of the target in frame heights.
     By(DVec2),
-    /// Its rotation, degrees counter-clockwise.
+    /// Rotation in degrees, counter-clockwise.
     Turn(f64),
-    /// Its scale, a factor.
+    /// Scale factor.
     Grow(f64),
 }
 
 impl Move {
-    /// What it is on the other side of the picture's middle.
+    /// Returns the transformation mirrored left to right.
     pub(in crate::edit) fn mirrored(self) -> Self {
         match self {
             Self::By(by) => Self::By(DVec2::new(-by.x, by.y)),
@@ -39,21 +39,22 @@ impl Move {
     }
 }
 
-/// The time at which a layer's keys are set so that a frame shows them: layers on twos read theirs where the drawing began.
+/// Returns the time at which a layer's keys must be set to take effect at a frame: layers on twos sample theirs at the
+/// start of each drawing.
 #[must_use]
 pub(in crate::edit) fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) -> f64 {
     let step = i32::try_from(layer.step).unwrap_or(1).max(1);
     f64::from(frames.first + (frame - frames.first).div_euclid(step) * step)
 }
 
-/// What the keys of a pin say at a time, as a key there would say it.
+/// Returns the interpolated value of a pin's keys at a time, as a key.
 #[must_use]
 pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey> {
     let own = shot.layers.get(layer)?.pins.get(pin)?;
     if let Some(key) = own.keys.iter().find(|key| key.frame == time) {
         return Some(*key);
     }
-    // Without strength, which is applied to what keys say.
+    // Strength is excluded, as it is applied to the value of the keys.
     let mut plain = shot.layers[layer].clone();
     (plain.strength, plain.step) = (1.0, 1);
     let targets = plain.pin_path(&shot.frames, time);
@@ -67,10 +68,11 @@ pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) 
     Some(PinKey { frame: time, goal: target.goal, rotate_degrees, scale: target.log_scale.map(f64::exp), ease })
 }
 
-/// The keys of a pin after a gesture at a time. `box_size`: of the layer's lattice, frame heights, where it is known.
+/// Returns the keys of a pin after a gesture at a time. `box_size`: size of the layer's lattice in frame heights, if
+/// known.
 ///
 /// # Errors
-/// [`EditError::Unusable`] where the pin is keyed in the scene.
+/// [`EditError::Unusable`] if the pin is keyed in scene space.
 pub(in crate::edit) fn moved(
     shot: &Shot,
     at: [usize; 2],
@@ -127,7 +129,7 @@ fn changed(key: &PinKey, change: Move, strength: f64, unit: DVec2) -> Option<Pin
     Some(key)
 }
 
-/// Far below a pixel, and free of binary noise in the file.
+/// Rounds to far below a pixel, which keeps binary noise out of the file.
 fn rounded(vector: DVec2) -> DVec2 {
     DVec2::new(round(vector.x, 1e6), round(vector.y, 1e6))
 }
@@ -136,7 +138,7 @@ fn round(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
 }
 
-/// Keys with one more, or with that one in place of another at its time.
+/// Inserts a key, replacing one at the same time.
 #[must_use]
 pub(in crate::edit) fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
     let mut keys: Vec<PinKey> = keys.iter().filter(|other| other.frame != key.frame).copied().collect();
@@ -145,14 +147,14 @@ pub(in crate::edit) fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
     keys
 }
 
-/// Keys without those at some times; the last one stays.
+/// Removes the keys at some times; the last key is kept.
 #[must_use]
 pub(in crate::edit) fn without_keys(keys: &[PinKey], times: &[f64]) -> Vec<PinKey> {
     let kept: Vec<PinKey> = keys.iter().filter(|key| !times.contains(&key.frame)).copied().collect();
     if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
 }
 
-/// Keys at some times go so many frames on; those that they land on go.
+/// Moves the keys at some times by a number of frames; keys that they land on are removed.
 #[must_use]
 pub(in crate::edit) fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<PinKey> {
     let is_moved = |key: &&PinKey| times.contains(&key.frame);
@@ -161,14 +163,14 @@ pub(in crate::edit) fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<P
     moved.into_iter().fold(rest, |keys, key| with_key(&keys, key))
 }
 
-/// Keys at some times leave with that ease.
+/// Sets the ease of the keys at some times.
 #[must_use]
 pub(in crate::edit) fn eased(keys: &[PinKey], times: &[f64], ease: Ease) -> Vec<PinKey> {
     let ease = |key: &PinKey| if times.contains(&key.frame) { PinKey { ease, ..*key } } else { *key };
     keys.iter().map(ease).collect()
 }
 
-/// The keys of a handle after it was dragged at a time; `by` in sizes of the lattice's box.
+/// Returns the keys of a handle after a drag at a time; `by` in units of the lattice box's size.
 #[must_use]
 pub(in crate::edit) fn handle_moved(
     track: Option<&HandleTrack>,
@@ -210,7 +212,7 @@ mod tests {
         let by = Move::By(DVec2::new(0.1, 0.2));
         let keys = moved(&shot, [0, 0], (6.0, AutoKey::On), by, None).expect("screen keys");
         assert_eq!(keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 6.0, 11.0]);
-        // Halfway along the keys, and half of what is said is done.
+        // Halfway along the keys; at half strength, half of the keyed value is applied.
         assert_eq!((offset(&keys[1]), keys[1].rotate_degrees), (DVec2::new(0.7, 0.4), Some(Rotation::InView(10.0))));
         let keys = moved(&shot, [0, 0], (6.0, AutoKey::Off), by, None).expect("screen keys");
         assert_eq!(keys.iter().map(offset).collect::<Vec<_>>(), [DVec2::new(0.2, 0.4), DVec2::new(1.2, 0.4)]);

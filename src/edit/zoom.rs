@@ -1,32 +1,33 @@
-//! How the picture lies in the viewport: zoom, pan, fit, one to one.
+//! Zoom and pan of the picture in the viewport.
 //!
-//! In: sizes of picture and viewport. Out: places of one in the other. Viewport places are in its own units from its upper left corner.
+//! In: sizes of picture and viewport. Out: conversions between their coordinates. Viewport positions are in its own
+//! units, from its upper left corner.
 
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use glam::DVec2;
 
-/// Least and greatest size of a picture's pixel, in units of the viewport.
+/// Minimum and maximum size of a picture's pixel in viewport units.
 const LIMITS: [f64; 2] = [0.02, 64.0];
 
-/// Air around a fitted picture.
+/// Margin around a fitted picture.
 const MARGIN: f64 = 16.0;
 
-/// How the picture lies.
+/// The view transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Zoom {
-    /// All of it is seen, whatever becomes of the viewport.
+    /// Fits the whole picture, following the viewport's size.
     #[default]
     Fit,
-    /// A pixel has this size, and this place of the picture lies in the middle.
+    /// A fixed scale, with this point of the picture in the middle of the viewport.
     At {
-        /// Units of the viewport a pixel.
+        /// Viewport units per pixel.
         scale: f64,
-        /// Pixels of the picture.
+        /// The centre in pixels of the picture.
         center: DVec2,
     },
 }
 
-/// A picture in a viewport.
+/// A picture placed in a viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Size of the picture.
@@ -34,12 +35,12 @@ pub struct Lens {
     /// Size of the viewport.
     pub viewport: DVec2,
     scale: f64,
-    /// Where the picture's upper left corner lies.
+    /// Viewport position of the picture's upper left corner.
     origin: DVec2,
 }
 
 impl Zoom {
-    /// The picture in a viewport of that size.
+    /// Places the picture in a viewport of this size.
     #[must_use]
     pub fn lens(self, frame: FrameSize, viewport: DVec2) -> Lens {
         let picture = DVec2::new(f64::from(frame.width) * frame.pixel_aspect, f64::from(frame.height));
@@ -53,7 +54,7 @@ impl Zoom {
         Lens { frame, viewport, scale, origin: 0.5 * viewport - center * scale }
     }
 
-    /// Larger or smaller by a factor; what lies at a place of the viewport stays there.
+    /// Zooms by a factor around a fixed viewport position.
     #[must_use]
     pub fn zoomed(self, lens: &Lens, at: DVec2, factor: f64) -> Self {
         let scale = (lens.scale * factor).clamp(LIMITS[0], LIMITS[1]);
@@ -61,14 +62,14 @@ impl Zoom {
         Self::At { scale, center: fixed - (at - 0.5 * lens.viewport) / scale }
     }
 
-    /// The picture follows a drag by this much.
+    /// Pans by an offset in viewport units.
     #[must_use]
     pub fn panned(self, lens: &Lens, by: DVec2) -> Self {
         let center = (0.5 * lens.viewport - lens.origin - by) / lens.scale;
         Self::At { scale: lens.scale, center }
     }
 
-    /// A pixel of the picture has this size; the middle stays.
+    /// Zooms to viewport units per pixel; the centre stays fixed.
     #[must_use]
     pub fn at_scale(self, lens: &Lens, scale: f64) -> Self {
         self.zoomed(lens, 0.5 * lens.viewport, scale / lens.scale)
@@ -76,33 +77,33 @@ impl Zoom {
 }
 
 impl Lens {
-    /// Units of the viewport a pixel of the picture.
+    /// Returns the viewport units per pixel of the picture.
     #[must_use]
     pub const fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// Units of the viewport a frame height.
+    /// Returns the viewport units per frame height.
     #[must_use]
     pub fn frame_height(&self) -> f64 {
         self.scale * f64::from(self.frame.height)
     }
 
-    /// Where a point of the screen lies.
+    /// Converts a screen point to a viewport position.
     #[must_use]
     pub fn viewport_from_screen(&self, point: ScreenPoint) -> DVec2 {
         let ImagePoint(pixel) = self.frame.image_from_screen(point);
         self.origin + pixel * DVec2::new(self.frame.pixel_aspect, 1.0) * self.scale
     }
 
-    /// Which point of the screen lies there.
+    /// Converts a viewport position to a screen point.
     #[must_use]
     pub fn screen_from_viewport(&self, at: DVec2) -> ScreenPoint {
         let pixel = (at - self.origin) / self.scale / DVec2::new(self.frame.pixel_aspect, 1.0);
         self.frame.screen_from_image(ImagePoint(pixel))
     }
 
-    /// Upper left and lower right corner of the picture.
+    /// Returns the upper left and lower right corners of the picture in the viewport.
     #[must_use]
     pub fn corners(&self) -> [DVec2; 2] {
         let size = DVec2::new(f64::from(self.frame.width) * self.frame.pixel_aspect, f64::from(self.frame.height));

@@ -1,22 +1,23 @@
-//! The plugin's memory budget: the user sets it before the host starts, renders reserve from it.
+//! The plugin's memory budget: the user sets it before the host starts, and renders reserve from it.
 //!
-//! In: `PINWARP_MAX_MEMORY`, what a render is about to take. Out: a [`Reservation`], or a [`Fault`] that the host shows.
+//! In: `PINWARP_MAX_MEMORY` and the bytes that a render will need. Out: a [`Reservation`], or a [`Fault`] that the host
+//! shows.
 
 use super::fault::Fault;
 use super::host::{Effect, Image};
 use crate::memory::{self, MemoryLimit, Reservation};
 use std::sync::LazyLock;
 
-/// The variable that holds the limit, written as `--max-memory` is.
+/// The environment variable that holds the limit, in the syntax of `--max-memory`.
 const VARIABLE: &str = "PINWARP_MAX_MEMORY";
 
-/// Bytes that a map takes for a pixel.
+/// Bytes of a map per pixel.
 pub(super) const MAP_BYTES: u128 = 8;
 
-/// Bytes of a sample.
+/// Bytes per sample.
 const SAMPLE: u128 = 4;
 
-/// Reads the variable once; what is wrong with it.
+/// The result of reading the variable, once per process: an error message if it is invalid.
 static LIMIT: LazyLock<Result<(), String>> = LazyLock::new(|| {
     let Some(text) = std::env::var_os(VARIABLE) else { return Ok(()) };
     let text = text.to_string_lossy();
@@ -25,24 +26,26 @@ static LIMIT: LazyLock<Result<(), String>> = LazyLock::new(|| {
     Ok(())
 });
 
-/// Takes over the user's limit. What is wrong with it is told by the first render.
+/// Applies the user's limit. An invalid limit is reported by the first render.
 pub(super) fn read_limit() {
     LazyLock::force(&LIMIT);
 }
 
-/// Bytes of so many planes.
+/// Returns the bytes of `count` planes of `area` samples each.
 pub(super) fn planes(count: usize, area: usize) -> u128 {
     count as u128 * area as u128 * SAMPLE
 }
 
-/// Bytes of an image as planes of at least so many channels. Straight colour is multiplied by its alpha in a copy.
+/// Returns the bytes of an image as planes of at least `channels` channels. Straight colour is premultiplied in a copy.
 pub(super) fn image(image: &Image, channels: usize) -> u128 {
     let copies = if image.is_straight { 2 } else { 1 };
     copies * planes(image.channels.max(channels), image.area())
 }
 
-/// Reserves bytes for a picture of that size, and waits while other renders hold them. No image may be fetched while they
-/// are reserved: hosts may answer that with a render of another instance on the same thread.
+/// Reserves bytes for a picture of `size` pixels, waiting while other renders hold them.
+///
+/// No image may be fetched while the reservation is held: a host may respond by rendering another instance on the same
+/// thread, which would deadlock.
 pub(super) fn reserve(effect: Effect, bytes: u128, size: [u32; 2]) -> Result<Reservation, Fault> {
     LIMIT.clone().map_err(Fault::Limit)?;
     let reserved = memory::reserve_until(bytes, &|| effect.is_aborted());

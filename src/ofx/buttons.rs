@@ -1,6 +1,6 @@
-//! The buttons: shot files read and written, STMaps written.
+//! Push buttons: reading and writing shot files, writing STMaps, pin commands.
 //!
-//! In: the parameters with their keys. Out: parameters, set in one step to undo; files.
+//! In: the parameters with their keys. Out: parameters, changed in one undo step; files.
 
 use super::api::names::image;
 use super::budget;
@@ -23,22 +23,22 @@ use crate::spelling::counted;
 use std::ffi::CStr;
 use std::path::PathBuf;
 
-/// Frames over which keys and maps are written at most: a host's "for ever" ends there.
+/// Maximum number of frames for which keys and maps are written; guards against a host's "infinite" range.
 const MOST_FRAMES: i32 = 100_000;
 
-/// The pins that the buttons act on: those selected in the viewer, else the one whose number is typed.
+/// Returns the pins that the buttons act on: those selected in the viewer, else the one whose number is entered.
 fn selected(effect: Effect, values: ParamValues) -> Vec<usize> {
     let chosen: Vec<usize> = pen::pen_of(effect.key()).picker.chosen().collect();
     let typed = usize::try_from(values.int("selected") - 1).ok();
     if chosen.is_empty() { typed.into_iter().collect() } else { chosen }
 }
 
-/// Selects a pin, or none.
+/// Selects a pin, or clears the selection.
 pub(super) fn select(effect: Effect, pin: Option<usize>) {
     pen::change(effect.key(), |pen| pen.picker.choose(pin));
 }
 
-/// Presses a button of the pins, in one step to undo; what there is to tell. `None`: it is no button of the pins.
+/// Executes a pin button, in one undo step; returns a message for the user, if any. `None`: not a pin button.
 pub(super) fn press_pins(effect: Effect, id: &str, values: ParamValues) -> Option<Option<String>> {
     let chosen = selected(effect, values);
     let acting = pins::acting(values);
@@ -70,10 +70,10 @@ pub(super) fn press_pins(effect: Effect, id: &str, values: ParamValues) -> Optio
     Some(None)
 }
 
-/// What is done to each pin.
+/// An operation on one pin.
 type PinWork = fn(ParamValues, usize);
 
-/// Does what a button says, and tells how it went; `None`: there is no such button.
+/// Executes a file button and returns its result message; `None`: there is no such button.
 pub(super) fn press(call: Call, id: &str, values: ParamValues) -> Option<Result<String, Fault>> {
     let host_frame = host_frame_of(call.effect, values.time);
     match id {
@@ -113,7 +113,7 @@ fn read(values: ParamValues, host_frame: &HostFrame) -> Result<String, Fault> {
     Ok(file.told(PINS) + scale)
 }
 
-/// A pin and its keys as parameters.
+/// Writes a pin and its keys to the parameters.
 fn set_track(values: ParamValues, host_frame: &HostFrame, pin: usize, track: &PinTrack) {
     let params = values.params;
     let [name, rest, target, turns, angle] = ["Name", "Rest", "Target", "Turns", "Angle"].map(|end| pin_id(pin, end));
@@ -167,21 +167,21 @@ fn write(call: Call, values: ParamValues, host_frame: &HostFrame) -> Result<Stri
     Ok(format!("wrote {} to {}", counted(tracks.len(), "pin", "pins"), path.display()))
 }
 
-/// Frames a second of the source.
+/// Returns the source's frame rate in frames per second.
 fn rate(call: Call) -> f64 {
     let source = call.effect.clip(image::SOURCE_CLIP).map(Clip::props);
     source.and_then(|props| props.double(image::FRAME_RATE)).filter(|rate| *rate > 0.0).unwrap_or(24.0)
 }
 
-/// First and last frame of the source, or the frame that is shown.
+/// Returns the first and last frame of the source, or the current frame for a still.
 fn frames(call: Call, time: f64) -> [i32; 2] {
     let range = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.props().doubles(image::FRAME_RANGE));
-    // A still lasts "for ever": then there is nothing but the frame that is shown.
+    // A still has an infinite range: only the current frame counts.
     let range = range.filter(|[first, last]| (0.0..=f64::from(MOST_FRAMES)).contains(&(last - first)));
     range.unwrap_or([time; 2]).map(|frame| frame.round() as i32)
 }
 
-/// A pin with its keys.
+/// Returns a pin with its keys.
 fn track(values: ParamValues, host_frame: &HostFrame, pin: usize) -> PinTrack {
     let ends = ["Rest", "Target", "Turns", "Angle"].iter();
     let times: Vec<f64> = ends.flat_map(|end| values.params.keys(&pin_id(pin, end))).collect();
@@ -190,7 +190,7 @@ fn track(values: ParamValues, host_frame: &HostFrame, pin: usize) -> PinTrack {
     PinTrack::sampled(name, &times, now, |time| ParamValues { time, ..values }.pin(pin, host_frame))
 }
 
-/// Where STMaps go: into the folder, else along the pattern, which hosts may have filled in.
+/// Returns the path pattern of the STMaps: in the folder, else the entered pattern, which hosts may have expanded.
 fn stmap_pattern(values: ParamValues) -> Result<PathBuf, Fault> {
     let Some(folder) = values.text("stmapFolder") else {
         return values.text("stmapPath").map(PathBuf::from).ok_or(Fault::NoPath("STMaps folder"));

@@ -1,6 +1,6 @@
-//! An action of a host on one of the plugins, with its arguments.
+//! An action called by a host on one of the plugins, with its arguments.
 //!
-//! In: handles that `entry` was called with. Out: [`Call`], which every action's function takes.
+//! In: the handles passed to `entry`. Out: [`Call`], the argument of every action's function.
 
 use super::api::Status;
 use super::fault::Fault;
@@ -9,22 +9,22 @@ use super::host::{Effect, Props};
 /// Which of the library's plugins an action addresses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PluginKind {
-    /// Warps the picture.
+    /// The warp.
     PinWarp,
-    /// Writes the STMap of that warp.
+    /// The STMap of that warp.
     StMap,
 }
 
-/// An action on an effect.
+/// An action on an effect, with its arguments.
 #[derive(Clone, Copy)]
 pub(super) struct Call<'a> {
     pub(super) kind: PluginKind,
     pub(super) effect: Effect<'a>,
-    /// Its arguments; empty where it has none.
+    /// Its in arguments; empty if there are none.
     pub(super) args: Props<'a>,
-    /// Where its answers go.
+    /// Its out arguments.
     pub(super) out: Props<'a>,
 }
 
-/// What an action does.
+/// The function that handles an action.
 pub(super) type Action = fn(Call) -> Result<Status, Fault>;

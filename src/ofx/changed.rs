@@ -1,4 +1,4 @@
-//! Instances come, change and go: what is greyed out, buttons, pins that are switched on.
+//! Instance creation and changes: enables and disables parameters, handles buttons, places pins when switched on.
 //!
 //! In: what changed, and why. Out: parameters.
 
@@ -16,7 +16,7 @@ use super::values::ParamValues;
 use crate::live;
 use crate::spelling::escaped;
 
-/// A new instance: what does not matter is greyed out.
+/// Handles the creation of an instance: disables the parameters that have no effect.
 pub(super) fn created(call: Call) -> Result<Status, Fault> {
     let values = ParamValues::of(call.effect, 0.0)?;
     enable(values);
@@ -24,13 +24,13 @@ pub(super) fn created(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Memory is short: what was computed goes, for all instances.
+/// Handles low memory: drops the cached results of all instances.
 pub(super) fn purged(_: Call) -> Result<Status, Fault> {
     live::purge();
     Ok(Status::OK)
 }
 
-/// The user changed a parameter or pressed a button.
+/// Handles a parameter edited or a button pressed by the user.
 pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     let by_user =
         call.args.text(prop::CHANGE_REASON).is_some_and(|why| why.as_bytes() == prop::CHANGE_USER_EDITED.to_bytes());
@@ -38,7 +38,7 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
     let values = ParamValues::of(call.effect, time)?;
     overlay::end_open_edit(call.effect);
-    // What was wrong before the edit is shown again, or is over.
+    // Earlier messages may no longer apply; those that do are shown again.
     call.effect.clear_messages();
     if let Some(done) = buttons::press_pins(call.effect, &id, values) {
         done.iter().for_each(|told| call.effect.inform(&escaped(told)));
@@ -60,7 +60,7 @@ pub(super) fn changed(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Greys out what the choice of shape leaves without effect.
+/// Disables the parameters that have no effect with the chosen shape.
 fn enable(values: ParamValues) {
     let shape = values.choice("shape", &SHAPES);
     let of_shot = ["camera", "layer", "frameOffset", "pinFrame", "shotPins"];
@@ -70,7 +70,7 @@ fn enable(values: ParamValues) {
     values.params.props_of("holdBorder").set_int(param::ENABLED, i32::from(shape != ShapeFrom::Alpha));
 }
 
-/// The groups of pins in use are open, in hosts that let them be opened.
+/// Opens the groups of pins in use, in hosts that allow it.
 fn open_groups(values: ParamValues) {
     for pin in 0..PINS {
         let is_used = values.is_on(&pin_id(pin, "On"));
@@ -78,8 +78,8 @@ fn open_groups(values: ParamValues) {
     }
 }
 
-/// A pin that was never placed starts in the middle of the frame, where it can be seen: hosts differ in what they make
-/// of defaults that are given in parts of the frame.
+/// Places a pin that was never placed in the middle of the frame, where it is visible: hosts interpret normalised
+/// defaults differently.
 fn place(values: ParamValues, pin: usize, host_frame: &HostFrame) {
     if values.is_on(&pin_id(pin, "On")) && !values.is_placed(pin) {
         let [x1, y1, x2, y2] = host_frame.canonical_region();

@@ -1,4 +1,4 @@
-//! The clips of the plugins beside Source and Output.
+//! The optional clips of the plugins, in addition to Source and Output.
 //!
 //! In: an action. Out: optional clips that are connected.
 
@@ -7,14 +7,14 @@ use super::call::{Call, PluginKind};
 use super::host::Clip;
 use std::ffi::CStr;
 
-/// What is moved; where it is black, nothing is.
+/// The mask of what is warped; nothing is where it is black.
 pub(super) const MASK_CLIP: &CStr = c"Mask";
-/// Where the warped picture is seen; where it is black, the source is.
+/// The matte of where the warped picture is visible; where it is black, the source shows.
 pub(super) const MATTE_CLIP: &CStr = c"Matte";
-/// What is seen where something moved away.
+/// The picture that shows where the source was moved away.
 pub(super) const BACKGROUND_CLIP: &CStr = c"Background";
 
-/// An optional clip with a picture connected to it.
+/// Returns an optional clip if it is connected.
 pub(super) fn connected<'a>(call: Call<'a>, name: &'static CStr) -> Option<Clip<'a>> {
     let is_there = call.kind == PluginKind::PinWarp;
     let clip = is_there.then(|| call.effect.clip(name)).flatten()?;

@@ -1,4 +1,4 @@
-//! What the plugins can do, and the clips and parameters they have.
+//! Describes the plugins: their capabilities, clips and parameters.
 //!
 //! In: a descriptor. Out: its properties, set.
 
@@ -12,17 +12,17 @@ use super::overlay;
 use super::params::{Param, ParamKind, pages, precision, table};
 use std::ffi::{CStr, c_void};
 
-/// Properties of limits: of the value, then of its slider. Resolve shows no parameter without all four.
+/// Properties of limits: of the value, then of its slider. Resolve shows a parameter only if all four are set.
 const LIMITS: [&CStr; 4] = [param::MIN, param::MAX, param::DISPLAY_MIN, param::DISPLAY_MAX];
 
-/// Where points may lie.
+/// Limits of a position's coordinates.
 const POINTS: [f64; 2] = [-1e6, 1e6];
 
-/// Parameters whose changes leave the picture as it is.
+/// Parameters that do not affect the rendered picture.
 const WITHOUT_EFFECT: [&str; 8] =
     ["handles", "clickAdds", "overlay", "selected", "writePath", "stmapFolder", "stmapName", "stmapPath"];
 
-/// Contexts, depths and abilities.
+/// Handles the describe action: contexts, bit depths and capabilities.
 pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     let props = call.effect.props();
     let (label, about) = match call.kind {
@@ -66,12 +66,12 @@ pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Resolve and Fusion ask for tiles and then take them for whole frames.
+/// Returns whether tiles are supported: Resolve and Fusion request tiles and then treat them as whole frames.
 fn takes_tiles(call: Call) -> i32 {
     i32::from(!["Resolve", "Fusion"].iter().any(|host| call.effect.suites.host_is(host)))
 }
 
-/// Clips and parameters of a context.
+/// Handles the describe-in-context action: clips and parameters.
 pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
     let context = call.args.text(image::CONTEXT).unwrap_or_default();
     let colour = [image::COMPONENT_RGBA, image::COMPONENT_RGB, image::COMPONENT_ALPHA];
@@ -97,7 +97,7 @@ pub(super) fn describe_in_context(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Declares the table of parameters, and pages of them for hosts that show pages.
+/// Declares the parameters of the table, and pages for hosts that show pages.
 fn define_parameters(call: Call) -> Result<(), Fault> {
     let params = call.effect.params()?;
     for entry in table() {
@@ -124,12 +124,12 @@ fn define_parameters(call: Call) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Default, range and whatever else belongs to a kind of parameter.
+/// Sets the properties specific to a kind of parameter: default, range and so on.
 fn define_kind(call: Call, props: Props, entry: &Param) {
     let host = call.effect.suites.host();
     let can = |ability| i32::from(entry.animates && host.int(ability).unwrap_or(0) != 0);
     let mut animates = i32::from(entry.animates);
-    // MLT, and so Kdenlive, takes the range of a slider for that of the value.
+    // MLT, and so Kdenlive, treats the slider's range as that of the value.
     let has_soft_limits = !call.effect.suites.host_is("MLT");
     match &entry.kind {
         ParamKind::Group(is_open) => return props.set_ints(param::GROUP_OPEN, &[*is_open]),
@@ -164,7 +164,7 @@ fn define_kind(call: Call, props: Props, entry: &Param) {
             props.set_names(param::DOUBLE_TYPE, &[param::DOUBLE_XY_ABSOLUTE]);
             props.set_names(param::DEFAULT_COORDINATES, &[param::COORDINATES_CANONICAL]);
             props.set_doubles(param::DEFAULT, &[0.0, 0.0]);
-            // Pins go outside the frame, too.
+            // Pins may lie outside the frame.
             let shown = if has_soft_limits { [-4096.0, 8192.0] } else { POINTS };
             for (name, value) in LIMITS.into_iter().zip([POINTS[0], POINTS[1], shown[0], shown[1]]) {
                 props.set_doubles(name, &[value, value]);

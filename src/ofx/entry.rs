@@ -1,6 +1,6 @@
-//! The three functions that hosts look up in the library, and the way of an action from there to its function.
+//! The three functions that hosts look up in the library, and the dispatch of actions to their functions.
 //!
-//! In: C calls, also wrong ones. Out: a status each time; no panic crosses this border.
+//! In: C calls, valid or not. Out: a status for each; no panic crosses the FFI boundary.
 
 use super::api::names::action;
 use super::api::{EffectHandle, Host, Plugin, PropertySet, Status, names};
@@ -11,7 +11,7 @@ use super::{budget, changed, describe, pen, regions, render};
 use crate::spelling::escaped;
 use std::ffi::{CStr, c_char, c_int, c_void};
 
-/// Actions on effects. All others are answered with "reply default".
+/// Actions on effects. All others return `REPLY_DEFAULT`.
 const ACTIONS: &[(&CStr, Action)] = &[
     (action::DESCRIBE, describe::describe),
     (action::DESCRIBE_IN_CONTEXT, describe::describe_in_context),
@@ -23,22 +23,22 @@ const ACTIONS: &[(&CStr, Action)] = &[
     (action::GET_CLIP_PREFERENCES, regions::clip_preferences),
     (action::RENDER, render::render),
     (action::PURGE_CACHES, changed::purged),
-    // Parameters hold all there is to save.
+    // All state is in parameters, so there is nothing to write back.
     (action::SYNC_PRIVATE_DATA, |_| Ok(Status::OK)),
     (action::BEGIN_SEQUENCE_RENDER, |_| Ok(Status::OK)),
     (action::END_SEQUENCE_RENDER, |_| Ok(Status::OK)),
 ];
 
-/// Actions that begin the life of a handle; hosts use the addresses of ended ones again.
+/// Actions that begin the life of a handle; hosts reuse the addresses of destroyed ones.
 const BEGINNINGS: [&CStr; 3] = [action::DESCRIBE, action::DESCRIBE_IN_CONTEXT, action::CREATE_INSTANCE];
 
-/// Plugins are constants for the host, though C calls their strings pointers.
+/// A plugin structure shared with the host; its raw string pointers make it `!Sync`, though it is constant.
 struct Shared(Plugin);
 
 // SAFETY: the strings are constants and nobody writes to a plugin's structure.
 unsafe impl Sync for Shared {}
 
-/// The plugins, in the order in which hosts count them.
+/// The plugins, in the order of their index.
 static PLUGINS: [Shared; 2] =
     [plugin_of(c"io.github.pinwarp.PinWarp", pin_warp), plugin_of(c"io.github.pinwarp.PinWarpST", st_map)];
 
@@ -54,20 +54,20 @@ const fn plugin_of(identifier: &'static CStr, main_entry: super::api::EntryPoint
     })
 }
 
-/// How many plugins the library holds.
+/// Returns the number of plugins in the library.
 #[unsafe(export_name = "OfxGetNumberOfPlugins")]
 pub extern "C" fn number_of_plugins() -> c_int {
     2
 }
 
-/// The nth plugin, null where there is none.
+/// Returns the nth plugin, or null if there is none.
 #[unsafe(export_name = "OfxGetPlugin")]
 pub extern "C" fn plugin(nth: c_int) -> *const Plugin {
     let plugin = usize::try_from(nth).ok().and_then(|nth| PLUGINS.get(nth));
     plugin.map_or(std::ptr::null(), |plugin| &raw const plugin.0)
 }
 
-/// Takes the host before anything else (API 1.4); few hosts call it.
+/// Receives the host before anything else (API 1.4); few hosts call it.
 ///
 /// # Safety
 /// `host` is null or stays valid while the library is loaded.
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn set_host(host: *const Host) -> Status {
     })
 }
 
-/// Takes the host, as a plugin's `setHost`.
+/// Receives the host; this is the plugins' `setHost`.
 unsafe extern "C" fn meet_host(host: *const Host) {
     let _nobody_to_tell = guarded(|| {
         host::meet(host);
@@ -101,16 +101,16 @@ unsafe extern "C" fn st_map(name: *const c_char, handle: *const c_void, args: Pr
 }
 
 fn act(kind: PluginKind, name: *const c_char, handle: *const c_void, [args, out]: [PropertySet; 2]) -> Status {
-    // SAFETY: the host ends the names of actions with zero.
+    // SAFETY: the host passes action names as NUL-terminated strings.
     let Some(name) = (unsafe { action_name(name) }) else { return Status::ERR_UNKNOWN };
-    // Loading is answered with OK, never with "by default": MLT takes any other answer for a failure.
+    // Load returns OK, never `REPLY_DEFAULT`: MLT treats any other status as a failure.
     if name == action::LOAD {
         budget::read_limit();
         return host::load().map_or_else(|error| Fault::from(error).status(), |_| Status::OK);
     }
     let handle = EffectHandle(handle.cast_mut());
     if name == action::DESTROY_INSTANCE {
-        // The host's side of the instance may be half gone: nothing of it is touched from here on.
+        // The host may have destroyed parts of the instance already, so it is not accessed from here on.
         host::end_effect(handle);
         pen::forget(handle.0 as usize);
         return Status::OK;

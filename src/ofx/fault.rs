@@ -1,6 +1,6 @@
-//! What can go wrong between host and plugin, and the status that says so.
+//! Errors of the plugin, with the status that reports each to the host.
 //!
-//! In: the cause. Out: words for the user and a [`Status`] for the host.
+//! In: the cause. Out: a message for the user and a [`Status`] for the host.
 
 use super::api::Status;
 use super::host::HostError;
@@ -13,58 +13,58 @@ use thiserror::Error;
 /// A failed action.
 #[derive(Debug, Error)]
 pub(super) enum Fault {
-    /// The host lacks something, or gives what cannot be used.
+    /// The host lacks something, or provided something unusable.
     #[error(transparent)]
     Host(#[from] HostError),
-    /// The shape comes from a shot file, and none is named.
+    /// The shape comes from a shot file, but none is given.
     #[error("Shape from is set to Shot file, but Shot file is empty; name a .toml file, or choose another shape")]
     NoShotFile,
-    /// A button needs a path.
+    /// A button requires a path.
     #[error("{0} is empty; name a file to write")]
     NoPath(&'static str),
-    /// A name of STMaps that is none.
+    /// An invalid name pattern for STMaps.
     #[error("{0} is no name of a file: leave out folders, the number and its signs")]
     BadName(String),
-    /// A pin that cannot be meant.
+    /// A pin implausibly far from the picture.
     #[error("pin {number} lies at {}, {} px and goes to {}, {} px, far outside the picture; bring it back", ends[0][0], ends[0][1], ends[1][0], ends[1][1])]
     FarPin {
-        /// As users count.
+        /// Its number, counted from 1.
         number: usize,
-        /// Its place and its target.
+        /// Its rest position and its target.
         ends: [[f64; 2]; 2],
     },
-    /// A map cannot be written.
+    /// A map could not be written.
     #[error(transparent)]
     Write(#[from] ImageError),
-    /// The engine cannot do it.
+    /// The engine failed.
     #[error(transparent)]
     Live(#[from] LiveError),
-    /// A picture that does not fit into the memory budget.
+    /// A picture exceeds the memory budget.
     #[error("a picture of {} x {} pixels {source}", size[0], size[1])]
     Memory {
-        /// Pixels across and down.
+        /// Width and height in pixels.
         size: [u32; 2],
-        /// What it needs, and what there is.
+        /// The bytes needed and available.
         source: OverBudget,
     },
-    /// The user's limit cannot be read.
+    /// The user's limit is invalid.
     #[error("{0}; correct it and start the host anew")]
     Limit(String),
     /// A panic.
     #[error("pinwarp stumbled over a fault of its own: {0}; please report this with your project")]
     Panic(String),
-    /// The host wants the result no more.
+    /// The host no longer needs the result.
     #[error("stopped by the host")]
     Aborted,
 }
 
 impl Fault {
-    /// Whether the host itself stopped the work.
+    /// Returns whether the host itself aborted the work.
     pub(super) fn is_abort(&self) -> bool {
         matches!(self, Self::Aborted | Self::Live(LiveError::Aborted))
     }
 
-    /// The status that tells the host.
+    /// Returns the status that reports the error to the host.
     pub(super) fn status(&self) -> Status {
         let mut causes = std::iter::successors(self.source(), |error| (*error).source());
         if causes.any(|error| error.is::<OverBudget>()) {
@@ -74,7 +74,7 @@ impl Fault {
             Self::Host(HostError::MissingSuite(_)) => Status::ERR_MISSING_HOST_FEATURE,
             Self::Host(HostError::Missing(_)) => Status::ERR_BAD_HANDLE,
             Self::Host(HostError::Image { .. }) => Status::ERR_IMAGE_FORMAT,
-            // Hosts that abort throw the frame away; an error would put a message on the screen.
+            // A host that aborts discards the frame; an error would show a message to the user.
             Self::Aborted | Self::Live(LiveError::Aborted) => Status::OK,
             Self::NoShotFile
             | Self::NoPath(_)

@@ -1,6 +1,7 @@
-//! The picture that pins are measured in, as a host describes it.
+//! The frame in which pins are measured, as described by the host.
 //!
-//! In: properties of an effect, regions of its source. Out: a [`HostFrame`]: the plate, or over a shot the project.
+//! In: properties of an effect, regions of its source. Out: a [`HostFrame`]: that of the source, or for a shot the
+//! project's.
 
 use super::api::names::image;
 use super::host::Effect;
@@ -8,24 +9,24 @@ use super::params::{SHAPES, ShapeFrom};
 use super::values::ParamValues;
 pub(super) use crate::live::HostFrame;
 
-/// The picture of a host that says nothing about it.
+/// The assumed frame of a host that describes none.
 const UNKNOWN: [f64; 4] = [0.0, 0.0, 1920.0, 1080.0];
 
-/// Whether a side of a region means that the region has no end there.
+/// Returns whether a side of a region stands for an infinite extent.
 pub(super) fn is_endless(side: f64) -> bool {
     side <= f64::from(i32::MIN) || side >= f64::from(i32::MAX)
 }
 
-/// The pixels of a render: their scale, and the window of the output's image.
+/// The pixels of a render: their scale, and the bounds of the output's image.
 pub(super) type Drawn = ([f64; 2], Option<[i32; 4]>);
 
-/// The picture at its full size.
+/// Returns the frame at full size.
 pub(super) fn host_frame_of(effect: Effect, time: f64) -> HostFrame {
     host_frame_at(effect, time, ([1.0, 1.0], None))
 }
 
-/// The picture that is warped, while an image of these pixels is drawn: all of the source, which may be larger or smaller
-/// than the project. A shot's camera shows the project.
+/// Returns the frame that is warped while an image of these pixels is rendered: all of the source, which may be larger
+/// or smaller than the project. For a shot it is the project's, which its camera frames.
 pub(super) fn host_frame_at(effect: Effect, time: f64, drawn: Drawn) -> HostFrame {
     let shape = ParamValues::of(effect, time).map(|values| values.choice("shape", &SHAPES));
     let project = project_at(effect, time, drawn);
@@ -36,7 +37,7 @@ pub(super) fn host_frame_at(effect: Effect, time: f64, drawn: Drawn) -> HostFram
     region.map_or(project, |region| plate(effect, region, project, drawn.0))
 }
 
-/// The source's region as a picture; the project where the source has no end, or is described in pixels of a proxy.
+/// Returns the source's region as a frame; the project's if the source is infinite or is given in proxy pixels.
 fn plate(effect: Effect, region: [f64; 4], project: HostFrame, scale: [f64; 2]) -> HostFrame {
     let has_project = project_size(effect).is_some();
     let is_picture = region[2] - region[0] >= 1.0 && region[3] - region[1] >= 1.0;
@@ -52,7 +53,7 @@ fn plate(effect: Effect, region: [f64; 4], project: HostFrame, scale: [f64; 2]) 
     HostFrame::new(region, aspect_of(effect), scale)
 }
 
-/// The project's picture; of hosts without one, the whole of the source.
+/// Returns the project's frame; for hosts without one, the whole source.
 pub(super) fn project_at(effect: Effect, time: f64, (scale, drawn): Drawn) -> HostFrame {
     let [left, low]: [f64; 2] = effect.props().doubles(image::PROJECT_OFFSET).unwrap_or_default();
     let aspect = aspect_of(effect);
@@ -79,8 +80,8 @@ fn aspect_of(effect: Effect) -> f64 {
     aspect.filter(|aspect| *aspect > 0.0).unwrap_or(1.0)
 }
 
-/// The source's region, or that of the drawn pixels where the host gives none, or gives it in pixels of a preview, as MLT
-/// does; its older versions give none.
+/// Returns the source's region, or that of the rendered pixels if the host gives none, or gives it in preview pixels,
+/// as MLT does (its older versions give none).
 fn without_project(region: Option<[f64; 4]>, drawn: Option<[i32; 4]>, aspect: f64, [across, up]: [f64; 2]) -> [f64; 4] {
     let scaled = |[x1, y1, x2, y2]: [i32; 4], [x, y]: [f64; 2]| {
         [f64::from(x1) * x, f64::from(y1) * y, f64::from(x2) * x, f64::from(y2) * y]

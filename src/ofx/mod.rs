@@ -1,6 +1,7 @@
-//! The OpenFX plugin: pinwarp inside compositors that load `PinWarp.ofx.bundle`. An adapter; it holds no geometry.
+//! The OpenFX plugin: pinwarp inside compositors that load `PinWarp.ofx.bundle`. An adapter without geometry of its
+//! own.
 //!
-//! In: actions of a host, with its clips and parameters. Out: pixels, regions and messages, made by `crate::live`.
+//! In: actions of a host, with its clips and parameters. Out: pixels, regions and messages, computed by `crate::live`.
 //!
 //! ```text
 //! host ─action─▶ entry ─▶ describe                                 ─▶ clips, parameters

@@ -1,6 +1,6 @@
-//! What the user of a host should know about a frame, in the host's pixels and pin numbers.
+//! Warnings about a frame, in the host's pixels and pin numbers.
 //!
-//! In: a warp, its settings, the frame it is measured in. Out: a warning, if there is one.
+//! In: a warp, its settings, the frame it is measured in. Out: a warning, if any.
 
 use super::host::FrameWarning;
 use super::host_frame::HostFrame;
@@ -10,7 +10,7 @@ use super::values::ParamValues;
 use crate::live::{Warp, Wording};
 use crate::spelling::escaped;
 
-/// Everything worth a warning about the frame at the time of `values`.
+/// Returns the combined warning about the frame at the time of `values`.
 pub(super) fn warning(
     values: ParamValues,
     settings: &Settings,

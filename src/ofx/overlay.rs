@@ -1,6 +1,6 @@
-//! The overlay: lattice, pins and targets over the viewer; pins are added by clicks, selected and dragged.
+//! The overlay: draws lattice, pins and targets over the viewer; adds, selects and drags pins.
 //!
-//! In: pen, keys, draw actions of an overlay. Out: lines; parameters, each change being one step to undo.
+//! In: pen, key and draw actions of an overlay. Out: lines; parameters, each change in one undo step.
 
 use super::api::names::{action, interact, prop};
 use super::api::{EffectHandle, InteractHandle, PropertySet, Status};
@@ -15,10 +15,10 @@ use super::values::ParamValues;
 use crate::live::{PenResult, SelectMode, Viewer};
 use std::ffi::{CStr, c_char, c_void};
 
-/// Pixels of the screen from a handle within which the pen hits it.
+/// Hit radius of a handle in screen pixels.
 const REACH_PX: f64 = 9.0;
 
-/// Pixels of the screen that a pen may slip during a click.
+/// Maximum pen movement during a click in screen pixels.
 const CLICK_PX: f64 = 3.0;
 
 /// An action on an overlay.
@@ -30,7 +30,7 @@ struct Event<'a> {
     host_frame: HostFrame,
 }
 
-/// The overlay's entry, for hosts that draw with OpenGL and for those with the Draw suite.
+/// The overlay's entry point, for hosts that draw with OpenGL and for those with the Draw suite.
 pub(super) unsafe extern "C" fn entry(
     name: *const c_char,
     handle: *const c_void,
@@ -38,11 +38,11 @@ pub(super) unsafe extern "C" fn entry(
     _out: PropertySet,
 ) -> Status {
     guarded(|| {
-        // SAFETY: the host ends the names of actions with zero.
+        // SAFETY: the host passes action names as NUL-terminated strings.
         let name = unsafe { action_name(name) };
         let Some(name) = name.filter(|_| !handle.is_null()) else { return Status::ERR_BAD_HANDLE };
         if name == action::DESTROY_INSTANCE {
-            // Perhaps its effect is half gone: nothing of the host is touched.
+            // The effect may be partly destroyed, so the host is not called.
             pen::close(handle as usize);
             return Status::OK;
         }
@@ -51,7 +51,7 @@ pub(super) unsafe extern "C" fn entry(
     })
 }
 
-/// Ends an edit that an overlay left open as it closed in a drag. Only for actions in which parameters may be set.
+/// Ends an undo block left open by an overlay that closed during a drag. Only for actions that may set parameters.
 pub(super) fn end_open_edit(effect: Effect) {
     let is_open = pen::change(effect.key(), |pen| pen.picker.is_up() && std::mem::take(&mut pen.is_editing));
     if let (true, Ok(params)) = (is_open, effect.params()) {
@@ -64,7 +64,7 @@ fn act(suites: &Suites, name: &CStr, handle: InteractHandle, args: PropertySet) 
         return Ok(Status::OK);
     }
     let overlay = Interact { suites, handle };
-    // Hosts take the focus from overlays of effects that are half gone, too.
+    // Hosts send this to overlays of partly destroyed effects, too.
     let known = pen::effect_of(overlay.key());
     if name == interact::LOSE_FOCUS && known.is_none_or(|effect| pen::change(effect, Pen::rest)) {
         return Ok(Status::REPLY_DEFAULT);
@@ -135,7 +135,7 @@ impl Event<'_> {
         Ok(self.settle(pen, result))
     }
 
-    /// Does what the pen asks for, and ends the edit where the drag is over.
+    /// Applies the pen's result, and ends the undo block when the drag is over.
     fn settle(&self, pen: &mut Pen, result: PenResult) -> Status {
         match result {
             PenResult::Nothing => return Status::REPLY_DEFAULT,
@@ -150,7 +150,8 @@ impl Event<'_> {
         Status::OK
     }
 
-    /// What the pen can hit: targets, with their pins' numbers.
+    /// Returns the points that the pen can hit, targets or rest positions by what a drag moves, with their pins'
+    /// indices.
     fn points(&self, settings: &Settings, viewer: Viewer) -> Vec<(usize, [f64; 2])> {
         let by_pin = self.values.choice("handles", &HANDLES) == Handles::Pins;
         let warp = settings.shown(self.effect, &self.host_frame);
@@ -178,8 +179,8 @@ impl Event<'_> {
         Ok(result)
     }
 
-    /// The pen goes up. A drag ends, and so does its step to undo, whatever became of the settings meanwhile; a click where
-    /// no pin is adds one.
+    /// Handles the release of the pen. A drag ends, and so does its undo block, even if the settings have become
+    /// invalid; a click on empty space adds a pin.
     fn release(&self, pen: &mut Pen, at: [f64; 2], own: Props) -> PenResult {
         let viewer = self.viewer(own);
         let is_click = pen
@@ -203,7 +204,7 @@ impl Event<'_> {
         pen.picker.choose([pin]);
     }
 
-    /// A change that is undone in one step.
+    /// Runs a change in one undo step.
     fn edit(&self, label: &CStr, change: impl FnOnce()) {
         self.values.params.begin_edit(label);
         change();

@@ -1,6 +1,6 @@
-//! The one table of parameters: what hosts are told, what is read back and what `docs/OPENFX.md` says come from here.
+//! The table of parameters: the source of the descriptors, of the values read back and of `docs/OPENFX.md`.
 //!
-//! In: nothing. Out: [`table`], in the order in which users see it. Ids are in projects for good: never rename one.
+//! In: nothing. Out: [`table`], in display order. Ids are stored in projects: never rename one.
 
 use super::api::names::param;
 use crate::live::{Basis, LatticeStyle};
@@ -8,27 +8,27 @@ use crate::plate::Filter;
 use std::ffi::CStr;
 use std::sync::LazyLock;
 
-/// Pins that an instance has.
+/// Number of pins per instance.
 pub(super) const PINS: usize = 32;
 
-/// The type of a parameter, with its default and its limits.
+/// The type of a parameter, with its default and limits.
 #[derive(Clone, Debug)]
 pub(super) enum ParamKind {
-    /// A box around the parameters that name it as their group; 1: shown open.
+    /// A group of the parameters that name it; 1: shown open.
     Group(i32),
-    /// A whole number: default, range, range of its slider.
+    /// An integer: default, range, slider range.
     Integer(i32, [i32; 2], [i32; 2]),
-    /// A number: default, range, range of its slider, what it means.
+    /// A double: default, range, slider range, meaning.
     Double(f64, [f64; 2], [f64; 2], &'static CStr),
-    /// A box to tick; 1: ticked.
+    /// A checkbox; 1: checked.
     Toggle(i32),
-    /// One of several, the first by default.
+    /// A choice of options; the first is the default.
     Choice(&'static [&'static str]),
-    /// A point of the picture, in the host's own coordinates.
+    /// A position in the host's coordinates.
     Point,
-    /// A line of text, or a path.
+    /// A line of text or a path.
     Text(&'static CStr),
-    /// A button.
+    /// A push button.
     Button,
 }
 
@@ -39,13 +39,13 @@ pub(super) struct Param {
     pub(super) label: String,
     pub(super) hint: &'static str,
     pub(super) kind: ParamKind,
-    /// Id of its group; empty: none.
+    /// Id of its group; empty if none.
     pub(super) group: String,
-    /// Can have keys (where the host lets its kind).
+    /// Whether it can be animated (if the host supports it for its type).
     pub(super) animates: bool,
 }
 
-/// Where the shape comes from.
+/// The source of the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ShapeFrom {
     Frame,
@@ -53,7 +53,7 @@ pub(super) enum ShapeFrom {
     Shot,
 }
 
-/// How the viewer shows the lattice.
+/// How the overlay draws the lattice.
 pub(super) const OVERLAYS: Options<LatticeStyle, 3> = [
     ("Lattice", LatticeStyle::Plain),
     ("Lattice, coloured by stretch", LatticeStyle::Stretch),
@@ -67,27 +67,27 @@ pub(super) enum Handles {
     Pins,
 }
 
-/// Options of a choice, in the order of the numbers that hosts keep: what users read, and what it means.
+/// Options of a choice, indexed by the numbers that hosts store: label and meaning.
 pub(super) type Options<T, const N: usize> = [(&'static str, T); N];
 
-/// Of `shape`.
+/// Options of `shape`.
 pub(super) const SHAPES: Options<ShapeFrom, 3> =
     [("Whole frame", ShapeFrom::Frame), ("Source alpha", ShapeFrom::Alpha), ("Shot file", ShapeFrom::Shot)];
-/// Of `basis`.
+/// Options of `basis`.
 pub(super) const BASES: Options<Basis, 4> = [
     ("B-spline", Basis::Bspline),
     ("Bernstein", Basis::Bernstein),
     ("Bilinear", Basis::Bilinear),
     ("Triangles", Basis::Barytri),
 ];
-/// Of `filter`.
+/// Options of `filter`.
 pub(super) const FILTERS: Options<Filter, 4> =
     [("Cubic", Filter::Cubic), ("EWA", Filter::Ewa), ("Lanczos", Filter::Lanczos), ("Nearest", Filter::Nearest)];
-/// Of `handles`.
+/// Options of `handles`.
 pub(super) const HANDLES: Options<Handles, 2> =
     [("Targets", Handles::Targets), ("Pins with their targets", Handles::Pins)];
 
-/// What users read.
+/// Returns the labels of the options.
 const fn words<T, const N: usize>(options: &Options<T, N>) -> [&'static str; N] {
     let mut words = [""; N];
     let mut number = 0;
@@ -98,7 +98,7 @@ const fn words<T, const N: usize>(options: &Options<T, N>) -> [&'static str; N] 
     words
 }
 
-/// The number that hosts keep for a meaning.
+/// Returns the number that hosts store for a meaning.
 pub(super) fn number_of<T: PartialEq, const N: usize>(options: &Options<T, N>, meaning: T) -> i32 {
     options.iter().position(|(_, option)| *option == meaning).unwrap_or(0) as i32
 }
@@ -106,7 +106,7 @@ pub(super) fn number_of<T: PartialEq, const N: usize>(options: &Options<T, N>, m
 /// Group, id, label, kind, hint.
 type Row = (&'static str, &'static str, &'static str, ParamKind, &'static str);
 
-/// All parameters but those of the pins.
+/// All parameters except those of the pins.
 #[rustfmt::skip]
 const ROWS: &[Row] = &[
     ("", "lattice", "Lattice", ParamKind::Group(1), "What bends, and how stiffly."),
@@ -185,7 +185,7 @@ const ROWS: &[Row] = &[
      "Writes the map of every frame of the source as a 32-bit EXR."),
 ];
 
-/// What each pin has: suffix of the id, label, kind, hint.
+/// The parameters of each pin: id suffix, label, kind, hint.
 #[rustfmt::skip]
 const PIN_ROWS: &[(&str, &str, ParamKind, &str)] = &[
     ("On", "On", ParamKind::Toggle(0), "The pin acts. Switched on for the first time it comes to the middle of the frame; one that lies in the corner with its target (0, 0) does nothing."),
@@ -206,13 +206,13 @@ const PIN_ROWS: &[(&str, &str, ParamKind, &str)] = &[
     ("Name", "Name", ParamKind::Text(param::STRING_SINGLE_LINE), "The pin's name in shot files; empty: its number."),
 ];
 
-/// Id of a parameter of a pin, counted from 0; an empty suffix: its group.
+/// Returns the id of a parameter of a pin, counted from 0; with an empty suffix, that of its group.
 pub(super) fn pin_id(pin: usize, suffix: &str) -> String {
     format!("pin{}{suffix}", pin + 1)
 }
 
 impl ParamKind {
-    /// The API's type.
+    /// Returns the API's type.
     pub(super) const fn type_name(&self) -> &'static CStr {
         match self {
             Self::Group(_) => param::TYPE_GROUP,
@@ -227,15 +227,15 @@ impl ParamKind {
     }
 }
 
-/// Step and digits of a number that means this.
+/// Returns increment and digits of a double of this meaning.
 pub(super) fn precision(meaning: &CStr) -> (f64, i32) {
     if meaning == param::DOUBLE_SCALE { (0.01, 3) } else { (1.0, 2) }
 }
 
-/// Pins on a page of parameters, for hosts that show pages.
+/// Pins per page of parameters, for hosts that show pages.
 const PINS_A_PAGE: usize = 8;
 
-/// Pages for hosts that show them: id, label, parameters.
+/// Returns the pages for hosts that show them: id, label, parameters.
 pub(super) fn pages() -> Vec<(String, String, Vec<&'static str>)> {
     let has_value = |param: &&Param| !matches!(param.kind, ParamKind::Group(_));
     let ids = |is_on: &dyn Fn(&str) -> bool| {
@@ -252,7 +252,7 @@ pub(super) fn pages() -> Vec<(String, String, Vec<&'static str>)> {
     fixed.into_iter().chain(of_pins).collect()
 }
 
-/// All parameters in the order in which users see them.
+/// Returns all parameters in display order.
 pub(super) fn table() -> &'static [Param] {
     static TABLE: LazyLock<Vec<Param>> = LazyLock::new(|| {
         let fixed = ROWS.iter().map(|(group, id, label, kind, hint)| Param {
@@ -294,7 +294,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fmt::Write;
 
-    /// The table as the manual shows it; of the pins the first stands for all.
+    /// Returns the table as in the manual; the first pin stands for all.
     fn manual() -> String {
         let mut text = String::from("| parameter | id | default | what it does |\n|---|---|---|---|\n");
         let is_shown = |param: &&Param| {

@@ -1,22 +1,22 @@
-//! What is done to pins as a whole: placed, deleted, reset, put where their targets are. By buttons, keys and clicks.
+//! Operations on whole pins: place, delete, reset, move to their targets. Used by buttons, keys and clicks.
 //!
-//! In: the parameters of an instance. Out: the same, changed; whoever calls begins and ends the edit.
+//! In: the parameters of an instance. Out: the same, changed; callers begin and end the undo block.
 
 use super::host::When;
 use super::params::{PINS, ParamKind, pin_id, table};
 use super::values::ParamValues;
 
-/// The pins that are switched on and were placed.
+/// Returns the pins that are switched on and placed.
 pub(super) fn acting(values: ParamValues) -> Vec<usize> {
     (0..PINS).filter(|pin| values.is_on(&pin_id(*pin, "On")) && values.is_placed(*pin)).collect()
 }
 
-/// The first pin that is neither on nor placed; `None`: all are in use.
+/// Returns the first pin that is neither on nor placed; `None` if all are in use.
 pub(super) fn free(values: ParamValues) -> Option<usize> {
     (0..PINS).find(|pin| !values.is_on(&pin_id(*pin, "On")) && !values.is_placed(*pin))
 }
 
-/// The pin before (-1) or after (1) the last of those, among all that act.
+/// Returns the active pin before (-1) or after (1) the last selected one.
 pub(super) fn neighbour(values: ParamValues, selected: &[usize], step: i32) -> Option<usize> {
     let pins = acting(values);
     let at = selected.iter().max().and_then(|last| pins.iter().position(|pin| pin == last));
@@ -30,7 +30,7 @@ pub(super) fn neighbour(values: ParamValues, selected: &[usize], step: i32) -> O
     pins.get(next as usize).copied()
 }
 
-/// Puts both ends of a pin at a place, canonical, and switches it on.
+/// Moves both ends of a pin to a canonical position, and switches it on.
 pub(super) fn place(values: ParamValues, pin: usize, at: [f64; 2]) {
     for end in ["Rest", "Target"] {
         values.params.set_point(&pin_id(pin, end), at, When::Now);
@@ -38,7 +38,7 @@ pub(super) fn place(values: ParamValues, pin: usize, at: [f64; 2]) {
     values.params.set_int(&pin_id(pin, "On"), 1);
 }
 
-/// Switches a pin off and forgets everything about it.
+/// Switches a pin off and resets all its parameters.
 pub(super) fn delete(values: ParamValues, pin: usize) {
     let group = pin_id(pin, "");
     for entry in table().iter().filter(|entry| entry.group == group) {
@@ -55,7 +55,7 @@ pub(super) fn delete(values: ParamValues, pin: usize) {
     }
 }
 
-/// Brings a pin's target back to it, without rotation, at the time of the values.
+/// Resets a pin's target to the pin, without rotation, at the time of the values.
 pub(super) fn reset(values: ParamValues, pin: usize) {
     if let Some(rest) = values.params.point(&pin_id(pin, "Rest"), values.time) {
         values.params.set_point(&pin_id(pin, "Target"), rest, When::Now);
@@ -63,7 +63,7 @@ pub(super) fn reset(values: ParamValues, pin: usize) {
     values.params.set_double(&pin_id(pin, "Angle"), 0.0, When::Now);
 }
 
-/// Puts a pin where its target is.
+/// Moves a pin to its target, and resets its rotation, at the time of the values.
 pub(super) fn rest_to_target(values: ParamValues, pin: usize) {
     if let Some(target) = values.params.point(&pin_id(pin, "Target"), values.time) {
         values.params.set_point(&pin_id(pin, "Rest"), target, When::Now);

@@ -1,7 +1,7 @@
-//! Regions, identity and clip preferences: what a host asks before it renders.
+//! Regions, identity and clip preferences: the queries of a host before it renders.
 //!
-//! In: time and region. Out: regions, canonical. Only renders have pixels; where the shape comes from them, regions are
-//! generous.
+//! In: time and region. Out: canonical regions. Pixels are available to renders only; where the shape depends on them,
+//! regions are conservative.
 
 use super::api::Status;
 use super::api::names::{image, prop};
@@ -16,7 +16,7 @@ use super::values::ParamValues;
 use crate::live;
 use std::ffi::{CStr, CString};
 
-/// Where the output has pixels.
+/// Computes the output's region of definition.
 pub(super) fn definition(call: Call) -> Result<Status, Fault> {
     let (time, host_frame, exposed) = at_arguments(call)?;
     let Some(source) = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time)) else {
@@ -31,7 +31,7 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
         let first = parts.next().unwrap_or(Ok(region))?;
         region = parts.try_fold(first, |region, part| part.map(|part| joined(region, part)))?;
     }
-    // Where a mask or matte hides the warp the source shows; a background shows everywhere.
+    // The source shows where a mask or matte hides the warp; a background shows everywhere.
     if shows_source(call, &exposed) {
         region = joined(region, source);
     }
@@ -42,18 +42,18 @@ pub(super) fn definition(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// The same region, without end where the source is: hosts cut only what they know to have no end to a project's size.
+/// Makes a region infinite on the sides where the source is: hosts crop only infinite regions to the project's size.
 fn as_endless(region: [f64; 4], source: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|side| if is_endless(source[side]) { source[side] } else { region[side] })
 }
 
-/// Whether parts of the source show that are not warped.
+/// Returns whether parts of the unwarped source show.
 fn shows_source(call: Call, exposed: &[Settings]) -> bool {
     let is_masked = [MASK_CLIP, MATTE_CLIP].iter().any(|name| connected(call, name).is_some());
     is_masked || exposed.iter().any(|settings| settings.mix < 1.0)
 }
 
-/// What a region of the source becomes.
+/// Returns the region that the warp maps a region of the source to.
 fn shown(call: Call, settings: &Settings, host_frame: &HostFrame, source: [f64; 4]) -> Result<[f64; 4], Fault> {
     let window = host_frame.window_of(source);
     if settings.is_at_rest() {
@@ -69,12 +69,12 @@ fn shown(call: Call, settings: &Settings, host_frame: &HostFrame, source: [f64; 
     Ok(host_frame.region(window))
 }
 
-/// What is needed of each clip for a part of the output.
+/// Computes the region of interest of each clip for a region of the output.
 pub(super) fn interest(call: Call) -> Result<Status, Fault> {
     let (time, host_frame, exposed) = at_arguments(call)?;
     let Some(asked) = call.args.doubles(image::REGION_OF_INTEREST) else { return Ok(Status::REPLY_DEFAULT) };
     let source = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.region(time));
-    // Of a source without end the alpha within the picture gives the shape.
+    // For an infinite source, the alpha within the frame gives the shape.
     let source = source.map(|source| {
         if source.iter().any(|side| is_endless(*side)) { joined(asked, host_frame.canonical_region()) } else { source }
     });
@@ -104,7 +104,7 @@ fn set_region(call: Call, clip: &CStr, region: [f64; 4]) {
     call.out.set_doubles(&of_clip(image::CLIP_ROI_PREFIX, clip), &region);
 }
 
-/// A property's name for one clip.
+/// Returns a property's name for one clip.
 fn of_clip(prefix: &CStr, clip: &CStr) -> CString {
     CString::new([prefix.to_bytes(), clip.to_bytes()].concat()).unwrap_or_default()
 }
@@ -113,7 +113,7 @@ fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
-/// Whether the source may be passed on.
+/// Returns whether the source may be passed through.
 pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
     if call.kind == PluginKind::StMap || connected(call, BACKGROUND_CLIP).is_some() {
         return Ok(Status::REPLY_DEFAULT);
@@ -131,9 +131,10 @@ pub(super) fn is_identity(call: Call) -> Result<Status, Fault> {
     Ok(Status::OK)
 }
 
-/// Premultiplication follows the source: an opaque one gets holes where it is pulled away.
+/// Sets the clip preferences: premultiplication follows the source, but an opaque source gets holes where it is moved
+/// away.
 pub(super) fn clip_preferences(call: Call) -> Result<Status, Fault> {
-    // The model of a shot is animated, even where neither the source nor a parameter is.
+    // A shot's model is animated, even if neither the source nor a parameter is.
     let is_shot = ParamValues::of(call.effect, 0.0)?.choice("shape", &SHAPES) == ShapeFrom::Shot;
     call.out.set_int(image::FRAME_VARYING, i32::from(is_shot));
     if call.kind == PluginKind::StMap {

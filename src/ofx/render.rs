@@ -1,4 +1,4 @@
-//! Renders: a window of the warped picture, or of its map.
+//! Renders a window of the warped picture or of its STMap.
 //!
 //! In: the window, the source (and mask, background), the settings. Out: pixels in the host's image.
 
@@ -24,22 +24,22 @@ struct Task<'a> {
     call: Call<'a>,
     time: f64,
     output: Image<'a>,
-    /// Pixels to draw, within the output.
+    /// Pixels to render, within the output.
     pixels: [i32; 4],
-    /// Those of them to draw.
+    /// The rows of `pixels` to render.
     rows: Rows,
     host_frame: HostFrame,
     project: HostFrame,
-    /// What is set while the shutter is open; at least once.
+    /// The settings at each time sample of the shutter; at least one.
     exposed: Vec<Settings>,
 }
 
-/// A clip's image at a time, in the host's memory; `None`: it has none.
+/// Returns a clip's image at a time, in the host's memory; `None` if it has none.
 pub(super) fn image_of<'a>(call: Call<'a>, name: &'static CStr, time: f64) -> Result<Option<Image<'a>>, Fault> {
     Ok(call.effect.clip(name).map(|clip| clip.image(time)).transpose()?.flatten())
 }
 
-/// The picture in an image.
+/// Converts an image to a picture.
 pub(super) fn picture_of(image: &Image, host_frame: &HostFrame) -> OwnedPicture {
     let mut planes = live::take_planes(image.channels, image.area());
     image.read(&mut planes);
@@ -51,7 +51,7 @@ pub(super) fn picture_of(image: &Image, host_frame: &HostFrame) -> OwnedPicture 
     OwnedPicture { window: host_frame.window(image.bounds), planes, alpha }
 }
 
-/// Draws a window of the output.
+/// Renders a window of the output.
 pub(super) fn render(call: Call) -> Result<Status, Fault> {
     let Some(task) = Task::of(call)? else { return Ok(Status::OK) };
     let warp = match call.kind {
@@ -77,7 +77,7 @@ fn rows_asked(args: Props) -> Rows {
 }
 
 impl<'a> Task<'a> {
-    /// `None`: there is nothing to draw.
+    /// Collects a render's arguments; `None` if there is nothing to render.
     fn of(call: Call<'a>) -> Result<Option<Self>, Fault> {
         let time = call.args.double(prop::TIME).unwrap_or(0.0);
         let clip = call.effect.clip(image::OUTPUT_CLIP).ok_or(HostError::Missing("output clip"))?;
@@ -88,7 +88,7 @@ impl<'a> Task<'a> {
         if pixels[0] >= pixels[2] || pixels[1] >= pixels[3] {
             return Ok(None);
         }
-        // Fusion announces one scale and renders at another: what the image says holds.
+        // Fusion announces one scale and renders at another: the image's own scale takes precedence.
         let scale = output.scale.or_else(|| call.args.doubles(image::RENDER_SCALE)).unwrap_or([1.0, 1.0]);
         let scale = scale.map(|side| if side > 0.0 { side } else { 1.0 });
         let drawn = (scale, Some(output.bounds));
@@ -111,7 +111,7 @@ impl<'a> Task<'a> {
         image_of(self.call, name, self.time)
     }
 
-    /// The image of a clip that may be left unconnected.
+    /// Returns the image of an optional clip.
     fn connected_image(&self, name: &'static CStr) -> Result<Option<Image<'a>>, Fault> {
         connected(self.call, name).map_or(Ok(None), |_| self.image(name))
     }
@@ -120,14 +120,14 @@ impl<'a> Task<'a> {
         picture_of(image, &self.host_frame)
     }
 
-    /// Reserves what these images take as planes, and so many bytes for each pixel that is drawn.
+    /// Reserves the memory of these images as planes, plus `bytes_per_pixel` for each rendered pixel.
     fn reserve(&self, images: &[Option<&Image>], bytes_per_pixel: u128) -> Result<Reservation, Fault> {
         let (effect, window) = (self.call.effect, self.window());
         let read: u128 = images.iter().flatten().map(|image| budget::image(image, self.output.channels)).sum();
         budget::reserve(effect, read + window.area() as u128 * bytes_per_pixel, [window.width, window.height])
     }
 
-    /// The settings in the middle of the shutter.
+    /// Returns the settings at mid-shutter.
     fn settings(&self) -> &Settings {
         &self.exposed[self.exposed.len() / 2]
     }
@@ -137,13 +137,13 @@ impl<'a> Task<'a> {
         if self.call.effect.is_aborted() { Err(Fault::Aborted) } else { Ok(warp) }
     }
 
-    /// A mask or matte; one that is connected and has no image is black everywhere.
+    /// Returns a mask or matte; one that is connected but has no image is black everywhere.
     fn mask(&self, name: &'static CStr, image: Option<&Image>) -> Option<OwnedPicture> {
         connected(self.call, name)?;
         Some(image.map_or_else(OwnedPicture::black_mask, |image| self.picture(image).with_channels(1)))
     }
 
-    /// Draws the picture; the warp in the middle of the shutter, if there was a source.
+    /// Renders the picture; returns the warp at mid-shutter, if there was a source.
     fn draw_picture(&self) -> Result<Option<Arc<Warp>>, Fault> {
         let (window, channels) = (self.window(), self.output.channels);
         let images = [
@@ -197,13 +197,13 @@ impl<'a> Task<'a> {
         }
         let is_of_alpha = self.settings().shape == ShapeChoice::Alpha;
         let source = if is_of_alpha { self.image(image::SOURCE_CLIP)? } else { None };
-        // Tiles of the map, the whole of it, and four planes.
+        // The map in tiles, the whole map, and four planes.
         let _memory = self.reserve(&[source.as_ref()], 2 * budget::MAP_BYTES + budget::planes(4, 1))?;
         let source = source.map(|source| self.picture(&source));
         let warp = self.warp(self.settings(), source.as_ref())?;
         let [own, project] = [self.host_frame.frame, self.project.frame];
         let map = live::stmap(&warp, own, self.window());
-        // Natron's STMap, and Nuke's, measure by the project's format.
+        // STMap nodes of Natron and Nuke measure in the project's format.
         let map = map.measured_over(own, project, self.host_frame.corner_in(&self.project));
         let blue = vec![0.0; map.u.len()];
         let planes = vec![map.u, map.v, blue, map.coverage];

@@ -1,6 +1,7 @@
-//! Parameters as the engine wants them.
+//! Conversion of parameters to the engine's settings.
 //!
-//! In: the parameters of an instance at a time, and the frame they are measured in. Out: [`Settings`]. What a host leaves out has its default.
+//! In: the parameters of an instance at a time, and the frame they are measured in. Out: [`Settings`]; missing
+//! parameters take their defaults.
 
 use super::api::names::prop;
 use super::call::{Call, PluginKind};
@@ -17,23 +18,23 @@ use crate::plate::Filter;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What an instance is set to at a time.
+/// The settings of an instance at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Settings {
     pub(super) controls: Controls,
     pub(super) shape: ShapeChoice,
     pub(super) filter: Filter,
-    /// How much of the warped picture is seen, 0 to 1.
+    /// Blend factor of the warped picture over the source, 0 to 1.
     pub(super) mix: f32,
-    /// Numbers of the pins that act, as users count them less one, in the order of the controls.
+    /// Indices of the active pins (the user's numbers minus one), in the order of the controls.
     pub(super) pins: Vec<usize>,
 }
 
-/// Where the shape comes from.
+/// The source of the shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ShapeChoice {
     Frame,
-    /// The alpha of the whole source, which only a render has.
+    /// The alpha of the whole source, available to renders only.
     Alpha,
     Shot(ShotShape),
 }
@@ -47,7 +48,7 @@ impl ParamValues<'_> {
         })
     }
 
-    /// The shot file and how it is looked at.
+    /// Returns the shot file and its viewing parameters.
     pub(super) fn shot(self) -> Result<ShotShape, Fault> {
         Ok(ShotShape {
             path: self.text("shotFile").map(PathBuf::from).ok_or(Fault::NoShotFile)?,
@@ -59,7 +60,7 @@ impl ParamValues<'_> {
         })
     }
 
-    /// Everything, in the engine's words.
+    /// Returns the engine's settings.
     pub(super) fn settings(self, host_frame: &HostFrame) -> Result<Settings, Fault> {
         let basis = self.choice("basis", &BASES);
         let least = basis.min_handles() as i32;
@@ -86,14 +87,14 @@ impl ParamValues<'_> {
 }
 
 impl Settings {
-    /// Whether it is plain without solving that nothing moves.
+    /// Returns whether it is certain without solving that nothing moves.
     pub(super) fn is_at_rest(&self) -> bool {
-        // A shot moves by pins and handles of its own, too.
+        // A shot also moves by its own pins and handles.
         let is_shot = matches!(self.shape, ShapeChoice::Shot(_));
         self.mix == 0.0 || self.controls.strength == 0.0 || !is_shot && self.controls.is_at_rest()
     }
 
-    /// The warp; a shape from alpha that is not at hand is taken for the whole frame.
+    /// Solves the warp; if the alpha that gives the shape is not available, the whole frame is used.
     pub(super) fn warp(
         &self,
         effect: Effect,
@@ -115,8 +116,8 @@ impl Settings {
         })
     }
 
-    /// The warp as it is drawn over the viewer, where there are no pixels: over a picture's alpha the last one that was
-    /// rendered. `None`: nothing can be shown.
+    /// Returns the warp to draw over the viewer, where no pixels are available: for a shape from alpha, that of the
+    /// last render. `None` if nothing can be shown.
     pub(super) fn shown(&self, effect: Effect, host_frame: &HostFrame) -> Option<Arc<Warp>> {
         if self.shape == ShapeChoice::Alpha {
             return live::last_of_alpha(&self.controls);
@@ -125,7 +126,7 @@ impl Settings {
     }
 }
 
-/// The settings of an instance at a time; what a mask selects is free to leave the frame.
+/// Returns the settings of an instance at a time; if a mask selects what moves, it may leave the frame.
 pub(super) fn settings_of(call: Call, time: f64, host_frame: &HostFrame) -> Result<Settings, Fault> {
     let mut settings = ParamValues::of(call.effect, time)?.settings(host_frame)?;
     if connected(call, MASK_CLIP).is_some() {
@@ -134,7 +135,8 @@ pub(super) fn settings_of(call: Call, time: f64, host_frame: &HostFrame) -> Resu
     Ok(settings)
 }
 
-/// The settings at the times that a frame with motion blur shows; one where nothing moves while the shutter is open.
+/// Returns the settings at the time samples of a motion-blurred frame; only one if nothing moves while the shutter is
+/// open.
 pub(super) fn exposed_settings(call: Call, time: f64, host_frame: &HostFrame) -> Result<Vec<Settings>, Fault> {
     let values = ParamValues::of(call.effect, time)?;
     let samples = values.int("blurSamples");
@@ -151,7 +153,7 @@ pub(super) fn exposed_settings(call: Call, time: f64, host_frame: &HostFrame) ->
     Ok(exposed)
 }
 
-/// Time, frame and settings of an action's arguments. Regions are canonical: they do not depend on the scale.
+/// Returns time, frame and settings for an action's arguments. Regions are canonical, independent of the render scale.
 pub(super) fn at_arguments(call: Call) -> Result<(f64, HostFrame, Vec<Settings>), Fault> {
     let time = call.args.double(prop::TIME).unwrap_or(0.0);
     let host_frame = host_frame_of(call.effect, time);

@@ -1,13 +1,13 @@
 //! The parameters of an instance at a time.
 //!
-//! In: an instance, a time. Out: values within their ranges; what a host leaves out has its default.
+//! In: an instance, a time. Out: values clamped to their ranges; missing parameters take their defaults.
 
 use super::fault::Fault;
 use super::host::{Effect, Params};
 use super::params::{self, Options, ParamKind, pin_id};
 use crate::live::{HostFrame, Pin, PinRegion};
 
-/// Parameters at a time.
+/// The parameter values at a time.
 #[derive(Clone, Copy)]
 pub(super) struct ParamValues<'a> {
     pub(super) params: Params<'a>,
@@ -15,12 +15,12 @@ pub(super) struct ParamValues<'a> {
 }
 
 impl<'a> ParamValues<'a> {
-    /// The parameters of an effect at a time.
+    /// Returns the parameters of an effect at a time.
     pub(super) fn of(effect: Effect<'a>, time: f64) -> Result<Self, Fault> {
         Ok(Self { params: effect.params()?, time })
     }
 
-    /// A whole number, choice or toggle, within its range.
+    /// Returns an integer, choice or toggle, clamped to its range.
     pub(super) fn int(self, id: &str) -> i32 {
         let kind = params::table().iter().find(|param| param.id == id).map(|param| &param.kind);
         debug_assert!(kind.is_some(), "there is no parameter {id}");
@@ -33,7 +33,7 @@ impl<'a> ParamValues<'a> {
         self.params.int(id, self.time).unwrap_or(default).clamp(least, most)
     }
 
-    /// What a choice is set to.
+    /// Returns the meaning of a choice's current option.
     pub(super) fn choice<T: Copy, const N: usize>(self, id: &str, options: &Options<T, N>) -> T {
         options[self.int(id) as usize].1
     }
@@ -45,7 +45,7 @@ impl<'a> ParamValues<'a> {
         self.params.double(id, self.time).unwrap_or(*default).clamp(*least, *most)
     }
 
-    /// A text without blanks at its ends; `None`: empty.
+    /// Returns a text, trimmed; `None` if empty.
     pub(super) fn text(self, id: &str) -> Option<String> {
         let text = self.params.text(id, self.time)?;
         let text = text.trim();
@@ -56,7 +56,7 @@ impl<'a> ParamValues<'a> {
         self.int(id) != 0
     }
 
-    /// A pin, on or off.
+    /// Returns a pin, switched on or off.
     pub(super) fn pin(self, index: usize, host_frame: &HostFrame) -> Option<Pin> {
         let [rest, target] = ["Rest", "Target"].map(|end| self.params.point(&pin_id(index, end), self.time));
         let turns = self.is_on(&pin_id(index, "Turns"));
@@ -75,7 +75,7 @@ impl<'a> ParamValues<'a> {
         })
     }
 
-    /// Whether a pin was ever put anywhere. One that was not has no keys, and lies in the corner with both ends.
+    /// Returns whether a pin was ever placed. One that was not has no keys, and both its ends lie in the corner.
     pub(super) fn is_placed(self, index: usize) -> bool {
         ["Rest", "Target"].map(|end| pin_id(index, end)).iter().any(|id| {
             let is_elsewhere = self.params.point(id, self.time).is_some_and(|at| at != [0.0, 0.0]);

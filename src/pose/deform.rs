@@ -1,6 +1,6 @@
 //! Morphing and skinning.
 //!
-//! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex depends on its own data alone (flat
+//! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex depends only on its own data (flat
 //! normals: on its triangle's), so the result does not depend on the number of threads.
 
 use super::PosedPart;
@@ -10,12 +10,12 @@ use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat4, Mat3, Mat4, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// From this many vertices on, threads pay.
+/// Minimum number of vertices from which multithreading pays off.
 const PARALLEL_VERTICES: usize = 50_000;
-/// Least vertices a thread takes at once.
+/// Minimum number of vertices per thread task.
 const CHUNK: usize = 8_192;
 
-/// All parts, in node order, then primitive order.
+/// Poses all parts, in node order, then primitive order.
 pub(super) fn parts(scene: &Scene, moved: &Moved, scene_from_node: &[DMat4]) -> Vec<PosedPart> {
     let jobs: Vec<Job<'_>> =
         (0..scene.nodes.len()).flat_map(|node| jobs(scene, node, moved, scene_from_node)).collect();
@@ -27,7 +27,7 @@ pub(super) fn parts(scene: &Scene, moved: &Moved, scene_from_node: &[DMat4]) -> 
     }
 }
 
-/// One primitive to place.
+/// One primitive to pose.
 struct Job<'a> {
     node: usize,
     mesh: usize,
@@ -37,28 +37,28 @@ struct Job<'a> {
     placing: Placing,
 }
 
-/// How vertices get into the scene.
+/// How vertices are placed in the scene.
 enum Placing {
     /// scene_from_node.
     Rigid(Frame),
-    /// scene_from_mesh of every joint; the node's own placement does not count (glTF 2.0, §3.7.3.3).
+    /// scene_from_mesh per joint; the node's own transform is ignored (glTF 2.0, §3.7.3.3).
     Skinned(Vec<Mat4>),
 }
 
-/// A placement of points, directions and normals.
+/// A transform of points, directions and normals.
 #[derive(Clone, Copy)]
 struct Frame {
     scene_from_mesh: Mat4,
-    /// Inverse transpose up to a positive factor: turns normals.
+    /// Inverse transpose up to a positive factor, for normals.
     normals: Mat3,
-    /// −1 where the placement mirrors, else 1.
+    /// −1 if the transform mirrors, else 1.
     side: f32,
 }
 
 impl Frame {
     fn new(scene_from_mesh: Mat4) -> Self {
         let [x, y, z] = [scene_from_mesh.x_axis, scene_from_mesh.y_axis, scene_from_mesh.z_axis].map(Vec4::truncate);
-        // The cofactor matrix, det · inverse transpose, also serves where one axis is flattened.
+        // The cofactor matrix, det · inverse transpose, is also defined if one axis is flattened.
         let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let side = if x.dot(y.cross(z)) < 0.0 { -1.0 } else { 1.0 };
         Self { scene_from_mesh, normals: cofactors * side, side }
@@ -84,19 +84,19 @@ fn jobs<'a>(scene: &'a Scene, node: usize, moved: &'a Moved, scene_from_node: &[
     visible.map(job).collect()
 }
 
-/// scene_from_mesh per joint; multiplied in f64, because both factors may be far from the origin.
+/// Returns scene_from_mesh per joint; multiplied in f64, because both factors may be far from the origin.
 fn joint_matrices(skin: &Skin, scene_from_node: &[DMat4]) -> Vec<Mat4> {
     let pairs = skin.joints.iter().zip(&skin.joint_from_mesh);
     pairs.map(|(&joint, joint_from_mesh)| (scene_from_node[joint] * joint_from_mesh.as_dmat4()).as_mat4()).collect()
 }
 
-/// A vertex before and after placing.
+/// A vertex before and after posing.
 #[derive(Clone, Copy)]
 struct Vertex {
     position: Vec3,
     normal: Vec3,
     tangent: Vec4,
-    /// −1 where its placement mirrors, else 1.
+    /// −1 if its transform mirrors, else 1.
     side: f32,
 }
 
@@ -125,7 +125,7 @@ impl Job<'_> {
         }
     }
 
-    /// The targets that move anything, with their weights.
+    /// Returns the targets with nonzero weight.
     fn active_targets(&self) -> Vec<(f32, &MorphTarget)> {
         let weighted = self.weights.iter().zip(&self.primitive.targets);
         weighted.filter(|(weight, _)| **weight != 0.0).map(|(weight, target)| (*weight as f32, target)).collect()
@@ -139,7 +139,7 @@ impl Job<'_> {
         }
     }
 
-    /// Joints may disagree; the joint that the first vertex follows most speaks for the part.
+    /// Returns whether the part is mirrored. Joints may disagree: the dominant joint of the first vertex decides.
     fn is_mirrored(&self) -> bool {
         match &self.placing {
             Placing::Rigid(frame) => frame.side < 0.0,
@@ -159,7 +159,7 @@ fn morph(primitive: &Primitive, index: usize, active: &[(f32, &MorphTarget)]) ->
         side: 1.0,
     };
     for (weight, target) in active {
-        // Each list may be empty: nothing moves.
+        // Each list may be empty: no displacement.
         let by = |list: &[Vec3]| list.get(index).copied().unwrap_or_default() * *weight;
         vertex.position += by(&target.positions);
         vertex.normal += by(&target.normals);
@@ -168,11 +168,12 @@ fn morph(primitive: &Primitive, index: usize, active: &[(f32, &MorphTarget)]) ->
     vertex
 }
 
-/// The weighted sum of joint matrices (linear blend skinning).
+/// Returns the weighted sum of joint matrices (linear blend skinning).
 fn blend(joints: &[Mat4], influences: &[Influence; 8]) -> Mat4 {
     let mut sum = Mat4::ZERO;
     for influence in influences.iter().filter(|influence| influence.weight > 0.0) {
-        // Loading checked the numbers; a scene made by hand with a wrong one collapses there instead of failing.
+        // Loading validates the indices; in a scene built by hand, an invalid one collapses the vertex instead of
+        // failing.
         let joint = joints.get(usize::from(influence.joint)).copied().unwrap_or(Mat4::ZERO);
         sum += joint * influence.weight;
     }
@@ -190,7 +191,7 @@ fn place(frame: &Frame, vertex: Vertex) -> Vertex {
     }
 }
 
-/// Gives the corners of every triangle its normal; triangles without area keep theirs.
+/// Gives the corners of every triangle its face normal; degenerate triangles keep theirs.
 fn flatten(triangles: &[[u32; 3]], vertices: &mut [Vertex]) {
     for triangle in triangles {
         let corners = triangle.map(|corner| vertices[corner as usize]);
@@ -199,13 +200,13 @@ fn flatten(triangles: &[[u32; 3]], vertices: &mut [Vertex]) {
     }
 }
 
-/// Unit normal of a triangle, counter-clockwise from the front; `None` where it has no area.
+/// Returns the unit normal of a triangle, counter-clockwise from the front; `None` if it has no area.
 fn face_normal(corners: [Vec3; 3]) -> Option<Vec3> {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).try_normalize().map(|normal| normal.as_vec3())
 }
 
-/// Unit length; `None` where there is no direction. Scaled first: cofactors of small scales are tiny.
+/// Normalises a vector; `None` if it is zero. Scaled first, as cofactors of small scales are tiny.
 fn direction(vector: Vec3) -> Option<Vec3> {
     let largest = vector.abs().max_element();
     (largest > 0.0 && largest.is_finite()).then(|| (vector / largest).normalize())

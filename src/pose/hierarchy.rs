@@ -1,6 +1,6 @@
 //! Nodes and lights in scene space.
 //!
-//! In: placements relative to parents. Out: scene_from_node, in f64 so that long chains of joints stay exact.
+//! In: transforms relative to parents. Out: scene_from_node, in f64 so that long chains of joints stay exact.
 
 use super::PosedLight;
 use super::sample::Moved;
@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat4, DVec3};
 
-/// scene_from_node per node; parents stand before their children.
+/// Returns scene_from_node per node; parents come before their children.
 pub(super) fn scene_from_nodes(scene: &Scene, moved: &Moved) -> Vec<DMat4> {
     let mut placed: Vec<DMat4> = Vec::with_capacity(scene.nodes.len());
     for (node, parent_from_node) in scene.nodes.iter().zip(&moved.parent_from_node) {
@@ -18,7 +18,7 @@ pub(super) fn scene_from_nodes(scene: &Scene, moved: &Moved) -> Vec<DMat4> {
     placed
 }
 
-/// The lights, in node order.
+/// Returns the lights, in node order.
 pub(super) fn lights(scene: &Scene, scene_from_node: &[DMat4]) -> Vec<PosedLight> {
     let placed = scene.nodes.iter().zip(scene_from_node);
     placed.filter_map(|(node, scene_from_node)| light(scene, node.light?, scene_from_node)).collect()

@@ -10,14 +10,14 @@ use crate::scene::{Clip, LightKind, Scene};
 use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat4, Mat4, Vec3, Vec4};
 
-/// The scene at one time. Everything is in scene space.
+/// The posed scene at one time, in scene space.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
     /// #nodes of the scene: scene_from_node.
     pub scene_from_node: Vec<Mat4>,
     /// One part per (node, primitive) with triangles or lines, in node order, then primitive order: the same list at every time.
     pub parts: Vec<PosedPart>,
-    /// The scene's lights, placed.
+    /// The scene's lights, placed in scene space.
     pub lights: Vec<PosedLight>,
 }
 
@@ -36,7 +36,7 @@ pub struct PosedPart {
     pub normals: Vec<SceneVector>,
     /// #vertices or empty; w = handedness.
     pub tangents: Vec<Vec4>,
-    /// The node mirrors the part (negative determinant): front and back swap.
+    /// Whether the node's transform mirrors the part (negative determinant), which swaps front and back.
     pub is_mirrored: bool,
 }
 
@@ -47,25 +47,25 @@ pub struct PosedLight {
     pub kind: LightKind,
     /// Linear RGB times intensity.
     pub color: Vec3,
-    /// Where it stands.
+    /// Its position.
     pub position: ScenePoint,
     /// Unit vector along which it shines.
     pub direction: SceneVector,
-    /// Distance at which it ends, metres.
+    /// Distance at which its light ends, in metres.
     pub range: f32,
 }
 
-/// Which clip moves the scene, and how time runs in it.
+/// The clip that animates the scene, and whether it loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClipChoice {
     /// Index into [`Scene::clips`]; `None`: the rest pose.
     pub clip: Option<usize>,
-    /// The clip repeats past its end instead of holding.
+    /// Whether the clip repeats after its end instead of holding.
     pub is_looped: bool,
 }
 
-/// The scene at `seconds` of the chosen clip. Clips hold their first and last keys, or repeat from 0 to their end. A clip
-/// number that the scene does not have gives the rest pose.
+/// Poses the scene at `seconds` of the chosen clip. Clips hold their first and last keys, or repeat from 0 to their
+/// end. A clip index out of range gives the rest pose.
 ///
 /// ```
 /// use pinwarp::{pose, scene::Scene};
@@ -93,7 +93,7 @@ pub struct LocalPose {
     pub weights: Vec<Vec<f64>>,
 }
 
-/// The nodes at `seconds` of the chosen clip, without what they carry: times run as in [`pose`].
+/// Returns the node transforms at `seconds` of the chosen clip, without meshes; time as in [`pose`].
 #[must_use]
 pub fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
     let clip = choice.clip.and_then(|index| scene.clips.get(index));
@@ -101,7 +101,7 @@ pub fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose 
     LocalPose { parent_from_node: moved.parent_from_node, weights: moved.weights }
 }
 
-/// Time inside the clip.
+/// Returns the time within the clip.
 fn clip_seconds(clip: &Clip, is_looped: bool, seconds: f64) -> f64 {
     let end = f64::from(clip.end_secs);
     if is_looped && end > 0.0 { seconds.rem_euclid(end) } else { seconds }

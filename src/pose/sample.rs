@@ -1,6 +1,6 @@
-//! Animation tracks at one time.
+//! Evaluation of animation tracks at one time.
 //!
-//! In: a clip and seconds in it. Out: the placement and morph weights of every node. Computed in f64.
+//! In: a clip and seconds in it. Out: the transform and morph weights of every node. Computed in f64.
 
 use crate::scene::{Clip, Interpolation, Placement, Scene, Track, TrackValues};
 use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
@@ -13,14 +13,14 @@ pub(super) struct Moved {
     pub(super) weights: Vec<Vec<f64>>,
 }
 
-/// A placement that can be blended.
+/// A transform that can be interpolated.
 #[derive(Clone, Copy)]
 enum Local {
     Trs(DVec3, DQuat, DVec3),
     Matrix(DMat4),
 }
 
-/// The nodes at `seconds` of `clip`; at rest without one.
+/// Samples the nodes at `seconds` of `clip`; the rest pose without one.
 pub(super) fn sample(scene: &Scene, clip: Option<&Clip>, seconds: f64) -> Moved {
     let mut locals: Vec<Local> = scene.nodes.iter().map(|node| rest(node.rest)).collect();
     let mut weights: Vec<Vec<f64>> =
@@ -58,7 +58,7 @@ fn apply(track: &Track, segment: &Segment, local: &mut Local, weights: &mut [f64
         }
         return;
     }
-    // Matrices are never animated: loading turned those of moved nodes into TRS.
+    // Matrices are never animated: loading decomposed those of animated nodes into TRS.
     let Local::Trs(translation, rotation, scale) = local else { return };
     let vector = |values: &[Vec3]| blend(segment, how, |item| values[item].as_dvec3(), |a, b, t| a.lerp(b, t));
     match &track.values {
@@ -71,7 +71,7 @@ fn apply(track: &Track, segment: &Segment, local: &mut Local, weights: &mut [f64
 
 fn turn(segment: &Segment, how: Interpolation, values: &[Quat]) -> DQuat {
     let key = |item: usize| values[item].as_dquat();
-    // `slerp` takes the shorter way; splines run through the stored values as they are.
+    // `slerp` takes the shorter arc; splines use the stored values as they are.
     unit(blend(segment, how, key, |a, b, t| unit(a).slerp(unit(b), t)))
 }
 
@@ -80,13 +80,13 @@ fn unit(rotation: DQuat) -> DQuat {
     if length.is_finite() && length > 0.0 { rotation / length } else { DQuat::IDENTITY }
 }
 
-/// Where a time lies between two keys.
+/// The position of a time between two keys.
 struct Segment {
-    /// The key at or before the time; the first before all keys.
+    /// The key at or before the time; the first key if the time is before all keys.
     key: usize,
-    /// Share of the way to the next key, 0..1; 0 where the value holds.
+    /// Fraction of the way to the next key, 0..1; 0 if the value holds.
     share: f64,
-    /// Seconds between both keys.
+    /// Seconds between the two keys.
     span: f64,
 }
 
@@ -105,7 +105,7 @@ impl Segment {
     }
 }
 
-/// The value at a segment; `value` gives the stored values by their number, `mix` lies between two of them.
+/// Interpolates within a segment; `value` returns stored values by index, `mix` interpolates between two of them.
 fn blend<T>(segment: &Segment, how: Interpolation, value: impl Fn(usize) -> T, mix: impl Fn(T, T, f64) -> T) -> T
 where
     T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
@@ -115,7 +115,7 @@ where
         Interpolation::Step => value(key),
         Interpolation::Linear if t > 0.0 => mix(value(key), value(key + 1), t),
         Interpolation::Linear => value(key),
-        // Three values a key: in-tangent, value, out-tangent.
+        // Three values per key: in-tangent, value, out-tangent.
         Interpolation::CubicSpline if t > 0.0 => {
             // The Hermite form of glTF 2.0, appendix C.5; tangents are per second.
             let (t2, t3) = (t * t, t * t * t);

@@ -1,13 +1,13 @@
-//! Points and indices between NumPy and plain data.
+//! Conversion of points and indices between NumPy and plain data.
 //!
-//! In: anything that NumPy makes an array of. Out: lists of points, each checked for its shape and for numbers that are none; and
-//! the other way round, where lists become arrays without a copy.
+//! In: anything that NumPy can convert to an array. Out: lists of points, checked for shape and finite values. In the
+//! other direction, lists become arrays without a copy.
 
 use super::failure::Failure;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-/// Points, (N, D): copied out of the array, since the library reads them without Python's lock.
+/// Reads points, (N, D). They are copied, since the library reads them without holding the GIL.
 pub(super) fn points<const D: usize>(values: &Bound<'_, PyAny>, key: &str) -> Result<Vec<[f64; D]>, Failure> {
     if values.len().is_ok_and(|rows| rows == 0) {
         // An empty list has no columns.
@@ -25,13 +25,13 @@ pub(super) fn points<const D: usize>(values: &Bound<'_, PyAny>, key: &str) -> Re
     rows.collect()
 }
 
-/// How many columns a table has.
+/// Returns the number of columns of a table.
 pub(super) fn columns(values: &Bound<'_, PyAny>, key: &str) -> Result<usize, Failure> {
     let array = any_table(values, key, "(N, 2) or (N, 3)")?;
     Ok(array.shape()[1])
 }
 
-/// Corners of triangles, (M, 3): indices from 0.
+/// Reads triangles, (M, 3), as zero-based indices.
 pub(super) fn triangles(values: &Bound<'_, PyAny>, key: &str) -> Result<Vec<[u32; 3]>, Failure> {
     let array = table(values, key, 3)?;
     let array = array.as_array();
@@ -46,7 +46,7 @@ pub(super) fn triangles(values: &Bound<'_, PyAny>, key: &str) -> Result<Vec<[u32
     rows.collect()
 }
 
-/// A table with so many columns.
+/// Reads a table with `columns` columns.
 fn table<'py>(
     values: &Bound<'py, PyAny>,
     key: &str,
@@ -76,7 +76,7 @@ fn any_table<'py>(
     })
 }
 
-/// A value in a few words: its shape and type where it is an array, else its type.
+/// Describes a value in a message: shape and dtype of an array, else its type.
 pub(super) fn described(value: &Bound<'_, PyAny>) -> String {
     let own = |name: &str| value.getattr(name).and_then(|own| own.str()).map(|text| text.to_string());
     match (own("dtype"), own("shape")) {
@@ -85,13 +85,13 @@ pub(super) fn described(value: &Bound<'_, PyAny>) -> String {
     }
 }
 
-/// Points as an array (N, D) of float64. Nothing is copied.
+/// Returns points as an array (N, D) of float64, without a copy.
 pub(super) fn from_points<const D: usize>(py: Python<'_>, points: Vec<[f64; D]>) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let rows = points.len();
     PyArray1::from_vec(py, points.into_flattened()).reshape([rows, D])
 }
 
-/// Corners as an array (M, 3) of uint32. Nothing is copied.
+/// Returns triangles as an array (M, 3) of uint32, without a copy.
 pub(super) fn from_triangles(py: Python<'_>, triangles: Vec<[u32; 3]>) -> PyResult<Bound<'_, PyArray2<u32>>> {
     let rows = triangles.len();
     PyArray1::from_vec(py, triangles.into_flattened()).reshape([rows, 3])

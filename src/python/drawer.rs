@@ -1,4 +1,4 @@
-//! What draws the frames of a shot in memory, kept from frame to frame.
+//! Renders frames of a shot in memory; the device is kept from frame to frame.
 //!
 //! In: a prepared shot, a frame, a device. Out: the frame as a render would write it.
 
@@ -9,7 +9,7 @@ use crate::pipeline::{Device, PreparedShot};
 use crate::raster::{self, DeviceChoice};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A prepared shot and the device that drew it last. Threads take turns.
+/// A prepared shot and the device that rendered it last. Access is serialised between threads.
 pub(super) struct Drawer {
     prepared: Arc<PreparedShot>,
     device: Mutex<Option<(DeviceChoice, Box<Device>)>>,
@@ -20,11 +20,12 @@ impl Drawer {
         Self { prepared, device: Mutex::new(None) }
     }
 
-    /// A frame in memory, as a render would write it.
+    /// Renders a frame in memory, as a render would write it.
     pub(super) fn draw(&self, frame: i32, choice: &DeviceChoice, watch: &Watch) -> Result<Frame, Failure> {
         let prepared = &*self.prepared;
         let stop = || watch.is_stopped();
-        // What cannot be solved over time is solved frame by frame, so a fault here is none of the frame's.
+        // A layer whose solve over time fails falls back to solving frame by frame, so an error here does not concern
+        // this frame.
         _ = prepared.settle(&stop, &|_| {});
         watch.check()?;
         let drawn = if prepared.needs_raster() {
@@ -35,7 +36,7 @@ impl Drawer {
             let device = kept.as_mut().map(|(_, device)| &mut **device);
             let drawn = prepared.finished(device, frame, &stop);
             if !matches!(drawn, Ok(Some(_))) {
-                // It may be in the middle of a frame.
+                // A failed device may be in the middle of a frame.
                 *kept = None;
             }
             drawn?

@@ -1,6 +1,6 @@
-//! What went wrong, as an exception.
+//! Conversion of errors to Python exceptions.
 //!
-//! In: errors of the library. Out: `pinwarp.Error` or one of its kinds, with file, line, key and remedy where the error has them.
+//! In: errors of the library. Out: `pinwarp.Error` or a subclass, with file, line, key and hint if the error has them.
 
 use crate::export::ExportError;
 use crate::image::ImageError;
@@ -18,13 +18,13 @@ use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Any error of the library, and what Python's side finds wrong itself.
+/// Any error of the library, and invalid arguments found by the bindings.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Failure {
-    /// An argument that cannot be used.
+    /// An invalid argument.
     #[error("{key}: {what}; {hint}")]
     Argument {
-        /// The argument: `pins[3]`.
+        /// The argument, such as `pins[3]`.
         key: String,
         /// What is wrong.
         what: String,
@@ -56,7 +56,7 @@ pub(super) enum Failure {
     Lattice(#[from] LatticeError),
 }
 
-/// Where an error stands and what helps, as far as it says so.
+/// The location of an error and its hint, as far as known.
 #[derive(Default)]
 struct Place<'a> {
     file: Option<&'a Path>,
@@ -66,12 +66,12 @@ struct Place<'a> {
 }
 
 impl Failure {
-    /// An argument that cannot be used: which one, what is wrong with it, how to fix it.
+    /// Creates an invalid-argument error: which argument, what is wrong with it, how to fix it.
     pub(super) fn argument(key: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Self {
         Self::Argument { key: key.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// Somebody asked for the end of the work.
+    /// Returns whether the work was cancelled.
     fn is_cancelled(&self) -> bool {
         let of_pipeline =
             |error: &PipelineError| matches!(error, PipelineError::Solve { source: SolveError::Cancelled, .. });
@@ -98,7 +98,7 @@ impl Failure {
         }
     }
 
-    /// The single faults of a shot file that has several.
+    /// Returns the individual faults of a shot file with several.
     fn faults(&self) -> &[ShotError] {
         match self {
             Self::Shot(error)
@@ -109,7 +109,7 @@ impl Failure {
         }
     }
 
-    /// Whether a file could not be read or written, and whether it is not there at all.
+    /// Returns the I/O error kind if a file could not be read or written.
     fn of_file(&self) -> Option<io::ErrorKind> {
         let mut cause: Option<&(dyn Error + 'static)> = Some(self);
         while let Some(error) = cause {
@@ -121,7 +121,7 @@ impl Failure {
         None
     }
 
-    /// The name of its exception.
+    /// Returns the name of the exception class.
     fn kind(&self) -> &'static str {
         match (self, self.of_file()) {
             (failure, _) if failure.is_cancelled() => "Cancelled",
@@ -175,7 +175,7 @@ fn place_in_lattices(error: &ExportError) -> Place<'_> {
     }
 }
 
-/// An exception of a kind that `src/python/pinwarp/_errors.py` defines.
+/// Creates an exception of a class defined in `src/python/pinwarp/_errors.py`.
 fn exception<'py>(
     py: Python<'py>,
     kind: &str,

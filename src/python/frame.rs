@@ -1,13 +1,14 @@
-//! A rendered frame as arrays.
+//! Conversion of a rendered frame to arrays.
 //!
-//! In: a [`Frame`]. Out: `pinwarp.Frame`, a dict of channels by their names in EXR files; samples are handed over, not copied.
+//! In: a [`Frame`]. Out: `pinwarp.Frame`, a dict of channels by their names in EXR files; samples are moved, not
+//! copied.
 
 use super::image::channel_array;
 use crate::image::Frame;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// A frame as `pinwarp.Frame`, which `src/python/pinwarp/_frame.py` defines.
+/// Converts a frame to `pinwarp.Frame`, which is defined in `src/python/pinwarp/_frame.py`.
 pub(super) fn rendered(py: Python<'_>, frame: Frame, number: i32) -> PyResult<Bound<'_, PyAny>> {
     let Frame { display, data_window, pixel_aspect, channels } = frame;
     let shape = [data_window.height as usize, data_window.width as usize];

@@ -1,8 +1,8 @@
-//! Pictures between NumPy and plates.
+//! Conversion of pictures between NumPy and plates.
 //!
-//! In: an array (H, W) or (H, W, C) of float32, float16 or uint8, or a dict of channels (H, W). Out: a [`Plate`] of planes, since
-//! that is what kernels read: samples are copied once. A warped plate becomes what the picture was: channels of float32 in a dict
-//! are handed over as they are, everything else is copied once more.
+//! In: an array (H, W) or (H, W, C) of float32, float16 or uint8, or a dict of channels (H, W). Out: a [`Plate`] of
+//! planes, as the kernels require: samples are copied once. A warped plate is converted back to the form of the input:
+//! channels of float32 in a dict are moved, everything else is copied once more.
 
 use super::arrays::described;
 use super::failure::Failure;
@@ -15,15 +15,15 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-/// What a picture was, so that its warp becomes the same.
+/// The form of the input picture, restored after the warp.
 pub(super) enum Form {
-    /// An array of numbers of that type: (H, W) or (H, W, C).
+    /// An array of this sample type, (H, W) or (H, W, C).
     Array { depth: Depth, shape: Vec<usize> },
-    /// A dict of channels, each of its type.
+    /// A dict of channels, each with its sample type.
     Channels(Vec<Depth>),
 }
 
-/// The numbers of an array.
+/// The sample type of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Depth {
     Byte,
@@ -32,7 +32,7 @@ pub(super) enum Depth {
     Id,
 }
 
-/// A number of a picture that is light or data, not a code.
+/// A sample type for light or data, not for ids.
 trait Sample: Element + Copy + Send + Sync {
     fn light(self) -> f32;
     fn of_light(light: f32) -> Self;
@@ -60,7 +60,7 @@ impl Sample for f16 {
 
 const TYPES: &str = "use image.astype(numpy.float32), or float16, or uint8";
 
-/// A picture as a plate. `names`: of the channels; `None`: Y, YA, RGB, RGBA, further ones by number.
+/// Converts a picture to a plate. `names`: channel names; `None`: Y, YA, RGB, RGBA, further ones numbered.
 pub(super) fn plate_of(image: &Bound<'_, PyAny>, names: Option<Vec<String>>) -> Result<(Plate, Form), Failure> {
     if let Ok(channels) = image.cast::<PyDict>() {
         return plate_of_channels(channels);
@@ -77,7 +77,7 @@ pub(super) fn plate_of(image: &Bound<'_, PyAny>, names: Option<Vec<String>>) -> 
     }
 }
 
-/// Width, height and channels of an array.
+/// Returns width and height, and the number of channels, of an array.
 fn extent(shape: &[usize]) -> Result<([u32; 2], usize), Failure> {
     let (rows, columns, channels) = match *shape {
         [rows, columns] => (rows, columns, 1),
@@ -129,7 +129,7 @@ fn of_samples<T: Sample>(
     Ok(plate_over(size, channels))
 }
 
-/// What channels are called that nobody names.
+/// Returns the default channel names.
 fn usual_names(count: usize) -> Vec<String> {
     let names: &[&str] = match count {
         1 => &["Y"],
@@ -170,7 +170,7 @@ fn plate_of_channels(channels: &Bound<'_, PyDict>) -> Result<(Plate, Form), Fail
     Ok((plate_over(size, planes), Form::Channels(depths)))
 }
 
-/// Width and height, samples and type of a channel; of ids the bits.
+/// Returns size, samples and type of a channel; ids are stored by their bits.
 fn plane(values: &Bound<'_, PyAny>, key: &str) -> Result<([u32; 2], Vec<f32>, Depth), Failure> {
     fn all<T: Element + Copy>(view: &ArrayViewD<'_, T>, light: impl Fn(T) -> f32) -> Vec<f32> {
         view.iter().map(|sample| light(*sample)).collect()
@@ -191,7 +191,7 @@ fn plane(values: &Bound<'_, PyAny>, key: &str) -> Result<([u32; 2], Vec<f32>, De
     }
 }
 
-/// A plate as what the picture was.
+/// Converts a plate to the given form.
 pub(super) fn image_of<'py>(py: Python<'py>, plate: Plate, form: &Form) -> PyResult<Bound<'py, PyAny>> {
     match form {
         Form::Channels(depths) => channels_of(py, plate, depths),
@@ -221,7 +221,7 @@ fn interleaved<'py, T: Sample>(
     Ok(PyArray1::from_vec(py, samples).reshape(shape)?.into_any())
 }
 
-/// Channels in a dict.
+/// Converts channels to a dict.
 fn channels_of<'py>(py: Python<'py>, plate: Plate, depths: &[Depth]) -> PyResult<Bound<'py, PyAny>> {
     let shape = [plate.display.height as usize, plate.display.width as usize];
     let dict = PyDict::new(py);
@@ -239,7 +239,7 @@ fn channels_of<'py>(py: Python<'py>, plate: Plate, depths: &[Depth]) -> PyResult
     Ok(dict.into_any())
 }
 
-/// A channel as an array (H, W): float32, which is handed over as it is, or uint32 where it holds ids.
+/// Converts a channel to an array (H, W): float32, which is moved, or uint32 for ids.
 pub(super) fn channel_array(py: Python<'_>, channel: Channel, shape: [usize; 2]) -> PyResult<Bound<'_, PyAny>> {
     if channel.storage == Storage::Uint {
         let ids = channel.samples.iter().map(|id| id.to_bits()).collect();

@@ -1,6 +1,6 @@
-//! A lattice: handles over a box, on the screen or in the scene.
+//! Lattices: handles over a box, in screen or scene space.
 //!
-//! In: arrays of handles and points. Out: warped points, gradients, folds. What points do is the library's business.
+//! In: arrays of handles and points. Out: warped points, gradients, folds. All computation is the library's.
 
 use super::arrays::{described, from_points, points};
 use super::failure::Failure;
@@ -11,19 +11,19 @@ use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayLi
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// Points that a thread takes.
+/// Number of points per thread batch.
 const BATCH: usize = 1 << 12;
 
 /// A lattice of the library.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Handles {
-    /// On the screen.
+    /// In screen space.
     Screen(lattice::Lattice<2>),
-    /// In the scene.
+    /// In scene space.
     World(lattice::Lattice<3>),
 }
 
-/// The same for both spaces.
+/// Evaluates an expression for a lattice in either space.
 macro_rules! in_either {
     ($lattice:expr, $own:ident => $then:expr) => {
         match &$lattice.0 {
@@ -160,7 +160,7 @@ fn shape_fault(handles: &Bound<'_, PyAny>) -> Failure {
     Failure::argument("handles", format!("is {}", described(handles)), hint)
 }
 
-/// A checked grid.
+/// Creates a grid, checking its parameters.
 pub(super) fn grid<const D: usize>(
     corners: &[Vec<f64>; 2],
     dims: [usize; D],
@@ -177,7 +177,7 @@ pub(super) fn grid<const D: usize>(
     Ok(grid)
 }
 
-/// A grid with moved handles: the last axis holds coordinates, those before it count from z to x.
+/// Creates a lattice from moved handles: the last axis holds coordinates, the axes before it run from z to x.
 fn moved<const D: usize>(
     given: &ArrayViewD<'_, f64>,
     corners: &[Vec<f64>; 2],
@@ -194,7 +194,7 @@ fn moved<const D: usize>(
     Ok(lattice::Lattice { grid, handles })
 }
 
-/// Handles as an array whose axes count from z to x.
+/// Returns handles as an array whose axes run from z to x.
 fn shaped<const D: usize>(
     py: Python<'_>,
     handles: Vec<[f64; D]>,

@@ -1,6 +1,6 @@
 //! Lattice files: the lattices of a shot's layers over its frames.
 //!
-//! In: a path, or lattices by layer and frame. Out: lattices; files as `pinwarp export --to lattice-json` writes them.
+//! In: a path, or lattices by layer and frame. Out: lattices; files as written by `pinwarp export --to lattice-json`.
 
 use super::failure::Failure;
 use super::lattice::{Handles, Lattice};
@@ -101,7 +101,7 @@ impl LatticeFile {
     }
 }
 
-/// The lattices of one layer.
+/// Creates the track of one layer.
 fn track(name: String, frames: BTreeMap<i32, Lattice>) -> Result<LatticeTrack, Failure> {
     let key = format!("lattices[{name:?}]");
     let Some(first) = frames.values().next().cloned() else {

@@ -1,14 +1,13 @@
 //! The Python package: the library for scripts, pipelines and notebooks, with NumPy arrays for pixels and points.
 //!
-//! In: Python's values. Out: what the library makes of them. Nothing is computed here; what the library computes is computed
-//! on a thread of its own, without Python's lock, while the calling thread passes on progress, asks for cancellation and
-//! sees Ctrl-C.
+//! In: Python values. Out: the library's results. Nothing is computed here; the library works on a separate thread
+//! without the GIL, while the calling thread reports progress, polls for cancellation and handles Ctrl-C.
 //!
 //! ```text
 //! numpy ─arrays, image─▶ plain data ─work─▶ the library ─▶ plain data ─arrays, frame─▶ numpy
 //! ```
 //!
-//! `docs/PYTHON.md` shows how it is used, `src/python/pinwarp/` holds what is written in Python.
+//! Usage: `docs/PYTHON.md`. The part written in Python: `src/python/pinwarp/`.
 
 mod arrays;
 mod drawer;

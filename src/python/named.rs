@@ -1,6 +1,6 @@
-//! Choices that Python makes by name.
+//! Enumerations given by name.
 //!
-//! In: `"bspline"`, `"ewa"`, `"cpu"`. Out: the library's values, by the names that files and the command line use.
+//! In: `"bspline"`, `"ewa"`, `"cpu"`. Out: the library's values, by the names used in files and on the command line.
 
 use super::failure::Failure;
 use crate::raster::{ChannelGroup, DeviceChoice};
@@ -9,13 +9,13 @@ use serde::de::DeserializeOwned;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error, StrDeserializer};
 
-/// A value by its name in files.
+/// Parses a value by its name in files.
 pub(super) fn named<T: DeserializeOwned>(key: &str, name: &str) -> Result<T, Failure> {
     let text: StrDeserializer<'_, Error> = name.into_deserializer();
     T::deserialize(text).map_err(|error| Failure::argument(key, format!("is {name:?}"), error.to_string()))
 }
 
-/// What draws, as `--device` takes it.
+/// Parses a rendering device as `--device` does.
 pub(super) fn device(name: &str) -> Result<DeviceChoice, Failure> {
     match name {
         "" => {
@@ -25,7 +25,7 @@ pub(super) fn device(name: &str) -> Result<DeviceChoice, Failure> {
     }
 }
 
-/// The groups of channels by their names in shot files.
+/// Channel groups by their names in shot files.
 const GROUPS: [(&str, ChannelGroup); 6] = [
     ("beauty", ChannelGroup::Beauty),
     ("depth", ChannelGroup::Depth),
@@ -35,7 +35,7 @@ const GROUPS: [(&str, ChannelGroup); 6] = [
     ("cryptomatte", ChannelGroup::Cryptomatte),
 ];
 
-/// Groups of channels, in the order of a frame.
+/// Parses channel groups, in the order of a frame.
 pub(super) fn channel_groups(names: &[String]) -> Result<Vec<ChannelGroup>, Failure> {
     let group = |name: &String| {
         let found = GROUPS.iter().find(|(known, _)| known == name).map(|(_, group)| *group);
@@ -51,7 +51,7 @@ pub(super) fn channel_groups(names: &[String]) -> Result<Vec<ChannelGroup>, Fail
     Ok(groups)
 }
 
-/// The names of groups.
+/// Returns the names of channel groups.
 pub(super) fn group_names(groups: &[ChannelGroup]) -> Vec<&'static str> {
     GROUPS.iter().filter(|(_, group)| groups.contains(group)).map(|(name, _)| *name).collect()
 }

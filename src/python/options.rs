@@ -1,6 +1,6 @@
-//! Keyword arguments of functions that take many.
+//! Keyword arguments of functions with many options.
 //!
-//! In: the dict of `**options`. Out: one value after the other; what nobody asks for is a TypeError.
+//! In: the dict of `**options`. Out: one value at a time; unknown arguments raise TypeError.
 
 use crate::spelling;
 use pyo3::conversion::FromPyObjectOwned;
@@ -19,21 +19,21 @@ impl<'a, 'py> Options<'a, 'py> {
         Self { given, known: Vec::new() }
     }
 
-    /// An argument as it was given; `None` counts as not given.
+    /// Takes an argument unconverted; Python's `None` counts as missing.
     pub(super) fn any(&mut self, name: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.known.push(name);
         let value = self.given.map(|given| given.get_item(name)).transpose()?.flatten();
         Ok(value.filter(|value| !value.is_none()))
     }
 
-    /// An argument of a type that Python's values convert to.
+    /// Takes an argument, converted to `T`.
     pub(super) fn take<T: FromPyObjectOwned<'py>>(&mut self, name: &'static str) -> PyResult<Option<T>> {
         let Some(value) = self.any(name)? else { return Ok(None) };
         let extracted = value.extract::<T>().map_err(Into::into);
         extracted.map(Some).map_err(|error: PyErr| PyTypeError::new_err(format!("{name}: {}", error.value(value.py()))))
     }
 
-    /// Refuses what was not asked for.
+    /// Rejects the arguments that were not taken.
     pub(super) fn end(self) -> PyResult<()> {
         for name in self.given.iter().flat_map(|given| given.keys()) {
             let name: String = name.extract()?;

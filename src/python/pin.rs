@@ -1,6 +1,6 @@
-//! Pins as Python gives them.
+//! Conversion of pins from Python.
 //!
-//! In: an array (K, 4) or a list of [`Pin`]s, on the screen or in pixels. Out: pins of the library.
+//! In: an array (K, 4) or a list of [`Pin`]s, in screen units or pixels. Out: pins of the library.
 
 use super::arrays;
 use super::failure::Failure;
@@ -41,13 +41,13 @@ impl Pin {
 }
 
 impl Pin {
-    /// A row of an array: x, y and where they go.
+    /// Creates a pin from an array row: x, y and its target.
     const fn of_row([x, y, to_x, to_y]: [f64; 4]) -> Self {
         Self::new([x, y], [to_x, to_y], None, None, 1.0)
     }
 }
 
-/// What places of pins are counted in.
+/// Units of pin positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Units {
     /// Frame heights, x right, y up, from the lower left corner.
@@ -73,7 +73,7 @@ impl Units {
     }
 }
 
-/// Pins of an array (K, 4), or of a list.
+/// Reads pins from an array (K, 4), or a list.
 pub(super) fn pins(values: &Bound<'_, PyAny>) -> Result<Vec<Pin>, Failure> {
     if let Ok(pins) = values.extract::<Vec<Pin>>() {
         return Ok(pins);
@@ -82,7 +82,7 @@ pub(super) fn pins(values: &Bound<'_, PyAny>) -> Result<Vec<Pin>, Failure> {
     Ok(rows.into_iter().map(Pin::of_row).collect())
 }
 
-/// Pins of a picture.
+/// Converts pins of a picture.
 pub(super) fn pins_of_picture(pins: &[Pin], units: Units, frame: FrameSize) -> Vec<live::Pin> {
     let pin = |pin: &Pin| live::Pin {
         rotation: pin.rotate.map(f64::to_radians),

@@ -1,4 +1,4 @@
-//! The command line inside the package: what the script `pinwarp` runs.
+//! The command line inside the package: the entry point of the `pinwarp` script.
 
 use crate::cli;
 use pyo3::prelude::*;

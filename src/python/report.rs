@@ -1,12 +1,13 @@
-//! The library's reports as Python's dicts and lists.
+//! Conversion of the library's reports to Python dicts and lists.
 //!
-//! In: what the command line prints with `--json`. Out: the same keys and values; numbers that are none become None.
+//! In: the structures that the command line prints with `--json`. Out: the same keys and values; non-finite numbers
+//! become None.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-/// A report as plain Python values.
+/// Converts a report to plain Python values.
 pub(super) fn plain<'py>(py: Python<'py>, report: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(report).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     py.import("json")?.call_method1("loads", (text,))

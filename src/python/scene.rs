@@ -1,6 +1,6 @@
-//! A scene, and where its meshes lie on the screen.
+//! Scenes, and the screen positions of their meshes.
 //!
-//! In: a glTF file, a camera, a frame. Out: names; points of every part, projected.
+//! In: a glTF file, a camera, a frame. Out: names; projected points of every part.
 
 use super::arrays::{from_points, from_triangles};
 use super::failure::Failure;
@@ -17,7 +17,7 @@ use pyo3::types::{PyDict, PyList};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The least that a shot says; the scene, the frame and the rest are set afterwards.
+/// A minimal shot file; scene, frame and other settings are filled in afterwards.
 const BARE: &str = "scene = \"scene\"\nframes = { first = 1, last = 1 }\n";
 
 /// A glTF scene (.glb or .gltf), seen by a camera over time.
@@ -106,7 +106,7 @@ impl Scene {
     }
 }
 
-/// A part on the screen.
+/// A projected part.
 struct Part<'a> {
     node: &'a str,
     points: Vec<[f64; 2]>,
@@ -114,7 +114,7 @@ struct Part<'a> {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The parts of a prepared shot on the screen, before any warp.
+/// Projects the parts of a prepared shot to the screen, before any warp.
 pub(super) fn projected<'py>(py: Python<'py>, prepared: &PreparedShot, frame: f64) -> PyResult<Bound<'py, PyList>> {
     if !frame.is_finite() {
         return Err(Failure::argument("frame", format!("is {frame}"), "give a finite number").into());
@@ -142,7 +142,7 @@ pub(super) fn projected<'py>(py: Python<'py>, prepared: &PreparedShot, frame: f6
     Ok(list)
 }
 
-/// A place on the screen; none where the camera does not look.
+/// Returns a screen position; NaN behind the camera.
 fn place(vertex: screen::Projected) -> [f64; 2] {
     if vertex.w > 0.0 { vertex.point().0.to_array() } else { [f64::NAN; 2] }
 }

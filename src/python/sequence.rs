@@ -1,6 +1,6 @@
-//! Frames rendered one after the other.
+//! Iteration over rendered frames.
 //!
-//! In: a shot and frames. Out: an iterator of frames in memory; each is made when it is asked for.
+//! In: a shot and frames. Out: an iterator of frames in memory, each rendered on demand.
 
 use super::drawer::Drawer;
 use super::frame::rendered;

@@ -1,6 +1,6 @@
-//! A shot: opened, checked, rendered into arrays or files.
+//! Shots: opening, checking, rendering into arrays or files.
 //!
-//! In: a shot file and what the caller says instead. Out: frames, reports, lattices.
+//! In: a shot file and overrides. Out: frames, reports, lattices.
 
 use super::drawer::Drawer;
 use super::failure::Failure;
@@ -32,7 +32,7 @@ pub(super) struct Shot {
     drawer: Arc<Drawer>,
 }
 
-/// What a check found.
+/// The result of a check.
 #[derive(Serialize)]
 struct CheckReport {
     notes: Vec<String>,
@@ -40,14 +40,14 @@ struct CheckReport {
     failures: Vec<FrameFailure>,
 }
 
-/// A frame that could not be made.
+/// A frame that failed.
 #[derive(Serialize)]
 struct FrameFailure {
     frame: i32,
     error: String,
 }
 
-/// What became of a render into files.
+/// The result of a render into files.
 #[derive(Serialize)]
 struct WriteReport {
     #[serde(flatten)]
@@ -261,7 +261,7 @@ impl Shot {
 }
 
 impl Shot {
-    /// The frames asked for, else all.
+    /// Returns the requested frames, or all.
     fn wanted(&self, frames: Option<Vec<i32>>) -> Result<Vec<i32>, Failure> {
         let own = self.prepared.shot.frames;
         let frames = frames.unwrap_or_else(|| (own.first..=own.last).collect());
@@ -296,7 +296,7 @@ impl Shot {
     fn solved(&self, frames: &[i32], watch: &Watch) -> Result<crate::export::LatticeFile, Failure> {
         watch.tell(0, frames.len());
         _ = self.prepared.settle(&|| watch.is_stopped(), &|_| {});
-        // One frame at a time is enough for cancelling: what is solved is kept for all of them.
+        // Checking once per frame suffices for cancellation; solved lattices are kept for all frames.
         for (done, &frame) in frames.iter().enumerate() {
             watch.check()?;
             self.prepared.sample_at(f64::from(frame))?;
@@ -327,7 +327,7 @@ impl Shot {
     }
 }
 
-/// What happens to frames that are there.
+/// Parses how existing frames are treated.
 fn existing(name: Option<&str>) -> Result<Existing, Failure> {
     match name {
         None | Some("refuse") => Ok(Existing::Refuse),

@@ -1,4 +1,4 @@
-//! The bare solver: a shape, pins, and the lattice that bends it with the least distortion.
+//! The bare solver: a shape, pins, and the lattice that deforms it with the least distortion.
 //!
 //! In: points, triangles, pins as arrays. Out: a [`Solution`].
 
@@ -14,7 +14,7 @@ use crate::solve::{Cancel, PointPin, Problem, Settings, Shape, SolveReport, Solv
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Room around the shape that its lattice has, of its extent.
+/// Margin of the lattice around the shape, relative to its extent.
 const PADDING: f64 = 0.1;
 
 /// A solved lattice, and how good it is.
@@ -152,7 +152,7 @@ fn settings(options: &mut Options<'_, '_>) -> PyResult<Settings> {
     Ok(settings.with_smoothness(smoothness))
 }
 
-/// The corners of a shape's box, with room around it.
+/// Returns the corners of a shape's bounding box with the margin.
 fn bounds<const D: usize>(points: &[[f64; D]]) -> Result<[Vec<f64>; 2], Failure> {
     if points.is_empty() {
         return Err(Failure::argument("points", "is empty", "give the points of a shape"));

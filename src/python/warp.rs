@@ -16,7 +16,7 @@ use crate::plate::{Field, LayerJob, Matte, PlateJob, Semantic, WarpSettings, war
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Handles of the lattice of a whole picture, across and up: as in shots.
+/// Default lattice dims over a whole picture, across and up: as in shots.
 const DIMS: [usize; 2] = [16, 16];
 
 /// Warps a picture and returns a new one of the same shape and type.
@@ -55,13 +55,13 @@ pub(super) fn warp<'py>(
     image_of(py, warped, &form)
 }
 
-/// What moves the picture.
+/// The source of the displacement.
 enum Mover {
     Pins(Vec<Pin>, Units),
     Lattice(ScreenLattice),
 }
 
-/// What is asked for.
+/// The parsed arguments.
 struct Task {
     mover: Mover,
     controls: Controls,
@@ -96,7 +96,7 @@ impl Task {
         };
         let filter = options.take::<String>("filter")?;
         let filter = filter.map_or_else(|| Ok(Default::default()), |name| named("filter", &name))?;
-        // Channels that have numbers for names are colours.
+        // Numbered channels are treated as colour.
         let semantics = vec![("channel*".to_owned(), Semantic::Color)];
         let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
         Ok(Self { mover, controls: controls(options, moved)?, settings, moved })
@@ -114,7 +114,7 @@ impl Task {
         Ok(warped)
     }
 
-    /// Where the points of the picture go.
+    /// Returns the displacement field of the picture.
     fn field(&self, plate: &Plate, watch: &Watch) -> Result<Field, Failure> {
         let (pins, units) = match &self.mover {
             Mover::Pins(pins, units) => (pins, *units),

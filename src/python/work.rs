@@ -1,8 +1,8 @@
-//! Work on a thread of its own, without Python's lock.
+//! Runs work on a separate thread, without the GIL.
 //!
-//! In: a piece of work, and the caller's `progress`. Out: its result. Callbacks run on the calling thread only: at every
-//! step that the work tells, and between steps about twenty times a second. `False` from a callback, an exception in it and
-//! Ctrl-C ask the work to stop; what it has not finished then is given up.
+//! In: a closure, and the caller's `progress` callback. Out: its result. Callbacks run on the calling thread only: at
+//! every step that the work reports, and between steps about twenty times per second. `False` from a callback, an
+//! exception in it, and Ctrl-C request cancellation; unfinished results are then discarded.
 
 use super::failure::Failure;
 use pyo3::prelude::*;
@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How long the calling thread sleeps between two looks for Ctrl-C.
+/// Interval at which the calling thread checks for Ctrl-C.
 const NAP: Duration = Duration::from_millis(50);
 
-/// What a piece of work tells, and is told.
+/// The channel between the work and the calling thread: progress one way, cancellation the other.
 #[derive(Default)]
 pub(super) struct Watch {
     is_stopped: AtomicBool,
@@ -23,32 +23,32 @@ pub(super) struct Watch {
     told: Condvar,
 }
 
-/// What was told and not passed on yet.
+/// Progress not yet passed on.
 #[derive(Default)]
 struct News {
-    /// How many steps are done, and of how many.
+    /// Completed and total steps.
     steps: VecDeque<[usize; 2]>,
     is_over: bool,
 }
 
 impl Watch {
-    /// Whether the work shall end; long loops ask now and then.
+    /// Returns whether the work should stop; long loops poll this.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped.load(Ordering::Relaxed)
     }
 
-    /// The flag that [`Self::is_stopped`] reads.
+    /// Returns the flag that [`Self::is_stopped`] reads.
     pub(super) const fn stop_flag(&self) -> &AtomicBool {
         &self.is_stopped
     }
 
-    /// Tells how many steps of all are done.
+    /// Reports the completed and total steps.
     pub(super) fn tell(&self, done: usize, of: usize) {
         self.news.lock().unwrap_or_else(PoisonError::into_inner).steps.push_back([done, of]);
         self.told.notify_one();
     }
 
-    /// [`Failure::Cancelled`] where the work shall end.
+    /// Returns [`Failure::Cancelled`] if the work should stop.
     pub(super) fn check(&self) -> Result<(), Failure> {
         if self.is_stopped() { Err(Failure::Cancelled) } else { Ok(()) }
     }
@@ -57,7 +57,7 @@ impl Watch {
         self.is_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// What was told since, after a nap at most; and whether the work is over.
+    /// Returns the progress since the last call, waiting up to [`NAP`] for some; and whether the work is over.
     fn next(&self) -> (VecDeque<[usize; 2]>, bool) {
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner);
         let is_quiet = |news: &mut News| news.steps.is_empty() && !news.is_over;
@@ -66,7 +66,7 @@ impl Watch {
     }
 }
 
-/// Tells that the work is over, however it ends.
+/// Marks the work as over when dropped, also on a panic.
 struct Ending<'a>(&'a Watch);
 
 impl Drop for Ending<'_> {
@@ -76,7 +76,7 @@ impl Drop for Ending<'_> {
     }
 }
 
-/// Does the work. What is finished before it learns that it shall stop is a result all the same.
+/// Runs the work. A result completed before the cancellation is noticed is still returned.
 pub(super) fn away<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -94,7 +94,7 @@ pub(super) fn away<T: Send>(
         }
         let ended = py.detach(|| worker.join());
         followed?;
-        // A panic is passed on: Python sees a PanicException.
+        // A panic is propagated: Python sees a PanicException.
         let outcome = ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         match outcome {
             Err(_) if watch.is_stopped() => Err(Failure::Cancelled.into()),
@@ -103,14 +103,14 @@ pub(super) fn away<T: Send>(
     })
 }
 
-/// Passes on what is told until the work is over.
+/// Passes progress on until the work is over.
 fn follow(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
     let mut last = [0, 0];
     loop {
         let (mut steps, is_over) = py.detach(|| watch.next());
         py.check_signals()?;
         if steps.is_empty() && !is_over && last[1] > 0 {
-            // Whoever wants to cancel is asked while a step takes long, too.
+            // The callback also runs during long steps, to allow cancellation.
             steps.push_back(last);
         }
         for step in steps {

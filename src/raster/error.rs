@@ -1,8 +1,8 @@
-//! Errors of drawing.
+//! Errors of rendering.
 //!
-//! In: failed calls of devices and allocators, wrong use. Out: [`RasterError`], which says what to do.
+//! In: failed calls of devices and allocators, invalid use. Out: [`RasterError`], whose message says what to do.
 
-/// A frame that cannot be drawn.
+/// A frame that cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RasterError {
@@ -11,32 +11,32 @@ pub enum RasterError {
         "no usable Vulkan device: {what}; install a driver (Debian: mesa-vulkan-drivers libvulkan1) or use --device cpu"
     )]
     NoDevice {
-        /// What was found missing.
+        /// What is missing.
         what: String,
     },
-    /// `--device` names nothing that is there.
+    /// `--device` matches no device.
     #[error("no device matches '{wanted}'; there are: cpu, {available}")]
     UnknownDevice {
-        /// What was asked for.
+        /// The requested device.
         wanted: String,
-        /// What there is.
+        /// The available devices.
         available: String,
     },
     /// A Vulkan call failed.
     #[error("Vulkan: {call} failed: {source}; try --device cpu")]
     Vulkan {
-        /// The call.
+        /// The name of the call.
         call: &'static str,
-        /// Its result.
+        /// Its result code.
         source: ash::vk::Result,
     },
-    /// The device or the machine has not enough memory.
+    /// Out of device or host memory.
     #[error("not enough memory for {what}; render at a smaller --scale")]
     OutOfMemory {
-        /// For what.
+        /// What the memory was for.
         what: String,
     },
-    /// The device stopped working: a driver reset, a hang, a card that was removed.
+    /// The device was lost: a driver reset, a hang, a card that was removed.
     #[error("the Vulkan device was lost in {call}; render the frame again, or use --device cpu")]
     DeviceLost {
         /// The call that reported it.
@@ -45,12 +45,12 @@ pub enum RasterError {
     /// The device cannot address that many vertices.
     #[error("the scene has {vertices} vertices on the screen, and the device draws {limit} at most; use --device cpu")]
     TooManyVertices {
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
-        /// How many may be drawn.
+        /// Maximum number of vertices.
         limit: u64,
     },
-    /// `start`, `draw` and `finish` were called out of order, or the target is larger than the device allows.
+    /// `start`, `draw` and `finish` were called out of order, or the target exceeds the device's limits.
     #[error("raster: {0}")]
     Misuse(&'static str),
 }

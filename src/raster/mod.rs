@@ -1,8 +1,8 @@
-//! Stage 7: warped geometry becomes a [`Frame`].
+//! Stage 7: renders warped geometry into a [`Frame`].
 //!
-//! A [`Raster`] is opened once for a scene's materials, then draws frames: `start`, `draw` for every sample pass, `finish`.
-//! [`cpu`] is the reference in safe Rust; [`vulkan`] draws the same picture on a device. Functions of the same name
-//! in `shaders/` and `raster/cpu/` compute the same thing.
+//! A [`Raster`] is opened once for a scene's materials, then renders frames: `start`, `draw` for every sample pass,
+//! `finish`. [`cpu`] is the reference in safe Rust; [`vulkan`] draws the same picture on a device. Functions of the
+//! same name in `shaders/` and `raster/cpu/` compute the same thing.
 
 pub mod cpu;
 pub mod geometry;
@@ -23,7 +23,7 @@ use crate::space::{FrameSize, PixelRect, ScenePoint};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
-/// One vertex, ready to draw. Everything but `screen`, `next` and `previous` is unwarped.
+/// One vertex, ready to draw. All fields except `screen`, `next` and `previous` are unwarped.
 ///
 /// Interpolation over a triangle is perspective-correct with `screen.w` for all fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -34,15 +34,15 @@ pub struct RasterVertex {
     pub screen: [f32; 4],
     /// Scene position.
     pub position: [f32; 3],
-    /// Distance along the view axis, metres.
+    /// Distance along the view axis in metres.
     pub depth: f32,
     /// Scene normal (not unit after interpolation).
     pub normal: [f32; 3],
     /// Warped homogeneous screen position one frame later: (x·w, y·w, w) with that frame's w.
     pub next: [f32; 3],
-    /// The same, one frame earlier.
+    /// Warped homogeneous screen position one frame earlier.
     pub previous: [f32; 3],
-    /// Scene tangent, w = handedness; zero where there is none.
+    /// Scene tangent, w = handedness; zero if there is none.
     pub tangent: [f32; 4],
     /// TEXCOORD_0 (u, v) and TEXCOORD_1 (u, v).
     pub uv: [f32; 4],
@@ -50,33 +50,33 @@ pub struct RasterVertex {
     pub color: [f32; 4],
 }
 
-/// The Cryptomattes that a frame can have: names of nodes, of materials, of the layers of the shot.
+/// The Cryptomattes that a frame can have: by node names, material names, and the shot's layer names.
 pub const MATTE_LAYERS: [&str; 3] = ["CryptoObject", "CryptoMaterial", "CryptoLayer"];
 
-/// Triangles that share a material and ids; drawn in the order given.
+/// Triangles with the same material and ids; drawn in the given order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
-    /// Corners as a range of [`Geometry::indices`], three a triangle.
+    /// Vertex indices as a range of [`Geometry::indices`], three per triangle.
     pub indices: std::ops::Range<u32>,
     /// Index into the scene's materials.
     pub material: u32,
-    /// 1 + index of the layer in the shot; 0 where no layer claims the mesh.
+    /// 1 + index of the layer in the shot; 0 if no layer includes the mesh.
     pub layer_id: u32,
     /// 1 + index of the node in the scene.
     pub object_id: u32,
-    /// Ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; [`MatteId::NOTHING`]: covers nothing there.
+    /// Ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; [`MatteId::NOTHING`]: no coverage there.
     pub mattes: [MatteId; MATTE_LAYERS.len()],
-    /// The node mirrors the part: front faces are clockwise.
+    /// Whether the node mirrors the part, so that front faces are clockwise.
     pub is_mirrored: bool,
 }
 
-/// Everything drawn at one time.
+/// The geometry at one time.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     /// Shared vertices.
     pub vertices: Vec<RasterVertex>,
-    /// Corner indices. Facing is judged on the screen, so the caller swaps two corners of a triangle that the warp turned
-    /// over: a front face stays one.
+    /// Vertex indices. Facing is determined on the screen, so the caller swaps two corners of a triangle that the warp
+    /// inverted, to keep its front face.
     pub indices: Vec<u32>,
     /// Opaque and masked draws first, then blended triangles from back to front over all objects.
     pub draws: Vec<Draw>,
@@ -86,16 +86,16 @@ pub struct Geometry {
     pub parallel_view: Option<glam::Vec3>,
     /// All lights.
     pub lights: Vec<PosedLight>,
-    /// Strength of the neutral surroundings (soft light from above, grey ground); 0: none.
+    /// Strength of the neutral environment (soft light from above, grey ground); 0: none.
     pub environment: f32,
 }
 
-/// What a sample pass contributes to.
+/// The outputs that a sample pass contributes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassRole {
     /// Filtered colour only (another time than mid-shutter).
     Beauty,
-    /// Depth, normal, motion, ids only (mid-shutter, not jittered); no shading. One pass of a frame draws data.
+    /// Depth, normal, motion, ids only (mid-shutter, not jittered); no shading. Exactly one pass of a frame draws data.
     Data,
     /// Both.
     BeautyAndData,
@@ -104,65 +104,65 @@ pub enum PassRole {
 /// One sample pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass<'a> {
-    /// What to draw.
+    /// The geometry to draw.
     pub geometry: &'a Geometry,
     /// The picture is shifted by this many pixels, x right, y down, before sampling at pixel centres.
     pub jitter_px: Vec2,
-    /// What it contributes to.
+    /// The outputs it contributes to.
     pub role: PassRole,
 }
 
-/// What a frame is drawn into.
+/// The target of a frame.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// The display window that screen space is measured against.
+    /// The display window that screen space refers to.
     pub frame: FrameSize,
-    /// The pixels to draw: the frame, a tile of it, or more than it. At most [`Raster::max_side`] on a side.
+    /// The pixels to draw: the frame, a tile of it, or more than it. At most [`Raster::max_side`] on each side.
     pub window: PixelRect,
-    /// Channels wanted, in any order.
+    /// Requested channels, in any order.
     pub channels: Vec<ChannelGroup>,
-    /// Number of passes that contribute to beauty: each weighs 1 / this.
+    /// Number of passes that contribute to beauty, each weighted by its reciprocal.
     pub beauty_passes: u32,
 }
 
-/// Something that draws frames.
+/// A rasteriser.
 ///
-/// Data channels are one exact sample at each pixel centre: the nearest surface (greatest reversed z; the first drawn where
-/// two are equal) whose alpha is at least 0.5, of the one pass that draws data. Beauty is the mean over its passes, and so
-/// is the coverage of mattes: the part of each pass's alpha that an id has.
+/// Data channels are one exact sample at each pixel centre: the nearest surface (greatest reversed z; the first drawn
+/// if two are equal) with an alpha of at least 0.5, from the one pass that draws data. Beauty is the mean over its
+/// passes, and so is the coverage of mattes: the part of each pass's alpha that belongs to an id.
 pub trait Raster {
-    /// What draws, for messages: `CPU`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// Returns the device's name, for messages: `CPU`, `llvmpipe (LLVM 15.0.6, 256 bits)`.
     fn name(&self) -> String;
 
-    /// What draws, for files: it does not depend on the machine.
+    /// Returns the device class, for files: independent of the machine.
     fn class(&self) -> DeviceClass;
 
-    /// The largest width or height of a target, pixels.
+    /// Returns the maximum width or height of a target in pixels.
     fn max_side(&self) -> u32;
 
     /// Begins a frame.
     ///
     /// # Errors
-    /// [`RasterError`] where memory or the device fails.
+    /// [`RasterError`] if memory is exhausted or the device fails.
     fn start(&mut self, target: &Target) -> Result<(), RasterError>;
 
-    /// Adds a pass to the frame begun.
+    /// Adds a pass to the current frame.
     ///
     /// # Errors
-    /// [`RasterError`] where memory or the device fails.
+    /// [`RasterError`] if memory is exhausted or the device fails.
     fn draw(&mut self, pass: &Pass) -> Result<(), RasterError>;
 
-    /// Ends the frame: data window = the target's window, channels in the order of [`ChannelGroup`].
+    /// Finishes the frame: data window = the target's window, channels in the order of [`ChannelGroup`].
     ///
     /// # Errors
-    /// [`RasterError`] where memory or the device fails.
+    /// [`RasterError`] if memory is exhausted or the device fails.
     fn finish(&mut self) -> Result<Frame, RasterError>;
 }
 
-/// The message where a second pass draws data into a frame.
+/// The message for a second data pass in a frame.
 const SECOND_DATA_PASS: &str = "a frame's data come from one pass, and it has been drawn";
 
-/// The kind of raster that drew a frame; frames of one class have the same bytes on one driver.
+/// The kind of rasteriser that drew a frame; frames of one class have the same bytes on one driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceClass {
     /// [`cpu::CpuRaster`].
@@ -180,7 +180,7 @@ impl std::fmt::Display for DeviceClass {
     }
 }
 
-/// Which device draws (`--device`).
+/// The choice of device (`--device`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
     /// A graphics card (discrete, integrated or virtual), else the CPU; never a software driver.
@@ -188,14 +188,14 @@ pub enum DeviceChoice {
     Auto,
     /// The CPU.
     Cpu,
-    /// The best Vulkan device there is, be it a software driver.
+    /// The best Vulkan device, software drivers included.
     Vulkan,
     /// A Vulkan device by index or part of its name.
     Named(String),
 }
 
 impl DeviceChoice {
-    /// `auto`, `cpu`, `vulkan`, in any case; anything else is part of a device's name, or its index.
+    /// Parses `auto`, `cpu`, `vulkan`, case-insensitively; anything else is part of a device's name, or its index.
     #[must_use]
     pub fn of_name(name: &str) -> Self {
         match name.to_lowercase().as_str() {

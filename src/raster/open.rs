@@ -1,6 +1,7 @@
-//! Opens what `--device` asks for.
+//! Opens the device selected by `--device`.
 //!
-//! In: a choice, a scene. Out: a raster, and where the CPU draws instead of a card, the reason; or what resamples plates.
+//! In: a choice, a scene. Out: a rasteriser, with the reason if the CPU replaces a graphics card; or a resampler of
+//! plates.
 
 use super::cpu::CpuRaster;
 use super::vulkan::{VulkanRaster, VulkanRemap, devices};
@@ -8,8 +9,8 @@ use super::{DeviceChoice, Raster, RasterError};
 use crate::plate::Resampler;
 use crate::scene::Scene;
 
-/// A raster for a scene. [`DeviceChoice::Auto`] takes a graphics card where there is one, else the CPU; where a card
-/// cannot be opened, the reason comes along.
+/// Opens a rasteriser for a scene. [`DeviceChoice::Auto`] uses a graphics card if there is one, else the CPU; if a card
+/// cannot be opened, the reason is returned, too.
 ///
 /// ```
 /// use pinwarp::{raster::{self, DeviceChoice, Raster as _}, scene::Scene};
@@ -19,7 +20,7 @@ use crate::scene::Scene;
 /// ```
 ///
 /// # Errors
-/// [`RasterError`] where a device was named and cannot be opened; `Auto` and `Cpu` always open.
+/// [`RasterError`] if a named device cannot be opened; `Auto` and `Cpu` always succeed.
 pub fn open(choice: &DeviceChoice, scene: &Scene) -> Result<(Box<dyn Raster + Send>, Option<String>), RasterError> {
     let on_cpu = || Box::new(CpuRaster::new(scene));
     match choice {
@@ -32,10 +33,10 @@ pub fn open(choice: &DeviceChoice, scene: &Scene) -> Result<(Box<dyn Raster + Se
     }
 }
 
-/// What resamples plates; `None`: the CPU. [`DeviceChoice::Auto`] takes a graphics card where there is one.
+/// Opens a resampler of plates; `None` for the CPU. [`DeviceChoice::Auto`] uses a graphics card if there is one.
 ///
 /// # Errors
-/// [`RasterError`] where a device was named and cannot be opened.
+/// [`RasterError`] if a named device cannot be opened.
 pub fn resampler(choice: &DeviceChoice) -> Result<Option<Box<dyn Resampler>>, RasterError> {
     let open = || VulkanRemap::open(choice);
     let boxed = |device| -> Box<dyn Resampler> { Box::new(device) };
@@ -46,7 +47,7 @@ pub fn resampler(choice: &DeviceChoice) -> Result<Option<Box<dyn Resampler>>, Ra
     }
 }
 
-/// Software drivers are slower than the CPU raster and the kernels of plates.
+/// Software drivers do not count: they are slower than the CPU rasteriser and resampler.
 fn has_card() -> bool {
     devices().is_ok_and(|all| all.iter().any(|device| device.unusable.is_none() && device.kind.is_card()))
 }

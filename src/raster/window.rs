@@ -1,18 +1,18 @@
-//! Where vertices lie in the window of a target: one transform and one sub-pixel grid for every raster.
+//! The transform of vertices to the window of a target, with a common sub-pixel grid for every rasteriser.
 //!
-//! In: a target, the jitter of a pass, vertices. Out: window pixels (x right, y down), snapped or not.
-//! Rasters that snap alike cover the same pixels: a vertex on the grid stays there however a device rounds.
+//! In: a target, the jitter of a pass, vertices. Out: window pixels (x right, y down), snapped or not. Rasterisers that
+//! snap identically cover the same pixels: a vertex on the grid stays there however a device rounds.
 
 use super::{RasterVertex, Target};
 use glam::{DVec2, IVec2, Vec2};
 
-/// Sub-pixel steps a pixel, as Vulkan devices have (`subPixelPrecisionBits` = 8).
+/// Sub-pixel steps per pixel, as on Vulkan devices (`subPixelPrecisionBits` = 8).
 pub(super) const SUBPIXELS: f64 = 256.0;
 
-/// Vertices farther out than this are not snapped: they are clipped first. Window pixels.
+/// The guard band in window pixels: vertices outside it are not snapped but clipped first.
 pub(super) const GUARD_BAND: std::ops::RangeInclusive<f64> = -16384.0..=32768.0;
 
-/// Screen space to window pixels: at = screen · scale + offset, y down.
+/// The transform from screen space to window pixels: at = screen · scale + offset, y down.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WindowFromScreen {
     scale: DVec2,
@@ -20,7 +20,7 @@ pub(super) struct WindowFromScreen {
 }
 
 impl WindowFromScreen {
-    /// The window of a target; the picture is shifted by the jitter.
+    /// Creates the transform for a target; the picture is shifted by the jitter.
     pub(super) fn new(target: &Target, jitter_px: Vec2) -> Self {
         let height = f64::from(target.frame.height);
         let origin = DVec2::new(f64::from(target.window.x), f64::from(target.window.y));
@@ -30,14 +30,14 @@ impl WindowFromScreen {
         }
     }
 
-    /// Window pixels of a vertex, not snapped; anything where w is not positive.
+    /// Returns the window pixels of a vertex, not snapped; arbitrary if w is not positive.
     pub(super) fn point(&self, vertex: &RasterVertex) -> DVec2 {
         let [x, y, _, w] = vertex.screen.map(f64::from);
         DVec2::new(x, y) / w * self.scale + self.offset
     }
 
-    /// The vertex in clip space of a window of `size` pixels, y down, on the sub-pixel grid of the window: what a
-    /// device needs to cover the pixels that the CPU raster covers.
+    /// Returns the vertex in clip space of a window of `size` pixels, y down, on the sub-pixel grid of the window: the
+    /// input with which a device covers the same pixels as the CPU rasteriser.
     pub(super) fn clip_position(&self, vertex: &RasterVertex, size: DVec2) -> [f32; 4] {
         let [x, y, _, w] = vertex.screen.map(f64::from);
         let at = self.point(vertex);
@@ -51,12 +51,12 @@ impl WindowFromScreen {
     }
 }
 
-/// The point may be snapped: it is a number and lies within the guard band.
+/// Returns whether a point may be snapped: it is finite and within the guard band.
 pub(super) fn is_in_guard_band(at: DVec2) -> bool {
     GUARD_BAND.contains(&at.x) && GUARD_BAND.contains(&at.y)
 }
 
-/// Window pixels to the nearest step of the sub-pixel grid.
+/// Snaps window pixels to the sub-pixel grid.
 pub(super) fn snap(at: DVec2) -> IVec2 {
     (at * SUBPIXELS).round().as_ivec2()
 }
@@ -67,7 +67,7 @@ mod tests {
     use crate::image::ChannelGroup;
     use crate::space::FrameSize;
 
-    /// What a device makes of a clip position: 32-bit floats, then its own grid.
+    /// Rounds a clip position as a device does: to 32-bit floats, then to its own grid.
     fn on_device([x, y, _, w]: [f32; 4], size: u32) -> [i32; 2] {
         let half = size as f32 * 0.5;
         [x, y].map(|at| ((at / w * half + half) * 256.0).round() as i32)

@@ -1,6 +1,7 @@
-//! Reads files that a scene names: only regular files of a bounded size, and by default only below the scene's folder.
+//! Reads the files that a scene refers to: only regular files of bounded size, and by default only below the scene's
+//! folder.
 //!
-//! In: paths. Out: bytes, or why they are not read. Scenes are data from elsewhere; what they name is not trusted.
+//! In: paths. Out: bytes, or the reason for refusal. Scenes come from elsewhere; the paths in them are not trusted.
 
 use super::SceneError;
 use crate::files::check_regular;
@@ -11,22 +12,22 @@ use std::path::Path;
 /// Which files a scene may refer to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FileAccess {
-    /// Files in the folder of the scene and below; symbolic links that lead elsewhere count as outside.
+    /// Files in or below the scene's folder; symbolic links that lead out of it count as outside.
     #[default]
     SceneFolder,
     /// Any file.
     Anywhere,
 }
 
-/// Largest file that is read, bytes: what a .glb can count.
+/// Maximum size of a file in bytes: what the size field of a .glb can express.
 const MAX_BYTES: u64 = 1 << 32;
 
-/// The bytes of the scene's own file.
+/// Reads the scene's own file.
 pub(super) fn read_scene_file(path: &Path) -> Result<Vec<u8>, SceneError> {
     read_file(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })
 }
 
-/// The bytes of a regular file. Pipes and devices are refused before they are opened, since opening them may block.
+/// Reads a regular file. Pipes and devices are rejected before they are opened, since opening them may block.
 pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     check_regular(path)?;
     let file = File::open(path)?;
@@ -34,7 +35,7 @@ pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     check_size(&metadata, MAX_BYTES)?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(metadata.len() as usize)?;
-    // A file that grows meanwhile is cut.
+    // A file that grows while it is read is truncated.
     file.take(metadata.len()).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
@@ -50,8 +51,8 @@ fn check_size(metadata: &std::fs::Metadata, max_bytes: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether a file lies in a folder or below it once all symbolic links are followed. Files that do not exist count as
-/// inside: reading them says what is wrong.
+/// Returns whether a file is in or below a folder, after resolving symbolic links. Missing files count as inside: the
+/// error of reading them is more useful.
 pub(super) fn is_inside(folder: &Path, path: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (folder.canonicalize(), path.canonicalize()) {

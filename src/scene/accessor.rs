@@ -1,7 +1,8 @@
-//! Accessors as plain numbers.
+//! Reads accessors as plain numbers.
 //!
-//! In: an accessor's index. Out: its elements, dense, as f32 or u32, sparse parts applied. Ranges are checked against
-//! the buffers before the first byte is read, so nothing here can panic or allocate more than the file justifies.
+//! In: an accessor's index. Out: its elements, dense, as f32 or u32, with sparse values applied. Ranges are checked
+//! against the buffers before the first byte is read, so nothing here can panic, or allocate more than the file
+//! justifies.
 
 use super::SceneError;
 use super::file::{File, ViewBytes, slice};
@@ -11,28 +12,28 @@ use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
 use std::fmt::Arguments;
 
-/// Most elements an accessor without data may ask for: zeros cost the file nothing, but memory here.
+/// Maximum number of elements of an accessor without data: zeros take no space in the file, but memory here.
 pub(super) const MAX_ZEROS: u64 = 1 << 22;
 
-/// How integers become floats.
+/// How integers are converted to floats.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Integers {
-    /// As the accessor's `normalized` says.
+    /// As given by the accessor's `normalized`.
     AsFlagged,
-    /// Always 0..1 or -1..1: attributes that the format allows in no other way.
+    /// Always to 0..1 or -1..1, for attributes that the format requires to be normalised.
     Normalized,
 }
 
-/// An accessor's elements as floats.
+/// The elements of an accessor as floats.
 pub(super) struct Floats {
-    /// Components an element.
+    /// Components per element.
     pub(super) width: usize,
-    /// `width` values an element.
+    /// `width` values per element.
     pub(super) values: Vec<f32>,
 }
 
 impl Floats {
-    /// The elements as vectors (or other plain types) of `N` = `width` components.
+    /// Converts the elements to vectors (or other plain types) of `N` = `width` components.
     pub(super) fn map<const N: usize, T>(&self, convert: impl Fn([f32; N]) -> T) -> Vec<T> {
         assert_eq!(self.width, N, "the accessor's type was checked when it was read");
         let (arrays, _) = self.values.as_chunks::<N>();
@@ -40,34 +41,34 @@ impl Floats {
     }
 }
 
-/// One accessor with every range checked.
+/// An accessor with all ranges checked.
 struct Source<'a> {
     elements: Elements<'a>,
     /// Number of elements.
     count: usize,
     component: ComponentType,
-    /// Components an element.
+    /// Components per element.
     width: usize,
     is_normalized: bool,
     sparse: Option<Sparse<'a>>,
 }
 
-/// Where elements lie.
+/// The storage of elements.
 enum Elements<'a> {
-    /// `stride` bytes apart, the last one complete.
+    /// Elements `stride` bytes apart; the last one is complete.
     Stored { bytes: &'a [u8], stride: usize },
-    /// All zero.
+    /// All zeros.
     Zeros,
 }
 
-/// Replacements: `indices.len()` elements, tightly packed in `values`.
+/// Sparse replacements: `indices.len()` elements, tightly packed in `values`.
 struct Sparse<'a> {
     indices: Vec<usize>,
     values: &'a [u8],
 }
 
 impl File {
-    /// The elements of an accessor of one of `types`; `what` names its role in errors.
+    /// Reads an accessor of one of `types` as floats; `what` names its role in errors.
     pub(super) fn floats(
         &self,
         index: Index<Accessor>,
@@ -95,7 +96,7 @@ impl File {
         Ok(Floats { width: source.width, values })
     }
 
-    /// The components of an accessor of unsigned integers, one element after the other.
+    /// Reads an accessor of unsigned integers, as a flat list of components.
     pub(super) fn integers(
         &self,
         index: Index<Accessor>,
@@ -111,13 +112,13 @@ impl File {
         }
     }
 
-    /// Number of elements an accessor announces.
+    /// Returns the number of elements that an accessor declares.
     pub(super) fn count(&self, index: Index<Accessor>, what: Arguments<'_>) -> Result<usize, SceneError> {
         let count = self.accessor(index, what)?.count.0;
         usize::try_from(count).map_err(|_| self.invalid(format!("{what}: {count} elements are too many")))
     }
 
-    /// The accessor stores no data at all: every element is zero.
+    /// Returns whether the accessor stores no data, so that every element is zero.
     pub(super) fn is_all_zero(&self, index: Index<Accessor>) -> bool {
         self.root.get(index).is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
     }
@@ -185,7 +186,7 @@ impl File {
 }
 
 impl Source<'_> {
-    /// All components in order, each read by `read` from its `N` bytes.
+    /// Decodes all components in order, each with `read` from its `N` bytes.
     fn decode<const N: usize, T: Copy + Default>(&self, read: impl Fn([u8; N]) -> T) -> Vec<T> {
         let size = self.width * N;
         let mut out = Vec::with_capacity(self.count * self.width);
@@ -211,7 +212,7 @@ impl Source<'_> {
     }
 }
 
-/// The bytes of `count` elements of `size` bytes in `view`, up to the end of the last one.
+/// Returns the bytes of `count` elements of `size` bytes in `view`, up to the end of the last one.
 fn stored<'a>(view: &ViewBytes<'a>, offset: u64, count: usize, size: usize) -> Result<Elements<'a>, String> {
     let stride = if view.stride == 0 { size } else { view.stride };
     if stride < size {

@@ -1,4 +1,4 @@
-//! Animation clips.
+//! Reads animation clips.
 //!
 //! In: the JSON's animations. Out: tracks of scene nodes with checked keys; `clips[i]` is the file's i-th.
 
@@ -14,7 +14,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, Accessor, Index};
 use std::collections::HashSet;
 
-/// All clips. A node that a clip moves gets a TRS placement in `nodes` where the file gave a matrix.
+/// Reads all clips. An animated node with a matrix in the file gets a TRS transform in `nodes`.
 pub(super) fn load(
     file: &File,
     tree: &Tree,
@@ -48,11 +48,11 @@ struct Loader<'a> {
     animation: &'a json::Animation,
     /// Name of the clip.
     clip: String,
-    /// Node and property of the tracks so far.
+    /// Nodes and properties that have a track already.
     taken: HashSet<(usize, u8)>,
 }
 
-/// A channel by name, for messages.
+/// A channel's name, for messages.
 struct ChannelLabel<'a> {
     clip: &'a str,
     channel: usize,
@@ -74,7 +74,7 @@ impl Loader<'_> {
         Ok(tracks)
     }
 
-    /// `None` where the channel moves nothing of this scene.
+    /// Reads the track of a channel; `None` if it does not animate a node of this scene.
     fn track(&mut self, number: usize, channel: &Channel) -> Result<Option<Track>, SceneError> {
         let file_node = channel.target.node.value();
         let name = nodes::name(self.file, file_node);
@@ -104,7 +104,7 @@ impl Loader<'_> {
     }
 }
 
-/// Turns a matrix into TRS, so that a track can replace a part of it.
+/// Decomposes a matrix into TRS, so that a track can replace one component.
 fn decompose(node: &mut Node) {
     if let Placement::Matrix(matrix) = node.rest {
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
@@ -117,7 +117,7 @@ struct Keys<'a> {
     file: &'a File,
     label: &'a ChannelLabel<'a>,
     sampler: &'a Sampler,
-    /// Morph targets of the node.
+    /// Number of morph targets of the node.
     targets: usize,
 }
 
@@ -169,7 +169,7 @@ impl Keys<'_> {
             Property::Rotation => {
                 let values = self.floats(output, Type::Vec4, Integers::Normalized)?;
                 let raw = values.as_chunks::<4>().0.iter().map(|value| Quat::from_array(*value));
-                // The tangents of cubic keys are not rotations; their values become unit after interpolation.
+                // The tangents of cubic keys are not rotations; interpolated values are normalised later.
                 TrackValues::Rotation(if is_cubic { raw.collect() } else { raw.map(nodes::unit).collect() })
             }
             Property::MorphTargetWeights => {
@@ -191,7 +191,7 @@ impl Keys<'_> {
     }
 }
 
-/// The keys that are later than all before them.
+/// Returns the indices of keys that are later than all keys before them.
 fn rising(times: &[f32]) -> Vec<usize> {
     let mut latest = f32::NEG_INFINITY;
     let is_later = |&key: &usize| {
@@ -202,7 +202,7 @@ fn rising(times: &[f32]) -> Vec<usize> {
     (0..times.len()).filter(is_later).collect()
 }
 
-/// Keeps the values of the keys in `kept`; a key has `per_key` values, or that many lists of `targets` weights.
+/// Keeps only the values of the keys in `kept`; each key has `per_key` values, or that many lists of `targets` weights.
 fn keep_keys(values: &mut TrackValues, kept: &[usize], per_key: usize, targets: usize) {
     fn keep<T: Copy>(values: &mut Vec<T>, kept: &[usize], width: usize) {
         *values = kept.iter().flat_map(|&key| &values[key * width..(key + 1) * width]).copied().collect();

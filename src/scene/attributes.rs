@@ -1,4 +1,4 @@
-//! The vertex attributes of one primitive.
+//! Reads the vertex attributes of one primitive.
 //!
 //! In: accessors. Out: arrays of #vertices; every array is checked to be as long as the positions.
 
@@ -13,12 +13,12 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, Accessor, Index};
 use std::fmt::{self, Arguments};
 
-/// A primitive by name, for messages.
+/// A primitive's name, for messages.
 #[derive(Clone, Copy)]
 pub(super) struct Label<'a> {
     /// Name of the mesh.
     pub(super) mesh: &'a str,
-    /// Number of the primitive in it.
+    /// Index of the primitive in the mesh.
     pub(super) primitive: usize,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Attributes<'a> {
 }
 
 impl Attributes<'_> {
-    /// UV set `set`; empty where there is none.
+    /// Reads UV set `set`; empty if missing.
     pub(super) fn uvs(&self, set: u32) -> Result<Vec<Vec2>, SceneError> {
         let floats = self.optional(Semantic::TexCoords(set), &[Type::Vec2], Integers::AsFlagged)?;
         let mut uvs = floats.map_or_else(Vec::new, |floats| floats.map(Vec2::from_array));
@@ -46,7 +46,7 @@ impl Attributes<'_> {
         Ok(uvs)
     }
 
-    /// COLOR_0 as RGBA; empty where there is none.
+    /// Reads COLOR_0 as RGBA; empty if missing.
     pub(super) fn colors(&self) -> Result<Vec<Vec4>, SceneError> {
         let floats = self.optional(Semantic::Colors(0), &[Type::Vec3, Type::Vec4], Integers::Normalized)?;
         let Some(floats) = floats else { return Ok(Vec::new()) };
@@ -58,19 +58,19 @@ impl Attributes<'_> {
         Ok(colors)
     }
 
-    /// Vectors of three components, as they stand in the file.
+    /// Reads three-component vectors unchanged.
     pub(super) fn vectors(&self, semantic: Semantic) -> Result<Option<Vec<Vec3>>, SceneError> {
         let floats = self.optional(semantic, &[Type::Vec3], Integers::AsFlagged)?;
         Ok(floats.map(|floats| floats.map(Vec3::from_array)))
     }
 
-    /// TANGENT as it stands in the file.
+    /// Reads TANGENT unchanged.
     pub(super) fn tangents(&self) -> Result<Option<Vec<Vec4>>, SceneError> {
         let floats = self.optional(Semantic::Tangents, &[Type::Vec4], Integers::AsFlagged)?;
         Ok(floats.map(|floats| floats.map(Vec4::from_array)))
     }
 
-    /// JOINTS_0 and JOINTS_1 with their weights, which sum to 1 per vertex; empty where there are none.
+    /// Reads JOINTS_0 and JOINTS_1 with their weights, normalised to sum to 1 per vertex; empty if missing.
     pub(super) fn influences(&self, warnings: &mut Vec<String>) -> Result<Vec<[Influence; 8]>, SceneError> {
         let mut influences = Vec::new();
         for set in 0..2 {
@@ -96,7 +96,7 @@ impl Attributes<'_> {
     }
 
     fn influence(&self, joint: u32, weight: f32) -> Result<Influence, SceneError> {
-        // Joints without weight are often filled with rubbish; they mean nothing.
+        // Joints without weight often have arbitrary indices, which are ignored.
         let weight = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
         let joint = if weight > 0.0 { joint } else { 0 };
         let too_far = |_| self.file.invalid(format!("{}: joint {joint} is out of range", self.label));
@@ -115,7 +115,7 @@ impl Attributes<'_> {
         Ok(Some((joints, weights)))
     }
 
-    /// The morph targets.
+    /// Reads the morph targets.
     pub(super) fn targets(&self) -> Result<Vec<MorphTarget>, SceneError> {
         let targets = self.json.targets.iter().flatten().enumerate();
         targets.map(|(number, target)| self.target(number, target)).collect()
@@ -158,7 +158,7 @@ impl Attributes<'_> {
         integers: Integers,
         what: Arguments<'_>,
     ) -> Result<Floats, SceneError> {
-        // The count is compared first: a small file cannot ask for much memory.
+        // The count is checked first, so that a small file cannot request much memory.
         self.check_count(accessor, what)?;
         self.file.floats(accessor, types, integers, what)
     }
@@ -177,7 +177,7 @@ fn replace_broken<T: Copy>(values: &mut [T], is_good: impl Fn(&T) -> bool, inste
     values.iter_mut().filter(|value| !is_good(value)).for_each(|value| *value = instead);
 }
 
-/// Makes the weights of a vertex sum to 1; `Some` where all of them are 0.
+/// Normalises the weights of a vertex to sum to 1; `Some` if all of them are 0.
 fn normalize(vertex: &mut [Influence; 8]) -> Option<()> {
     let sum: f64 = vertex.iter().map(|one| f64::from(one.weight)).sum();
     if sum > 0.0 {

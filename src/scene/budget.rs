@@ -1,6 +1,7 @@
-//! What a scene will hold once its images are decoded and its meshes posed: asked of the memory budget before either is done.
+//! Estimates the memory of a scene, and checks it against the budget before images are decoded and meshes posed.
 //!
-//! In: the file's JSON, its instances, pixels of its images. Out: leave to go on, or [`SceneError::TooLarge`].
+//! In: the file's JSON, its instances, the pixels of its images. Out: permission to continue, or
+//! [`SceneError::TooLarge`].
 
 use super::SceneError;
 use super::accessor::MAX_ZEROS;
@@ -11,25 +12,25 @@ use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
 
-/// Bytes of a pixel of an image: as RGBA8, as it is decoded, and in the smaller levels of the raster.
+/// Bytes per pixel of an image: as RGBA8, during decoding, and in the rasteriser's mipmaps.
 const PIXEL: u128 = 12;
 
-/// Bytes of a vertex as the scene stores it, without morph targets.
+/// Bytes per stored vertex, without morph targets.
 const STORED_VERTEX: u128 = 64;
 
-/// Bytes of a vertex of a morph target.
+/// Bytes per vertex of a morph target.
 const TARGET_VERTEX: u128 = 36;
 
-/// Bytes of a vertex of each node that shows it: posed at three moments, on the screen, and drawn.
+/// Bytes per vertex for each node that shows it: posed at three times, projected, and drawn.
 const POSED_VERTEX: u128 = 250;
 
-/// Bytes of a corner of a triangle.
+/// Bytes per triangle corner.
 const CORNER: u128 = 8;
 
-/// Bytes of a node: as JSON, in the scene, posed, with its name.
+/// Bytes per node: as JSON, in the scene, posed, with its name.
 const NODE: u128 = 1024;
 
-/// Asks for what the file needs; `instances` are nodes that are not in the file yet, `pixels` those of all images.
+/// Checks the file's memory; `instances`: nodes that are not in the file yet, `pixels`: those of all images.
 pub(super) fn check(file: &File, instances: &[Instances], pixels: u128) -> Result<(), SceneError> {
     let meshes: Vec<MeshSize> = file.root.meshes.iter().map(|mesh| size(file, &mesh.primitives)).collect();
     let shown = |mesh: usize| meshes.get(mesh).map_or(0, |mesh| mesh.vertices * POSED_VERTEX + mesh.corners * CORNER);
@@ -50,7 +51,7 @@ pub(super) fn check(file: &File, instances: &[Instances], pixels: u128) -> Resul
     })
 }
 
-/// What a mesh holds.
+/// The size of a mesh.
 struct MeshSize {
     vertices: u128,
     corners: u128,
@@ -59,7 +60,8 @@ struct MeshSize {
 }
 
 fn size(file: &File, primitives: &[Primitive]) -> MeshSize {
-    // An element that is stored takes a byte at least: who reads an accessor says where it asks for more than there is.
+    // A stored element takes at least one byte, so the buffers bound the count; the accessor's reader reports the
+    // error.
     let buffered: u128 = file.buffers().iter().map(|buffer| buffer.len() as u128).sum();
     let count = |index: Index<Accessor>| {
         let count = |accessor: &Accessor| u128::from(accessor.count.0);
@@ -71,7 +73,7 @@ fn size(file: &File, primitives: &[Primitive]) -> MeshSize {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let positions = attribute(Semantic::Positions).map_or(0, count);
         let corners = primitive.indices.map_or(positions, count);
-        // Flat triangles share no vertices.
+        // Triangles with flat normals share no vertices.
         let vertices = if attribute(Semantic::Normals).is_some() { positions } else { positions.max(corners) };
         let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u128;
         size.vertices += vertices;

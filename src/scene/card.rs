@@ -1,6 +1,6 @@
-//! Scenes that lie flat in the frame: scene x and y are screen x and y, in frame heights.
+//! Scenes that lie flat in the frame: scene x and y equal screen x and y, in frame heights.
 //!
-//! In: the frame's aspect. Out: a [`Scene`] of unlit cards before a camera that sees exactly the frame.
+//! In: the frame's aspect ratio. Out: a [`Scene`] of unlit cards in front of a camera that sees exactly the frame.
 
 use super::{Camera, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use glam::{Quat, Vec2, Vec3};
@@ -8,13 +8,13 @@ use glam::{Quat, Vec2, Vec3};
 /// Name of the only card of [`frame_card`].
 const FRAME: &str = "frame";
 
-/// Cells along the longer side of a rectangle.
+/// Number of cells along the longer side of a rectangle.
 const CELLS: f64 = 24.0;
 
-/// Distance from a card to the one before it, and from the last one to the camera, frame heights.
+/// Distance between consecutive cards, and from the front card to the camera, in frame heights.
 const STEP: f32 = 0.01;
 
-/// The scene of a shot that warps whole plates: one card, `frame`, that fills the frame.
+/// Returns the scene of a shot that warps whole plates: one card, `frame`, that fills the frame.
 ///
 /// ```
 /// let scene = pinwarp::scene::frame_card(16.0 / 9.0);
@@ -25,7 +25,7 @@ pub fn frame_card(aspect: f64) -> Scene {
     flat_scene(aspect, vec![(FRAME.to_owned(), rectangle(aspect, [[0.0; 2], [aspect, 1.0]]))])
 }
 
-/// A scene of cards, from back to front, each a node with a mesh of its own, and the camera before them.
+/// Returns a scene of cards, from back to front, each a node with its own mesh, and a camera in front of them.
 pub(super) fn flat_scene(aspect: f64, cards: Vec<(String, Primitive)>) -> Scene {
     let mut scene = Scene {
         materials: vec![Material { unlit: true, double_sided: true, ..Material::default() }],
@@ -39,7 +39,7 @@ pub(super) fn flat_scene(aspect: f64, cards: Vec<(String, Primitive)>) -> Scene 
     let before = STEP * scene.nodes.len() as f32;
     let middle = Vec3::new((0.5 * aspect) as f32, 0.5, before);
     scene.nodes.push(Node { camera: Some(0), ..node("camera".to_owned(), middle) });
-    // A file of it has the same nodes.
+    // A file written from it has the same nodes.
     scene.file_from_scene = (0..scene.nodes.len()).collect();
     scene
 }
@@ -49,7 +49,8 @@ fn node(name: String, translation: Vec3) -> Node {
     Node { name, parent: None, rest, mesh: None, skin: None, camera: None, light: None, weights: Vec::new() }
 }
 
-/// A box of the screen, lower left and upper right corner, as a grid of near-square cells, cut along alternating diagonals.
+/// Returns a box on the screen, given by its lower left and upper right corner, as a grid of nearly square cells, split
+/// along alternating diagonals.
 pub(super) fn rectangle(aspect: f64, [low, high]: [[f64; 2]; 2]) -> Primitive {
     let size = [high[0] - low[0], high[1] - low[1]];
     let side = size[0].max(size[1]) / CELLS;
@@ -67,7 +68,7 @@ pub(super) fn rectangle(aspect: f64, [low, high]: [[f64; 2]; 2]) -> Primitive {
     card(&points, triangles, aspect)
 }
 
-/// Triangles of the screen, counter-clockwise, with texture coordinates that lay a picture of the whole frame on them.
+/// Returns screen-space triangles, counter-clockwise, with UVs that map a picture of the whole frame onto the frame.
 pub(super) fn card(points: &[[f64; 2]], triangles: Vec<[u32; 3]>, aspect: f64) -> Primitive {
     let uv = |&[x, y]: &[f64; 2]| Vec2::new((x / aspect) as f32, (1.0 - y) as f32);
     Primitive {

@@ -1,9 +1,9 @@
-//! What can go wrong while a scene is loaded.
+//! Errors of loading a scene.
 
 use crate::memory::OverBudget;
 use std::path::PathBuf;
 
-/// A scene that cannot be loaded. Each message says what, where and how to fix it.
+/// A scene that cannot be loaded. Each message says what is wrong, where, and how to fix it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -12,10 +12,10 @@ pub enum SceneError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// The file breaks the format.
+    /// The file violates the format.
     #[error("{path} is not valid glTF: {what}")]
     Invalid {
         /// The file.
@@ -23,27 +23,27 @@ pub enum SceneError {
         /// What is wrong and where in the file.
         what: String,
     },
-    /// The file needs something pinwarp does not know.
+    /// The file requires an unsupported feature.
     #[error("{path} needs {what}, which is not supported; {hint}")]
     Unsupported {
         /// The file.
         path: PathBuf,
         /// The extension or feature by name.
         what: String,
-        /// How to get on.
+        /// What to do about it.
         hint: String,
     },
-    /// Its textures, vertices and instances need more memory than may be used.
+    /// Its textures, vertices and instances exceed the memory budget.
     #[error("{path} ({what}) {source}, smaller textures, or fewer instances")]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What it holds, counted.
+        /// Its contents, counted.
         what: String,
-        /// How much it needs and may use.
+        /// The bytes needed and available.
         source: OverBudget,
     },
-    /// Nothing of a picture can be seen.
+    /// A picture is completely transparent.
     #[error(
         "nothing of '{picture}' in {path} can be seen: its alpha is 0 everywhere; take it off the list, or draw on it"
     )]

@@ -1,4 +1,4 @@
-//! The file while it is being loaded: typed JSON, resolved buffers, and errors that name it.
+//! A file being loaded: typed JSON, resolved buffers, and errors that name it.
 //!
 //! In: what `json` parsed. Out: bytes of buffers, views and URIs; every index and range is checked.
 
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Base64 as data URIs carry it; writers disagree about the padding.
+/// Base64 as in data URIs; writers differ in padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
@@ -22,9 +22,9 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// A parsed file with all its buffers in memory.
 pub(super) struct File {
-    /// Where it lies; relative URIs start from its folder.
+    /// Its path; relative URIs are resolved against its folder.
     path: PathBuf,
-    /// Which files it may refer to.
+    /// The files that it may refer to.
     access: FileAccess,
     /// Typed JSON.
     pub(super) root: Root,
@@ -33,7 +33,7 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Resolves the buffers of `root`; `binary` is the place of the binary chunk in `bytes`, the whole file.
+    /// Resolves the buffers of `root`; `binary`: the range of the binary chunk in `bytes`, the whole file.
     pub(super) fn resolve(
         path: (&Path, FileAccess),
         root: Root,
@@ -52,12 +52,12 @@ impl File {
         Ok(file)
     }
 
-    /// The JSON alone.
+    /// Wraps the JSON without resolving buffers.
     pub(super) fn unresolved((path, access): (&Path, FileAccess), root: Root) -> Self {
         Self { path: path.to_owned(), access, root, buffers: Vec::new() }
     }
 
-    /// The buffers of the JSON, in its order.
+    /// Returns the buffers, in the order of the JSON.
     pub(super) fn buffers(&self) -> &[Vec<u8>] {
         &self.buffers
     }
@@ -85,17 +85,17 @@ impl File {
         Ok(bytes)
     }
 
-    /// An error about the contents of this file.
+    /// Creates an error about the contents of this file.
     pub(super) fn invalid(&self, what: impl Into<String>) -> SceneError {
         SceneError::Invalid { path: self.path.clone(), what: what.into() }
     }
 
-    /// An error about how much there is in this file.
+    /// Creates an error about the memory that this file needs.
     pub(super) fn too_large(&self, what: String, source: OverBudget) -> SceneError {
         SceneError::TooLarge { path: self.path.clone(), what, source }
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view.
     pub(super) fn view(&self, index: Index<buffer::View>) -> Result<ViewBytes<'_>, SceneError> {
         let number = index.value();
         let view = self.root.get(index).ok_or_else(|| self.invalid(format!("bufferViews[{number}] does not exist")))?;
@@ -109,7 +109,7 @@ impl File {
         Ok(ViewBytes { bytes, stride: view.byte_stride.map_or(0, |stride| stride.0) })
     }
 
-    /// The bytes that a data URI holds or a relative URI leads to.
+    /// Reads the bytes of a data URI or relative URI.
     pub(super) fn read_uri(&self, uri: &str) -> Result<Vec<u8>, UriFault> {
         if let Some(data) = uri.strip_prefix("data:") {
             return decode_data_uri(data);
@@ -121,7 +121,7 @@ impl File {
         access::read_file(&path).map_err(|source| UriFault::Io { path, source })
     }
 
-    /// The files that buffers and images refer to.
+    /// Returns the files that buffers and images refer to.
     pub(super) fn beside(&self) -> Vec<PathBuf> {
         let buffers = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
         let images = self.root.images.iter().filter_map(|image| image.uri.as_deref());
@@ -129,11 +129,11 @@ impl File {
         uris.filter_map(|uri| self.path_of(uri).ok()).collect()
     }
 
-    /// The file that a URI other than `data:` leads to.
+    /// Returns the path of a URI other than `data:`.
     fn path_of(&self, uri: &str) -> Result<PathBuf, UriFault> {
         let relative = match uri.split_once(':') {
             Some(("file", rest)) => rest.trim_start_matches("//"),
-            // One letter is a Windows drive, not a scheme.
+            // A single letter is a Windows drive, not a scheme.
             Some((scheme, _)) if scheme.len() > 1 && is_scheme(scheme) => {
                 return Err(UriFault::Scheme(scheme.to_owned()));
             }
@@ -143,7 +143,7 @@ impl File {
         let folder = self.folder();
         let plain = folder.join(relative);
         let path = folder.join(&*decoded);
-        // Some exporters write a `%` of the name as it is.
+        // Some exporters do not escape a `%` in the file name.
         Ok(if !path.exists() && plain.exists() { plain } else { path })
     }
 
@@ -180,24 +180,24 @@ pub(super) struct ViewBytes<'a> {
 /// What to do about files outside the scene's folder.
 const ALLOW_OUTSIDE: &str = "move it below that folder, or use --allow-outside if you trust the scene";
 
-/// Why a URI gave no bytes.
+/// The reason why a URI could not be read.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum UriFault {
-    /// The file it leads to cannot be read.
+    /// Its file cannot be read.
     #[error("cannot read {path}: {source}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// A file outside the folder of the scene.
+    /// A file outside the scene's folder.
     #[error("{path} lies outside the folder of the scene; {ALLOW_OUTSIDE}", path = .0.display())]
     Outside(PathBuf),
     /// A damaged data URI.
     #[error("{0}")]
     Data(String),
-    /// An address on the network or elsewhere.
+    /// An unsupported scheme, such as a network address.
     #[error("{0}: addresses are not fetched")]
     Scheme(String),
 }
@@ -206,7 +206,7 @@ fn is_scheme(text: &str) -> bool {
     text.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
 }
 
-/// Decodes what stands behind `data:`.
+/// Decodes the part after `data:`.
 fn decode_data_uri(data: &str) -> Result<Vec<u8>, UriFault> {
     let Some((head, body)) = data.split_once(',') else {
         return Err(UriFault::Data("a data URI without a comma".to_owned()));
@@ -218,7 +218,7 @@ fn decode_data_uri(data: &str) -> Result<Vec<u8>, UriFault> {
     BASE64.decode(plain).map_err(|error| UriFault::Data(format!("a data URI that is not base64: {error}")))
 }
 
-/// `length` bytes of `bytes` from `offset`; `None` where they reach past the end.
+/// Returns `length` bytes of `bytes` from `offset`; `None` if they extend past the end.
 pub(super) fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let start = usize::try_from(offset).ok()?;
     let end = usize::try_from(offset.checked_add(length)?).ok()?;

@@ -1,37 +1,37 @@
-//! Finding nodes, cameras and clips by the names people write into shots.
+//! Finds nodes, cameras and clips by the names used in shots.
 //!
-//! In: a scene and a name, number or pattern. Out: indices, or an error that offers the nearest right spelling.
+//! In: a scene and a name, number or pattern. Out: indices, or an error that suggests the nearest valid name.
 
 use super::Scene;
 use crate::spelling::{self, counted};
 
-/// Something a shot names that the scene does not have.
+/// Something that a shot names but the scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FindError {
-    /// The scene has no camera at all; the caller may frame it automatically.
+    /// The scene has no camera; the caller may frame it automatically.
     #[error("the scene has no camera")]
     NoCamera,
     /// No camera of that name.
     #[error("the scene has no camera \"{name}\"; {hint}")]
     UnknownCamera {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The nearest right name, or all of them.
+        /// The nearest valid name, or all of them.
         hint: String,
     },
     /// No clip of that name.
     #[error("the scene has no clip \"{name}\"; {hint}")]
     UnknownClip {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The nearest right name, or all of them.
+        /// The nearest valid name, or all of them.
         hint: String,
     },
-    /// A clip number past the end.
+    /// A clip index out of range.
     #[error("the scene has {}, there is no clip {index} (the first is 0)", counted(*count, "clip", "clips"))]
     ClipOutOfRange {
-        /// The number asked for.
+        /// The requested index.
         index: usize,
         /// Number of clips.
         count: usize,
@@ -39,13 +39,13 @@ pub enum FindError {
 }
 
 impl Scene {
-    /// The first node of that name.
+    /// Returns the first node of that name.
     #[must_use]
     pub fn node_named(&self, name: &str) -> Option<usize> {
         self.nodes.iter().position(|node| node.name == name)
     }
 
-    /// The node of a camera: by node name, then by camera name; `None`: the first in node order.
+    /// Returns the node of a camera: by node name, then by camera name; `None`: the first in node order.
     ///
     /// ```
     /// use pinwarp::scene::{FindError, Scene};
@@ -53,7 +53,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`FindError::NoCamera`] where the scene has none, [`FindError::UnknownCamera`] where none has that name.
+    /// [`FindError::NoCamera`] if the scene has none, [`FindError::UnknownCamera`] if none has that name.
     pub fn find_camera(&self, name: Option<&str>) -> Result<usize, FindError> {
         let cameras: Vec<(usize, &str, &str)> = self
             .nodes
@@ -73,8 +73,8 @@ impl Scene {
             .ok_or_else(|| FindError::UnknownCamera { name: name.to_owned(), hint: spelling::hint(name, names()) })
     }
 
-    /// The clip of that name, else of that number, else the first; `None` only where the scene has no clips and none
-    /// was asked for.
+    /// Returns the clip of that name, else of that index, else the first; `None` only if the scene has no clips and
+    /// none was requested.
     ///
     /// ```
     /// use pinwarp::scene::{Clip, Scene};
@@ -102,18 +102,18 @@ impl Scene {
         }
     }
 
-    /// `node` and all below it, in node order; empty where there is no such node.
+    /// Returns `node` and all its descendants, in node order; empty if there is no such node.
     #[must_use]
     pub fn subtree(&self, node: usize) -> Vec<usize> {
         let mut is_inside = vec![false; self.nodes.len()];
         for index in node..self.nodes.len() {
-            // Parents stand first, so theirs is already known.
+            // Parents come first, so theirs is already known.
             is_inside[index] = index == node || self.nodes[index].parent.is_some_and(|parent| is_inside[parent]);
         }
         (0..is_inside.len()).filter(|&index| is_inside[index]).collect()
     }
 
-    /// Nodes whose name matches a pattern, in node order: `*` stands for any characters, `?` for one.
+    /// Returns the nodes whose names match a pattern, in node order: `*` matches any characters, `?` a single one.
     ///
     /// ```
     /// use pinwarp::scene::Scene;

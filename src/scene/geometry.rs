@@ -1,23 +1,23 @@
-//! Normals that a file leaves out, normals and tangents that it breaks.
+//! Completes missing normals, and repairs invalid normals and tangents.
 //!
-//! In: positions, triangles, what the file stores. Out: unit normals and tangents, one per vertex.
+//! In: positions, triangles, stored attributes. Out: unit normals and tangents, one per vertex.
 
 use glam::{DVec3, Vec3, Vec4};
 
-/// Unit normal of a triangle, counter-clockwise from the front; `None` where it has no area.
+/// Returns the unit normal of a triangle, counter-clockwise from the front; `None` if it has no area.
 pub(super) fn face_normal(corners: [Vec3; 3]) -> Option<Vec3> {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).try_normalize().map(DVec3::as_vec3)
 }
 
-/// One normal per vertex, for vertices that no two triangles share: vertices 3t, 3t+1, 3t+2 are triangle t.
+/// Returns one normal per vertex, for unshared vertices: vertices 3t, 3t+1, 3t+2 are those of triangle t.
 pub(super) fn flat_normals(positions: &[Vec3]) -> Vec<Vec3> {
     assert_eq!(positions.len() % 3, 0, "three vertices per triangle");
     let (triangles, _) = positions.as_chunks::<3>();
     triangles.iter().flat_map(|corners| [face_normal(*corners).unwrap_or(Vec3::Z); 3]).collect()
 }
 
-/// Brings normals to unit length; those without a direction get that of the faces around them. `normals`: #vertices.
+/// Normalises normals; zero normals are replaced by that of the adjacent faces. `normals`: #vertices.
 pub(super) fn repair_normals(positions: &[Vec3], triangles: &[[u32; 3]], normals: &mut [Vec3]) {
     assert_eq!(positions.len(), normals.len(), "one normal per vertex");
     let units: Vec<Option<Vec3>> = normals.iter().map(|normal| unit(*normal)).collect();
@@ -28,7 +28,7 @@ pub(super) fn repair_normals(positions: &[Vec3], triangles: &[[u32; 3]], normals
     }
 }
 
-/// Sum of the face normals around each vertex, weighted by area.
+/// Returns the area-weighted sum of the face normals around each vertex.
 fn face_sums(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     for triangle in triangles {
@@ -43,13 +43,13 @@ fn unit(vector: Vec3) -> Option<Vec3> {
     vector.as_dvec3().try_normalize().map(DVec3::as_vec3)
 }
 
-/// A unit vector perpendicular to the unit vector `normal`.
+/// Returns a unit vector perpendicular to the unit vector `normal`.
 pub(super) fn perpendicular(normal: Vec3) -> Vec3 {
     let axis = if normal.x.abs() < 0.9 { Vec3::X } else { Vec3::Y };
     unit(axis - normal * normal.dot(axis)).unwrap_or(Vec3::X)
 }
 
-/// Brings tangents to unit length and their w to ±1; those without a direction get one across the normal.
+/// Normalises tangents and sets their w to ±1; zero tangents are replaced by one perpendicular to the normal.
 pub(super) fn repair_tangents(normals: &[Vec3], tangents: &mut [Vec4]) {
     assert_eq!(normals.len(), tangents.len(), "one tangent per vertex");
     for (normal, tangent) in normals.iter().zip(tangents) {

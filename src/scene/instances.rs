@@ -1,6 +1,6 @@
-//! EXT_mesh_gpu_instancing: a mesh drawn many times becomes that many nodes.
+//! EXT_mesh_gpu_instancing: expands an instanced mesh into one node per instance.
 //!
-//! In: nodes with the extension and its accessors. Out: child nodes that carry the mesh, appended to the file's nodes.
+//! In: nodes with the extension and its accessors. Out: child nodes with the mesh, appended to the file's nodes.
 
 use super::SceneError;
 use super::accessor::Integers;
@@ -18,10 +18,10 @@ use serde_json::{Value, json};
 /// Name of the extension.
 pub(super) const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
-/// Most instances of a file.
+/// Maximum number of instances of a file.
 const MAX_INSTANCES: usize = 1 << 18;
 
-/// Most vertices of all instances together: every one is posed on its own.
+/// Maximum number of vertices of all instances together, as each is posed separately.
 const MAX_VERTICES: usize = 1 << 23;
 
 /// The instances of one node.
@@ -47,7 +47,7 @@ impl Instances {
         self.node
     }
 
-    /// How many there are.
+    /// Returns the number of instances.
     pub(super) fn count(&self) -> usize {
         self.placements.len()
     }
@@ -86,13 +86,13 @@ fn body(node: &json::Node) -> Option<&Value> {
     node.extensions.as_ref()?.others.get(EXTENSION)
 }
 
-/// The accessor of an attribute.
+/// Returns the accessor of an attribute.
 fn accessor(body: &Value, attribute: &str) -> Option<Index<json::Accessor>> {
     let number = body["attributes"][attribute].as_u64()?;
     u32::try_from(number).ok().map(Index::new)
 }
 
-/// Number of instances; all attributes must agree on it.
+/// Returns the number of instances, on which all attributes must agree.
 fn count(file: &File, body: &Value, name: &str) -> Result<usize, SceneError> {
     let mut agreed: Option<(usize, &str)> = None;
     for attribute in body["attributes"].as_object().into_iter().flatten().map(|(attribute, _)| attribute) {
@@ -111,7 +111,7 @@ fn count(file: &File, body: &Value, name: &str) -> Result<usize, SceneError> {
     Ok(agreed.map_or(0, |(count, _)| count))
 }
 
-/// Vertices of a mesh as posed: triangles without normals share none.
+/// Returns the number of posed vertices of a mesh: triangles without normals share none.
 fn vertex_count(file: &File, mesh: usize) -> usize {
     let count =
         |accessor: Index<json::Accessor>| file.root.get(accessor).map_or(0, |accessor| accessor.count.0 as usize);
@@ -147,7 +147,7 @@ fn placements(file: &File, body: &Value, (name, count): (&str, usize)) -> Result
     Ok((0..count).map(placement).collect())
 }
 
-/// Appends a node per instance to the file's nodes, as a child of the node that no longer carries the mesh.
+/// Appends a node per instance to the file's nodes, as a child of the original node, which loses its mesh.
 pub(super) fn add_nodes(root: &mut Root, instances: &[Instances]) {
     for Instances { node, name, placements } in instances {
         let first = root.nodes.len() as u32;
@@ -169,7 +169,7 @@ pub(super) fn add_nodes(root: &mut Root, instances: &[Instances]) {
     }
 }
 
-/// The same in a file's JSON, in the same order.
+/// Does the same in a file's JSON, in the same order.
 pub(super) fn add_json_nodes(root: &mut Value, instances: &[Instances]) {
     let Some(nodes) = root.get_mut("nodes").and_then(Value::as_array_mut) else { return };
     for Instances { node, name, placements } in instances {

@@ -1,7 +1,7 @@
-//! The container and its JSON, checked before anything is read from it.
+//! Parses the container and its JSON, and checks them before anything else is read.
 //!
 //! In: the bytes of a .gltf or .glb file. Out: the JSON as typed data and the range of the binary chunk. Required
-//! extensions are checked; harmless content that the typed reader would refuse is removed with a warning.
+//! extensions are checked; harmless content that the typed reader would reject is removed with a warning.
 
 use super::{SceneError, approximate, instances};
 use crate::spelling::counted;
@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::ops::Range;
 use std::path::Path;
 
-/// Extensions whose meaning this program follows.
+/// Supported extensions.
 const SUPPORTED: [&str; 6] = [
     instances::EXTENSION,
     "KHR_lights_punctual",
@@ -24,15 +24,15 @@ const GLB_MAGIC: u32 = u32::from_le_bytes(*b"glTF");
 const CHUNK_JSON: u32 = u32::from_le_bytes(*b"JSON");
 const CHUNK_BIN: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// What a file holds before its buffers are resolved.
+/// The contents of a file before its buffers are resolved.
 pub(super) struct Parsed {
     /// The typed JSON; indices in it are not yet checked.
     pub(super) root: Root,
-    /// Where the binary chunk of a .glb lies in the file.
+    /// The range of the binary chunk of a .glb in the file.
     pub(super) binary: Option<Range<usize>>,
 }
 
-/// Reads the container and the JSON of `bytes`; `warnings` receives what is ignored.
+/// Parses the container and the JSON of `bytes`; `warnings` receives what is ignored.
 pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Parsed, SceneError> {
     let invalid = |what| SceneError::Invalid { path: path.to_owned(), what };
     let (text, binary) = split_container(path, bytes)?;
@@ -46,7 +46,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Re
     Ok(Parsed { root, binary })
 }
 
-/// The JSON of `bytes` as it stands: neither checked nor mended.
+/// Parses the JSON of `bytes` without checks or repairs.
 pub(super) fn untouched(path: &Path, bytes: &[u8]) -> Result<Value, SceneError> {
     object(path, split_container(path, bytes)?.0)
 }
@@ -59,7 +59,7 @@ fn object(path: &Path, text: &[u8]) -> Result<Value, SceneError> {
     if value.is_object() { Ok(value) } else { Err(invalid("its JSON is not an object".to_owned())) }
 }
 
-/// The JSON text and, in a .glb, the range of the binary chunk.
+/// Returns the JSON text and, for a .glb, the range of the binary chunk.
 fn split_container<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<Range<usize>>), SceneError> {
     if word(bytes, 0) != Some(GLB_MAGIC) {
         return Ok((bytes, None));
@@ -87,7 +87,7 @@ fn split_container<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option
     }
 }
 
-/// Kind and data range of every chunk of a .glb.
+/// Returns type and data range of every chunk of a .glb.
 fn chunks(bytes: &[u8]) -> Result<Vec<(u32, Range<usize>)>, String> {
     let mut found = Vec::new();
     let mut at = 12;
@@ -102,7 +102,7 @@ fn chunks(bytes: &[u8]) -> Result<Vec<(u32, Range<usize>)>, String> {
             return Err(format!("the chunk at byte {at} of the .glb has {length}, more than the file"));
         }
         found.push((kind, start..end));
-        // Chunks start at multiples of four; writers that forget the padding are forgiven at the end.
+        // Chunks start at multiples of four; missing padding at the end is tolerated.
         at = end.next_multiple_of(4);
     }
     Ok(found)
@@ -162,7 +162,7 @@ fn names(list: &Value) -> Vec<&str> {
     list.as_array().into_iter().flatten().filter_map(Value::as_str).collect()
 }
 
-/// How to get on without an extension.
+/// Returns what to do about an unsupported extension.
 fn hint(name: &str) -> &'static str {
     match name {
         "KHR_draco_mesh_compression" => "export the scene again without Draco mesh compression",
@@ -175,7 +175,7 @@ fn hint(name: &str) -> &'static str {
     }
 }
 
-/// Removes `extras` and the bodies of unsupported extensions, which may hold anything.
+/// Removes `extras` and the bodies of unsupported extensions, whose contents are arbitrary.
 fn strip_foreign(value: &mut Value) {
     match value {
         Value::Object(map) => {
@@ -190,7 +190,7 @@ fn strip_foreign(value: &mut Value) {
     }
 }
 
-/// Repairs what the typed reader refuses but the format allows (or a lenient reader can pass over).
+/// Repairs what the typed reader rejects although the format allows it (or it can be safely ignored).
 fn mend(value: &mut Value, warnings: &mut Vec<String>) {
     for scene in elements(value, "scenes") {
         default_list(scene, "nodes");
@@ -214,7 +214,7 @@ fn default_list(value: &mut Value, key: &str) {
     }
 }
 
-/// Removes channels that move something else than a node's four properties (KHR_animation_pointer, foreign targets).
+/// Removes channels that animate anything but the four properties of a node (KHR_animation_pointer, unknown targets).
 fn drop_foreign_channels(clip: usize, channels: &mut Vec<Value>, warnings: &mut Vec<String>) {
     let before = channels.len();
     channels.retain(|channel| {
@@ -232,7 +232,7 @@ fn drop_foreign_channels(clip: usize, channels: &mut Vec<Value>, warnings: &mut 
     }
 }
 
-/// Names the element at which typed reading failed, as far as it can be found.
+/// Returns the name of the element at which typed reading failed, as far as it can be found.
 fn locate(value: &Value, error: &json::Error) -> String {
     fn first_bad<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Option<String> {
         let list = value.get(key)?.as_array()?;

@@ -1,12 +1,12 @@
 //! Polylines from the line modes of glTF.
 //!
-//! In: corners in drawing order. Out: lists of vertices; a closed line repeats its first. Loose segments, which exporters
-//! write in any order, are joined where exactly two of them meet.
+//! In: corners in drawing order. Out: lists of vertices; a closed line repeats its first. Loose segments, which
+//! exporters write in any order, are joined where exactly two of them meet.
 
 use gltf::json::mesh::Mode;
 use std::collections::BTreeMap;
 
-/// The lines of a primitive (glTF 2.0, §3.7.2.1); segments without length in the list of corners are left out.
+/// Returns the lines of a primitive (glTF 2.0, §3.7.2.1); degenerate segments are omitted.
 pub(super) fn polylines(mode: Mode, corners: &[u32]) -> Vec<Vec<u32>> {
     match mode {
         Mode::Lines => joined(corners.as_chunks::<2>().0),
@@ -23,7 +23,7 @@ fn long_enough(mut line: Vec<u32>) -> Vec<Vec<u32>> {
     if line.len() > 1 { vec![line] } else { Vec::new() }
 }
 
-/// Joins segments to lines that are as long as can be without choosing a way at a junction.
+/// Joins segments to lines of maximum length without passing through junctions.
 fn joined(segments: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut walk = Walk { at: BTreeMap::new(), is_used: vec![false; segments.len()], segments };
     for (number, [a, b]) in segments.iter().enumerate() {
@@ -39,23 +39,24 @@ fn joined(segments: &[[u32; 2]]) -> Vec<Vec<u32>> {
             lines.push(line);
         }
     }
-    // What is left are rings without an end.
+    // The remaining segments form closed rings.
     for [start, _] in segments {
         lines.extend(walk.line_from(*start));
     }
     lines
 }
 
-/// The segments that are left while lines are joined.
+/// The segments not yet joined.
 struct Walk<'a> {
     segments: &'a [[u32; 2]],
-    /// Segments at every vertex.
+    /// Segments at each vertex.
     at: BTreeMap<u32, Vec<usize>>,
     is_used: Vec<bool>,
 }
 
 impl Walk<'_> {
-    /// A line from a vertex to the next end or junction, or round to the vertex; `None` where no segment is left.
+    /// Returns the line from a vertex to the next end or junction, or back to the vertex; `None` if no segment is left
+    /// there.
     fn line_from(&mut self, start: u32) -> Option<Vec<u32>> {
         let mut line = vec![start];
         let mut here = start;

@@ -1,7 +1,7 @@
-//! Loads a scene: reads the file and assembles what the other modules make of its parts.
+//! Loads a scene: reads the file and combines the results of the other modules.
 //!
 //! In: the path of a .gltf or .glb file. Out: a [`Scene`] with everything resolved, or an error that says what is wrong
-//! and where; what can be left out becomes a warning in the scene.
+//! and where; ignored content becomes a warning in the scene.
 
 use super::file::File;
 use super::nodes::References;
@@ -11,10 +11,10 @@ use super::{
 };
 use std::path::{Path, PathBuf};
 
-/// Loads a glTF 2.0 file with all buffers and images it refers to, which have to lie in its folder or below.
+/// Loads a glTF 2.0 file with all buffers and images it refers to, which must be in or below its folder.
 ///
 /// # Errors
-/// [`SceneError`] where the file or a buffer cannot be read, breaks the format, or needs an unsupported extension.
+/// [`SceneError`] if the file or a buffer cannot be read, violates the format, or requires an unsupported extension.
 ///
 /// ```no_run
 /// let scene = pinwarp::scene::load("teapot.glb".as_ref())?;
@@ -25,7 +25,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     load_with(path, FileAccess::default())
 }
 
-/// As [`load`], with a choice of the files that the scene may refer to.
+/// Loads a scene as [`load`] does, with a choice of the files that it may refer to.
 ///
 /// # Errors
 /// As [`load`].
@@ -48,10 +48,10 @@ pub fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// The files that buffers and images of a glTF file lead to, which [`load`] reads, too.
+/// Returns the files that buffers and images of a glTF file refer to, which [`load`] reads, too.
 ///
 /// # Errors
-/// [`SceneError`] where the file itself cannot be read.
+/// [`SceneError`] if the file itself cannot be read.
 pub fn files_beside(path: &Path) -> Result<Vec<PathBuf>, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
@@ -85,7 +85,7 @@ fn build(file: &File, warnings: &mut Vec<String>) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// One weight per morph target: the node's own, else the mesh's, else zero.
+/// Sets one weight per morph target: the node's own, else the mesh's, else zero.
 fn complete_weights(node: &mut super::Node, meshes: &[mesh::Loaded]) {
     let Some(loaded) = node.mesh.map(|mesh| &meshes[mesh]) else {
         node.weights.clear();
@@ -102,7 +102,7 @@ fn target_count(mesh: &Mesh) -> usize {
     mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
 }
 
-/// A mesh without joint weights is placed by its node alone: its skin is removed.
+/// Removes the skins of meshes without joint weights, which are placed by their nodes alone.
 fn drop_idle_skins(scene: &mut Scene) {
     for node in &mut scene.nodes {
         let is_skinned = |mesh: usize| scene.meshes[mesh].primitives.iter().any(|one| !one.influences.is_empty());

@@ -13,13 +13,13 @@ pub struct Material {
     pub base_color: Vec4,
     /// sRGB texture.
     pub base_color_texture: Option<TextureRef>,
-    /// 0..1.
+    /// Metallic factor, 0..1.
     pub metallic: f32,
-    /// 0..1.
+    /// Roughness factor, 0..1.
     pub roughness: f32,
     /// Linear texture: g = roughness, b = metallic.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Tangent-space normals.
+    /// Tangent-space normal map.
     pub normal_texture: Option<TextureRef>,
     /// Scale of the normal map's x and y.
     pub normal_scale: f32,
@@ -31,9 +31,9 @@ pub struct Material {
     pub emissive: Vec3,
     /// sRGB texture.
     pub emissive_texture: Option<TextureRef>,
-    /// How alpha is meant.
+    /// The alpha mode.
     pub alpha: AlphaMode,
-    /// Faces show from both sides.
+    /// Whether both sides of faces are visible.
     pub double_sided: bool,
     /// KHR_materials_unlit: base colour only, no shading.
     pub unlit: bool,
@@ -67,12 +67,12 @@ impl Default for Material {
 pub enum AlphaMode {
     /// Alpha is ignored.
     Opaque,
-    /// Alpha below the cutoff is not there, above it is fully there.
+    /// Alpha test: transparent below the cutoff, opaque from it on.
     Mask {
         /// Threshold.
         cutoff: f32,
     },
-    /// Over, sorted from back to front.
+    /// Alpha blending, sorted from back to front.
     Blend,
 }
 
@@ -81,7 +81,7 @@ pub enum AlphaMode {
 pub struct TextureRef {
     /// Index into [`super::Scene::textures`].
     pub texture: usize,
-    /// 0 or 1: which of [`super::Primitive::uvs`].
+    /// The UV set, 0 or 1: index into [`super::Primitive::uvs`].
     pub uv_set: usize,
     /// KHR_texture_transform as rows of a 2x3 matrix: u' = `rows[0]`·(u, v, 1), v' = `rows[1]`·(u, v, 1).
     pub texture_from_uv: [Vec3; 2],
@@ -92,33 +92,33 @@ pub struct TextureRef {
 pub struct Texture {
     /// Index into [`super::Scene::images`].
     pub image: usize,
-    /// How it repeats across and down.
+    /// Wrap modes across and down.
     pub wrap: [Wrap; 2],
-    /// Magnification: true = linear, false = nearest.
+    /// Magnification filter.
     pub magnify: Filter,
-    /// Minification within a level.
+    /// Minification filter within a mipmap level.
     pub minify: Filter,
-    /// Between levels; `None`: only level 0 is used.
+    /// Filter between mipmap levels; `None`: only level 0 is used.
     pub mipmap: Option<Filter>,
 }
 
-/// Sampler repeat modes.
+/// Sampler wrap modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// Tile.
+    /// Repeats.
     Repeat,
-    /// Tile, every second one mirrored.
+    /// Repeats, every second copy mirrored.
     Mirror,
-    /// Hold the border.
+    /// Clamps to the edge.
     Clamp,
 }
 
 /// Sampler filters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// One texel.
+    /// Nearest texel.
     Nearest,
-    /// Blend of the neighbours.
+    /// Linear interpolation.
     Linear,
 }
 
@@ -131,6 +131,6 @@ pub struct Image {
     pub height: u32,
     /// RGBA, 4 * width * height bytes.
     pub rgba: Vec<u8>,
-    /// Colour (base colour, emissive: sRGB-encoded, decode before filtering) or data (linear).
+    /// Whether it holds colour (base colour, emissive: sRGB-encoded, decode before filtering), not linear data.
     pub is_srgb: bool,
 }

@@ -1,7 +1,7 @@
 //! Reads materials.
 //!
-//! In: the JSON. Out: metallic-roughness and unlit materials whose textures are resolved; `materials[i]` is the file's
-//! i-th, and glTF's default material stands behind them where a primitive asks for it.
+//! In: the JSON. Out: metallic-roughness and unlit materials with resolved textures; `materials[i]` is the file's i-th,
+//! followed by glTF's default material if a primitive needs it.
 
 use super::file::File;
 use super::texture::{self, Textures, Use};
@@ -13,7 +13,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, texture::Info};
 use std::collections::BTreeSet;
 
-/// Name of the extension that moves texture coordinates.
+/// Name of the extension that transforms texture coordinates.
 const TRANSFORM: &str = "KHR_texture_transform";
 
 /// A texture slot of a material before its texture is resolved.
@@ -39,7 +39,7 @@ impl Slots {
     }
 }
 
-/// All materials of the file with the textures they show.
+/// Reads all materials of the file, with their textures.
 pub(super) fn load(file: &File, warnings: &mut Vec<String>) -> Result<(Vec<Material>, Textures), SceneError> {
     let mut slots = Vec::new();
     for (index, material) in file.root.materials.iter().enumerate() {
@@ -99,7 +99,7 @@ fn occlusion_slot(info: &json::material::OcclusionTexture) -> Slot {
     build_slot(Use { texture: info.index.value(), is_srgb: false }, info.tex_coord, transform)
 }
 
-/// The crate types the transform of plain slots only; elsewhere it is left as JSON.
+/// The crate types the transform of plain slots only; elsewhere it remains JSON.
 fn foreign_transform(others: &serde_json::Map<String, json::Value>) -> Option<TextureTransform> {
     serde_json::from_value(others.get(TRANSFORM)?.clone()).ok()
 }
@@ -110,7 +110,8 @@ fn build_slot(one: Use, tex_coord: u32, transform: Option<TextureTransform>) -> 
     Slot { one, uv_set, texture_from_uv: texture_from_uv(&transform) }
 }
 
-/// Scale, then rotate, then move. The angle runs counter-clockwise as seen in the image, whose v points down:
+/// Returns the matrix of a transform: scale, then rotation, then offset. The angle is counter-clockwise in the image,
+/// whose v points down:
 ///
 /// ```text
 /// u' =  cos·sx·u + sin·sy·v + tx

@@ -1,7 +1,7 @@
-//! Reads meshes: triangles and lines of every mode, with their attributes completed.
+//! Reads meshes: triangles and lines of every mode, with missing attributes completed.
 //!
-//! In: the JSON's meshes and the materials. Out: primitives with normals (and tangents where a normal map needs them).
-//! A primitive keeps its number in the file; points leave an empty one behind, with a warning.
+//! In: the JSON's meshes and the materials. Out: primitives with normals (and tangents if a normal map needs them). A
+//! primitive keeps its index in the file; a point primitive is left empty, with a warning.
 
 use super::accessor::Integers;
 use super::attributes::{Attributes, Label};
@@ -23,7 +23,7 @@ pub(super) struct Loaded {
     pub(super) weights: Vec<f32>,
 }
 
-/// The meshes in use. Adds the default material to `materials` where a primitive has none.
+/// Reads the meshes in use. Adds the default material to `materials` if a primitive has none.
 pub(super) fn load(
     file: &File,
     used: &Used,
@@ -41,7 +41,8 @@ pub(super) fn load(
     used.file_from_scene.iter().map(|&index| loader.mesh(index)).collect()
 }
 
-/// Adds to `materials` the material of every line: base colour only, double-sided. Its index by that of the file's.
+/// Adds the materials of lines to `materials`: base colour only, double-sided. Returns their indices by those of the
+/// file's materials.
 fn line_materials(file: &File, used: &Used, materials: &mut Vec<Material>, of_file: usize) -> HashMap<usize, usize> {
     let meshes = used.file_from_scene.iter().map(|&index| &file.root.meshes[index]);
     let mut unlit = HashMap::new();
@@ -61,9 +62,9 @@ fn is_line(mode: Checked<Mode>) -> bool {
 struct Loader<'a> {
     file: &'a File,
     materials: &'a [Material],
-    /// Index of the material of lines by the index of the file's material.
+    /// Index of the line material by the index of the file's material.
     unlit: HashMap<usize, usize>,
-    /// Number of materials in the file; the default one stands behind them.
+    /// Number of materials in the file; the default one follows them.
     of_file: usize,
     warnings: &'a mut Vec<String>,
 }
@@ -128,7 +129,7 @@ impl Loader<'_> {
         }
     }
 
-    /// A texture without coordinates shows its corner, as on any graphics card; later stages need not ask.
+    /// A texture without UVs samples (0, 0), as on GPUs, so later stages need no special case.
     fn complete_uvs(&mut self, primitive: &mut Primitive, label: Label<'_>) {
         let material = &self.materials[primitive.material];
         let textures = [
@@ -151,7 +152,7 @@ impl Loader<'_> {
     fn complete_tangents(&self, primitive: &mut Primitive, stored: Option<Vec<Vec4>>) {
         let Some(texture) = self.materials[primitive.material].normal_texture else { return };
         match stored {
-            // Without normals a file's tangents do not count, as the format says.
+            // Without normals, a file's tangents are ignored, as the format requires.
             Some(mut stored) if !primitive.has_flat_normals => {
                 geometry::repair_tangents(&primitive.normals, &mut stored);
                 primitive.tangents = stored;
@@ -171,7 +172,7 @@ fn positions(file: &File, accessor: Index<Accessor>, label: Label<'_>) -> Result
     }
 }
 
-/// Vertex numbers in drawing order, all below `count`.
+/// Returns vertex indices in drawing order, all below `count`.
 fn corners(file: &File, json: &json::mesh::Primitive, count: usize, label: Label<'_>) -> Result<Vec<u32>, SceneError> {
     let Some(accessor) = json.indices else { return Ok((0..count as u32).collect()) };
     let corners = file.integers(accessor, Type::Scalar, format_args!("{label}, indices"))?;
@@ -184,7 +185,7 @@ fn corners(file: &File, json: &json::mesh::Primitive, count: usize, label: Label
     }
 }
 
-/// Unrolls strips and fans; the winding is that of glTF 2.0, §3.7.2.1.
+/// Converts strips and fans to triangles; the winding is that of glTF 2.0, §3.7.2.1.
 fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
@@ -199,7 +200,7 @@ fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Gives every vertex a unit normal: the stored one or, on unshared vertices, that of its face.
+/// Gives every vertex a unit normal: the stored one or, for unshared vertices, that of its face.
 fn complete_normals(primitive: &mut Primitive, stored: Option<Vec<Vec3>>) {
     if let Some(mut normals) = stored {
         geometry::repair_normals(&primitive.positions, &primitive.triangles, &mut normals);
@@ -207,13 +208,13 @@ fn complete_normals(primitive: &mut Primitive, stored: Option<Vec<Vec3>>) {
         return;
     }
     if !primitive.lines.is_empty() {
-        // Lines are not shaded; what draws them turns them to the viewer.
+        // Lines are not shaded; the line renderer turns them to the viewer.
         primitive.normals = vec![Vec3::Z; primitive.positions.len()];
         return;
     }
     vertices::unshare_vertices(primitive);
     primitive.normals = geometry::flat_normals(&primitive.positions);
     primitive.has_flat_normals = true;
-    // Posing computes flat normals anew; stored displacements belong to normals that the file does not have.
+    // Posing recomputes flat normals; stored displacements do not apply to them.
     primitive.targets.iter_mut().for_each(|target| target.normals.clear());
 }

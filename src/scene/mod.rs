@@ -1,7 +1,7 @@
-//! Stage 1: a glTF file becomes a [`Scene`] in which everything is resolved.
+//! Stage 1: loads a glTF file into a [`Scene`] with everything resolved.
 //!
-//! In: a path. Out: plain data without indices into buffers, accessors, sparse parts or extensions.
-//! Later stages never see the file format.
+//! In: a path. Out: plain data without indices into buffers, accessors, sparse parts or extensions. Later stages are
+//! independent of the file format.
 
 mod access;
 mod accessor;
@@ -42,17 +42,18 @@ pub use pictures::{Picture, picture_cards};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
 
-/// A whole glTF scene. Node order: parents stand before their children.
+/// A whole glTF scene. Nodes are ordered with parents before their children.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// The file it came from.
     pub path: PathBuf,
-    /// Files with buffers and images that it refers to.
+    /// The buffer and image files that it refers to.
     pub files_beside: Vec<PathBuf>,
     /// All nodes of the scene; a parent has a smaller index than its children. Instances of EXT_mesh_gpu_instancing are
     /// children of their node, named `<node>[0]`, `<node>[1]`, ...
     pub nodes: Vec<Node>,
-    /// #nodes: index among the nodes of the file, where instances follow all others; without a file: the node's own.
+    /// #nodes: index among the nodes of the file, where instances follow all others; without a file: the node's own
+    /// index.
     pub file_from_scene: Vec<usize>,
     /// Meshes that nodes refer to.
     pub meshes: Vec<Mesh>,
@@ -70,7 +71,7 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Animation clips.
     pub clips: Vec<Clip>,
-    /// What the file asked for and did not get, in the user's words; the render goes on.
+    /// Warnings about unsupported or ignored content, worded for the user.
     pub warnings: Vec<String>,
 }
 
@@ -81,7 +82,7 @@ pub struct Node {
     pub name: String,
     /// Index of the parent in [`Scene::nodes`].
     pub parent: Option<usize>,
-    /// Placement relative to the parent at rest.
+    /// Transform relative to the parent at rest.
     pub rest: Placement,
     /// Index into [`Scene::meshes`].
     pub mesh: Option<usize>,
@@ -95,16 +96,16 @@ pub struct Node {
     pub weights: Vec<f32>,
 }
 
-/// How a node stands in its parent.
+/// The transform of a node relative to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placement {
-    /// Translation, rotation, scale: may be animated.
+    /// Translation, rotation, scale; may be animated.
     Trs {
-        /// Metres.
+        /// Translation in metres.
         translation: Vec3,
-        /// Unit quaternion.
+        /// Rotation as a unit quaternion.
         rotation: Quat,
-        /// Factor per axis.
+        /// Scale factor per axis.
         scale: Vec3,
     },
     /// Any affine matrix (TRS cannot express shear); never animated.
@@ -125,37 +126,38 @@ pub struct Mesh {
 pub struct Primitive {
     /// #vertices.
     pub positions: Vec<Vec3>,
-    /// #vertices, always present: the file's, or flat normals (vertices then are not shared between triangles).
+    /// #vertices, always present: the file's, or flat normals (vertices are then not shared between triangles).
     pub normals: Vec<Vec3>,
-    /// The file has no normals: `normals` are those of the triangles, and posing computes them anew after it moved vertices.
+    /// Whether the file has no normals: `normals` are then those of the triangles, and posing recomputes them after
+    /// moving vertices.
     pub has_flat_normals: bool,
-    /// #vertices where the material has a normal map (the file's, else MikkTSpace's); else empty. The bitangent
-    /// w · cross(normal, tangent) points up in the image.
+    /// #vertices if the material has a normal map (the file's, else MikkTSpace's); else empty. The bitangent w ·
+    /// cross(normal, tangent) points up in the image.
     pub tangents: Vec<Vec4>,
     /// TEXCOORD_0 and TEXCOORD_1; each empty or #vertices.
     pub uvs: [Vec<Vec2>; 2],
     /// COLOR_0, linear RGBA; empty means white.
     pub colors: Vec<Vec4>,
-    /// Joint influences, #vertices; empty where not skinned. Up to eight per vertex (JOINTS_0 and JOINTS_1).
+    /// Joint influences, #vertices; empty if not skinned. Up to eight per vertex (JOINTS_0 and JOINTS_1).
     pub influences: Vec<[Influence; 8]>,
     /// Morph targets.
     pub targets: Vec<MorphTarget>,
-    /// Corner indices, counter-clockwise seen from the front. Triangle order is the file's (strips and fans unrolled).
+    /// Vertex indices, counter-clockwise seen from the front. Triangle order is the file's (strips and fans converted).
     pub triangles: Vec<[u32; 3]>,
-    /// Polylines: vertices one after the other; a closed one repeats its first. A primitive has triangles or lines.
+    /// Polylines as lists of vertices; a closed one repeats its first. A primitive has either triangles or lines.
     pub lines: Vec<Vec<u32>>,
     /// Index into [`Scene::materials`]; lines have unlit ones of their own.
     pub material: usize,
 }
 
 impl Primitive {
-    /// There is something to draw.
+    /// Returns whether there is anything to draw.
     #[must_use]
     pub fn is_visible(&self) -> bool {
         !(self.triangles.is_empty() && self.lines.is_empty())
     }
 
-    /// Ends of the segments of all lines.
+    /// Returns the end points of the segments of all lines.
     pub fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
         self.lines.iter().flat_map(|line| line.windows(2).map(|ends| [ends[0], ends[1]]))
     }
@@ -181,7 +183,7 @@ pub struct MorphTarget {
     pub tangents: Vec<Vec3>,
 }
 
-/// A skin: joints and the matrices that bring the mesh into each joint's rest space.
+/// A skin: joints and the matrices that transform the mesh to each joint's rest space.
 #[derive(Clone, Debug, Default)]
 pub struct Skin {
     /// Indices into [`Scene::nodes`].
@@ -197,33 +199,33 @@ pub struct Camera {
     pub name: String,
     /// Its lens.
     pub lens: Lens,
-    /// Distance of the near plane, metres, > 0 for a perspective lens.
+    /// Distance of the near plane in metres, > 0 for a perspective lens.
     pub near: f32,
 }
 
-/// The projection of a camera. The frame's own aspect ratio decides the width.
+/// The projection of a camera. The width follows from the frame's own aspect ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// Full vertical field of view, radians.
+    /// Perspective.
     Perspective {
-        /// Radians.
+        /// Full vertical field of view in radians.
         yfov: f32,
     },
-    /// Half of the visible height, metres.
+    /// Orthographic.
     Orthographic {
-        /// Metres.
+        /// Half of the visible height in metres.
         ymag: f32,
     },
 }
 
-/// KHR_lights_punctual; it shines along its node's −z.
+/// A light of KHR_lights_punctual, which shines along its node's −z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Kind and shape.
     pub kind: LightKind,
     /// Linear RGB times intensity: lux for directional, candela for point and spot.
     pub color: Vec3,
-    /// Distance at which it ends, metres; infinite where the file gives none.
+    /// Distance at which it ends in metres; infinite if the file gives none.
     pub range: f32,
 }
 
@@ -236,9 +238,9 @@ pub enum LightKind {
     Point,
     /// A cone.
     Spot {
-        /// Half angle where the fall-off starts, radians.
+        /// Half angle in radians at which the fall-off starts.
         inner: f32,
-        /// Half angle where it ends, radians.
+        /// Half angle in radians at which the fall-off ends.
         outer: f32,
     },
 }
@@ -248,9 +250,9 @@ pub enum LightKind {
 pub struct Clip {
     /// Name in the file, or `clip_<index>`.
     pub name: String,
-    /// Time of the last key, seconds.
+    /// Time of the last key in seconds.
     pub end_secs: f32,
-    /// One a node and property.
+    /// One per node and property.
     pub tracks: Vec<Track>,
 }
 
@@ -259,9 +261,9 @@ pub struct Clip {
 pub struct Track {
     /// Index into [`Scene::nodes`].
     pub node: usize,
-    /// How values lie between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Key times, seconds, strictly increasing, never empty.
+    /// Key times in seconds, strictly increasing, never empty.
     pub times: Vec<f32>,
     /// Values: one per key, three for cubic splines (in-tangent, value, out-tangent).
     pub values: TrackValues,
@@ -278,15 +280,15 @@ pub enum Interpolation {
     CubicSpline,
 }
 
-/// What a track moves.
+/// The values of a track, by its property.
 #[derive(Clone, Debug)]
 pub enum TrackValues {
-    /// Metres.
+    /// Translations in metres.
     Translation(Vec<Vec3>),
     /// Quaternions (cubic tangents are not unit).
     Rotation(Vec<Quat>),
-    /// Factors.
+    /// Scale factors.
     Scale(Vec<Vec3>),
-    /// Morph weights, #targets a value.
+    /// Morph weights, #targets per value.
     Weights(Vec<f32>),
 }

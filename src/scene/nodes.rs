@@ -1,6 +1,6 @@
-//! The node hierarchy, skins, cameras and lights.
+//! Reads the node hierarchy, skins, cameras and lights.
 //!
-//! In: the JSON. Out: the nodes of the default scene, parents first, and what they refer to, numbered anew.
+//! In: the JSON. Out: the nodes of the default scene, parents first, and the objects that they refer to, renumbered.
 
 use super::file::File;
 use super::{Camera, Lens, Light, LightKind, Node, Placement, SceneError};
@@ -11,7 +11,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, Index};
 use std::collections::HashMap;
 
-/// Which nodes of the file the scene has, and where.
+/// The nodes of the scene, and their order.
 pub(super) struct Tree {
     /// #nodes of the scene: index in the file; parents first.
     pub(super) file_from_scene: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) struct Tree {
     pub(super) scene_from_file: Vec<Option<usize>>,
 }
 
-/// Elements of one kind that are in use, numbered in the order in which they were met.
+/// The elements of one kind that are in use, numbered in order of first use.
 #[derive(Default)]
 pub(super) struct Used {
     /// Index in the file per scene element.
@@ -30,7 +30,7 @@ pub(super) struct Used {
 }
 
 impl Used {
-    /// The scene index of an element of the file.
+    /// Returns the scene index of an element of the file.
     fn of(&mut self, file_index: usize) -> usize {
         *self.scene_from_file.entry(file_index).or_insert_with(|| {
             self.file_from_scene.push(file_index);
@@ -39,7 +39,7 @@ impl Used {
     }
 }
 
-/// What the nodes refer to.
+/// The elements that nodes refer to.
 #[derive(Default)]
 pub(super) struct References {
     pub(super) meshes: Used,
@@ -48,7 +48,7 @@ pub(super) struct References {
     pub(super) lights: Used,
 }
 
-/// Name of a node, or a substitute.
+/// Returns the name of a node, or a substitute.
 pub(super) fn name(file: &File, index: usize) -> String {
     let given = file.root.nodes.get(index).and_then(|node| node.name.clone());
     given.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("node_{index}"))
@@ -78,7 +78,7 @@ fn children(file: &File, index: usize) -> impl DoubleEndedIterator<Item = usize>
     file.root.nodes[index].children.iter().flatten().map(Index::value)
 }
 
-/// The parent of every node of the file; refuses cycles and second parents.
+/// Returns the parent of every node of the file; rejects cycles and second parents.
 fn parents(file: &File) -> Result<Vec<Option<usize>>, SceneError> {
     let count = file.root.nodes.len();
     let mut parents = vec![None; count];
@@ -92,7 +92,7 @@ fn parents(file: &File) -> Result<Vec<Option<usize>>, SceneError> {
             }
         }
     }
-    // Every node has at most one parent, so a walk upwards either ends at a root or runs in a circle.
+    // Every node has at most one parent, so a walk upwards ends either at a root or in a cycle.
     let mut is_rooted = vec![false; count];
     for start in 0..count {
         let mut chain = Vec::new();
@@ -125,7 +125,7 @@ fn roots(file: &File, parents: &[Option<usize>]) -> Result<Vec<usize>, SceneErro
     }
 }
 
-/// The scene's nodes; `used` receives what they refer to. Morph weights are those of the nodes alone.
+/// Reads the scene's nodes; `used` receives the elements they refer to. Morph weights are those of the nodes alone.
 pub(super) fn load(file: &File, tree: &Tree, used: &mut References) -> Result<Vec<Node>, SceneError> {
     let pairs = tree.file_from_scene.iter().zip(&tree.parents);
     pairs.map(|(&index, &parent)| load_node(file, index, parent, used)).collect()
@@ -149,7 +149,7 @@ fn load_node(file: &File, index: usize, parent: Option<usize>, used: &mut Refere
         parent,
         rest: placement(node).ok_or_else(|| file.invalid(format!("the placement of node \"{name}\" is not finite")))?,
         mesh: mesh.map(|mesh| used.meshes.of(mesh)),
-        // A skin without a mesh deforms nothing.
+        // A skin without a mesh has no effect.
         skin: skin.filter(|_| mesh.is_some()).map(|skin| used.skins.of(skin)),
         camera: camera.map(|camera| used.cameras.of(camera)),
         light: light.map(|light| used.lights.of(light)),
@@ -158,7 +158,7 @@ fn load_node(file: &File, index: usize, parent: Option<usize>, used: &mut Refere
     })
 }
 
-/// `None` where a number is not finite.
+/// Returns the transform of a node; `None` if a number is not finite.
 fn placement(node: &json::Node) -> Option<Placement> {
     if let Some(columns) = node.matrix {
         let matrix = Mat4::from_cols_array(&columns);
@@ -171,13 +171,13 @@ fn placement(node: &json::Node) -> Option<Placement> {
     is_finite.then(|| Placement::Trs { translation, rotation: unit(rotation), scale })
 }
 
-/// The rotation of a quaternion of any length; none for the zero quaternion.
+/// Returns the rotation of a quaternion of any length; the identity for the zero quaternion.
 pub(super) fn unit(rotation: Quat) -> Quat {
     let length = rotation.length();
     if length.is_finite() && length > 0.0 { rotation / length } else { Quat::IDENTITY }
 }
 
-/// The cameras in use.
+/// Reads the cameras in use.
 pub(super) fn cameras(file: &File, used: &Used) -> Result<Vec<Camera>, SceneError> {
     used.file_from_scene.iter().map(|&index| camera(file, index)).collect()
 }
@@ -191,7 +191,7 @@ fn camera(file: &File, index: usize) -> Result<Camera, SceneError> {
             is_good.then_some((Lens::Perspective { yfov: lens.yfov }, lens.znear))
         }
         (Checked::Valid(CameraType::Orthographic), _, Some(lens)) => {
-            // A negative magnification is discouraged but legal in old files: it means the same size.
+            // A negative magnification is discouraged but legal in old files; its sign is ignored.
             let ymag = lens.ymag.abs();
             (ymag > 0.0).then_some((Lens::Orthographic { ymag }, lens.znear))
         }
@@ -211,7 +211,7 @@ fn light_list(file: &File) -> &[JsonLight] {
     extension.map_or(&[], |extension| extension.lights.as_slice())
 }
 
-/// The lights in use.
+/// Reads the lights in use.
 pub(super) fn lights(file: &File, used: &Used) -> Result<Vec<Light>, SceneError> {
     let list = light_list(file);
     used.file_from_scene.iter().map(|&index| light(&list[index], index, file)).collect()
@@ -223,9 +223,9 @@ fn light(light: &JsonLight, index: usize, file: &File) -> Result<Light, SceneErr
         Checked::Valid(LightType::Point) => LightKind::Point,
         Checked::Valid(LightType::Spot) => {
             let spot = light.spot.clone().unwrap_or_default();
-            // The crate's own default of the outer angle is 0 where the whole spot is left out.
+            // The crate's own default for the outer angle is 0 if the whole spot is omitted.
             let outer = if light.spot.is_none() { std::f32::consts::FRAC_PI_4 } else { spot.outer_cone_angle };
-            // Renderers divide by the width of the fall-off's cosines; cones out of range are narrowed to the legal.
+            // Renderers divide by the width of the cosine fall-off; cones out of range are clamped to the legal range.
             let outer = outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
             LightKind::Spot { inner: spot.inner_cone_angle.clamp(0.0, outer), outer }
         }

@@ -1,7 +1,7 @@
 //! A glTF file as one JSON value and one buffer, for exports that edit it.
 //!
-//! In: the path of a .gltf or .glb file. Out: its JSON as it stands, extras and foreign extensions included, with every
-//! buffer and picture moved into the one buffer.
+//! In: the path of a .gltf or .glb file. Out: its JSON unchanged, with extras and unsupported extensions, except that
+//! every buffer and picture is moved into a single buffer.
 
 use super::file::File;
 use super::{FileAccess, SceneError, access, instances, json};
@@ -11,17 +11,17 @@ use std::path::Path;
 /// A file without references to other files.
 #[derive(Clone, Debug)]
 pub struct Packed {
-    /// The JSON; all buffer views lie in buffer 0, and `buffers` is left out.
+    /// The JSON; all buffer views are in buffer 0, and `buffers` is omitted.
     pub json: Value,
     /// Buffer 0.
     pub binary: Vec<u8>,
 }
 
-/// Reads a glTF 2.0 file with all buffers and pictures it refers to. A picture that cannot be read stays a reference;
+/// Reads a glTF 2.0 file with all buffers and pictures it refers to. A picture that cannot be read remains a reference;
 /// GPU instances become nodes.
 ///
 /// # Errors
-/// [`SceneError`] where the file or a buffer cannot be read, breaks the format, or needs an unsupported extension.
+/// [`SceneError`] if the file or a buffer cannot be read, violates the format, or requires an unsupported extension.
 pub fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
@@ -34,7 +34,7 @@ pub fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
         let start = *start.ok_or_else(|| file.invalid("a buffer view names a buffer that does not exist"))?;
         view["byteOffset"] = json!(start as u64 + view["byteOffset"].as_u64().unwrap_or(0));
         view["buffer"] = json!(0);
-        // Optional compressions of a view speak of the buffers as they were.
+        // Optional compression extensions of a view refer to the original buffers.
         view.as_object_mut().and_then(|view| view.remove("extensions"));
     }
     if let Some(root) = packed.json.as_object_mut() {
@@ -44,7 +44,7 @@ pub fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
     Ok(packed)
 }
 
-/// Moves pictures beside the file and in data URIs into the buffer.
+/// Moves pictures in separate files and data URIs into the buffer.
 fn take_in_images(file: &File, packed: &mut Packed) {
     let mut views = packed.json["bufferViews"].as_array().map_or(0, Vec::len);
     let mut taken = Vec::new();
@@ -69,7 +69,7 @@ fn take_in_images(file: &File, packed: &mut Packed) {
     packed.json["bufferViews"].as_array_mut().into_iter().for_each(|views| views.append(&mut taken));
 }
 
-/// The two kinds of picture that glTF allows.
+/// Returns the MIME type of the two picture formats that glTF allows.
 fn mime_type(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
@@ -78,7 +78,7 @@ fn mime_type(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Puts bytes behind the buffer, at a multiple of four; gives the place.
+/// Appends bytes to the buffer at a multiple of four; returns the offset.
 fn append(binary: &mut Vec<u8>, bytes: &[u8]) -> usize {
     binary.resize(binary.len().next_multiple_of(4), 0);
     let start = binary.len();

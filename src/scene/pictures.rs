@@ -1,6 +1,6 @@
-//! Pictures as a scene: each a flat card in the shape of what can be seen of it.
+//! Pictures as a scene: each a flat card with the outline of its visible part.
 //!
-//! In: coverage of pictures, from back to front. Out: a [`Scene`] as [`super::frame_card`] makes it.
+//! In: coverage of pictures, from back to front. Out: a [`Scene`] of the kind that [`super::frame_card`] creates.
 
 use super::card::{card, flat_scene, rectangle};
 use super::outline::{self, Filling};
@@ -8,25 +8,25 @@ use super::{Primitive, Scene, SceneError};
 use crate::space::{FrameSize, ImagePoint, PixelRect};
 use std::path::PathBuf;
 
-/// What a picture covers.
+/// A picture's coverage.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {
     /// The file, for messages.
     pub path: PathBuf,
     /// Name of its node.
     pub name: String,
-    /// The pixels that are stored, in image space; may lie partly outside the frame.
+    /// The stored pixels, in image space; may lie partly outside the frame.
     pub window: PixelRect,
-    /// #pixels of the window, rows from the top; `None`: it covers all of it.
+    /// Alpha, #pixels of the window, rows from the top; `None`: opaque.
     pub alpha: Option<&'a [f32]>,
 }
 
-/// The scene of pictures of one size, from back to front; each is a node with a mesh of some hundred vertices.
+/// Returns the scene of pictures of one size, from back to front; each is a node with a mesh of some hundred vertices.
 ///
-/// `frame` is the size of the pictures, not of what is rendered: triangles stay the same at any resolution.
+/// `frame` is the size of the pictures, not the render resolution, so that triangles are the same at any resolution.
 ///
 /// # Errors
-/// [`SceneError::Empty`] where nothing of a picture can be seen.
+/// [`SceneError::Empty`] if a picture is completely transparent.
 pub fn picture_cards(frame: FrameSize, pictures: &[Picture<'_>]) -> Result<Scene, SceneError> {
     let cards = pictures.iter().map(|picture| Ok((picture.name.clone(), shape(frame, picture)?)));
     Ok(flat_scene(frame.aspect(), cards.collect::<Result<_, SceneError>>()?))
@@ -63,7 +63,7 @@ mod tests {
 
     const SIDE: u32 = 512;
 
-    /// Alpha of a field: 1 where it is below 0, with an edge of a pixel.
+    /// Returns the alpha of an implicit field: 1 where it is below 0, with an edge of one pixel.
     fn drawn(side: u32, field: impl Fn(f64, f64) -> f64) -> Vec<f32> {
         let place = |k: u32| (f64::from(k % side) + 0.5, f64::from(k / side) + 0.5);
         (0..side * side).map(|k| (0.5 - field(place(k).0, place(k).1)).clamp(0.0, 1.0) as f32).collect()
@@ -85,7 +85,7 @@ mod tests {
         0.5 * (b - a).perp_dot(c - a)
     }
 
-    /// Area in pixels; all triangles face the viewer.
+    /// Returns the area in pixels, asserting that all triangles face the viewer.
     fn area(mesh: &Primitive, side: u32) -> f64 {
         let areas = mesh.triangles.iter().map(|&triangle| area_of(mesh, triangle));
         areas.inspect(|&area| assert!(area > 0.0, "a triangle faces away")).sum::<f64>() * f64::from(side).powi(2)
@@ -107,7 +107,7 @@ mod tests {
         angles.fold(f64::INFINITY, f64::min).to_degrees()
     }
 
-    /// The mesh covers what the alpha covers, and up to two pixels around it.
+    /// Checks that the mesh covers what the alpha covers, and at most two pixels around it.
     fn check_area(mesh: &Primitive, (alpha, length): (&[f32], f64), side: u32) {
         let covered: f64 = alpha.iter().map(|&alpha| f64::from(alpha)).sum();
         let found = area(mesh, side);

@@ -1,4 +1,4 @@
-//! Skins, and the check that meshes and skins fit together.
+//! Reads skins, and checks that meshes and skins are consistent.
 //!
 //! In: the JSON and the placed nodes. Out: joints as scene nodes with their rest matrices.
 
@@ -10,7 +10,7 @@ use crate::spelling::counted;
 use glam::Mat4;
 use gltf::json::accessor::Type;
 
-/// The skins in use.
+/// Reads the skins in use.
 pub(super) fn load(file: &File, tree: &Tree, used: &Used) -> Result<Vec<Skin>, SceneError> {
     used.file_from_scene.iter().map(|&index| load_skin(file, tree, index)).collect()
 }
@@ -47,7 +47,7 @@ fn load_skin(file: &File, tree: &Tree, index: usize) -> Result<Skin, SceneError>
     Ok(Skin { joint_from_mesh: joint_from_mesh[..joints.len()].to_vec(), joints })
 }
 
-/// Refuses meshes whose vertices follow joints that their skin lacks.
+/// Rejects meshes whose vertices refer to joints that their skin lacks.
 pub(super) fn check_influences(file: &File, scene: &Scene) -> Result<(), SceneError> {
     scene.nodes.iter().try_for_each(|node| check_node(file, scene, node))
 }

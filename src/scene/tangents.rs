@@ -1,4 +1,4 @@
-//! Tangents for normal maps of files that store none: MikkTSpace, as glTF 2.0 asks (§3.7.2.1).
+//! Tangents for normal maps of files that store none: MikkTSpace, as glTF 2.0 requires (§3.7.2.1).
 //!
 //! In: positions, normals, UVs, triangles. Out: a tangent per vertex; vertices are split where the tangents of their
 //! triangles differ (mirrored UVs). Method: Morten S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008.
@@ -9,9 +9,9 @@ use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Fills the tangents of a primitive that shows the normal map `texture`, and the tangent displacements of its targets.
+/// Computes the tangents of a primitive with the normal map `texture`, and the tangent displacements of its targets.
 ///
-/// The existing vertices keep their numbers; copies of split vertices follow them.
+/// Existing vertices keep their indices; copies of split vertices follow them.
 pub(super) fn generate(primitive: &mut Primitive, texture: &TextureRef) {
     let uvs = texture_coordinates(&primitive.uvs[texture.uv_set], texture);
     let corners = corner_tangents(&primitive.positions, &primitive.normals, &uvs, &primitive.triangles);
@@ -22,17 +22,17 @@ pub(super) fn generate(primitive: &mut Primitive, texture: &TextureRef) {
     primitive.targets = targets;
 }
 
-/// Where the map is looked up: UVs after KHR_texture_transform, whose mirrorings mirror the tangents.
+/// Returns the coordinates of texture lookups: UVs after KHR_texture_transform, whose reflections mirror the tangents.
 fn texture_coordinates(uvs: &[Vec2], texture: &TextureRef) -> Vec<Vec2> {
     let [u, v] = texture.texture_from_uv;
     uvs.iter().map(|uv| Vec2::new(u.dot(uv.extend(1.0)), v.dot(uv.extend(1.0)))).collect()
 }
 
-/// Gives every vertex one tangent: corners that ask for another one get a copy of the vertex.
+/// Gives every vertex one tangent: corners with a different one get a copy of the vertex.
 fn split(primitive: &mut Primitive, corners: &[[Vec4; 3]]) {
     let count = primitive.positions.len();
     let mut tangents: Vec<Option<Vec4>> = vec![None; count];
-    // Sources of all vertices: themselves, then those that the copies are made from.
+    // The source of every vertex: itself, or for copies the vertex they are made from.
     let mut order: Vec<u32> = (0..count as u32).collect();
     let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (triangle, corners) in primitive.triangles.iter_mut().zip(corners) {
@@ -55,7 +55,8 @@ fn split(primitive: &mut Primitive, corners: &[[Vec4; 3]]) {
     primitive.tangents = filled.map(|(tangent, normal)| tangent.unwrap_or_else(|| any_tangent(*normal))).collect();
 }
 
-/// How a morph target turns the tangents: those of the fully morphed mesh less those at rest; empty where nothing turns.
+/// Returns the tangent displacements of a morph target: the tangents of the fully morphed mesh minus those at rest;
+/// empty if the target moves neither positions nor normals.
 fn displacements(primitive: &Primitive, target: &MorphTarget, uvs: &[Vec2]) -> Vec<Vec3> {
     if target.positions.is_empty() && target.normals.is_empty() {
         return Vec::new();
@@ -81,25 +82,25 @@ fn displacements(primitive: &Primitive, target: &MorphTarget, uvs: &[Vec2]) -> V
     displacements
 }
 
-/// One tangent per triangle corner; w is the handedness of glTF: bitangent = cross(normal, tangent) · w points up in the
-/// image, against increasing v.
+/// Returns one tangent per triangle corner; w is the handedness of glTF: bitangent = cross(normal, tangent) · w points
+/// up in the image, against increasing v.
 fn corner_tangents(positions: &[Vec3], normals: &[Vec3], uvs: &[Vec2], triangles: &[[u32; 3]]) -> Vec<[Vec4; 3]> {
     assert_eq!(positions.len(), normals.len(), "one normal per vertex");
     assert_eq!(positions.len(), uvs.len(), "one UV per vertex");
     let mut corners = Corners { positions, normals, uvs, triangles, tangents: Vec::with_capacity(triangles.len()) };
     let at_rest = |triangle: &[u32; 3]| triangle.map(|corner| any_tangent(normals[corner as usize]));
     corners.tangents.extend(triangles.iter().map(at_rest));
-    // The error type has no values.
+    // The error type is uninhabited.
     let _ = generate_tangents(&mut corners);
     corners.tangents
 }
 
-/// A tangent for vertices whose UVs give no direction.
+/// Returns a tangent for vertices whose UVs give no direction.
 fn any_tangent(normal: Vec3) -> Vec4 {
     geometry::perpendicular(normal).extend(1.0)
 }
 
-/// A mesh as MikkTSpace reads and fills it.
+/// The interface between a mesh and MikkTSpace.
 struct Corners<'a> {
     /// #vertices.
     positions: &'a [Vec3],
@@ -142,7 +143,7 @@ impl Geometry for Corners<'_> {
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         let Some(space) = space else { return };
         let Some(tangent) = Vec3::from_array(space.tangent()).try_normalize() else { return };
-        // MikkTSpace's bitangent follows increasing v, glTF's the image's +Y, against which v runs.
+        // MikkTSpace's bitangent points along increasing v, glTF's along the image's +Y, which is opposite to v.
         let w = if space.is_orientation_preserving() { -1.0 } else { 1.0 };
         self.tangents[face][corner] = tangent.extend(w);
     }

@@ -1,7 +1,7 @@
-//! Textures and their images.
+//! Reads textures and their images.
 //!
 //! In: which texture is used as colour or as data. Out: decoded RGBA8 images. An image that is missing or cannot be
-//! decoded is a warning, and the textures that show it are dropped.
+//! decoded gives a warning, and the textures that use it are dropped.
 
 use super::file::File;
 use super::{Filter, Image, SceneError, Texture, Wrap, budget};
@@ -13,12 +13,12 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
-/// How a material uses a texture of the file.
+/// A use of one of the file's textures by a material.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Use {
     /// Index in the file.
     pub(super) texture: usize,
-    /// As colour, not as data.
+    /// Whether it is used as colour, not as data.
     pub(super) is_srgb: bool,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct Use {
 pub(super) struct Textures {
     pub(super) textures: Vec<Texture>,
     pub(super) images: Vec<Image>,
-    /// Scene index of a use; dropped textures are not in it.
+    /// Scene index of each use, without those of dropped textures.
     pub(super) scene_from_use: BTreeMap<Use, usize>,
 }
 
@@ -54,7 +54,7 @@ pub(super) fn load(file: &File, uses: &BTreeSet<Use>, warnings: &mut Vec<String>
     collect(file, uses, &sources, &images)
 }
 
-/// Numbers textures and images anew; an image that is used both as colour and as data stands there twice.
+/// Renumbers textures and images; an image used both as colour and as data is duplicated.
 fn collect(
     file: &File,
     uses: &BTreeSet<Use>,
@@ -83,9 +83,9 @@ fn collect(
     Ok(out)
 }
 
-/// The image of a texture; `None` where only an unsupported extension names one.
+/// Returns the image of a texture; `None` if only an unsupported extension gives one.
 fn source(file: &File, texture: usize, warnings: &mut Vec<String>) -> Result<Option<usize>, SceneError> {
-    // The crate's stand-in for a texture without a source.
+    // The crate's placeholder for a texture without a source.
     const ABSENT: usize = u32::MAX as usize;
     let number = file.root.textures[texture].source.value();
     if number == ABSENT {
@@ -122,13 +122,13 @@ fn wrap(mode: Checked<WrappingMode>) -> Wrap {
     }
 }
 
-/// An image as the file holds it.
+/// An encoded image.
 struct Encoded<'a> {
     bytes: Cow<'a, [u8]>,
     pixels: u128,
 }
 
-/// Reads an image of the file, and its size from its head.
+/// Reads an image of the file, and its size from its header.
 fn read(file: &File, number: usize) -> Result<Encoded<'_>, String> {
     let image = &file.root.images[number];
     let bytes = match (image.buffer_view, &image.uri) {
@@ -140,7 +140,7 @@ fn read(file: &File, number: usize) -> Result<Encoded<'_>, String> {
     Ok(Encoded { bytes, pixels: u128::from(width) * u128::from(height) })
 }
 
-/// Decodes an image; 16-bit and grey ones become RGBA8.
+/// Decodes an image; 16-bit and grey ones are converted to RGBA8.
 fn decode(encoded: Encoded) -> Result<Image, String> {
     let pixels = reader(&encoded.bytes)?.decode().map_err(undecodable)?.into_rgba8();
     Ok(Image { width: pixels.width(), height: pixels.height(), rgba: pixels.into_raw(), is_srgb: false })
@@ -151,7 +151,7 @@ fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, String> {
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err("it is neither PNG nor JPEG; export it as PNG or JPEG".to_owned());
     }
-    // The memory budget decides.
+    // The memory budget limits the size instead.
     reader.no_limits();
     Ok(reader)
 }

@@ -1,4 +1,4 @@
-//! Bounds of a layer on the screen.
+//! Screen-space bounds of a layer.
 //!
 //! In: projected parts. Out: boxes in frame heights.
 
@@ -9,11 +9,11 @@ use crate::scene::Scene;
 use crate::space::{FrameSize, ScreenBox, ScreenPoint};
 use glam::DVec2;
 
-/// Bounds are cut to the frame grown by this factor about its middle, so that a limb that comes close to the camera
-/// cannot stretch the lattice without end.
+/// Bounds are clipped to the frame scaled by this factor about its centre, so that a limb close to the camera cannot
+/// stretch the lattice arbitrarily.
 const REACH: f64 = 1.5;
 
-/// How far lattices reach: the frame grown by a half.
+/// Returns the maximum extent of lattices: the frame scaled by 1.5.
 #[must_use]
 pub fn reach_of_frame(frame: FrameSize) -> ScreenBox {
     let size = DVec2::new(frame.aspect(), 1.0);
@@ -21,28 +21,28 @@ pub fn reach_of_frame(frame: FrameSize) -> ScreenBox {
     ScreenBox::new(ScreenPoint(-margin), ScreenPoint(size + margin))
 }
 
-/// What of a scene [`bounds`] looks at.
+/// The part of a scene that [`bounds`] considers.
 #[derive(Clone, Copy)]
 pub struct Extent<'a> {
     /// Indices into the pose's parts.
     pub parts: &'a [usize],
-    /// Whether a triangle of a part counts, by its corners.
+    /// Returns whether a triangle counts, given its part and corners.
     pub counts: &'a (dyn Fn(usize, &[u32; 3]) -> bool + Sync),
-    /// Distance of the near plane, metres: what is nearer does not count.
+    /// Distance of the near plane in metres; nearer geometry is ignored.
     pub near: f64,
-    /// What lies outside is cut off.
+    /// The box that bounds are clipped to.
     pub reach: ScreenBox,
 }
 
-/// Bounds of the chosen parts, clipped at the near plane and cut to the reach.
+/// Returns the bounds of the selected parts, clipped at the near plane and to the reach.
 ///
-/// `None` where nothing of them is within reach.
+/// `None` if nothing is within reach.
 #[must_use]
 pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> Option<ScreenBox> {
     let Extent { parts, counts, near, reach } = extent;
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
-        // Corners of triangles and lines only: other vertices may belong to other parts.
+        // Only vertices referenced by triangles or lines count: others may belong to other parts.
         let source = primitive(scene, &pose.parts[part]);
         let segments = source.segments().map(|[a, b]| [a, b, b]);
         let triangles = source.triangles.iter().copied().filter(|corners| counts(part, corners));

@@ -1,19 +1,19 @@
-//! The camera: scene points to homogeneous screen points.
+//! The camera: projects scene points to homogeneous screen points.
 //!
-//! In: the camera's place and lens, the frame. Out: [`Projected`] points, and the matrices that EXR files carry.
+//! In: the camera's placement and lens, the frame. Out: [`Projected`] points, and the matrices stored in EXR files.
 
 use crate::pose::Pose;
 use crate::scene::Lens;
 use crate::space::{FrameSize, ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 
-/// Vertical field of view of the automatic camera, degrees: a portrait lens.
+/// Vertical field of view of the automatic camera in degrees: a portrait lens.
 const AUTOMATIC_YFOV_DEGREES: f64 = 30.0;
 
-/// From the middle of the scene towards the automatic camera: in front, a little to the right and above.
+/// Direction from the scene's centre to the automatic camera: in front, slightly to the right and above.
 const AUTOMATIC_DIRECTION: DVec3 = DVec3::new(0.35, 0.22, 1.0);
 
-/// Size of the frame by the size of what a fitted camera shows.
+/// Frame size relative to the size of the fitted content.
 const FIT_AIR: f64 = 1.05;
 
 /// A camera at one time.
@@ -26,7 +26,7 @@ pub struct Camera {
     aspect: f64,
 }
 
-/// A projected point. Its place on the screen is `h / w`, in frame heights.
+/// A projected point. Its screen position is `h / w`, in frame heights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Projected {
     /// Homogeneous screen position (x·w, y·w).
@@ -38,13 +38,13 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// Its place on the screen; meaningful for points behind the near plane only (w > 0).
+    /// Returns its screen position; valid only for points beyond the near plane (w > 0).
     #[must_use]
     pub fn point(self) -> ScreenPoint {
         ScreenPoint(self.h / self.w)
     }
 
-    /// The point a share `t` of the way to `other`, in scene space. Symmetric for t = 0.5.
+    /// Interpolates linearly in scene space, by a fraction `t` of the way to `other`. Symmetric for t = 0.5.
     #[must_use]
     pub fn lerp(self, other: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
@@ -53,7 +53,7 @@ impl Projected {
 }
 
 impl Camera {
-    /// The camera of a node placed by `scene_from_camera` (its scale is ignored, as glTF asks; so is a reflection).
+    /// Creates the camera of a node placed by `scene_from_camera` (scale and reflection are ignored, as glTF requires).
     ///
     /// `near` is kept above a millionth of a metre for a perspective lens.
     #[must_use]
@@ -74,19 +74,19 @@ impl Camera {
         Self { view_from_scene: rigid.inverse(), lens, near, aspect: frame.aspect() }
     }
 
-    /// A camera at a placement. `near`: distance of the near plane, metres, > 0 for a perspective lens.
+    /// Creates a camera at a placement. `near`: distance of the near plane in metres, > 0 for a perspective lens.
     #[must_use]
     pub fn placed(placement: &CameraPlacement, lens: Lens, near: f64, frame: FrameSize) -> Self {
         Self { view_from_scene: placement.scene_from_view.inverse(), lens, near, aspect: frame.aspect() }
     }
 
-    /// Where a scene point lies on the screen.
+    /// Projects a scene point to the screen.
     #[must_use]
     pub fn project(&self, point: ScenePoint) -> Projected {
         self.project_exact(point.0.as_dvec3())
     }
 
-    /// The same for a point that did not come from a mesh: without rounding it.
+    /// Projects a point in f64, without rounding it to f32 as mesh vertices are.
     #[must_use]
     pub fn project_exact(&self, point: DVec3) -> Projected {
         let view = self.view_from_scene.transform_point3(point);
@@ -99,14 +99,14 @@ impl Camera {
         Projected { h: view.truncate() * (0.5 * self.zoom()) + half * w, w, depth }
     }
 
-    /// The scene vector that moves a point of the given w by `vector` on the screen and leaves its depth.
+    /// Returns the scene vector that moves a point of the given w by `vector` on the screen at constant depth.
     #[must_use]
     pub fn scene_from_screen_vector(&self, vector: ScreenVector, w: f64) -> DVec3 {
         let in_view = (vector.0 * (w / (0.5 * self.zoom()))).extend(0.0);
         self.scene_from_view().transform_vector3(in_view)
     }
 
-    /// Half frame heights a metre at depth 1.
+    /// Returns half frame heights per metre at depth 1.
     fn zoom(&self) -> f64 {
         match self.lens {
             Lens::Perspective { yfov } => 1.0 / (f64::from(yfov) * 0.5).tan(),
@@ -114,50 +114,51 @@ impl Camera {
         }
     }
 
-    /// The lens.
+    /// Returns the lens.
     #[must_use]
     pub const fn lens(&self) -> Lens {
         self.lens
     }
 
-    /// Distance of the near plane, metres.
+    /// Returns the distance of the near plane in metres.
     #[must_use]
     pub const fn near(&self) -> f64 {
         self.near
     }
 
-    /// Whether the lens is orthographic.
+    /// Returns whether the lens is orthographic.
     #[must_use]
     pub const fn is_parallel(&self) -> bool {
         matches!(self.lens, Lens::Orthographic { .. })
     }
 
-    /// Where the camera stands.
+    /// Returns the camera's position.
     #[must_use]
     pub fn eye(&self) -> ScenePoint {
         ScenePoint(self.scene_from_view().w_axis.truncate().as_vec3())
     }
 
-    /// Unit scene vector from the scene towards the viewer along the view axis.
+    /// Returns the unit scene vector from the scene towards the viewer along the view axis.
     #[must_use]
     pub fn towards_viewer(&self) -> Vec3 {
         self.scene_from_view().z_axis.truncate().as_vec3()
     }
 
-    /// scene_from_view: the camera's own axes and place.
+    /// Returns scene_from_view: the camera's axes and position.
     #[must_use]
     pub fn scene_from_view(&self) -> DMat4 {
         self.view_from_scene.inverse()
     }
 
-    /// The matrix EXR calls worldToCamera (column vectors; the camera looks along −z, y up).
+    /// Returns the matrix that EXR calls worldToCamera (column vectors; the camera looks along −z, y up).
     #[must_use]
     pub const fn view_from_scene(&self) -> DMat4 {
         self.view_from_scene
     }
 
-    /// Scene space to homogeneous screen space (x·w, y·w, z·w, w): frame heights, y up; z/w is 0 at the near plane of a
-    /// perspective lens and tends to 1, of an orthographic one it is the distance behind the near plane.
+    /// Returns the matrix from scene space to homogeneous screen space (x·w, y·w, z·w, w): frame heights, y up. For a
+    /// perspective lens, z/w is 0 at the near plane and tends to 1; for an orthographic one it is the distance behind
+    /// the near plane.
     #[must_use]
     pub fn screen_from_scene(&self) -> DMat4 {
         let (zoom, half, near) = (0.5 * self.zoom(), DVec2::new(self.aspect * 0.5, 0.5), self.near);
@@ -179,16 +180,16 @@ impl Camera {
     }
 }
 
-/// Where a camera stands and how it is turned; it looks along its −z, y up.
+/// Position and orientation of a camera, which looks along its −z, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraPlacement {
-    /// Rigid: no scale, no reflection.
+    /// Rigid: without scale or reflection.
     scene_from_view: DMat4,
 }
 
 impl CameraPlacement {
-    /// At `distance` from `target`, which it looks at. Yaw, pitch and roll in degrees: yaw 0 stands at +z of the target, 90
-    /// at +x; pitch 90 looks straight down; roll turns the camera counter-clockwise about its view axis.
+    /// Places a camera at `distance` from `target`, looking at it. Yaw, pitch and roll in degrees: yaw 0 is at +z of
+    /// the target, 90 at +x; pitch 90 looks straight down; roll turns the camera counter-clockwise about its view axis.
     ///
     /// ```
     /// use glam::DVec3;
@@ -204,7 +205,8 @@ impl CameraPlacement {
         Self { scene_from_view: DMat4::from_translation(position) * turn }
     }
 
-    /// At `position`, looking at `target`; the scene's y is up in the frame. Roll in degrees, as in [`Self::orbit`].
+    /// Places a camera at `position`, looking at `target`; the scene's y is up in the frame. Roll in degrees, as in
+    /// [`Self::orbit`].
     #[must_use]
     pub fn towards(position: DVec3, target: DVec3, roll: f64) -> Self {
         let back = (position - target).try_normalize().unwrap_or(DVec3::Z);
@@ -213,14 +215,14 @@ impl CameraPlacement {
         Self::orbit(position, 0.0, [yaw, pitch, roll])
     }
 
-    /// Where it stands, metres.
+    /// Returns the position in metres.
     #[must_use]
     pub fn position(&self) -> DVec3 {
         self.scene_from_view.w_axis.truncate()
     }
 }
 
-/// The least distance from the target of an orbiting camera at which it shows all of `points` with a little air, metres.
+/// Returns the smallest distance in metres at which an orbiting camera shows all of `points` with a small margin.
 /// `at_one`: the camera at a distance of 1.
 #[must_use]
 pub fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (Lens, FrameSize)) -> f64 {
@@ -232,13 +234,14 @@ pub fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (
             let right = up * frame.aspect();
             in_view().map(|at| at.z + (at.x.abs() / right).max(at.y.abs() / up)).fold(0.0, f64::max)
         }
-        // The size in the frame does not depend on the distance: far enough to stand in front of everything.
+        // The size in the frame does not depend on the distance, which only has to keep everything in front of the
+        // camera.
         Lens::Orthographic { .. } => in_view().map(|at| 2.0 * at.length()).fold(0.0, f64::max),
     };
     distance.max(1e-3)
 }
 
-/// A camera that shows all of `poses`, for scenes that bring none; `None` where nothing can be seen.
+/// Returns a camera that shows all of `poses`, for scenes without one; `None` if nothing is visible.
 #[must_use]
 pub fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
     let points =
@@ -248,7 +251,7 @@ pub fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
     let center = (low + high) * 0.5;
     let radius = points().map(|point| point.distance(center)).fold(1e-3, f64::max);
     let yfov = AUTOMATIC_YFOV_DEGREES.to_radians();
-    // The narrower of the two half angles has to hold the bounding sphere, with a little air.
+    // The narrower of the two half angles must contain the bounding sphere, with a small margin.
     let half_angle = (yfov * 0.5).tan().min((yfov * 0.5).tan() * frame.aspect()).atan();
     let distance = 1.05 * radius / half_angle.sin();
     let back = AUTOMATIC_DIRECTION.normalize();

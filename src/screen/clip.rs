@@ -1,22 +1,22 @@
-//! Cuts triangles at the near plane (Sutherland and Hodgman 1974 for a single plane).
+//! Clips triangles at the near plane (Sutherland and Hodgman 1974 for a single plane).
 //!
-//! In: three projected corners. Out: no, one or two triangles whose corners are shares of the given ones.
+//! In: three projected corners. Out: zero, one or two triangles whose corners are interpolated from the given ones.
 
 use super::camera::Projected;
 
-/// A corner of a cut triangle: a point on the edge from corner `from` to corner `to` of the triangle that was cut.
+/// A corner of a clipped triangle: a point on the edge from corner `from` to corner `to` of the original triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// 0, 1 or 2.
     pub from: usize,
     /// 0, 1 or 2; equal to `from` for a corner that was kept.
     pub to: usize,
-    /// Share of the way from `from` to `to`, 0 for a kept corner.
+    /// Fraction of the way from `from` to `to`, 0 for a kept corner.
     pub share: f64,
 }
 
 impl Corner {
-    /// Barycentric coordinates in the triangle that was cut.
+    /// Returns the barycentric coordinates in the original triangle.
     #[must_use]
     pub fn barycentric(self) -> [f64; 3] {
         let mut weights = [0.0; 3];
@@ -26,16 +26,17 @@ impl Corner {
     }
 }
 
-/// The part of a triangle at or behind the near plane, as a fan of at most two triangles with its orientation.
+/// Returns the part of a triangle at or beyond the near plane, as a fan of at most two triangles with the same
+/// orientation.
 ///
-/// A cut point depends only on its edge, not on the triangle or the order of the corners, so neighbours meet exactly.
-/// Triangles with a corner that is not a number are dropped.
+/// A clipped point depends only on its edge, not on the triangle or the order of the corners, so neighbours meet
+/// exactly. Triangles with a non-finite corner are dropped.
 #[must_use]
 pub fn clip_near(corners: [Projected; 3], near: f64) -> ([[Corner; 3]; 2], usize) {
     let is_kept = corners.map(|corner| corner.depth >= near && corner.w > 0.0);
     let kept = |corner: usize| Corner { from: corner, to: corner, share: 0.0 };
     let whole = [kept(0), kept(1), kept(2)];
-    // From the visible end to the hidden one, whichever way the triangle runs through the edge.
+    // Always interpolated from the visible end to the hidden one, whatever the winding.
     let cut = |seen: usize, hidden: usize| {
         let (a, b) = (corners[seen].depth, corners[hidden].depth);
         Corner { from: seen, to: hidden, share: ((near - a) / (b - a)).clamp(0.0, 1.0) }

@@ -1,16 +1,16 @@
-//! A pose on the screen.
+//! A pose projected to the screen.
 //!
-//! In: a [`Pose`], a camera. Out: a [`ScreenMesh`]: where every vertex lies.
+//! In: a [`Pose`], a camera. Out: a [`ScreenMesh`]: the screen position of every vertex.
 
 use super::camera::{Camera, Projected};
 use crate::pose::{Pose, PosedPart};
 use crate::scene::{Primitive, Scene};
 use rayon::prelude::*;
 
-/// A pose on the screen: one part for each of [`Pose::parts`], in that order.
+/// A projected pose: one part for each of [`Pose::parts`], in that order.
 #[derive(Clone, Debug, Default)]
 pub struct ScreenMesh {
-    /// As many as the pose's parts.
+    /// One per part of the pose.
     pub parts: Vec<ScreenPart>,
 }
 
@@ -30,7 +30,7 @@ pub fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
     ScreenMesh { parts: pose.parts.iter().map(part).collect() }
 }
 
-/// The primitive that a posed part was made from.
+/// Returns the primitive that a posed part was made from.
 #[must_use]
 pub fn primitive<'a>(scene: &'a Scene, part: &PosedPart) -> &'a Primitive {
     &scene.meshes[part.mesh].primitives[part.primitive]

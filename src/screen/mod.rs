@@ -1,6 +1,6 @@
-//! Stage 3: a [`Pose`](crate::pose::Pose) seen through a camera becomes a [`ScreenMesh`]: where every vertex lies on the screen.
+//! Stage 3: a [`Pose`](crate::pose::Pose) seen through a camera becomes a [`ScreenMesh`] of projected vertices.
 //!
-//! Near-plane policy: nothing in front of the near plane exists. Triangles that cross it are cut there before anything
+//! Near-plane policy: nothing in front of the near plane exists. Triangles that cross it are clipped before anything
 //! else happens ([`clip_near`]), so every later stage divides by a w that is greater than zero. There is no far plane.
 
 mod bounds;

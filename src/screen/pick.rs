@@ -10,20 +10,20 @@ use crate::scene::Scene;
 use crate::space::ScreenPoint;
 use glam::DVec2;
 
-/// A point of a surface.
+/// A surface point hit by a pick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Index into [`Pose::parts`].
     pub part: usize,
     /// Index into the primitive's triangles.
     pub triangle: usize,
-    /// Weights of its corners in scene space; they sum to 1.
+    /// Barycentric coordinates in scene space; they sum to 1.
     pub barycentric: [f64; 3],
-    /// Distance along the view axis, metres.
+    /// Distance along the view axis in metres.
     pub depth: f64,
 }
 
-/// The nearest surface at a screen point; `None` where there is none. Both sides of a surface count.
+/// Returns the nearest surface at a screen point; `None` if there is none. Both sides of a surface count.
 #[must_use]
 pub fn pick(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, near: f64, at: ScreenPoint) -> Option<Hit> {
     let of_part = |(part, posed): (usize, &crate::pose::PosedPart)| {
@@ -37,13 +37,13 @@ pub fn pick(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, near: f64, at: Screen
     pose.parts.iter().enumerate().flat_map(of_part).min_by(|a, b| a.depth.total_cmp(&b.depth))
 }
 
-/// Barycentric coordinates (in scene space) and depth of a screen point on a triangle.
+/// Returns the barycentric coordinates (in scene space) and depth of a screen point on a triangle.
 fn hit_triangle(corners: [Projected; 3], near: f64, at: ScreenPoint) -> Option<([f64; 3], f64)> {
     let (cut, count) = clip_near(corners, near);
     cut[..count].iter().find_map(|cut| {
         let ends = cut.map(|corner| corners[corner.from].lerp(corners[corner.to], corner.share));
         let on_screen = screen_barycentric(ends.map(|end| end.point().0), at.0)?;
-        // Screen weights over w give scene weights (perspective-correct interpolation).
+        // Dividing screen weights by w gives scene weights (perspective-correct interpolation).
         let over_w: [f64; 3] = std::array::from_fn(|i| on_screen[i] / ends[i].w);
         let total: f64 = over_w.iter().sum();
         let mut barycentric = [0.0; 3];
@@ -56,7 +56,8 @@ fn hit_triangle(corners: [Projected; 3], near: f64, at: ScreenPoint) -> Option<(
     })
 }
 
-/// Barycentric coordinates of a point in a screen triangle of either orientation; `None` outside or where it is flat.
+/// Returns the barycentric coordinates of a point in a screen triangle of either orientation; `None` if outside or
+/// degenerate.
 fn screen_barycentric(ends: [DVec2; 3], at: DVec2) -> Option<[f64; 3]> {
     let area = (ends[1] - ends[0]).perp_dot(ends[2] - ends[0]);
     let weight = |a: DVec2, b: DVec2| (a - at).perp_dot(b - at) / area;

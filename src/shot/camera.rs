@@ -1,100 +1,101 @@
-//! The camera of a shot and what it sees of the scene: plain data, and which keys count at a time.
+//! The camera and visibility of a shot: plain data, and the keys in effect at a time.
 //!
-//! In: what `check/camera.rs` accepted. Out: types for the pipeline, which knows the scene.
+//! In: what `check/camera.rs` accepted. Out: types for the pipeline, which resolves them against the scene.
 
 use super::Ease;
 use super::keys::Span;
 
-/// Which camera sees the shot.
+/// The camera of a shot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CameraRule {
-    /// The scene's first; without any, one that shows the whole scene.
+    /// The scene's first camera; without any, one that shows the whole scene.
     #[default]
     Automatic,
-    /// A camera of the scene by the name of its node or by its own; else a standard view, such as `front` or `side:body`.
+    /// A camera of the scene, by the name of its node or its own; else a standard view, such as `front` or `side:body`.
     Named(String),
-    /// The shot's own.
+    /// A camera defined by the shot.
     Own(OwnCamera),
 }
 
-/// A camera that the shot describes.
+/// A camera defined by the shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnCamera {
-    /// At least one; frames strictly increasing, all of one [`CameraKey::kind`].
+    /// At least one; frames strictly increasing, all of the same [`CameraKey::kind`].
     pub keys: Vec<CameraKey>,
 }
 
-/// A camera at one frame. Angles are in degrees.
+/// A keyframe of a camera. Angles are in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraKey {
-    /// When.
+    /// Its frame.
     pub frame: f64,
-    /// Where it stands and looks.
+    /// Position and orientation.
     pub aim: CameraAim,
-    /// Turn about the view axis, counter-clockwise.
+    /// Rotation about the view axis in degrees, counter-clockwise.
     pub roll: f64,
-    /// How wide it sees.
+    /// The lens.
     pub lens: CameraLens,
-    /// Shapes the segment that leaves this key.
+    /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }
 
-/// Where a camera stands and looks. Yaw turns it around the scene's y (0: it stands at +z, 90: at +x), pitch raises it.
+/// Position and orientation of a camera. Yaw rotates it around the scene's y axis (0: at +z, 90: at +x), pitch raises
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraAim {
-    /// Around what it looks at.
+    /// Orbits its target.
     Orbit {
-        /// The middle of the orbit.
+        /// The centre of the orbit.
         look_at: LookAt,
-        /// Metres; `None`: as far as shows all of it.
+        /// Distance in metres; `None`: the smallest at which all of the target is visible.
         distance: Option<f64>,
-        /// Degrees.
+        /// Yaw in degrees.
         yaw: f64,
-        /// Degrees.
+        /// Pitch in degrees.
         pitch: f64,
     },
-    /// From a point towards what it looks at.
+    /// At a fixed position, looking at a target.
     Towards {
-        /// Metres.
+        /// Position in metres.
         position: [f64; 3],
-        /// What is in the middle of the frame.
+        /// The target in the middle of the frame.
         look_at: LookAt,
     },
-    /// From a point; it looks as a camera that orbits with this yaw and pitch.
+    /// At a fixed position, with the orientation of an orbiting camera of this yaw and pitch.
     Along {
-        /// Metres.
+        /// Position in metres.
         position: [f64; 3],
-        /// Degrees.
+        /// Yaw in degrees.
         yaw: f64,
-        /// Degrees.
+        /// Pitch in degrees.
         pitch: f64,
     },
 }
 
-/// What a camera looks at.
+/// The target of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LookAt {
-    /// The middle of everything that can be seen.
+    /// The centre of everything visible.
     Scene,
-    /// The middle of the nodes that match a pattern, with their subtrees.
+    /// The centre of the nodes that match a pattern, with their subtrees.
     Nodes(String),
-    /// The middle of a layer.
+    /// The centre of a layer.
     Layer(String),
-    /// A point of the scene, metres.
+    /// A point in scene space, in metres.
     Point([f64; 3]),
 }
 
-/// How wide a camera sees.
+/// The projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraLens {
-    /// Vertical field of view, degrees.
+    /// Perspective: the vertical field of view in degrees.
     Fov(f64),
-    /// Parallel: the height it sees, metres.
+    /// Orthographic: the visible height in metres.
     Ortho(f64),
 }
 
 impl CameraKey {
-    /// Keys of one kind can be interpolated.
+    /// Returns the kind of the key; only keys of the same kind can be interpolated.
     #[must_use]
     pub fn kind(&self) -> impl PartialEq + use<> {
         let aim = match self.aim {
@@ -108,7 +109,8 @@ impl CameraKey {
 }
 
 impl OwnCamera {
-    /// The keys around a (fractional) frame and the weight of the second, from 0 to 1; an ease may overshoot.
+    /// Returns the indices of the keys around a (fractional) frame, and the weight of the second, 0 to 1; an ease may
+    /// overshoot.
     #[must_use]
     pub fn keys_at(&self, frame: f64) -> Option<(usize, usize, f64)> {
         let span = Span::of(&self.keys, frame, |key| (key.frame, key.ease))?;
@@ -117,11 +119,11 @@ impl OwnCamera {
     }
 }
 
-/// Which nodes are drawn: patterns of node names, each with its subtree.
+/// The drawn nodes, as patterns of node names, each including its subtree.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Visibility {
-    /// Not drawn.
+    /// Nodes that are hidden.
     pub hide: Vec<String>,
-    /// Drawn all the same; without `hide`: nothing else is drawn.
+    /// Exceptions from `hide`; if `hide` is empty, only these are drawn.
     pub show: Vec<String>,
 }

@@ -1,37 +1,38 @@
-//! What separates and joins the parts of a layer, for lattices that branch.
+//! Cuts and joins between the parts of a layer, for branching lattices.
 
 use super::Selection;
 
-/// How far loose pieces may lie from what carries them where the shot does not say it, diagonals of the layer at rest.
+/// Default maximum distance between an island and the part that carries it, in diagonals of the layer at rest.
 pub(super) const ISLAND_RADIUS: f64 = 0.1;
 
-/// How the parts of a layer hang together, beside how they lie at rest.
+/// The connectivity of a layer's parts, in addition to their rest geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connectivity {
-    /// What separates, in the order of the shot.
+    /// Cuts, in the order of the shot.
     pub cuts: Vec<Cut>,
-    /// What is joined by hand: two patterns of node names each (`*` and `?`), with their subtrees.
+    /// Manual joins: pairs of patterns of node names (`*` and `?`), including their subtrees.
     pub joins: Vec<[String; 2]>,
-    /// Islands (eyes, buttons, hair cards) hang on what is nearest at rest, but no farther than this, diagonals of the layer at rest.
+    /// Islands (eyes, buttons, hair cards) are attached to the nearest part at rest, up to this distance in diagonals
+    /// of the layer at rest.
     pub island_radius: f64,
 }
 
-/// Where a layer comes apart.
+/// A separation within a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cut {
-    /// A stroke across a picture: points in frame heights.
+    /// A stroke across a picture: a polyline in frame heights.
     Stroke(Vec<[f64; 2]>),
-    /// A part of a scene, which hangs on nothing else.
+    /// A part of a scene, separated from everything else.
     Part {
-        /// Patterns of node names, as of a layer; none: all nodes of the layer.
+        /// Patterns of node names, as in a layer; empty: all nodes of the layer.
         nodes: Vec<String>,
-        /// Which part of their meshes.
+        /// The part of their meshes.
         selection: Selection,
     },
 }
 
 impl Cut {
-    /// The selection of a part.
+    /// Returns the selection of a cut-off part.
     pub(super) const fn selection_mut(&mut self) -> Option<&mut Selection> {
         match self {
             Self::Part { selection, .. } => Some(selection),
@@ -41,14 +42,14 @@ impl Cut {
 }
 
 impl Default for Connectivity {
-    /// Nothing is cut or joined by hand.
+    /// No manual cuts or joins.
     fn default() -> Self {
         Self { cuts: Vec::new(), joins: Vec::new(), island_radius: ISLAND_RADIUS }
     }
 }
 
 impl Connectivity {
-    /// The selections of parts that are cut off.
+    /// Returns the selections of the cut-off parts.
     pub(crate) fn selections(&self) -> impl Iterator<Item = &Selection> {
         self.cuts.iter().filter_map(|cut| match cut {
             Cut::Part { selection, .. } => Some(selection),

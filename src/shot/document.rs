@@ -1,6 +1,6 @@
-//! A TOML text as a tree whose every key knows its line.
+//! A TOML text as a tree that records the line of every key.
 //!
-//! In: text and the name of its file. Out: [`Document`], and errors that point into it.
+//! In: a text and its file name. Out: [`Document`], and errors with positions in the text.
 
 use super::{KeyLines, ShotError};
 use std::path::Path;
@@ -15,7 +15,7 @@ pub(super) struct Document<'a> {
     pub(super) text: &'a str,
     /// The tree.
     pub(super) root: Spanned<DeValue<'a>>,
-    /// Where its keys stand.
+    /// The lines of its keys.
     pub(super) lines: KeyLines,
 }
 
@@ -23,7 +23,7 @@ impl<'a> Document<'a> {
     /// Parses a text.
     ///
     /// # Errors
-    /// [`ShotError::Syntax`] where it is not TOML.
+    /// [`ShotError::Syntax`] if it is not TOML.
     pub(super) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ShotError> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, path, &error))?;
         let root = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
@@ -32,17 +32,17 @@ impl<'a> Document<'a> {
         Ok(Self { path, text, root, lines })
     }
 
-    /// The line of a key, from 1; where it is absent, that of the table that should hold it.
+    /// Returns the one-based line of a key; if the key is missing, that of the table that should contain it.
     pub(super) fn line(&self, key: &str) -> usize {
         self.lines.of(key)
     }
 
-    /// The file has this key (or list item).
+    /// Returns whether the file contains this key (or list item).
     pub(super) fn has(&self, key: &str) -> bool {
         self.lines.has(key)
     }
 
-    /// A fault of this document.
+    /// Creates a fault at a key of this document.
     pub(super) fn fault(&self, key: &str, what: impl Into<String>, hint: impl Into<String>) -> ShotError {
         ShotError::Invalid {
             path: self.path.to_owned(),
@@ -54,20 +54,20 @@ impl<'a> Document<'a> {
     }
 }
 
-/// A TOML error with its place.
+/// Converts a TOML parser error, with its position.
 pub(super) fn syntax_error(text: &str, path: &Path, error: &toml::de::Error) -> ShotError {
     let (line, column) = line_column(text, error.span().map_or(0, |span| span.start));
     ShotError::Syntax { path: path.to_owned(), line, column, what: error.message().replace('\n', ", ") }
 }
 
-/// `parent.key`, or `key` at the top; keys that are not plain words are quoted as in TOML.
+/// Returns `parent.key`, or `key` at the top level; keys that are not bare are quoted as in TOML.
 pub(super) fn child(parent: &str, key: &str) -> String {
     let is_plain = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     let key = if is_plain { key.to_owned() } else { format!("{key:?}") };
     if parent.is_empty() { key } else { format!("{parent}.{key}") }
 }
 
-/// Byte offsets at which the lines of a text start, so that finding a line does not count all before it.
+/// Byte offsets of the line starts, so that looking up a line does not scan the text before it.
 struct LineStarts(Vec<usize>);
 
 impl LineStarts {
@@ -76,7 +76,7 @@ impl LineStarts {
         Self(std::iter::once(0).chain(newlines.map(|(at, _)| at + 1)).collect())
     }
 
-    /// The line of a byte offset, from 1.
+    /// Returns the one-based line of a byte offset.
     fn line(&self, offset: usize) -> usize {
         self.0.partition_point(|&start| start <= offset)
     }
@@ -102,12 +102,12 @@ fn collect_lines(starts: &LineStarts, node: &Spanned<DeValue>, path: &str, lines
     }
 }
 
-/// Line and character of a byte offset, both from 1.
+/// Returns the one-based line and column of a byte offset.
 fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text.as_bytes()[..offset.min(text.len())];
     let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
     let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-    // Characters, not bytes: count what does not continue a UTF-8 sequence.
+    // Counts characters by skipping the continuation bytes of UTF-8.
     let column = 1 + before[line_start..].iter().filter(|&&byte| byte & 0xC0 != 0x80).count();
     (line, column)
 }

@@ -1,4 +1,4 @@
-//! What can go wrong while a shot file is read or edited.
+//! Errors of reading and editing shot files.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ pub enum ShotError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
     /// The file is not TOML.
@@ -19,11 +19,11 @@ pub enum ShotError {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line, one-based.
         line: usize,
-        /// Character of the line, from 1.
+        /// Column in characters, one-based.
         column: usize,
-        /// What the parser says.
+        /// The parser's message.
         what: String,
     },
     /// A key is unknown, missing, of the wrong type or out of range.
@@ -31,7 +31,7 @@ pub enum ShotError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line, one-based.
         line: usize,
         /// The key as a path: `layer[0].pin[2].keys[1].ease`.
         key: String,
@@ -43,7 +43,7 @@ pub enum ShotError {
     /// Several independent faults, in the order of the file.
     #[error("{}", joined(.0))]
     Many(Vec<ShotError>),
-    /// A pin cannot be put into the text of a shot.
+    /// A pin cannot be written into the text of a shot.
     #[error("cannot write pin {pin:?}: {what}; {hint}")]
     Edit {
         /// The pin's name.
@@ -56,7 +56,7 @@ pub enum ShotError {
 }
 
 impl ShotError {
-    /// Every single fault: the parts of [`ShotError::Many`], else the error itself.
+    /// Returns the individual faults: the parts of [`ShotError::Many`], else the error itself.
     #[must_use]
     pub fn each(&self) -> &[Self] {
         match self {
@@ -65,7 +65,7 @@ impl ShotError {
         }
     }
 
-    /// Collects faults, sorted by line; `None` where there are none.
+    /// Combines faults, sorted by line; `None` if there are none.
     pub(super) fn from_faults(mut faults: Vec<Self>) -> Option<Self> {
         faults.sort_by_key(Self::line);
         if faults.len() > 1 { Some(Self::Many(faults)) } else { faults.pop() }
@@ -79,7 +79,7 @@ impl ShotError {
     }
 }
 
-/// What the user can do about a file that cannot be read.
+/// Returns what the user can do about a file that cannot be read.
 fn remedy(kind: std::io::ErrorKind) -> &'static str {
     match kind {
         std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
@@ -88,7 +88,7 @@ fn remedy(kind: std::io::ErrorKind) -> &'static str {
     }
 }
 
-/// More faults than a screen shows help nobody.
+/// Maximum number of faults shown: more than fit on a screen do not help.
 const SHOWN_FAULTS: usize = 25;
 
 fn joined(errors: &[ShotError]) -> String {

@@ -1,6 +1,6 @@
-//! What a shot says as one number, for the metadata of its frames.
+//! A hash of a shot, for the metadata of its frames.
 //!
-//! In: a [`Shot`]. Out: hexadecimal text that comments, formatting and folders do not change.
+//! In: a [`Shot`]. Out: hexadecimal text, independent of comments, formatting and folders.
 
 use super::{Cut, KeyLines, Layer, Shot, Source};
 use crate::plate::Holes;
@@ -11,8 +11,8 @@ const FNV_OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const FNV_PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
 
 impl Shot {
-    /// 32 hexadecimal digits over everything that changes the frames. The name of the shot file, where it lies and
-    /// where the frames go do not count; nor does what the scene file holds.
+    /// Returns 32 hexadecimal digits over everything that affects the frames. Excluded are the name and folder of the
+    /// shot file, the output path, and the contents of the scene file.
     #[must_use]
     pub fn hash(&self) -> String {
         let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -38,18 +38,18 @@ impl Shot {
         content.path = PathBuf::new();
         content.lines = KeyLines::default();
         content.output.path = PathBuf::new();
-        // The derived text writes every field, and floats with all their digits.
+        // The derived `Debug` text contains every field, with all digits of floats.
         digest(&format!("{content:?}"))
     }
 }
 
-/// 32 hexadecimal digits over a text.
+/// Returns 32 hexadecimal digits over a text.
 #[must_use]
 pub fn digest(text: &str) -> String {
     format!("{:032x}", fnv1a(text.as_bytes()))
 }
 
-/// Relative to the shot, with `/`; elsewhere on the machine only the name counts.
+/// Returns a path relative to the shot, with `/` separators; outside its folder only the file name counts.
 fn portable(path: &Path, folder: &Path) -> PathBuf {
     match path.strip_prefix(folder) {
         Ok(relative) if !relative.is_absolute() => relative.to_string_lossy().replace('\\', "/").into(),

@@ -1,4 +1,4 @@
-//! Words for faults: what was expected, what was probably meant, what to write instead.
+//! The wording of faults: what was expected, what was probably meant, what to write instead.
 //!
 //! In: schema rules and what the user wrote. Out: parts of messages.
 
@@ -7,18 +7,18 @@ use crate::spelling::nearest;
 use serde_json::{Map, Value as Rules};
 use toml::de::{DeTable, DeValue};
 
-/// Values that go by another name here.
+/// Values known under another name elsewhere.
 const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("rgba", "R, G, B and A are called \"beauty\""),
     ("velocity", "motion vectors are called \"motion\""),
     ("rims", "it is called \"spokes-and-rims\""),
 ];
 
-/// Former names of keys: the table (without its number) that holds the key, the former name, the present one.
+/// Renamed keys: the table (without its number) that contains the key, the former name, the current one.
 const FORMER_KEYS: &[(&str, &str, &str)] =
     &[("region", "grip", "rigidity"), ("region", "starch", "stiffness"), ("solve", "stiffness", "smoothness")];
 
-/// Keys that belong elsewhere, or to nothing yet.
+/// Keys that belong to another table, or are not supported.
 const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("clip", "it belongs into frames: frames = { first = 1, last = 48, clip = \"Walk\" }"),
     ("clip_start", "it belongs into frames: frames = { first = 1, last = 48, clip_start = 1 }"),
@@ -46,7 +46,7 @@ const FOREIGN_KEYS: &[(&str, &str)] = &[
     ("weight", "pins have no weight; `strength` of the layer scales them all"),
 ];
 
-/// What the user wrote, in short.
+/// Describes briefly what the user wrote.
 pub(super) fn found(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the text {text:?}"),
@@ -59,7 +59,7 @@ pub(super) fn found(value: &DeValue) -> String {
     }
 }
 
-/// What has to be written, in words: `a whole number`, `a list of 2 numbers`, `"hold", "linear"... or { bezier = .. }`.
+/// Describes what is expected: `a whole number`, `a list of 2 numbers`, `"hold", "linear"... or { bezier = .. }`.
 pub(super) fn expected(rules: &Rules) -> String {
     let words: Vec<String> = choices(rules).into_iter().map(expected_one).collect();
     words.join(" or ")
@@ -107,7 +107,7 @@ fn expected_table(rules: &Rules) -> String {
     }
 }
 
-/// `write scene = "scene.glb"`, from the schema's example or default.
+/// Returns an example such as `write scene = "scene.glb"`, from the schema's example or default.
 pub(super) fn example(rules: &Rules, path: &str) -> String {
     let key = path.rsplit('.').next().unwrap_or(path);
     let value = rules.pointer("/examples/0").or_else(|| rules.get("default"));
@@ -118,7 +118,7 @@ pub(super) fn example(rules: &Rules, path: &str) -> String {
     }
 }
 
-/// `give a whole number from 1 to 4096`.
+/// Describes the allowed range: `give a whole number from 1 to 4096`.
 pub(super) fn range(rules: &Rules) -> String {
     let kind = expected_one(rules);
     let limit = |name: &str| rules.get(name).filter(|limit| limit.is_number()).map(limit_text);
@@ -131,12 +131,12 @@ pub(super) fn range(rules: &Rules) -> String {
     }
 }
 
-/// Whole limits without `.0`, so that -32.0 reads -32.
+/// Formats integral limits without `.0`, so that -32.0 becomes -32.
 fn limit_text(limit: &Rules) -> String {
     limit.as_f64().map_or_else(|| limit.to_string(), |number| number.to_string())
 }
 
-/// What to say about a name that is none of `names`; `rules` may allow more than names.
+/// Describes a name that is not in `names`; `rules` may allow other values, too.
 pub(super) fn name(written: &str, names: &[&str], rules: &Rules) -> String {
     if let Some(remedy) = foreign(FOREIGN_NAMES, written) {
         return remedy.to_owned();
@@ -153,7 +153,7 @@ fn expected_names(names: &[&str], rules: &Rules) -> String {
     quoted(names).into_iter().chain(tables).collect::<Vec<_>>().join(", ")
 }
 
-/// What is wrong with an unknown key of the table at `path`, and what to do.
+/// Describes an unknown key of the table at `path`, and what to do about it.
 pub(super) fn unknown_key(key: &str, known: &Map<String, Rules>, path: &str) -> (String, String) {
     let what = "is not a key".to_owned() + if path.is_empty() { " of a shot" } else { " of this table" };
     let keys: Vec<&str> = known.keys().map(String::as_str).collect();
@@ -162,21 +162,21 @@ pub(super) fn unknown_key(key: &str, known: &Map<String, Rules>, path: &str) -> 
     let former = former.map(|(_, _, present)| format!("it is called `{present}`"));
     let remedy = former.or_else(|| foreign(FOREIGN_KEYS, key).map(str::to_owned));
     let meant = nearest(key, keys.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
-    // A word of another table is known exactly; a near miss is only a guess.
+    // A key of another table is an exact match, a similar spelling only a guess.
     match remedy.or(meant) {
         Some(remedy) => (what, format!("{remedy} ({allowed})")),
         None => (what, format!("remove it ({allowed})")),
     }
 }
 
-/// Another key of the table, misspelt or not supported, already brought the fault of the missing one.
+/// Returns whether another key of the table, misspelt or unsupported, was already reported in place of the missing one.
 pub(super) fn stands_for(table: &DeTable, missing: &str, known: &Map<String, Rules>) -> bool {
     let unknown = table.keys().map(|key| key.get_ref().as_ref()).filter(|key| !known.contains_key(*key));
     let mut meant = unknown.map(|key| nearest(key, known.keys().map(String::as_str)) == Some(missing));
     meant.any(|is_meant| is_meant)
 }
 
-/// The key of the table at `path`, without its number: `pin` for `layer[0].pin[2]`.
+/// Returns the key of the table at `path`, without its number: `pin` for `layer[0].pin[2]`.
 fn table_name(path: &str) -> &str {
     let last = path.rsplit('.').next().unwrap_or(path);
     last.split('[').next().unwrap_or(last)
@@ -190,7 +190,7 @@ fn quoted(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| format!("{name:?}")).collect()
 }
 
-/// A JSON value as TOML.
+/// Converts a JSON value to TOML.
 fn toml_text(value: &Rules) -> String {
     match value {
         Rules::Object(table) => {

@@ -1,16 +1,16 @@
-//! Keys at a time: eases, interpolation, `step` and `strength`.
+//! Evaluates keys at a time: eases, interpolation, `step` and `strength`.
 //!
-//! In: a [`Layer`](super::Layer) and a frame, which may lie between frames. Out: [`PinTargets`].
+//! In: a [`Layer`](super::Layer) and a frame, which may be fractional. Out: [`PinTargets`].
 
 use super::ease::eased;
 use super::{Ease, FrameRange, Goal, HandleTrack, Layer, Pin, PinKey, PinTarget, PinTargets, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 
 impl Shot {
-    /// What the keys of layer `layer` say at a (fractional) frame, its step and strength applied.
+    /// Evaluates the keys of layer `layer` at a (fractional) frame, with step and strength applied.
     ///
-    /// With a step of 2 and more the keys are read at the frame where the step began, between frames too; a step of 1
-    /// holds nothing, so that pins blur within a frame. Empty where there is no such layer.
+    /// With a step of 2 or more, the keys are evaluated at the frame where the step began, at fractional frames, too;
+    /// with a step of 1 they are not held, so that pins blur within a frame. Empty if there is no such layer.
     ///
     /// ```
     /// use pinwarp::shot::{Goal, Shot};
@@ -31,8 +31,8 @@ impl Shot {
         targets_at(layer, &spoken_of(layer), held_frame(&self.frames, layer.step, frame))
     }
 
-    /// Which drawing of layer `layer` the keys show at a (fractional) frame: the number of the frame whose keys are held; 0 where nothing is
-    /// held, and where there is no such layer.
+    /// Returns the drawing that layer `layer` shows at a (fractional) frame: the number of the frame whose keys are
+    /// held; 0 if nothing is held, or there is no such layer.
     #[must_use]
     pub fn drawing(&self, layer: usize, frame: f64) -> i64 {
         match self.layers.get(layer) {
@@ -42,17 +42,18 @@ impl Shot {
     }
 }
 
-/// Most places on a path between two key times, one a frame; where a pin turns far there are more.
+/// Maximum number of path points between two key times, one per frame; fast rotations of a pin add more.
 const PATH_STEPS: f64 = 8.0;
 
-/// Most turn of a pin between two places of a path, radians: 30 degrees.
+/// Maximum rotation of a pin between two path points in radians: 30 degrees.
 const PATH_TURN: f64 = 0.524;
 
 impl Shot {
-    /// The way that the keys of layer `layer` lead to a (fractional) frame: what they say from the first key on, at every
-    /// key and between, strength applied; the last is [`Self::pin_targets`]. Empty where there is no such layer.
+    /// Returns the path of layer `layer` up to a (fractional) frame: the keys evaluated from the first key on, at every
+    /// key and in between, with strength applied; the last point is [`Self::pin_targets`]. Empty if there is no such
+    /// layer.
     ///
-    /// A step holds only the last: pins on twos have come the same way.
+    /// A step holds only the last point: pins on twos follow the same path.
     #[must_use]
     pub fn pin_path(&self, layer: usize, frame: f64) -> Vec<PinTargets> {
         self.layers.get(layer).map(|layer| layer.pin_path(&self.frames, frame)).unwrap_or_default()
@@ -60,7 +61,7 @@ impl Shot {
 }
 
 impl Layer {
-    /// The way that the layer's keys lead to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
+    /// Returns the path of the layer up to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
     #[must_use]
     pub fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {
         let held = held_frame(frames, self.step, frame);
@@ -83,12 +84,12 @@ impl Layer {
     }
 }
 
-/// How many places a path has between two key times. Within a frame pins go all but straight, and on straight ways no pair
-/// of them turns by half a turn: baked keys, one a frame, need no places between.
+/// Returns the number of path points between two key times. Within one frame pins move almost straight, and on straight
+/// paths no pair of them rotates by half a turn: baked keys, one per frame, need no points in between.
 fn path_steps(layer: &Layer, spoken: &[Spoken], [from, to]: [f64; 2]) -> usize {
     let angle = |(pin, spoken): (&Pin, &Spoken), time| match pin_at(pin, *spoken, time, layer.strength).rotation {
         Some(Rotation::InView(angle)) => angle,
-        // Nothing winds in space.
+        // In world space nothing accumulates turns.
         Some(Rotation::Axes(_)) | None => 0.0,
     };
     let winding =
@@ -98,15 +99,16 @@ fn path_steps(layer: &Layer, spoken: &[Spoken], [from, to]: [f64; 2]) -> usize {
     (to - from).clamp(1.0, PATH_STEPS).max(most / PATH_TURN).ceil() as usize
 }
 
-/// What the keys of a pin speak of. Rotation and scale are held as soon as one key says so; a key that is silent means 0 and 1.
+/// The channels that a pin's keys use. Rotation and scale are constrained as soon as one key sets them; a key without
+/// them means 0 and 1.
 #[derive(Clone, Copy)]
 struct Spoken {
-    /// The first rotation that is said: its kind is that of all.
+    /// The first rotation set; its kind is that of all keys.
     rotation: Option<Rotation>,
     is_scaled: bool,
 }
 
-/// Of every pin. It takes a look at all keys, so it is asked for once a path: keys are many.
+/// Determines the channels of every pin. It scans all keys, which may be many, so it is called once per path.
 fn spoken_of(layer: &Layer) -> Vec<Spoken> {
     let spoken = |pin: &Pin| Spoken {
         rotation: pin.keys.iter().find_map(|key| key.rotate_degrees),
@@ -115,7 +117,7 @@ fn spoken_of(layer: &Layer) -> Vec<Spoken> {
     layer.pins.iter().map(spoken).collect()
 }
 
-/// What all keys of a layer say at a frame.
+/// Evaluates all keys of a layer at a frame.
 fn targets_at(layer: &Layer, spoken: &[Spoken], frame: f64) -> PinTargets {
     let pins = layer.pins.iter().zip(spoken);
     PinTargets {
@@ -124,7 +126,7 @@ fn targets_at(layer: &Layer, spoken: &[Spoken], frame: f64) -> PinTargets {
     }
 }
 
-/// The frame whose keys count at `frame`.
+/// Returns the frame whose keys are in effect at `frame`.
 fn held_frame(frames: &FrameRange, step: u32, frame: f64) -> f64 {
     if step <= 1 {
         return frame;
@@ -144,7 +146,7 @@ fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
         (Goal::SceneOffset(from), Goal::SceneOffset(to)) => {
             Goal::SceneOffset(mix_all(from, to, span.weight).map(|x| x * strength))
         }
-        // No pin mixes kinds: the checks refuse it.
+        // Validation ensures that a pin's goals are of one kind.
         (from, _) => from,
     };
     let log_scale = |key: &PinKey| key.scale.map(f64::ln);
@@ -153,7 +155,7 @@ fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
     PinTarget { goal, rotation, log_scale: spoken.is_scaled.then_some(mixed * strength) }
 }
 
-/// Each angle on its own, radians.
+/// Interpolates each angle separately, in radians.
 fn rotation_at(kind: Rotation, span: &Span<PinKey>, strength: f64) -> Rotation {
     let angles = |key: &PinKey| match key.rotate_degrees {
         None => [0.0; 3],
@@ -172,7 +174,7 @@ fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 3] {
     mix_all(span.from.offset, span.to.offset, span.weight).map(|x| x * layer.strength)
 }
 
-/// Exact at both ends.
+/// Interpolates linearly; exact at both ends.
 fn mix(from: f64, to: f64, weight: f64) -> f64 {
     from * (1.0 - weight) + to * weight
 }
@@ -190,7 +192,7 @@ pub(super) struct Span<'a, K> {
 }
 
 impl<'a, K> Span<'a, K> {
-    /// Before the first and after the last key the value holds. `None` without keys.
+    /// Finds the keys around a frame; before the first and after the last key the value holds. `None` without keys.
     pub(super) fn of(keys: &'a [K], frame: f64, timing: impl Fn(&K) -> (f64, Ease)) -> Option<Self> {
         let after = keys.partition_point(|key| timing(key).0 <= frame);
         let Some(from) = after.checked_sub(1).and_then(|index| keys.get(index)) else {

@@ -1,15 +1,15 @@
-//! Where the keys of a shot file stand.
+//! The lines of the keys of a shot file.
 //!
 //! In: key paths like `layer[0].pin[2].anchor`. Out: lines, for messages of later stages.
 
 use std::collections::HashMap;
 
-/// Lines of keys and list items, from 1, by their paths.
+/// One-based lines of keys and list items, by their paths.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct KeyLines(HashMap<String, usize>);
 
 impl KeyLines {
-    /// The line of a key; where it is absent, that of the table that should hold it, else 1.
+    /// Returns the line of a key; if the key is missing, that of the table that should contain it, else 1.
     #[must_use]
     pub fn of(&self, key: &str) -> usize {
         let mut known = key;
@@ -24,7 +24,7 @@ impl KeyLines {
         }
     }
 
-    /// The file has this key (or list item).
+    /// Returns whether the file contains this key (or list item).
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.0.contains_key(key)

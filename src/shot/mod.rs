@@ -1,6 +1,6 @@
-//! Stage 5: `shot.toml` to a checked [`Shot`] and back; keys at a time.
+//! Stage 5: parses `shot.toml` into a validated [`Shot`], edits its text, and evaluates keys at a time.
 //!
-//! In: a file. Out: plain data, every rule checked that needs no scene; and [`PinTargets`] at a time.
+//! In: a file. Out: plain data, with every rule checked that does not require the scene; and [`PinTargets`] at a time.
 //!
 //! ```text
 //! text ─document─▶ tree with lines ─structure (the schema)─▶ raw ─check─▶ Shot ─keys─▶ PinTargets
@@ -42,13 +42,13 @@ impl Shot {
     /// Reads and checks a shot file.
     ///
     /// # Errors
-    /// [`ShotError`] with file, line, key and the nearest right spelling; [`ShotError::Many`] where there are several.
+    /// [`ShotError`] with file, line, key and the nearest valid spelling; [`ShotError::Many`] if there are several.
     pub fn read(path: &Path) -> Result<Self, ShotError> {
         let text = read_text(path, SHOT_BYTES).map_err(|source| ShotError::Io { path: path.to_owned(), source })?;
         Self::parse(&text, path)
     }
 
-    /// Checks the text of a shot file; `path` names it in messages, and its folder is where relative paths start.
+    /// Parses and checks the text of a shot file; `path` is used in messages, and relative paths start at its folder.
     ///
     /// ```
     /// use pinwarp::shot::Shot;

@@ -1,4 +1,4 @@
-//! The checked shot: plain data that the later stages read.
+//! The validated shot: plain data for the later stages.
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
@@ -13,51 +13,52 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// A checked shot. Paths are relative to the shot file's folder in the file, resolved here.
+/// A validated shot. Paths in the file are relative to its folder; here they are resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
     /// The shot file.
     pub path: PathBuf,
-    /// Where its keys stand, for messages.
+    /// The lines of its keys, for messages.
     pub lines: KeyLines,
-    /// What the lattices are laid over.
+    /// The source that the lattices deform.
     pub source: Source,
-    /// Finished frames that `pinwarp warp` warps, a path with a frame counter; `None`: named on the command line.
+    /// Finished frames for `pinwarp warp`, as a path with a frame counter; `None`: given on the command line.
     pub plate: Option<PathBuf>,
-    /// How they are warped.
+    /// The settings of plate warps.
     pub warp: WarpSettings,
-    /// Which camera sees it.
+    /// The camera.
     pub camera: CameraRule,
-    /// Which nodes of the scene are drawn.
+    /// The drawn nodes of the scene.
     pub visibility: Visibility,
-    /// The scene may refer to files outside its folder. No key of the file: whoever runs the program decides.
+    /// Whether the scene may refer to files outside its folder. Not a key of the file: the user who runs the program
+    /// decides.
     pub allow_outside: bool,
     /// Name or index of the clip; `None`: the scene's first, if it has any.
     pub clip: Option<ClipName>,
-    /// The clip repeats.
+    /// Whether the clip loops.
     pub is_looped: bool,
-    /// Frames and rate.
+    /// Frame range and rate.
     pub frames: FrameRange,
     /// First and last frame that layers with a temporal weight are solved over.
     pub solve_range: [i32; 2],
     /// Motion blur.
     pub shutter: Shutter,
-    /// The frame.
+    /// The frame size.
     pub size: FrameSize,
-    /// Sub-pixel (and sub-frame) samples a pixel, ≥ 1.
+    /// Sub-pixel (and sub-frame) samples per pixel, ≥ 1.
     pub samples: u32,
-    /// Strength of the neutral surroundings; `None`: 1 where the scene has no lights, else 0.
+    /// Intensity of the neutral environment light; `None`: 1 if the scene has no lights, else 0.
     pub environment: Option<f32>,
     /// Gain on all lights, in stops (`exposure`).
     pub exposure_stops: f32,
     /// Layers, in order.
     pub layers: Vec<Layer>,
-    /// What is written.
+    /// The output files.
     pub output: Output,
 }
 
 impl Shot {
-    /// The glTF scene, where the shot has one.
+    /// Returns the glTF scene, if the shot has one.
     #[must_use]
     pub fn scene(&self) -> Option<&Path> {
         match &self.source {
@@ -66,7 +67,7 @@ impl Shot {
         }
     }
 
-    /// The files that it names, but for sequences: scene or pictures, masks, and lattices from elsewhere.
+    /// Returns the files that the shot refers to, except sequences: scene or pictures, masks, and lattices to transfer.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let drawn = match &self.source {
             Source::Scene(scene) => std::slice::from_ref(scene),
@@ -80,18 +81,19 @@ impl Shot {
     }
 }
 
-/// What the lattices of a shot are laid over.
+/// The source that the lattices of a shot deform.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A glTF scene.
     Scene(PathBuf),
-    /// Pictures, from back to front: each becomes a node named after its file (or its EXR layer), outlined by its alpha.
+    /// Pictures, from back to front: each becomes a node named after its file (or its EXR layer), with the outline of
+    /// its alpha.
     Images(Vec<PathBuf>),
-    /// Nothing but the frame itself, as one flat card: shots that warp whole plates.
+    /// Only the frame itself, as one flat card: shots that warp whole plates.
     Frame,
 }
 
-/// A clip by name or number.
+/// A clip, by name or index.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ClipName {
     /// By its name.
@@ -100,27 +102,27 @@ pub enum ClipName {
     Index(usize),
 }
 
-/// Frames of the shot; animation time in seconds = (frame − clip_start) / rate.
+/// The frames of a shot; animation time in seconds = (frame − clip_start) / rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRange {
     /// First frame.
     pub first: i32,
     /// Last frame, included.
     pub last: i32,
-    /// Frames a second.
+    /// Frames per second.
     pub rate: f64,
     /// The frame at which the clip starts.
     pub clip_start: i32,
 }
 
 impl FrameRange {
-    /// Animation time of a (fractional) frame, seconds.
+    /// Returns the animation time of a (fractional) frame in seconds.
     #[must_use]
     pub fn seconds(&self, frame: f64) -> f64 {
         (frame - f64::from(self.clip_start)) / self.rate
     }
 
-    /// Number of frames, first and last included.
+    /// Returns the number of frames, first and last included.
     #[must_use]
     pub fn count(&self) -> usize {
         usize::try_from(i64::from(self.last) - i64::from(self.first) + 1).unwrap_or(0)
@@ -130,105 +132,106 @@ impl FrameRange {
 /// The shutter: open from frame + phase/360 to frame + (phase + angle)/360.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shutter {
-    /// Degrees, 0..=360; 0: no motion blur.
+    /// Shutter angle in degrees, 0..=360; 0: no motion blur.
     pub angle: f64,
-    /// Degrees; −angle/2 centres the blur on the frame.
+    /// Phase in degrees; −angle/2 centres the blur on the frame.
     pub phase: f64,
 }
 
-/// Scene nodes that one lattice deforms.
+/// Scene nodes deformed by one lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Name, unique in the shot.
     pub name: String,
-    /// Patterns of node names (`*` and `?`); each takes its subtree, with a `!` before it takes it out. Where none takes:
-    /// all nodes.
+    /// Patterns of node names (`*` and `?`); each includes its subtree, or excludes it with a leading `!`. If nothing
+    /// is included: all nodes.
     pub nodes: Vec<String>,
-    /// Which part of the meshes of those nodes.
+    /// The part of the meshes of those nodes.
     pub selection: Selection,
-    /// Where the lattice lies, its handles and its box.
+    /// The lattice's space, its handles and its box.
     pub space: LayerSpace,
-    /// The dims of `space` are chosen when the shot is prepared, from the thinnest parts of the layer and its nearest pins.
+    /// Whether the dims of `space` are chosen during preparation, from the thinnest parts of the layer and its nearest
+    /// pins.
     pub has_auto_dims: bool,
-    /// What separates and joins its parts, for lattices that branch.
+    /// Cuts and joins of its parts, for branching lattices.
     pub connectivity: Connectivity,
     /// Basis of the lattice.
     pub basis: Basis,
     /// The solver's settings.
     pub settings: Settings,
-    /// Offsets are held for this many frames, counted from the first frame of the shot; 1: every frame.
+    /// Number of frames for which offsets are held, counted from the first frame of the shot; 1: not held.
     pub step: u32,
-    /// Scales offsets, rotations and log-scales (shot's strength times layer's).
+    /// Factor of offsets, rotations and log-scales (the shot's strength times the layer's).
     pub strength: f64,
     /// Parts that are stiffer or softer than the rest.
     pub stiffness: Vec<StiffnessRule>,
     /// Pins.
     pub pins: Vec<Pin>,
-    /// Moved handles.
+    /// Manually moved handles.
     pub handles: Vec<HandleTrack>,
-    /// Lattices solved elsewhere, instead of pins and handles.
+    /// Lattices solved elsewhere, which replace pins and handles.
     pub transfer: Option<Transfer>,
     /// The part of a plate that the layer moves; `None`: see [`Self::unmatted`].
     pub matte: Option<Matte>,
-    /// What of a plate the layer moves where it names no matte.
+    /// The part of a plate that the layer moves if it has no matte.
     pub unmatted: Unmatted,
 }
 
-/// What of a plate a layer moves that names no matte.
+/// The part of a plate moved by a layer without a matte.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unmatted {
-    /// Its own nodes, where the shot has a scene and the layer does not move all of it; else the whole picture.
+    /// Its own nodes, if the shot has a scene and the layer does not move all of it; else the whole picture.
     #[default]
     OwnNodes,
-    /// The whole picture, background and all: `matte = "none"`.
+    /// The whole picture, background included: `matte = "none"`.
     Picture,
 }
 
-/// Lattices solved for another shot, laid over a layer.
+/// Lattices solved for another shot, applied to a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
     /// The lattice file.
     pub file: PathBuf,
     /// Layer of that file; `None`: its only one.
     pub layer: Option<String>,
-    /// Where the lattices go.
+    /// How the lattices are placed.
     pub fit: TransferFit,
-    /// Frame of the shot that shows the first frame of the file; `None`: equal frame numbers.
+    /// Frame of the shot that shows the first frame of the file; `None`: frame numbers correspond.
     pub start: Option<i32>,
 }
 
-/// Where transferred lattices go.
+/// How transferred lattices are placed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TransferFit {
-    /// Their box becomes the box of the layer in that frame.
+    /// Their box is mapped to the box of the layer in each frame.
     Box,
-    /// The same place on the screen.
+    /// At the same position on the screen.
     AsIs,
-    /// Points there and here.
+    /// Aligned by landmarks: pairs of points in the original and in this shot.
     Landmarks(Vec<[ScreenPoint; 2]>),
 }
 
-/// Where a layer's lattice lies.
+/// The space of a layer's lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayerSpace {
-    /// On the screen: it moves what the camera sees.
+    /// Screen space: it deforms the camera's view.
     Screen {
-        /// Handles across and up.
+        /// Number of handles across and up.
         dims: [usize; 2],
-        /// Where its box comes from.
+        /// The source of its box.
         bounds: BoxRule,
     },
-    /// In the scene: it moves the meshes themselves.
+    /// World space: it deforms the meshes themselves.
     World {
-        /// Handles along x, y and z.
+        /// Number of handles along x, y and z.
         dims: [usize; 3],
-        /// Where its box comes from.
+        /// The source of its box.
         bounds: WorldBoxRule,
     },
 }
 
 impl LayerSpace {
-    /// Handles along x, y and z; one layer of them on the screen.
+    /// Returns the number of handles along x, y and z; in screen space one layer of them.
     #[must_use]
     pub const fn dims(self) -> [usize; 3] {
         match self {
@@ -238,50 +241,50 @@ impl LayerSpace {
     }
 }
 
-/// Where the rest box of a lattice in the scene comes from.
+/// The source of the rest box of a world-space lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WorldBoxRule {
     /// The layer's bounds in the frame of the node that carries all of it, padded and smoothed over frames.
     Follow,
-    /// Always this: lower and upper corner, scene space, metres.
+    /// A fixed box: lower and upper corner in scene space, in metres.
     Fixed([[f64; 3]; 2]),
 }
 
-/// Where the rest box of a lattice on the screen comes from.
+/// The source of the rest box of a screen-space lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoxRule {
     /// The layer's bounds, padded and smoothed over frames.
     Follow,
-    /// Always this.
+    /// A fixed box.
     Fixed(ScreenBox),
     /// The whole frame.
     Frame,
 }
 
-/// A point of the model and where it has to go.
+/// A point of the model with its target over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
     /// Name, unique in its layer.
     pub name: String,
-    /// What it is attached to.
+    /// Its anchor.
     pub anchor: Anchor,
     /// Unit of the offsets.
     pub unit: OffsetUnit,
-    /// What it takes along; `None`: its point alone.
+    /// The region that it carries; `None`: only its point.
     pub region: Option<PinRegion>,
-    /// 0..=1: how firmly it holds its point, in powers of ten; 1: exactly.
+    /// Weight, 0..=1, on a logarithmic scale: how firmly it holds its point; 1: exactly.
     pub weight: f64,
-    /// It does not act.
+    /// Whether it is inactive.
     pub is_muted: bool,
-    /// Where parts of a picture overlap, that around the pin of the greater order lies in front: keys, held, frames strictly
-    /// increasing. Empty: 0.
+    /// Depth order where parts of a picture overlap: the part around the pin of higher order lies in front. Stepped
+    /// keys, frames strictly increasing. Empty: 0.
     pub order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
 }
 
 impl Pin {
-    /// The order at a (fractional) frame.
+    /// Returns the order at a (fractional) frame.
     #[must_use]
     pub fn order_at(&self, frame: f64) -> i32 {
         let before = self.order.partition_point(|key| key.frame <= frame);
@@ -292,48 +295,48 @@ impl Pin {
 /// A key of a pin's order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderKey {
-    /// When.
+    /// Its frame.
     pub frame: f64,
-    /// The order from there on.
+    /// The order from this frame on.
     pub value: i32,
 }
 
-/// The neighbourhood that a pin takes along.
+/// The region that a pin carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinRegion {
-    /// Distance of its rim from the pin: frame heights (world layers: metres), with [`OffsetUnit::Box`] diagonals of the
-    /// lattice's box.
+    /// Distance of its rim from the pin: frame heights (world layers: metres), with [`OffsetUnit::Box`] diagonals of
+    /// the lattice's box.
     pub radius: f64,
-    /// How firmly it moves as one piece, 0..=1.
+    /// How rigidly it moves, 0..=1.
     pub rigidity: f64,
-    /// Multiplier of the stiffness at the pin; 1 at the rim.
+    /// Stiffness multiplier at the pin; 1 at the rim.
     pub stiffness: f64,
 }
 
-/// An entry of `[[layer.stiffness]]`; entries that meet multiply.
+/// An entry of `[[layer.stiffness]]`; overlapping entries are multiplied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StiffnessRule {
-    /// What is stiff.
+    /// The part that it applies to.
     pub part: StiffPart,
-    /// How stiff it is, above 0; 1 is as everything else.
+    /// The stiffness, > 0; 1 is that of everything else.
     pub value: f64,
 }
 
-/// What a layer is stiff in.
+/// A part of a layer with its own stiffness.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StiffPart {
-    /// Patterns of node names, each with its subtree.
+    /// Patterns of node names, including their subtrees.
     Nodes(Vec<String>),
-    /// Everything of a material.
+    /// Everything with a material.
     Material(String),
-    /// Where a channel of the vertex colours is 1; 0 is not stiff, in between it mixes.
+    /// Where a channel of the vertex colours is 1; values below 1 apply partially.
     VertexColor(ColorChannel),
 }
 
-/// What a pin is attached to.
+/// The anchor of a pin.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Anchor {
-    /// A point of a triangle.
+    /// A point on a triangle.
     Surface {
         /// Node name.
         node: String,
@@ -341,16 +344,16 @@ pub enum Anchor {
         primitive: usize,
         /// Index of the triangle.
         triangle: usize,
-        /// Weights of its corners; they sum to 1.
+        /// Barycentric weights of its corners; they sum to 1.
         barycentric: [f64; 3],
-        /// The point's place in its node at rest, metres, as stored when the pin was made.
+        /// The point's position in its node at rest in metres, as stored when the pin was made.
         rest: Option<[f64; 3]>,
     },
     /// A point of the screen.
     Screen {
-        /// Where.
+        /// Its position.
         at: ScreenPoint,
-        /// Cast once onto the front-most unwarped surface of this frame, then it follows the surface.
+        /// The frame in which it is cast once onto the front-most unwarped surface, which it then follows.
         frame: Option<i32>,
     },
 }
@@ -369,37 +372,37 @@ pub enum OffsetUnit {
 /// A key of a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinKey {
-    /// When.
+    /// Its frame.
     pub frame: f64,
-    /// Where to.
+    /// Its goal.
     pub goal: Goal,
-    /// Rotation it holds, degrees; `None`: it holds none.
+    /// Rotation in degrees; `None`: unconstrained.
     pub rotate_degrees: Option<Rotation>,
-    /// Scale it holds; `None`: it holds none.
+    /// Scale; `None`: unconstrained.
     pub scale: Option<f64>,
-    /// Shapes the segment that leaves this key.
+    /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }
 
-/// Where a key sends its pin. All keys of a pin are of one kind.
+/// The goal of a pin at a key. All keys of a pin are of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// Added to the projected anchor; in world layers at the anchor's depth.
+    /// An offset from the projected anchor; in world layers at the anchor's depth.
     Offset(ScreenVector),
-    /// An absolute place; in world layers at the anchor's depth.
+    /// An absolute position; in world layers at the anchor's depth.
     Target(ScreenPoint),
-    /// World layers: added to the anchor in scene space, metres (or box sizes along the axes of the box).
+    /// World layers: an offset from the anchor in scene space, in metres (or box sizes along the axes of the box).
     SceneOffset([f64; 3]),
-    /// World layers: a point of scene space, metres.
+    /// World layers: a point in scene space, in metres.
     SceneTarget([f64; 3]),
 }
 
-/// A rotation held. All rotations of a pin are of one kind.
+/// A constrained rotation. All rotations of a pin are of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
-    /// About the camera's view axis, counter-clockwise as it is seen.
+    /// About the camera's view axis, counter-clockwise in the view.
     InView(f64),
-    /// World layers: about x, then y, then z of the scene (or of the box, where offsets are in box sizes).
+    /// World layers: about x, then y, then z of the scene (or of the box, if offsets are in box sizes).
     Axes([f64; 3]),
 }
 
@@ -421,24 +424,24 @@ pub enum Ease {
 /// Keys of one lattice handle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandleTrack {
-    /// Column, row and layer; on the screen the layer is 0.
+    /// Column, row and layer; in screen space the layer is 0.
     pub index: [usize; 3],
-    /// Frame, offset in box sizes, ease; frames strictly increasing.
+    /// Keys with offsets in box sizes; frames strictly increasing.
     pub keys: Vec<HandleKey>,
 }
 
 /// A key of a handle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandleKey {
-    /// When.
+    /// Its frame.
     pub frame: f64,
-    /// Offset from the rest handle, in box sizes along its axes; on the screen the third is 0.
+    /// Offset from the rest position in box sizes along its axes; in screen space the third component is 0.
     pub offset: [f64; 3],
-    /// Shapes the segment that leaves this key.
+    /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }
 
-/// What is written where.
+/// The output files of a shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// `frame.####.exr` or `frame.%04d.exr`, resolved against the shot's folder.
@@ -449,23 +452,23 @@ pub struct Output {
     pub compression: Compression,
 }
 
-/// What the keys say at one time: one entry a pin and a handle of the layer, in their order.
+/// The keys evaluated at one time: one entry per pin and handle of the layer, in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PinTargets {
-    /// As many as pins.
+    /// One per pin.
     pub pins: Vec<PinTarget>,
-    /// As many as handles: offset in box sizes along its axes (on the screen the third is 0), strength applied.
+    /// One per handle: offset in box sizes along its axes (in screen space the third component is 0), strength applied.
     pub handles: Vec<[f64; 3]>,
 }
 
-/// Where one pin has to go at one time, strength and step applied.
+/// The target of one pin at one time, with strength and step applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinTarget {
-    /// Offset (in the pin's unit) or absolute target. Strength scales offsets; towards a target it is applied by the
-    /// pipeline: anchor + strength·(target − anchor).
+    /// Offset (in the pin's unit) or absolute target. Strength scales offsets; for targets the pipeline applies it:
+    /// anchor + strength·(target − anchor).
     pub goal: Goal,
-    /// Radians; `None`: free.
+    /// Rotation in radians; `None`: unconstrained.
     pub rotation: Option<Rotation>,
-    /// Natural logarithm of the scale; `None`: free.
+    /// Natural logarithm of the scale; `None`: unconstrained.
     pub log_scale: Option<f64>,
 }

@@ -1,12 +1,12 @@
-//! What a shot says about frames that are not in its range: nothing is wrong with it, but it is often a slip.
+//! Notes about frames outside a shot's range: valid, but often a mistake.
 //!
-//! In: a [`Shot`]. Out: notes in words.
+//! In: a [`Shot`]. Out: notes for the user.
 
 use super::{Anchor, FrameRange, Layer, Shot};
 use crate::spelling::counted;
 
 impl Shot {
-    /// One note for each layer whose keys lie outside the frames of the shot, and for each pin that is anchored in a frame
+    /// Returns one note for each layer with keys outside the frames of the shot, and for each pin anchored in a frame
     /// outside.
     #[must_use]
     pub(crate) fn range_notes(&self) -> Vec<String> {

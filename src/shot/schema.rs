@@ -1,13 +1,14 @@
-//! The JSON schema of the shot file, made from the raw types: one definition for reading, checking and publishing.
+//! The JSON schema of the shot file, generated from the raw types: one definition for reading, checking and publishing.
 //!
-//! In: [`RawShot`]. Out: text for editors (`docs/shot.schema.json`), and the tree that [`super::structure`] walks; what a part of that tree says.
+//! In: [`RawShot`]. Out: text for editors (`docs/shot.schema.json`); the tree that [`super::structure`] walks, and
+//! queries of it.
 
 use super::raw::RawShot;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 use std::sync::LazyLock;
 
-/// The JSON schema (draft 2020-12) of `shot.toml`, as text that ends with a newline.
+/// Returns the JSON schema (draft 2020-12) of `shot.toml`, as text that ends with a newline.
 ///
 /// ```
 /// assert!(pinwarp::shot::schema().contains("\"pixel_aspect\""));
@@ -19,25 +20,25 @@ pub fn schema() -> String {
     text
 }
 
-/// The schema without references: every value's rules stand where the value stands.
+/// Returns the schema with all references inlined.
 pub(super) fn inlined() -> &'static Value {
     static INLINED: LazyLock<Value> = LazyLock::new(|| generate(true));
     &INLINED
 }
 
-/// The rules a value may follow: those of an enum's cases, else the rules themselves.
+/// Returns the alternatives for a value: those of an enum's variants, else the rules themselves.
 pub(super) fn choices(rules: &Value) -> Vec<&Value> {
     let several = rules.get("oneOf").or_else(|| rules.get("anyOf")).and_then(Value::as_array);
     several.map_or_else(|| vec![rules], |choices| choices.iter().collect())
 }
 
-/// The names a text may be; none: any text.
+/// Returns the allowed strings; empty if any string is allowed.
 pub(super) fn names(rules: &Value) -> Vec<&str> {
     let listed = rules.get("enum").and_then(Value::as_array).into_iter().flatten();
     listed.chain(rules.get("const")).filter_map(Value::as_str).collect()
 }
 
-/// The type's name in the schema; empty where there is none.
+/// Returns the type's name in the schema; empty if there is none.
 pub(super) fn type_of(rules: &Value) -> &str {
     rules.get("type").and_then(Value::as_str).unwrap_or_default()
 }
@@ -49,7 +50,7 @@ fn generate(is_inlined: bool) -> Value {
     schema
 }
 
-/// TOML has no null: an optional key is left out, so its schema is that of the value.
+/// TOML has no null: an optional key is omitted, so its schema is that of the value.
 fn drop_null(schema: &mut Value) {
     match schema {
         Value::Array(items) => items.iter_mut().for_each(drop_null),
@@ -76,7 +77,7 @@ fn drop_null_type(rules: &mut serde_json::Map<String, Value>) {
     if choices.len() > 1 {
         return;
     }
-    // A single choice is the rule itself; what already stands beside it (the key's own description) wins.
+    // A single alternative replaces the enum; existing entries (the key's own description) take precedence.
     if let Some(Value::Object(only)) = choices.pop() {
         rules.remove("anyOf");
         for (name, rule) in only {

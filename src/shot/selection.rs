@@ -1,27 +1,27 @@
-//! Which part of the meshes of its nodes a layer takes.
+//! The part of its nodes' meshes that a layer takes.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-/// Least width of the border between layers of one mesh where the shot does not say it, diagonals of the mesh.
+/// Default minimum width of the transition between layers of one mesh, in diagonals of the mesh.
 pub(super) const FEATHER: f64 = 0.1;
 
-/// What a layer takes of the meshes of its nodes: what all of its rules name; without rules the whole meshes.
+/// The part that a layer takes of its nodes' meshes: the intersection of its rules; without rules the whole meshes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Only what no other layer takes.
+    /// Whether it takes only what no other layer takes.
     pub is_rest: bool,
-    /// Patterns of joint names (`*`, `?`, and `!` in front to take out): vertices by their weight to these joints and
-    /// those below them. Empty: whatever moves them.
+    /// Patterns of joint names (`*`, `?`, and a leading `!` to exclude): vertices are taken by their weight to these
+    /// joints and their descendants. Empty: no restriction.
     pub joints: Vec<String>,
-    /// Patterns of material names. Empty: whatever they are made of.
+    /// Patterns of material names. Empty: no restriction.
     pub materials: Vec<String>,
-    /// Channel of the vertex colours: how much of a vertex is taken, 0 to 1.
+    /// Channel of the vertex colours with the fraction of each vertex that is taken, 0 to 1.
     pub vertex_color: Option<ColorChannel>,
-    /// How much of a vertex is taken, as painted over its UVs.
+    /// Picture over the UVs with the fraction of each vertex that is taken.
     pub mask: Option<PaintedMask>,
-    /// Least width of the border over which a mesh goes from layer to layer, diagonals of the mesh at rest.
+    /// Minimum width of the transition between layers of a mesh, in diagonals of the mesh at rest.
     pub feather: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct PaintedMask {
 }
 
 impl Default for Selection {
-    /// Whole meshes.
+    /// Takes whole meshes.
     fn default() -> Self {
         Self {
             is_rest: false,
@@ -51,7 +51,7 @@ impl Default for Selection {
 }
 
 impl Selection {
-    /// Whole meshes are taken.
+    /// Returns whether whole meshes are taken.
     #[must_use]
     pub const fn is_whole(&self) -> bool {
         self.joints.is_empty() && self.materials.is_empty() && self.vertex_color.is_none() && self.mask.is_none()
@@ -73,7 +73,7 @@ pub enum ColorChannel {
 }
 
 impl ColorChannel {
-    /// Its place in RGBA.
+    /// Returns its index in RGBA.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {

@@ -1,6 +1,6 @@
 //! Compares a TOML tree with the schema: unknown and missing keys, types, ranges, names. Finds all faults at once.
 //!
-//! In: [`Document`]. Out: faults, each with its line, what was meant, and what is allowed.
+//! In: [`Document`]. Out: faults, each with its line, the probable intention, and the allowed values.
 
 use super::document::{Document, child};
 use super::schema::{self, choices, names, type_of};
@@ -9,7 +9,7 @@ use serde_json::Value as Rules;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// All places where the document leaves the schema.
+/// Returns all deviations of the document from the schema.
 pub(super) fn faults(document: &Document) -> Vec<ShotError> {
     let mut walk = Walk { document, faults: Vec::new() };
     walk.value(schema::inlined(), &document.root, "");
@@ -115,12 +115,12 @@ fn is_of_type(rules: &Rules, value: &DeValue) -> bool {
     }
 }
 
-/// The number, infinite where it is too large to be stored.
+/// Returns the number, infinite if it is too large to be represented.
 fn number_of(value: &DeValue) -> Option<f64> {
     match value {
         DeValue::Integer(number) => {
             let digits = i64::from_str_radix(number.as_str(), number.radix());
-            // 2^53 and more are far out of every range; the rounding does not matter.
+            // 2^53 and above are outside every range, so rounding does not matter.
             Some(digits.map_or(f64::INFINITY, |number| number as f64))
         }
         DeValue::Float(number) => Some(number.as_str().parse().unwrap_or(f64::NAN)),

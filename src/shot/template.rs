@@ -1,34 +1,34 @@
 //! The commented shot that `pinwarp new` writes.
 //!
-//! In: what a scene holds. Out: text that renders as it stands and explains what else can be said.
+//! In: facts about a scene. Out: a text that can be rendered unchanged, and that explains further options.
 
 use crate::space::FrameSize;
 use toml_edit::Value;
 
-/// What the template says about a scene.
+/// The facts about a scene that the template uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemplateFacts {
-    /// What the shot shows.
+    /// The subject of the shot.
     pub subject: Subject,
-    /// Names of the cameras, the first one first; nameless ones left out.
+    /// Names of the cameras, in order; unnamed ones are omitted.
     pub cameras: Vec<String>,
-    /// The scene has a camera, named or not.
+    /// Whether the scene has a camera, named or not.
     pub has_camera: bool,
-    /// Names and lengths of the clips, seconds, the first one first.
+    /// Names and durations of the clips, in order.
     pub clips: Vec<ClipFact>,
-    /// Names of the nodes that carry meshes.
+    /// Names of the nodes with meshes.
     pub mesh_nodes: Vec<String>,
-    /// Names of nodes of which a character pack has several in one place, such as weapons: candidates for `hide`.
+    /// Names of alternative nodes of a character pack, such as several weapons in one place: candidates for `hide`.
     pub spare_nodes: Vec<String>,
     /// First and last frame.
     pub frames: [i32; 2],
-    /// Frames a second.
+    /// Frames per second.
     pub rate: f64,
-    /// The frame.
+    /// The frame size.
     pub size: FrameSize,
 }
 
-/// What a shot shows.
+/// The subject of a shot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// A glTF scene.
@@ -40,19 +40,19 @@ pub enum Subject {
 /// A clip as the template lists it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipFact {
-    /// Its name, or its number as text where it has none.
+    /// Its name, or its index as text if it has none.
     pub name: String,
-    /// Its length, seconds.
+    /// Its duration in seconds.
     pub secs: f64,
 }
 
-/// Clips on a line of a comment.
+/// Clips per comment line.
 const CLIPS_PER_LINE: usize = 5;
 
-/// At most this many names are listed in a comment.
+/// Maximum number of names listed in a comment.
 const LISTED_NAMES: usize = 12;
 
-/// A commented, working shot of `scene_file`, a path relative to the shot file.
+/// Returns a commented, working shot of `scene_file`, a path relative to the shot file.
 #[must_use]
 pub fn write(scene_file: &str, facts: &TemplateFacts) -> String {
     let (head, output) = match facts.subject {
@@ -118,7 +118,7 @@ solve_range = [{first}, {last}]           # over which frames are solved togethe
     )
 }
 
-/// What a shot of a scene without cameras can say.
+/// The camera options of a scene without cameras.
 const NO_CAMERA: &str = "## The scene has no camera: one that shows the whole scene is used. Others:
 ##        camera = \"front\", or back, left, right, top, bottom, three-quarter
 # camera = { look_at = [0.0, 1.0, 0.0], distance = 4.0, yaw = 30, pitch = 10, fov = 30 }";
@@ -132,7 +132,7 @@ fn camera(facts: &TemplateFacts) -> String {
     }
 }
 
-/// What of a pack could be hidden; nothing where there is nothing to choose.
+/// Suggests nodes of a pack to hide; empty if there are no candidates.
 fn hide(facts: &TemplateFacts) -> String {
     if facts.spare_nodes.is_empty() {
         return String::new();
@@ -152,7 +152,7 @@ fn clips(facts: &TemplateFacts) -> String {
     }
     let clip = |clip: &ClipFact| format!("{} ({:.2} s)", quoted(&clip.name), clip.secs);
     let clips: Vec<String> = facts.clips.iter().map(clip).collect();
-    // All of them: they are what a shot is chosen from.
+    // All clips are listed, as the user chooses from them.
     let lines: Vec<String> = clips.chunks(CLIPS_PER_LINE).map(|clips| clips.join(", ")).collect();
     format!(
         "## Clips: {}; the first is used.\n## In frames: clip = \"..\", clip_start = 1, loop = true.",
@@ -166,7 +166,7 @@ fn layer(facts: &TemplateFacts) -> String {
     let [first, last] = facts.frames;
     let middle = f64::midpoint(f64::from(first), f64::from(last)).floor();
     let center = (facts.size.aspect() * 500.0).round() / 1000.0;
-    // A shot of one frame has room for one key.
+    // A shot of a single frame has room for one key only.
     let is_moving = middle > f64::from(first);
     let later = if is_moving { pin_key(middle) } else { String::new() };
     let handle_later = if is_moving { format!(", {{ frame = {middle}, offset = [0.0, 0.1] }}") } else { String::new() };
@@ -179,7 +179,7 @@ fn layer(facts: &TemplateFacts) -> String {
     );
     let (lattice, region, handle) = match facts.subject {
         Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
-        // Handles have numbers where dims have.
+        // Handle indices have as many numbers as dims, which an automatic lattice does not have.
         Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
     format!(
@@ -210,7 +210,7 @@ name    = \"all\"
     )
 }
 
-/// The second key of the example, on a line of its own.
+/// Returns the second key of the example, on a line of its own.
 fn pin_key(frame: f64) -> String {
     format!(
         "
@@ -219,7 +219,7 @@ fn pin_key(frame: f64) -> String {
     )
 }
 
-/// The lattice of a scene, and others.
+/// The lattice options of a scene.
 const SCENE_LATTICE: &str = "lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ## Limbs that cross on the screen, or hang close to something else, move apart with
 ## lattice = { dims = \"auto\", topology = \"branching\" }
@@ -227,19 +227,19 @@ const SCENE_LATTICE: &str = "lattice = { dims = [10, 10], basis = \"bspline\", b
 ## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
 ";
 
-/// That of a drawing, whose parts hang close to each other.
+/// The lattice options of a drawing, whose parts are close to each other.
 const IMAGE_LATTICE: &str = "## Parts that are close to each other move apart; dims fit the thinnest of them.
 lattice = { dims = \"auto\", topology = \"branching\" }
 ## One piece:
 ## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ";
 
-/// The same, and what lies in front.
+/// The region options of a drawing, including the depth order.
 const IMAGE_REGION: &str = "  # region = { radius = 0.1, rigidity = 1.0, stiffness = 1.0 }   # takes what is around it along as one piece, stiffens it
   # order  = 1                              # the part around it lies in front of others; [{ frame = 9, value = -1 }]: from frame 9 behind
 ";
 
-/// The neighbourhood of a pin.
+/// The region options of a pin.
 const REGION: &str = "  # region = { radius = 0.1, rigidity = 1.0, stiffness = 1.0 }   # takes what is around it along as one piece, stiffens it
 ";
 
@@ -255,10 +255,10 @@ channels = [\"beauty\", \"depth\", \"motion\", \"normal\", \"id\"]
 # compression = \"zip\"                     # none, rle, zips, zip, piz, dwaa, dwab
 ";
 
-/// A TOML string; on one line whatever it holds, so that it can stand in a comment.
+/// Returns a TOML string on one line, so that it can be placed in a comment.
 fn quoted(text: &str) -> String {
     let toml = Value::from(text).to_string();
-    // JSON's escapes are TOML's.
+    // JSON's escapes are valid in TOML.
     if toml.contains('\n') { serde_json::Value::from(text).to_string() } else { toml }
 }
 

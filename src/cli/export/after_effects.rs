@@ -1,5 +1,5 @@
-//! `pinwarp export --to after-effects`: for each layer its element, unwarped on nothing, the displacement maps that warp
-//! it, and the settings of the effect that applies them.
+//! `pinwarp export --to after-effects`: for each layer its unwarped element over transparent black, the displacement
+//! maps that warp it, and the settings of the effect that applies them.
 
 use super::maps::{Maps, check_frames, write_frames};
 use super::source::{frames, is_on_screen, moved_layers};
@@ -18,18 +18,18 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// After Effects displaces no farther, pixels.
+/// Maximum displacement of After Effects, in pixels.
 const MOST_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
     let (maps, prepared) = Maps::open(args)?;
     let maps = maps.by_layer();
-    // Everything is looked at before anything is written.
+    // All outputs are checked before any is written.
     let warps =
         maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), (maps, prepared.as_deref())));
     let warps = warps.collect::<anyhow::Result<Vec<_>>>()?;
-    // A lattice file has no pictures.
+    // A lattice file has no pictures, hence no elements.
     let elements = prepared.as_deref().map(|prepared| Element::all_of(args, prepared, &stem)).transpose()?;
     warps.iter().try_for_each(|warp| warp.write(args, prepared.as_deref()))?;
     let mut outcome = Outcome::Complete;
@@ -41,7 +41,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// The stem of a layer's files: names of layers are free text.
+/// Returns the stem of a layer's files; layer names are free text and need escaping.
 fn named(stem: &Path, layer: &str) -> PathBuf {
     let plain: String = layer.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect();
     let mut name = stem.file_name().unwrap_or_default().to_owned();
@@ -55,21 +55,21 @@ fn with_ending(stem: &Path, ending: &str) -> PathBuf {
     stem.with_file_name(name)
 }
 
-/// The maps of a layer and the note beside them.
+/// The displacement maps of a layer, and the note with their settings.
 struct Displacement<'a> {
     maps: &'a Maps,
     pattern: PathBuf,
-    /// The files of the pattern, which may be written.
+    /// The checked output files.
     sequence: SequencePath,
     note: DisplacementNote,
     note_path: PathBuf,
 }
 
 impl<'a> Displacement<'a> {
-    /// What will be written; refused where something is in the way.
+    /// Prepares a layer's maps; fails if an output may not be written.
     fn of(args: &ExportArgs, stem: &Path, (maps, prepared): (&'a Maps, Option<&PreparedShot>)) -> anyhow::Result<Self> {
         let frames = maps.frames();
-        // All frames share one scale, so the farthest way of all has to be known first.
+        // All frames share one scale, so the largest displacement of all frames must be known first.
         let mut silhouette = prepared.map(|prepared| maps.silhouette(prepared));
         let mut farthest = 0.0_f64;
         for &frame in &frames {
@@ -113,7 +113,7 @@ impl<'a> Displacement<'a> {
     }
 }
 
-/// A layer alone, unwarped, on nothing.
+/// A layer rendered alone, unwarped, over transparent black.
 struct Element<'a> {
     prepared: &'a PreparedShot,
     layer: usize,
@@ -122,7 +122,7 @@ struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Those of the layers that are asked for; refused where something is in the way.
+    /// Prepares the elements of the selected layers; fails if an output may not be written.
     fn all_of(args: &ExportArgs, prepared: &'a PreparedShot, stem: &Path) -> anyhow::Result<Vec<Self>> {
         let frames = frames(args, prepared);
         let inputs = input_files(prepared)?;
@@ -139,7 +139,7 @@ impl<'a> Element<'a> {
         Ok(elements)
     }
 
-    /// Renders it; `false` where a frame failed.
+    /// Renders the element; returns `false` if a frame failed.
     fn write(self, args: &ExportArgs) -> anyhow::Result<bool> {
         let Self { prepared, layer, pattern, frames } = self;
         let folder = tempfile::tempdir().context("cannot make a temporary folder for the layer's scene")?;
@@ -150,7 +150,7 @@ impl<'a> Element<'a> {
         let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
         let tell = |event: Event| match event {
             Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
-            // What the scene has to say was said when the shot was read, and that nothing is warped is the point here.
+            // The scene's notes were already shown when the shot was read, and the missing warp is intended here.
             Event::Note { text } if !alone.notes.contains(&text) => {
                 tracing::warn!("layer '{}': {text}", prepared.shot.layers[layer].name);
             }
@@ -163,7 +163,7 @@ impl<'a> Element<'a> {
     }
 }
 
-/// A shot of the scene with the meshes of a layer alone, its file in `folder`.
+/// Writes a scene with the meshes of one layer to `folder`, and returns its shot.
 fn still_scene(
     prepared: &PreparedShot,
     layer: usize,
@@ -172,7 +172,7 @@ fn still_scene(
     let scene = folder.join("layer.glb");
     let mut packed = prepared.packed()?;
     prepared.hide_all_but(layer, &mut packed);
-    // Nothing is deformed: clip and camera are what is wanted. A clip that repeats is written frame by frame.
+    // Only clip and camera are needed, as nothing is deformed. A looping clip is baked frame by frame.
     let told = if prepared.shot.is_looped { frames.to_vec() } else { vec![prepared.shot.frames.clip_start] };
     let baked = prepared.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
     crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;

@@ -1,4 +1,4 @@
-//! `pinwarp export --to gltf`: the warped scene as a .glb file with one morph target a frame.
+//! `pinwarp export --to gltf`: the warped scene as a .glb file with one morph target per frame.
 
 use super::source::{Source, frames, is_on_screen, moved_layers, output};
 use crate::cli::args::ExportArgs;
@@ -44,7 +44,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Complete)
 }
 
-/// What is exact.
+/// Describes how exact the export of a layer is.
 fn accuracy(prepared: &PreparedShot, layer: usize) -> &'static str {
     if is_on_screen(prepared, layer) {
         "warped on the screen: its vertices move across the view at their own depth, so the picture is right from the \

@@ -1,4 +1,4 @@
-//! `pinwarp export --to lattice-json`: solved lattices in the program's own format.
+//! `pinwarp export --to lattice-json`: solved lattices in pinwarp's own format.
 
 use super::source::{Source, output};
 use crate::cli::args::ExportArgs;

@@ -1,6 +1,6 @@
-//! Maps of the screen, frame by frame: what `--to stmap`, `nuke` and `after-effects` have in common.
+//! Screen-space maps per frame: the common part of `--to stmap`, `nuke` and `after-effects`.
 //!
-//! In: lattices and the flags of the command line. Out: the map of each frame; files written where they are missing.
+//! In: lattices and command-line flags. Out: the map of each frame; files, written if they are missing or out of date.
 
 use super::source::Source;
 use crate::cli::args::ExportArgs;
@@ -19,50 +19,50 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Height of the maps of a lattice file, which knows no pixels.
+/// Height in pixels of the maps of a lattice file, which has no resolution.
 const DEFAULT_HEIGHT: f64 = 1080.0;
 
-/// What computes maps.
+/// The device recorded in the maps.
 const DEVICE: &str = "CPU";
 
 /// The maps of a shot or of a lattice file.
 pub(super) struct Maps {
-    /// The lattices, of the screen only.
+    /// The lattices, screen space only.
     pub(super) lattices: LatticeFile,
     /// The display window.
     pub(super) size: FrameSize,
-    /// The pixels that the map covers.
+    /// The pixels that the maps cover.
     window: PixelRect,
     direction: Direction,
     reach: Reach,
-    /// The layers as the shot counts them, where each moves its own nodes; `None`: each bends the whole picture.
+    /// The indices of the layers in the shot, if each moves its own nodes; `None` if each bends the whole picture.
     parts: Option<Vec<usize>>,
-    /// Digest of what the shot's files hold, whose surfaces decide what a map shows; empty for lattice files.
+    /// Digest of the contents of the shot's files, whose surfaces affect the maps; empty for lattice files.
     contents: String,
-    /// What must not be written over.
+    /// Files that must not be overwritten.
     pub(super) inputs: Inputs,
 }
 
-/// Which way a map leads.
+/// The direction of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Direction {
-    /// To where a pixel of the warped picture comes from.
+    /// Stores where a pixel of the warped picture comes from.
     Backward,
-    /// To where a pixel of the picture goes: it undoes the warp.
+    /// Stores where a pixel of the unwarped picture goes, and thus undoes the warp.
     Forward,
 }
 
-/// What happens around the boxes.
+/// The displacement outside the boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
-    /// A whole picture: it fades.
+    /// Fades out, for a whole picture.
     Picture,
-    /// One layer on its own: it moves on.
+    /// Continues, for a single layer.
     Layer,
 }
 
 impl Maps {
-    /// Solves or reads the lattices; the shot that they are of comes with them.
+    /// Solves or reads the lattices; also returns the shot, if they come from one.
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, Option<Box<PreparedShot>>)> {
         let source = Source::open(args)?;
         let inputs = source.inputs(args)?;
@@ -91,7 +91,7 @@ impl Maps {
         Ok((Self { lattices, size, window, direction, reach, parts, contents, inputs }, prepared))
     }
 
-    /// Maps of each layer alone, for elements that are matted.
+    /// Splits into one set of maps per layer, for elements with mattes.
     pub(super) fn by_layer(self) -> Vec<(String, Self)> {
         let Self {
             lattices: LatticeFile { frame_aspect, rate, layers },
@@ -110,19 +110,19 @@ impl Maps {
         layers.into_iter().map(alone).collect()
     }
 
-    /// Width and height of a map.
+    /// Returns width and height of a map in pixels.
     pub(super) const fn pixels(&self) -> [u32; 2] {
         [self.window.width, self.window.height]
     }
 
-    /// Frames in which anything is warped, increasing.
+    /// Returns the frames with a warp, in increasing order.
     pub(super) fn frames(&self) -> Vec<i32> {
         let of_layer = |layer: &LatticeTrack| screen(layer).map(|track| track.keys().copied().collect::<Vec<_>>());
         let all: BTreeSet<i32> = self.lattices.layers.iter().filter_map(of_layer).flatten().collect();
         all.into_iter().collect()
     }
 
-    /// Digest of everything that changes the map of a frame.
+    /// Returns a digest of everything that affects the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
         let Self { lattices, size, window, direction, reach, parts, contents, inputs: _ } = self;
         let of_frame = |layer: &LatticeTrack| {
@@ -134,7 +134,7 @@ impl Maps {
         digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?} {parts:?}")), contents)
     }
 
-    /// What the file of a frame says.
+    /// Returns the metadata of a frame's file.
     fn metadata(&self, frame: i32) -> FrameMetadata {
         FrameMetadata {
             frame,
@@ -145,8 +145,8 @@ impl Maps {
         }
     }
 
-    /// The map of a frame: all layers, one after the other as they lie over each other in the shot. Where it folds, what the
-    /// silhouette does not have hides nothing that it has.
+    /// Computes the map of a frame: all layers, composed one after the other in the order of the shot. Where the warp
+    /// folds, pixels outside the silhouette do not hide pixels inside it.
     pub(super) fn map(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
         if self.lattices.layers.iter().any(|layer| layer.branches_at(frame).is_some()) {
             return self.map_of_branches(frame, silhouette);
@@ -186,7 +186,7 @@ impl Maps {
         Ok(WarpMap::backward_showing(&field, (self.size, self.window), covered))
     }
 
-    /// As [`Self::map`], where lattices branch: every pixel goes with the branch that has most of it.
+    /// As [`Self::map`], for lattices with branches: each pixel follows the branch that covers most of it.
     fn map_of_branches(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
         let layers = &self.lattices.layers;
         let covered = match (&self.parts, silhouette.as_deref_mut()) {
@@ -226,7 +226,7 @@ impl Maps {
         })
     }
 
-    /// What of the shot's picture can be seen before the warp: of one layer alone where the maps are of one.
+    /// Returns the visibility of the shot's unwarped picture, restricted to one layer if the maps are.
     pub(super) fn silhouette<'a>(&self, prepared: &'a PreparedShot) -> Silhouette<'a> {
         let only = match (self.reach, &self.lattices.layers[..]) {
             (Reach::Layer, [only]) => Some(only.name.as_str()),
@@ -235,7 +235,7 @@ impl Maps {
         Silhouette::of(prepared, only)
     }
 
-    /// What a frame's map has to say of its folds; `None`: there are none.
+    /// Describes the folds of a frame's map; `None` if there are none.
     pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
         let pixels = counted(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
@@ -253,7 +253,8 @@ impl Maps {
     }
 }
 
-/// The layers of a shot that the lattices are of, where there are several and each moves its own nodes.
+/// Returns the layers of the shot that the lattices belong to, if there are several, or one with branches, and each
+/// moves its own nodes.
 fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize>> {
     let index = |track: &LatticeTrack| prepared.shot.layers.iter().position(|layer| layer.name == track.name);
     let of_track = |track: &LatticeTrack| index(track).filter(|&layer| prepared.moves_own_nodes(layer));
@@ -262,7 +263,7 @@ fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize
     layers.filter(|layers| layers.len() > 1 || has_branches)
 }
 
-/// The branches of a track of a file, where nothing else is known.
+/// Returns the branches stored in a file's track, for lattices without a shot.
 fn branches_of_track(track: &LatticeTrack, frame: i32, size: FrameSize) -> Option<SharedParts> {
     let (listed, branches) = track.branches_at(frame)?;
     let lattices = lattices_of_file(branches, &screen(track)?.get(&listed)?.grid);
@@ -276,7 +277,7 @@ fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {
     }
 }
 
-/// Takes out layers that were not asked for or that no picture can hold.
+/// Removes layers that were not selected or are not in screen space.
 fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::Result<()> {
     let names: Vec<String> = lattices.layers.iter().map(|layer| layer.name.clone()).collect();
     if let Some(wanted) = &args.layer {
@@ -297,20 +298,20 @@ fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::
     Ok(())
 }
 
-/// Pixels that are square but for rounding are square.
+/// Makes pixels exactly square if they are square up to rounding.
 fn squared(size: FrameSize) -> FrameSize {
     let is_square = (size.pixel_aspect - 1.0).abs() * f64::from(size.width) <= 1.0;
     if is_square { FrameSize::new(size.width, size.height) } else { size }
 }
 
-/// What became of a sequence.
+/// The result of writing a sequence.
 pub(super) struct Written {
     pub(super) new: usize,
-    /// Frames that stay.
+    /// Number of existing frames kept.
     pub(super) kept: usize,
 }
 
-/// The files of a sequence; refuses frames that would be written over what they are made of, or over what is there and may
+/// Returns the files of a sequence; fails if a frame would overwrite one of the inputs, or an existing file that may
 /// not be replaced.
 pub(super) fn check_frames(
     args: &ExportArgs,
@@ -326,7 +327,7 @@ pub(super) fn check_frames(
     Ok(sequence)
 }
 
-/// Writes the frames of a sequence that [`check_frames`] gave; with `--resume` those that would come out the same stay.
+/// Writes the frames of a sequence from [`check_frames`]; with `--resume`, frames that are up to date are kept.
 pub(super) fn write_frames(
     args: &ExportArgs,
     (maps, sequence): (&Maps, &SequencePath),

@@ -1,6 +1,6 @@
-//! `pinwarp export`: chooses the format's writer.
+//! `pinwarp export`: dispatches to the format's writer.
 //!
-//! In: the arguments. Out: files, and what was written in words.
+//! In: the arguments. Out: files, and a summary.
 
 mod after_effects;
 mod blender;
@@ -28,7 +28,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     }
 }
 
-/// A flag that does nothing would be a trap.
+/// Rejects flags that have no effect with the chosen format.
 fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
     let has_maps = matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke | ExportFormat::AfterEffects);
     let given = [

@@ -1,6 +1,6 @@
-//! What `pinwarp export` exports, of which frames, to where.
+//! The input, frames and output path of `pinwarp export`.
 //!
-//! In: the arguments. Out: a shot made ready or the lattices of a file; frame numbers; a path that may be written.
+//! In: the arguments. Out: a prepared shot or the lattices of a file; frame numbers; a writable path.
 
 use crate::cli::args::ExportArgs;
 use crate::cli::outputs;
@@ -12,16 +12,16 @@ use anyhow::{anyhow, bail};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// What is exported.
+/// The exported object.
 pub(super) enum Source {
     /// A shot with its scene.
     Shot(Box<PreparedShot>),
-    /// Lattices that were solved before.
+    /// Lattices solved earlier.
     Lattices(LatticeFile),
 }
 
 impl Source {
-    /// Reads a shot, or a lattice file (`.json`).
+    /// Opens a shot, or a lattice file (`.json`).
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
         if FileKind::of(&args.shot) == Some(FileKind::Json) {
             return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
@@ -33,7 +33,7 @@ impl Source {
         Ok(Self::Shot(Box::new(prepared)))
     }
 
-    /// A shot, for exports that need its scene.
+    /// Opens a shot, for exports that need its scene.
     pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<PreparedShot> {
         match Self::open(args)? {
             Self::Shot(prepared) => Ok(*prepared),
@@ -41,7 +41,7 @@ impl Source {
         }
     }
 
-    /// All files that are read, so that none is written over.
+    /// Returns all files that are read, so that none is overwritten.
     pub(super) fn inputs(&self, args: &ExportArgs) -> anyhow::Result<Inputs> {
         let mut inputs = match self {
             Self::Shot(prepared) => input_files(prepared)?,
@@ -51,7 +51,7 @@ impl Source {
         Ok(inputs)
     }
 
-    /// The lattices of the frames asked for, and the shot that they were solved for.
+    /// Returns the lattices of the selected frames, and the shot that they were solved for.
     pub(super) fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
         match self {
             Self::Shot(prepared) => {
@@ -71,14 +71,14 @@ impl Source {
     }
 }
 
-/// The frames asked for, else the shot's range.
+/// Returns the selected frames, or the shot's range.
 pub(super) fn frames(args: &ExportArgs, prepared: &PreparedShot) -> Vec<i32> {
     let range = prepared.shot.frames;
     args.frames.clone().map_or_else(|| (range.first..=range.last).collect(), |list| list.0)
 }
 
-/// The path asked for, else the input's with another ending; refuses to replace what is there. Whoever resumes has to ask
-/// [`check_text`] before the file is written.
+/// Returns the requested path, or the input's with another extension; fails if it exists and may not be replaced. With
+/// `--resume`, [`check_text`] must be called before the file is written.
 pub(super) fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf> {
     let output = args.output.clone().unwrap_or_else(|| args.shot.with_extension(ending));
     outputs::as_text(&output)?;
@@ -91,7 +91,7 @@ pub(super) fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf>
     Ok(output)
 }
 
-/// Layers that something moves, in the shot's order.
+/// Returns the layers with a displacement, in the shot's order.
 pub(super) fn moved_layers(prepared: &PreparedShot) -> Vec<usize> {
     let layers = prepared.shot.layers.iter().enumerate();
     let is_moved =
@@ -99,7 +99,7 @@ pub(super) fn moved_layers(prepared: &PreparedShot) -> Vec<usize> {
     layers.filter(|(_, layer)| is_moved(layer)).map(|(index, _)| index).collect()
 }
 
-/// Whether a layer is warped on the screen.
+/// Returns whether a layer is warped in screen space.
 pub(super) fn is_on_screen(prepared: &PreparedShot, layer: usize) -> bool {
     matches!(prepared.shot.layers[layer].space, LayerSpace::Screen { .. })
 }

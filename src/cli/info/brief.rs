@@ -1,6 +1,6 @@
-//! Short summaries of shots and lattice files.
+//! Summaries of shots and lattice files.
 //!
-//! In: their paths. Out: what they name and how much of it there is.
+//! In: their paths. Out: their contents by name and count.
 
 use super::Lines;
 use crate::export::{LatticeFile, Track};
@@ -17,7 +17,7 @@ pub(super) struct ShotInfo {
     images: Vec<PathBuf>,
     plate: Option<PathBuf>,
     camera: String,
-    /// First and last.
+    /// First and last frame.
     frames: [i32; 2],
     rate: f64,
     size: [u32; 2],
@@ -101,7 +101,7 @@ pub(super) struct LatticeInfo {
 struct TrackInfo {
     name: String,
     space: &'static str,
-    /// First and last.
+    /// First and last frame.
     frames: Option<[i32; 2]>,
     lattices: usize,
 }

@@ -1,6 +1,6 @@
-//! `pinwarp info`: what a file holds.
+//! `pinwarp info`: describes the contents of a file.
 //!
-//! In: a scene, picture, shot or lattice file. Out: words, or one JSON object.
+//! In: a scene, picture, shot or lattice file. Out: text, or one JSON object.
 
 mod brief;
 mod picture;
@@ -27,7 +27,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What a file holds, in words: one text per line.
+/// A description as lines of text.
 trait Lines: Serialize {
     fn lines(&self) -> Vec<String>;
 }

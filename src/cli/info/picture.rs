@@ -1,4 +1,4 @@
-//! What a picture holds, and what `pinwarp warp` does with each of its channels.
+//! The contents of a picture, and how `pinwarp warp` treats each of its channels.
 //!
 //! In: its path. Out: windows, parts, channels with their storage and meaning.
 
@@ -74,7 +74,7 @@ fn channel_info((name, storage): (&str, Storage), report: &ChannelReport) -> Cha
     ChannelInfo { name: name.to_owned(), storage, meaning, reason, warp: treatment(meaning) }
 }
 
-/// What a warp does with channels of a meaning.
+/// Describes how a warp treats channels of a meaning.
 const fn treatment(meaning: Semantic) -> &'static str {
     match meaning {
         Semantic::Color => "filtered as colour",

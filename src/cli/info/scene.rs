@@ -1,6 +1,6 @@
-//! What a glTF scene holds.
+//! The contents of a glTF scene.
 //!
-//! In: its path. Out: nodes as a tree, clips, cameras, materials, textures, bounds and counts.
+//! In: its path. Out: the node tree, clips, cameras, materials, textures, bounds and counts.
 
 use super::Lines;
 use crate::cli::shared_args::OutsideArg;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Deepest level of the tree that is indented further than the one above.
+/// Maximum depth that increases the indentation of the tree.
 const DEEPEST_INDENT: usize = 24;
 
 #[derive(Serialize)]
@@ -19,7 +19,7 @@ pub(super) struct SceneInfo {
     kind: &'static str,
     file: PathBuf,
     counts: Counts,
-    /// Lower and upper corner at rest, metres; `None`: nothing can be seen.
+    /// Lower and upper corner of the rest pose in metres; `None` if nothing is visible.
     bounds: Option<[[f32; 3]; 2]>,
     nodes: Vec<NodeInfo>,
     clips: Vec<ClipInfo>,
@@ -45,9 +45,9 @@ struct Counts {
 #[derive(Serialize)]
 struct NodeInfo {
     name: String,
-    /// Index into the list.
+    /// Index of the parent in the list.
     parent: Option<usize>,
-    /// Distance from the root of its tree.
+    /// Depth in the tree.
     depth: usize,
     mesh: Option<MeshInfo>,
     /// Number of joints of its skin.
@@ -64,9 +64,9 @@ struct MeshInfo {
     lines: usize,
     morph_targets: usize,
     materials: Vec<String>,
-    /// Some of it has COLOR_0.
+    /// Whether any of its primitives has COLOR_0.
     vertex_colors: bool,
-    /// Sets of UVs that some of it has: 0, 1.
+    /// Indices of the UV sets that any of its primitives has.
     texcoords: Vec<usize>,
 }
 
@@ -79,11 +79,11 @@ struct ClipInfo {
 
 #[derive(Serialize)]
 struct CameraInfo {
-    /// Of the node, by which shots name it.
+    /// Name of the node, by which shots refer to it.
     name: String,
-    /// Vertical field of view; `None`: parallel.
+    /// Vertical field of view; `None` if orthographic.
     fov_degrees: Option<f32>,
-    /// Height that a parallel camera sees, metres.
+    /// Visible height in metres of an orthographic camera.
     ortho_metres: Option<f32>,
 }
 
@@ -100,7 +100,7 @@ impl SceneInfo {
         let joints: BTreeSet<usize> = scene.skins.iter().flat_map(|skin| &skin.joints).copied().collect();
         let mut nodes: Vec<NodeInfo> = Vec::with_capacity(scene.nodes.len());
         for (index, node) in scene.nodes.iter().enumerate() {
-            // Parents stand first.
+            // Parents come before their children.
             let depth = node.parent.map_or(0, |parent| nodes[parent].depth + 1);
             nodes.push(node_info(&scene, node, (depth, joints.contains(&index))));
         }

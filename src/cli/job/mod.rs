@@ -1,6 +1,7 @@
-//! `pinwarp job`: writes a job for a render farm. Schedulers run `pinwarp` itself, chunk by chunk; nothing else is needed there.
+//! `pinwarp job`: writes a job for a render farm. Schedulers run `pinwarp` itself on chunks of frames and need nothing
+//! else.
 //!
-//! In: a shot, frames, the size of a chunk. Out: an Open Job Description template, or a script for Slurm.
+//! In: a shot, frames, the chunk size. Out: an Open Job Description template, or a script for Slurm.
 
 mod openjd;
 mod slurm;
@@ -17,9 +18,9 @@ use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Tasks that a job of the default chunk size has, about.
+/// Approximate number of tasks of a job with the default chunk size.
 const USUAL_TASKS: usize = 100;
-/// Frames of the smallest chunk that is chosen by itself: loading the scene is then a small part of a task.
+/// Smallest default chunk in frames, so that loading the scene is a small part of a task.
 const LEAST_CHUNK: usize = 5;
 
 #[derive(Debug, clap::Args)]
@@ -60,9 +61,9 @@ enum Scheduler {
     Slurm,
 }
 
-/// What a job does, whoever schedules it.
+/// The work of a job, independent of the scheduler.
 struct Plan {
-    /// Of the job: the shot file's.
+    /// Name of the job: that of the shot file.
     name: String,
     program: String,
     shot: PathBuf,
@@ -72,14 +73,14 @@ struct Plan {
     work: Vec<String>,
     /// `report SHOT`, or `report WARPED`.
     report: Vec<String>,
-    /// Arguments that every task gets.
+    /// Arguments common to all tasks.
     more: Vec<String>,
-    /// Ascending.
+    /// In ascending order.
     frames: Vec<i32>,
     chunk: usize,
     /// Files that are read.
     inputs: Inputs,
-    /// Folder of the file that is written.
+    /// Folder of the written file.
     template_folder: PathBuf,
     /// Folder of the finished frames.
     folder: PathBuf,
@@ -109,7 +110,7 @@ pub(super) fn run(args: &JobArgs) -> anyhow::Result<Outcome> {
 }
 
 impl Plan {
-    /// Loads the shot, so that what is wrong with it is known before a farm is busy.
+    /// Loads the shot, so that its errors are found before the farm is busy.
     fn new(args: &JobArgs, output: &Path) -> anyhow::Result<Self> {
         let shot_path = std::path::absolute(&args.shot)?;
         let shot = Shot::read(&shot_path)?;
@@ -165,21 +166,21 @@ impl Plan {
     }
 }
 
-/// The name of the shot's file, or of its folder where the file is just `shot.toml`.
+/// Returns the name of the shot's file, or of its folder if the file is called `shot.toml`.
 fn name_of(shot: &Path) -> String {
     let folder = shot.parent().and_then(Path::file_name);
     let name = shot.file_stem().filter(|stem| *stem != "shot").or(folder).or(shot.file_stem());
     name.unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// `1-4,7,9-13:2`: frames in the notation of Open Job Description, which `--frames` understands.
+/// Formats frames in the notation of Open Job Description, which `--frames` accepts, too: `1-4,7,9-13:2`.
 fn list_of(frames: &[i32]) -> String {
     let mut items = Vec::new();
     let mut rest = frames;
     while let [first, ..] = rest {
         let step = rest.get(1).map_or(1, |second| second - first);
         let count = 1 + rest.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();
-        // Two frames with a gap are no range of their own: 1,9.
+        // Two frames with a gap are listed separately: 1,9.
         let count = if count == 2 && step > 1 { 1 } else { count };
         let last = first + (count as i32 - 1) * step;
         items.push(match (count, step) {

@@ -1,18 +1,18 @@
 //! A job template of the Open Job Description, jobtemplate-2023-09 with the extension TASK_CHUNKING
 //! (github.com/OpenJobDescription/openjd-specifications).
 //!
-//! In: [`Plan`]. Out: JSON, which AWS Deadline Cloud and `openjd` take as they take YAML. Frames and chunk size are parameters of the
-//! job; tasks that are stopped or fail are run again and go on where they were.
+//! In: [`Plan`]. Out: JSON, which AWS Deadline Cloud and `openjd` accept in place of YAML. Frames and chunk size are
+//! job parameters; tasks that are interrupted or fail are rerun and continue where they stopped.
 
 use super::{Plan, list_of};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Characters of the name of a job, at most.
+/// Maximum length of a job's name in characters.
 const LONGEST_NAME: usize = 64;
 
-/// The template.
+/// Returns the template.
 pub(super) fn template(plan: &Plan) -> anyhow::Result<String> {
     let words = [&plan.work, &plan.report, &plan.more].into_iter().flatten();
     if let Some(word) = words.chain([&plan.program]).find(|word| word.contains("{{")) {
@@ -34,7 +34,7 @@ pub(super) fn template(plan: &Plan) -> anyhow::Result<String> {
     Ok(format!("{template:#}\n"))
 }
 
-/// What who submits the job may change. Paths are parameters so that a farm can map them.
+/// Returns the parameters that a submitter may change. Paths are parameters so that a farm can map them.
 fn parameters(plan: &Plan) -> Value {
     let shown = |control: &str, label: &str| json!({"control": control, "label": label});
     json!([
@@ -49,8 +49,8 @@ fn parameters(plan: &Plan) -> Value {
     ])
 }
 
-/// A parameter that holds a path. Defaults of paths are relative to the template: one that does not lie below it is a plain text, which
-/// a farm does not map.
+/// Returns a path parameter. Default paths are relative to the template: one that is not below it becomes a plain
+/// string, which a farm does not map.
 fn path(name: &str, path: &Path, plan: &Plan, kind: Value) -> Value {
     let Ok(below) = path.strip_prefix(&plan.template_folder) else {
         return json!({"name": name, "type": "STRING", "default": path});
@@ -63,13 +63,14 @@ fn path(name: &str, path: &Path, plan: &Plan, kind: Value) -> Value {
     parameter
 }
 
-/// Once, before all frames: layers that are solved over time are solved here, and faults of the shot show here, not on every machine.
+/// Runs once before all frames: layers that are solved over time are solved here, and errors in the shot are reported
+/// here instead of on every machine.
 fn prepare(plan: &Plan) -> Vec<String> {
     let more = ["--openjd"].map(str::to_owned);
     with_shot_as_parameter(plan, &plan.bake).into_iter().chain(more).collect()
 }
 
-/// Every file is read to its end.
+/// Every file is read completely.
 fn report(plan: &Plan) -> Vec<String> {
     let more = ["--frames", "{{Param.Frames}}", "--verify"].map(str::to_owned);
     with_shot_as_parameter(plan, &plan.report).into_iter().chain(more).collect()
@@ -99,7 +100,7 @@ fn step(name: &str, after: &[&str], action: Value) -> Value {
     step
 }
 
-/// The frames in flight are finished when a task is cancelled.
+/// A cancelled task finishes its frames in flight.
 fn action(arguments: &[String]) -> Value {
     json!({
         "command": "{{Param.Program}}",

@@ -1,15 +1,15 @@
-//! A script for Slurm that submits itself: one job before all frames, an array with a task for each chunk, one job after it.
+//! A Slurm script that submits itself: one job before all frames, an array with a task per chunk, one job after it.
 //!
-//! In: [`Plan`]. Out: a bash script. Its first lines say how to use it. Tasks that a node loses are queued again and go on where they
-//! were (`--requeue`, `--resume`).
+//! In: [`Plan`]. Out: a bash script. Its first lines explain its use. Tasks lost with a node are requeued and continue
+//! where they stopped (`--requeue`, `--resume`).
 
 use super::{Plan, list_of};
 use anyhow::bail;
 
-/// Tasks of an array at most: Slurm's own limit is 1001 (`MaxArraySize`), and indices begin at 0.
+/// Maximum number of tasks of an array: Slurm's default limit is 1001 (`MaxArraySize`), and indices begin at 0.
 const MOST_TASKS: usize = 1000;
 
-/// The script.
+/// Returns the script.
 pub(super) fn script(plan: &Plan) -> anyhow::Result<String> {
     let tasks = plan.frames.len().div_ceil(plan.chunk);
     if tasks > MOST_TASKS {
@@ -55,7 +55,7 @@ echo "submitted $name: prepare $prepare, ${{#chunks[@]}} tasks in array $render,
     ))
 }
 
-/// A word as bash reads it back.
+/// Quotes a word for bash.
 fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./,:#=%@+".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) && !word.starts_with('#') {

@@ -1,6 +1,6 @@
-//! Layers and the shot as a whole: order, lattices, strengths, range.
+//! Editing of layers and of the shot: order, lattices, strengths, range.
 //!
-//! In: what the person asks. Out: one change of the document each.
+//! In: user commands. Out: one document change each.
 
 use super::{Purpose, Session};
 use crate::edit::regrid::regridded;
@@ -10,14 +10,14 @@ use crate::shot::edit::{
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
 
-/// What of a plate a layer moves, as the window offers it.
+/// The part of a plate that a layer moves, as offered by the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MatteChoice {
-    /// Its own nodes, without a scene the whole picture.
+    /// The layer's own nodes; without a scene, the whole picture.
     Usual,
-    /// The whole picture, background and all.
+    /// The whole picture, background included.
     Picture,
-    /// All that is there.
+    /// Everything with alpha.
     Alpha,
     /// The values of a channel.
     Channel(String),
@@ -26,7 +26,7 @@ pub enum MatteChoice {
 }
 
 impl MatteChoice {
-    /// What a layer says; `None`: something that the window does not offer.
+    /// Returns the choice that a layer's settings correspond to; `None` if the window does not offer it.
     #[must_use]
     pub fn of(layer: &Layer) -> Option<Self> {
         match (&layer.matte, layer.unmatted) {
@@ -41,7 +41,7 @@ impl MatteChoice {
 }
 
 impl Session {
-    /// Sets a value of the chosen layer. Values of one kind that are set in a row are undone together.
+    /// Sets a value of the selected layer. Consecutive changes with the same `series` are undone together.
     pub fn set_layer(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = put_layer_setting(self.document.text(), &layer.name, key, setting);
@@ -55,14 +55,14 @@ impl Session {
         self.change(label, text, series);
     }
 
-    /// Renames the chosen layer.
+    /// Renames the selected layer.
     pub fn rename_layer(&mut self, name: &str) {
         if !name.trim().is_empty() {
             self.set_layer("Rename layer", &["name"], &Setting::Text(name.to_owned()), None);
         }
     }
 
-    /// Appends a layer that moves those nodes, and chooses it.
+    /// Appends a layer that moves these nodes, and selects it.
     pub fn add_layer(&mut self, nodes: &[String]) {
         let layers = &self.document.shot().layers;
         let is_free = |name: &String| layers.iter().all(|layer| layer.name != *name);
@@ -76,7 +76,7 @@ impl Session {
         }
     }
 
-    /// Takes the chosen layer out.
+    /// Deletes the selected layer.
     pub fn delete_layer(&mut self) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = remove_layer(self.document.text(), &layer.name);
@@ -84,7 +84,7 @@ impl Session {
         self.change("Delete layer", text, None);
     }
 
-    /// Moves the chosen layer up or down in the list.
+    /// Moves the selected layer up or down in the list.
     pub fn move_layer(&mut self, by: isize) {
         let from = self.selection.layer;
         let Some(to) = from.checked_add_signed(by) else { return };
@@ -97,7 +97,8 @@ impl Session {
         }
     }
 
-    /// Gives the chosen layer's lattice other dims. Pins keep the edit; of handles that were moved by hand those take over that rest nearest.
+    /// Changes the dims of the selected layer's lattice. Pins preserve the edit; manually moved handles are transferred
+    /// to the nearest new handles.
     pub fn set_dims(&mut self, dims: [usize; 2]) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer).cloned() else { return };
         let LayerSpace::Screen { dims: old, .. } = layer.space else {
@@ -113,12 +114,12 @@ impl Session {
             text = text.and_then(|text| put_handle(&text, &layer.name, &track.index[..2], &track.keys));
         }
         self.selection.handles.clear();
-        // Dims are not joined where handles are moved: what comes to one handle on the way would be lost.
+        // Resizes are not merged when handles were moved: handles that coincide in an intermediate size would be lost.
         let series = layer.handles.is_empty().then(|| format!("dims {}", layer.name));
         self.change("Resize lattice", text, series.as_deref());
     }
 
-    /// Says what of a plate the chosen layer moves.
+    /// Sets the part of a plate that the selected layer moves.
     pub fn set_matte(&mut self, matte: &MatteChoice) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let put = |text: &str, key: &[&str], setting: &Setting| put_layer_setting(text, &layer.name, key, setting);
@@ -138,19 +139,19 @@ impl Session {
         self.change("Change matte", text, Some(&series));
     }
 
-    /// Whether a layer rests for now.
+    /// Returns whether a layer is muted.
     #[must_use]
     pub fn is_muted(&self, name: &str) -> bool {
         self.muted.contains(name)
     }
 
-    /// Whether a layer alone moves for now.
+    /// Returns whether a layer is soloed.
     #[must_use]
     pub fn is_solo(&self, name: &str) -> bool {
         self.solo.as_deref() == Some(name)
     }
 
-    /// Lets a layer rest for now, or move again; the file does not know.
+    /// Mutes or unmutes a layer in the editor; the file is not changed.
     pub fn toggle_mute(&mut self, name: &str) {
         if !self.muted.remove(name) {
             self.muted.insert(name.to_owned());
@@ -159,7 +160,7 @@ impl Session {
         self.refresh(Purpose::Look);
     }
 
-    /// Lets a layer alone move for now, or all again; the file does not know.
+    /// Soloes or unsoloes a layer in the editor; the file is not changed.
     pub fn toggle_solo(&mut self, name: &str) {
         self.solo = if self.is_solo(name) { None } else { Some(name.to_owned()) };
         self.frames_changed();
@@ -168,13 +169,13 @@ impl Session {
 }
 
 impl Session {
-    /// The strength that the file gives a layer, without the shot's.
+    /// Returns the layer's strength from the file, without the shot's.
     #[must_use]
     pub fn own_strength(&self, layer: usize) -> f64 {
         self.number_in_file(layer, &["strength"]).unwrap_or(1.0)
     }
 
-    /// The smoothness that the file gives a layer.
+    /// Returns the layer's smoothness from the file.
     #[must_use]
     pub fn own_smoothness(&self, layer: usize) -> f64 {
         self.number_in_file(layer, &["solve", "smoothness"]).unwrap_or(1.0)
@@ -187,7 +188,7 @@ impl Session {
 }
 
 impl Session {
-    /// Shows a clip of the scene, from its first frame to its last.
+    /// Selects a clip of the scene, and sets the frame range to its length.
     pub fn choose_clip(&mut self, name: &str, secs: f64) {
         let frames = &self.document.shot().frames;
         let last = i64::from(frames.first) + (secs * frames.rate).round().max(0.0) as i64;
@@ -198,7 +199,7 @@ impl Session {
         self.change("Choose clip", text, None);
     }
 
-    /// Draws a node no more, or again.
+    /// Hides or shows a node.
     pub fn toggle_node(&mut self, name: &str) {
         let nodes = &self.loaded.nodes;
         let is_hidden = |node: &&(String, bool)| (node.0 == name) != node.1;

@@ -1,6 +1,6 @@
-//! Keys that are copied, of one pin or of many, and pasted at another time.
+//! Copy and paste of keys, for one pin or several.
 //!
-//! In: chosen keys; chosen pins and the frame that is seen. Out: one change of the document.
+//! In: selected keys; selected pins and the current frame. Out: one document change.
 
 use super::Session;
 use crate::edit::track::{key_time, with_key};
@@ -8,7 +8,7 @@ use crate::shot::{PinKey, Shot};
 use crate::spelling::counted;
 
 impl Session {
-    /// Keeps the chosen keys for pasting.
+    /// Copies the selected keys.
     pub fn copy_keys(&mut self) {
         if self.selection.keys.is_empty() {
             return self.say("No key is chosen: click one in the timeline first.");
@@ -29,8 +29,9 @@ impl Session {
         self.say(format!("Copied {}", counted(count, "key", "keys")));
     }
 
-    /// Puts the copied keys into the chosen pins, the first of them into the frame that is seen. Keys of several pins go to those of the
-    /// same names, in the layer that is chosen where no pin is; of other names in their order.
+    /// Pastes the copied keys into the selected pins, the first key at the current frame. Keys of several pins go to
+    /// the pins of the same names, in the selected layer if no pin is selected; pins without a match receive them in
+    /// order.
     pub fn paste_keys(&mut self) {
         let first = self.copied.iter().flat_map(|(_, keys)| keys).map(|key| key.frame).min_by(f64::total_cmp);
         let Some(first) = first else { return self.say("Nothing was copied.") };
@@ -60,7 +61,7 @@ impl Session {
     }
 }
 
-/// Which pin gets which keys: those of one pin go to all.
+/// Assigns keys to pins: the keys of a single pin go to all.
 fn owners<'a>(
     shot: &Shot,
     chosen: &[[usize; 2]],

@@ -1,12 +1,12 @@
-//! `pinwarp export` from the window: the program itself is run on the saved shot.
+//! Runs `pinwarp export` from the window, as a child process on the saved shot.
 //!
-//! In: a format. Out: files beside the shot, what the program said.
+//! In: a format. Out: files next to the shot, and the program's output.
 
 use super::Session;
 use std::process::Command;
 use std::sync::mpsc::channel;
 
-/// What `pinwarp export --to` writes, and what people call it.
+/// The formats of `pinwarp export --to`, with display names.
 pub const EXPORTS: [(&str, &str); 6] = [
     ("lattice-json", "Lattices (JSON)"),
     ("stmap", "STMaps (EXR)"),
@@ -17,7 +17,7 @@ pub const EXPORTS: [(&str, &str); 6] = [
 ];
 
 impl Session {
-    /// Exports the shot as it is saved; where something is not, it is saved first.
+    /// Exports the shot, saving unsaved changes first.
     pub fn export(&mut self, format: &'static str, wake: impl Fn() + Send + 'static) {
         if self.document().is_dirty()
             && let Err(error) = self.save()
@@ -49,7 +49,7 @@ impl Session {
         }
     }
 
-    /// Takes what an export has to say.
+    /// Collects the output of a finished export.
     pub(super) fn pump_export(&mut self) -> bool {
         let Some(words) = self.export.as_ref().and_then(|told| told.try_recv().ok()) else { return false };
         self.export = None;

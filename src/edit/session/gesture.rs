@@ -1,14 +1,14 @@
-//! What the pen is doing.
+//! The current pen gesture.
 
 use crate::shot::Shot;
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
-/// What the pen does while it is down.
+/// The gesture in progress while the pen is down.
 #[derive(Clone, Debug)]
 pub(super) enum Gesture {
     Idle,
-    /// It waits to hear what lies there.
+    /// Waits for the worker's answer about the surface under the pen.
     Placing {
         id: u64,
         from: ScreenPoint,
@@ -21,19 +21,19 @@ pub(super) enum Gesture {
         base: Arc<Shot>,
         has_moved: bool,
     },
-    /// Around this point.
+    /// The centre of the turn.
     Turn {
         center: ScreenPoint,
         from: ScreenPoint,
         base: Arc<Shot>,
     },
-    /// From the pin's rest.
+    /// The pin's rest position.
     Region {
         pin: [usize; 2],
         rest: ScreenPoint,
         base: Arc<Shot>,
     },
-    /// Up is stiffer.
+    /// Dragging up makes it stiffer.
     Stiffness {
         pin: [usize; 2],
         from: ScreenPoint,

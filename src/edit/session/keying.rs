@@ -1,34 +1,34 @@
-//! Keys in the timeline: chosen, moved, copied, eased, removed, typed.
+//! Editing of keys in the timeline: select, move, copy, ease, delete, type.
 //!
-//! In: what the person asks. Out: one change of the document each.
+//! In: user commands. Out: one document change each.
 
 use super::{Purpose, Session};
 use crate::edit::track::{eased, key_at, key_time, shifted, with_key, without_keys};
 use crate::shot::edit::Setting;
 use crate::shot::{Ease, PinKey};
 
-/// Eases that have a name.
+/// Named eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EasePreset {
-    /// Keeps the value until the next key.
+    /// Holds the value until the next key.
     Hold,
-    /// Straight.
+    /// Linear interpolation.
     Linear,
-    /// Slow in, slow out.
+    /// Ease in and out.
     Smooth,
-    /// Fast, then slow.
+    /// Decelerates: fast, then slow.
     Out,
-    /// Slow, then fast.
+    /// Accelerates: slow, then fast.
     In,
-    /// Beyond the next key and back.
+    /// Overshoots the next key and returns.
     Overshoot,
 }
 
 impl EasePreset {
-    /// All of them.
+    /// All presets.
     pub const ALL: [Self; 6] = [Self::Hold, Self::Linear, Self::Smooth, Self::In, Self::Out, Self::Overshoot];
 
-    /// As a shot says it.
+    /// Returns the ease as in a shot.
     #[must_use]
     pub const fn ease(self) -> Ease {
         match self {
@@ -41,7 +41,7 @@ impl EasePreset {
         }
     }
 
-    /// For people.
+    /// Returns the display name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -54,7 +54,7 @@ impl EasePreset {
         }
     }
 
-    /// The preset that an ease is; `None`: a curve of its own.
+    /// Returns the preset of an ease; `None` for a custom curve.
     #[must_use]
     pub fn of(ease: Ease) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.ease() == ease)
@@ -62,7 +62,7 @@ impl EasePreset {
 }
 
 impl Session {
-    /// Keys the chosen pins as they are in the frame that is seen.
+    /// Sets keys on the selected pins from their state at the current frame.
     pub fn insert_keys(&mut self) {
         let (shot, frame) = (self.document.shot(), self.playhead.frame());
         let key = |&at: &[usize; 2]| {
@@ -77,21 +77,21 @@ impl Session {
         self.write_keys("Insert key", &keys, None);
     }
 
-    /// Sets a key of a pin, as it was typed.
+    /// Sets a key of a pin from typed values.
     pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
         let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
         let keys = with_key(&pin.keys, key);
         self.write_keys("Type key", &[(at, keys)], Some(&format!("type {at:?}")));
     }
 
-    /// What the keys of a pin say in the frame that is seen.
+    /// Returns the interpolated key of a pin at the current frame.
     #[must_use]
     pub fn key_here(&self, at: [usize; 2]) -> Option<PinKey> {
         let shot = self.shot();
         key_at(shot, at, key_time(&shot.frames, shot.layers.get(at[0])?, self.playhead.frame()))
     }
 
-    /// Whether a pin has a key in the frame that is seen.
+    /// Returns whether a pin has a key at the current frame.
     #[must_use]
     pub fn has_key_here(&self, at: [usize; 2]) -> bool {
         let shot = self.shot();
@@ -100,7 +100,7 @@ impl Session {
         pin.zip(key).is_some_and(|(pin, key)| pin.keys.iter().any(|other| other.frame == key.frame))
     }
 
-    /// Chooses a key, or lets go of it.
+    /// Selects a key; with `adds`, toggles it and keeps the other keys selected.
     pub fn choose_key(&mut self, at: [usize; 2], time: f64, adds: bool) {
         let is_chosen = self.selection.has_key(at, time);
         if !adds && !is_chosen {
@@ -115,7 +115,7 @@ impl Session {
         }
     }
 
-    /// Changes the chosen keys, pin by pin.
+    /// Changes the selected keys, pin by pin.
     fn change_keys(&mut self, label: &str, change: impl Fn(&[PinKey], &[f64]) -> Vec<PinKey>) -> bool {
         let shot = self.document.shot();
         let mut pins: Vec<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
@@ -131,12 +131,12 @@ impl Session {
         !keys.is_empty() && self.write_keys(label, &keys, None)
     }
 
-    /// Removes the chosen keys; each pin keeps one.
+    /// Deletes the selected keys; the last key of a pin is kept.
     pub fn delete_keys(&mut self) {
         self.change_keys("Delete keys", without_keys);
     }
 
-    /// Moves the chosen keys by so many frames.
+    /// Moves the selected keys by a number of frames.
     pub fn shift_keys(&mut self, by: i32) {
         if by == 0 {
             return;
@@ -147,7 +147,7 @@ impl Session {
         }
     }
 
-    /// Gives the chosen keys an ease; where none is chosen, all keys of the chosen pins.
+    /// Sets the ease of the selected keys, or of all keys of the selected pins if no key is selected.
     pub fn ease_keys(&mut self, preset: EasePreset) {
         if self.selection.keys.is_empty() {
             let shot = self.document.shot();
@@ -158,7 +158,7 @@ impl Session {
         self.change_keys(&format!("{} keys", preset.name()), |keys, times| eased(keys, times, preset.ease()));
     }
 
-    /// Goes to the next or the last key of the chosen pins; where none is chosen, of the layer's.
+    /// Goes to the next or previous key of the selected pins, or of the layer's if no pin is selected.
     pub fn go_to_key(&mut self, forward: bool) {
         let (shot, here) = (self.document.shot(), f64::from(self.playhead.frame()));
         let layer = self.selection.layer;
@@ -179,13 +179,13 @@ impl Session {
         }
     }
 
-    /// Shows drawings for so many frames each.
+    /// Sets for how many frames each drawing is held.
     pub fn set_exposure(&mut self, step: u32) {
         let setting = if step == 1 { Setting::Default } else { Setting::Whole(i64::from(step)) };
         self.set_layer("Change exposure", &["step"], &setting, None);
     }
 
-    /// Goes to the frame with the worst figure, of those that are known.
+    /// Goes to the frame with the worst value of a figure among those solved.
     pub fn go_to_worst(&mut self, figure: impl Fn(&crate::pipeline::FrameReport) -> Option<f64>) {
         let known = self.solves.values().filter_map(|solve| Some((figure(&solve.report)?, solve.frame)));
         if let Some((_, frame)) = known.max_by(|a, b| a.0.total_cmp(&b.0)) {

@@ -1,6 +1,6 @@
-//! The editor without its window: the open shot, what is chosen and seen, and everything a person can do to it.
+//! The editor without its window: the open shot, selection and view state, and all user operations.
 //!
-//! In: what the person does, what the thread of frames answers. Out: state that widgets draw. Nothing here knows of widgets.
+//! In: user input and replies of the worker thread. Out: state that widgets draw. Independent of the widget toolkit.
 
 mod arrange;
 mod clipboard;
@@ -35,10 +35,10 @@ use gesture::Gesture;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Bytes of pictures that are kept for playing.
+/// Maximum bytes of pictures cached for playback.
 const PICTURE_BYTES: usize = 768 << 20;
 
-/// Frames that are drawn ahead of the one that is seen.
+/// Number of frames drawn ahead of the current one.
 const AHEAD: i32 = 240;
 
 /// An open shot in an editor.
@@ -46,54 +46,54 @@ const AHEAD: i32 = 240;
 pub struct Session {
     document: Document,
     worker: Worker,
-    /// Which frame is seen.
+    /// The current frame.
     pub playhead: Playhead,
-    /// How the picture lies in the viewport.
+    /// Zoom and pan of the picture in the viewport.
     pub zoom: Zoom,
-    /// Size of the viewport, as it was drawn last.
+    /// Size of the viewport when last drawn.
     pub viewport: glam::DVec2,
-    /// What is chosen.
+    /// The selection.
     pub selection: Selection,
     /// What is drawn over the picture.
     pub shown: Shown,
-    /// What a drag does to keys.
+    /// How a drag affects keys.
     pub auto_key: AutoKey,
-    /// What is done to a pin is done to its counterpart on the other side, mirrored.
+    /// Whether edits of a pin are mirrored to its counterpart on the other side.
     pub mirrors: bool,
-    /// Layers that rest while they are edited, by name.
+    /// Names of muted layers.
     muted: BTreeSet<String>,
-    /// The layer that alone is not muted.
+    /// The soloed layer.
     solo: Option<String>,
-    /// Goes up whenever frames change.
+    /// Incremented whenever frames change.
     revision: u64,
     gesture: Gesture,
-    /// The shot with keys under the hand.
+    /// The shot with the keys of the drag in progress.
     dragged: Option<Arc<Shot>>,
     pictures: BTreeMap<i32, Arc<Picture>>,
     before: Option<Arc<Picture>>,
-    /// What is seen, until something newer is there.
+    /// The displayed picture, until a newer one arrives.
     current: Option<Arc<Picture>>,
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
-    /// The shot file was written, perhaps by another program.
+    /// Whether the shot file was written, possibly by another program.
     is_written: bool,
     fault: Option<String>,
     message: Option<String>,
-    /// Copied keys, by the names of their pins.
+    /// Copied keys, with the names of their pins.
     copied: Vec<(String, Vec<PinKey>)>,
     run: Option<RenderRun>,
-    /// What an export that runs will say.
+    /// Receives the output of a running export.
     export: Option<std::sync::mpsc::Receiver<String>>,
-    /// A picture to match by eye.
+    /// The reference picture.
     pub reference: Option<Reference>,
     next_question: u64,
 }
 
 impl Session {
-    /// Edits a document; `wake` is called whenever there is something new to see.
+    /// Edits a document; `wake` is called whenever there is something new to display.
     #[must_use]
     pub fn new(document: Document, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let playhead = Playhead::new(&document.shot().frames);
@@ -133,93 +133,93 @@ impl Session {
         session
     }
 
-    /// The open file.
+    /// Returns the open document.
     #[must_use]
     pub const fn document(&self) -> &Document {
         &self.document
     }
 
-    /// What the document says, with keys under the hand.
+    /// Returns the shot, including the drag in progress.
     #[must_use]
     pub fn shot(&self) -> &Shot {
         self.dragged.as_deref().unwrap_or(self.document.shot())
     }
 
-    /// The picture of the frame that is seen; while it is made, the last one.
+    /// Returns the picture of the current frame; until it is drawn, the previous one.
     #[must_use]
     pub const fn picture(&self) -> Option<&Arc<Picture>> {
         self.current.as_ref()
     }
 
-    /// The picture of another frame, where it is kept.
+    /// Returns the cached picture of another frame.
     #[must_use]
     pub fn picture_of(&self, frame: i32) -> Option<&Arc<Picture>> {
         self.pictures.get(&frame)
     }
 
-    /// The frame that is seen, without any warp.
+    /// Returns the unwarped picture of the current frame.
     #[must_use]
     pub fn before(&self) -> Option<&Arc<Picture>> {
         self.before.as_ref().filter(|picture| picture.frame == self.playhead.frame())
     }
 
-    /// The solve of the frame that is seen; while it is made, the last one.
+    /// Returns the solve of the current frame; until it is done, the previous one.
     #[must_use]
     pub const fn solve(&self) -> Option<&Arc<SolvedFrame>> {
         self.current_solve.as_ref()
     }
 
-    /// Solves of all frames that were seen or drawn ahead since the last change.
+    /// Returns the solves of all frames since the last change.
     pub fn solves(&self) -> impl Iterator<Item = &Arc<SolvedFrame>> {
         self.solves.values()
     }
 
-    /// What is known of the loaded shot.
+    /// Returns information about the loaded shot.
     #[must_use]
     pub fn loaded(&self) -> &Loaded {
         &self.loaded
     }
 
-    /// How much of the solve over time is done; `None`: there is nothing to do.
+    /// Returns the progress of the solve over time, 0 to 1; `None` if there is none to do.
     #[must_use]
     pub const fn progress(&self) -> Option<f64> {
         self.progress
     }
 
-    /// The thread of frames has nothing left to do.
+    /// Returns whether the worker thread is idle.
     #[must_use]
     pub const fn is_idle(&self) -> bool {
         self.is_idle
     }
 
-    /// Whether the shot file was written since the last call.
+    /// Returns whether the shot file was written since the last call.
     pub const fn take_written(&mut self) -> bool {
         std::mem::replace(&mut self.is_written, false)
     }
 
-    /// Why there is no picture of what the document says.
+    /// Returns the error that prevents drawing the document.
     #[must_use]
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
     }
 
-    /// What the last action has to say.
+    /// Returns the message of the last action.
     #[must_use]
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
 
-    /// Says something to the person.
+    /// Sets a message for the user.
     pub fn say(&mut self, text: impl Into<String>) {
         self.message = Some(text.into());
     }
 
-    /// The message was read.
+    /// Clears the message.
     pub fn forget_message(&mut self) {
         self.message = None;
     }
 
-    /// Takes what the thread of frames has to say. Gives whether anything changed.
+    /// Processes the replies of the worker thread. Returns whether anything changed.
     pub fn pump(&mut self) -> bool {
         let replies: Vec<Reply> = self.worker.replies().collect();
         let is_any = !replies.is_empty();
@@ -228,7 +228,7 @@ impl Session {
         self.pump_export() || is_any || has_run_on
     }
 
-    /// Waits until the frame that is seen is there as it is rendered. False: it is not, after so long.
+    /// Waits until the current frame is displayed as rendered. Returns false on a timeout or an error.
     pub fn settle(&mut self, longest: std::time::Duration) -> bool {
         let begun = std::time::Instant::now();
         while !self.is_final() && self.fault.is_none() {
@@ -240,7 +240,7 @@ impl Session {
         self.fault.is_none()
     }
 
-    /// What is seen is the rendered frame.
+    /// Returns whether the displayed picture is the rendered frame.
     #[must_use]
     pub fn is_final(&self) -> bool {
         let is_current = |picture: &Arc<Picture>| {
@@ -289,7 +289,7 @@ impl Session {
         if picture.revision != self.revision {
             return;
         }
-        // What was looked at already is not drawn coarsely again.
+        // A frame that was already displayed at a higher quality is not replaced by a coarse one.
         let is_seen_better = self.current.as_ref().is_some_and(|seen| {
             seen.frame == picture.frame && seen.revision == picture.revision && seen.quality > picture.quality
         });
@@ -303,7 +303,7 @@ impl Session {
         }
     }
 
-    /// Memory stays the same however long the shot is.
+    /// Bounds the memory used, however long the shot is.
     fn forget_far_pictures(&mut self) {
         let here = self.playhead.frame();
         let mut bytes: usize = self.pictures.values().map(|picture| picture.rgba.len()).sum();
@@ -313,7 +313,7 @@ impl Session {
         }
     }
 
-    /// Frames hold something else from now on.
+    /// Invalidates all frames.
     fn frames_changed(&mut self) {
         self.revision += 1;
         self.pictures.clear();
@@ -321,7 +321,7 @@ impl Session {
         (self.before, self.fault) = (None, None);
     }
 
-    /// Changes the document. What cannot be is told, and nothing changes.
+    /// Changes the document. An invalid change is reported and has no effect.
     fn change(&mut self, label: &str, text: Result<String, ShotError>, series: Option<&str>) -> bool {
         match text.and_then(|text| self.document.change(label, text, series)) {
             Ok(()) => {
@@ -346,7 +346,7 @@ impl Session {
         self.refresh(Purpose::Look);
     }
 
-    /// Wants the frame that is seen.
+    /// Requests the current frame.
     fn refresh(&mut self, purpose: Purpose) {
         self.is_idle = false;
         let mut shot = self.dragged.clone().unwrap_or_else(|| Arc::new(self.document.shot().clone()));
@@ -366,7 +366,7 @@ impl Session {
         self.worker.want(Job { shot, revision, frame, purpose, next, with_before, is_shown: false });
     }
 
-    /// Frames without a picture, in the order in which they would be played.
+    /// Returns the frames without a picture, in playback order.
     fn frames_ahead(&self) -> Vec<i32> {
         let [first, last] = self.playhead.range();
         let count = last - first + 1;
@@ -381,19 +381,19 @@ impl Session {
         self.frame_changed(Purpose::Look);
     }
 
-    /// Goes so many frames on.
+    /// Moves by a number of frames.
     pub fn step(&mut self, by: i32) {
         self.playhead.step(by);
         self.frame_changed(Purpose::Look);
     }
 
-    /// Begins to play, or ends.
+    /// Starts or stops playback.
     pub fn toggle_play(&mut self, now_secs: f64) {
         self.playhead.toggle(now_secs);
         self.refresh(if self.playhead.is_playing() { Purpose::Play } else { Purpose::Look });
     }
 
-    /// The clock goes on.
+    /// Advances playback to the time `now_secs`.
     pub fn tick(&mut self, now_secs: f64) {
         let is_ready = self.current.as_ref().is_some_and(|picture| picture.frame == self.playhead.frame());
         if self.playhead.tick(now_secs, is_ready) {
@@ -410,13 +410,13 @@ impl Session {
         if let Some(solve) = self.solves.get(&frame) {
             self.current_solve = Some(Arc::clone(solve));
         }
-        // While it plays, frames that are there need not be drawn again.
+        // During playback, frames that are cached need not be drawn again.
         if purpose == Purpose::Look || !self.pictures.contains_key(&frame) {
             self.refresh(purpose);
         }
     }
 
-    /// Takes the last change back.
+    /// Undoes the last change.
     pub fn undo(&mut self) {
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
@@ -424,7 +424,7 @@ impl Session {
         }
     }
 
-    /// Does again what was undone.
+    /// Redoes the change undone last.
     pub fn redo(&mut self) {
         match self.document.redo() {
             Some(label) => self.went("Done again", &label),
@@ -438,17 +438,17 @@ impl Session {
         self.say(format!("{what}: {label}"));
     }
 
-    /// Writes the file.
+    /// Saves the file.
     ///
     /// # Errors
-    /// [`EditError`] where it cannot be written.
+    /// [`EditError`] if it cannot be written.
     pub fn save(&mut self) -> Result<(), EditError> {
         self.document.save()?;
         self.say(format!("Saved {}", self.document.path().display()));
         Ok(())
     }
 
-    /// Writes another file, and goes on with that.
+    /// Saves to another path, which becomes the document's.
     ///
     /// # Errors
     /// As [`Self::save`].
@@ -459,12 +459,12 @@ impl Session {
         Ok(())
     }
 
-    /// The document, for what only concerns its file.
+    /// Returns the document, for operations on its file only.
     pub const fn document_mut(&mut self) -> &mut Document {
         &mut self.document
     }
 
-    /// The document was read from disk again, or its scene.
+    /// Reloads after the shot file or its scene changed on disk.
     pub fn reload(&mut self) {
         self.worker.forget();
         self.document_changed();

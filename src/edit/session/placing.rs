@@ -1,6 +1,6 @@
-//! Pins that are placed, named and removed.
+//! Placing, naming and deleting pins.
 //!
-//! In: points of the model, names. Out: changes of the document.
+//! In: points of the model, names. Out: document changes.
 
 use super::gesture::Gesture;
 use super::{Purpose, Session};
@@ -11,21 +11,21 @@ use crate::shot::edit::{PinName, Setting, add_pin, put_keys, put_pin_setting, pu
 use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot};
 use crate::space::ScreenPoint;
 
-/// Frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
+/// Distance in frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
 const AT_REST: f64 = 1e-4;
 
-/// What a pin takes along that holds a part as a whole, frame heights.
+/// Radius in frame heights of the region of a pin that moves a part as a whole.
 const WHOLE_RADIUS: f64 = 0.18;
 
 impl Session {
-    /// Asks what lies under the pen.
+    /// Asks the worker what surface lies under the pen.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
         self.next_question += 1;
         self.worker.ask(Question { id: self.next_question, at });
         self.next_question
     }
 
-    /// The answer: a new pin where a layer's surface is seen, else a box is drawn.
+    /// Handles the answer: places a pin if a layer's surface is visible there, else starts a selection box.
     pub(super) fn picked(&mut self, id: u64, point: Option<PickedPoint>) {
         let Gesture::Placing { id: wanted, from, at, is_up, is_whole } = self.gesture else { return };
         if id != wanted {
@@ -48,14 +48,14 @@ impl Session {
         }
     }
 
-    /// Puts a pin where a point of the model is seen.
+    /// Places a pin at a visible point of the model.
     fn place(&mut self, layer: usize, point: &PickedPoint, (seen, is_whole): (ScreenPoint, bool)) -> bool {
         let shot = self.document.shot();
         let Some(owner) = shot.layers.get(layer) else { return false };
         let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, &point.node));
         let at = PinName { layer: &layer_name, pin: &name };
         let mut text = add_pin(self.document.text(), Some(&layer_name), &name, &point.anchor);
-        // Where the surface is moved already, the pin holds it there.
+        // If the surface is displaced already, the pin holds it there.
         if (seen - point.rest).0.length() > AT_REST {
             let frame = key_time(&shot.frames, owner, self.playhead.frame());
             let goal = Goal::Offset(seen - point.rest);
@@ -76,7 +76,7 @@ impl Session {
         true
     }
 
-    /// Takes the chosen pins out.
+    /// Deletes the selected pins.
     pub fn delete_pins(&mut self) {
         let mut text = Ok(self.document.text().to_owned());
         let names = self.chosen_names();
@@ -91,7 +91,7 @@ impl Session {
         self.change(label, text, None);
     }
 
-    /// Gives a pin another name.
+    /// Renames a pin.
     pub fn rename_pin(&mut self, at: [usize; 2], name: &str) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = rename_pin(self.document.text(), PinName { layer: &layer, pin: &pin }, name);
@@ -99,7 +99,7 @@ impl Session {
         }
     }
 
-    /// Says what a pin takes along.
+    /// Sets the region that a pin carries; `None`: only its point.
     pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
@@ -107,7 +107,7 @@ impl Session {
         }
     }
 
-    /// How firmly a pin holds its point: 1 exactly, less gives way.
+    /// Sets a pin's weight: 1 holds the point exactly, less lets it yield.
     pub fn set_weight(&mut self, at: [usize; 2], weight: f64) {
         let Some((layer, pin)) = self.names_of(at) else { return };
         let weight = (weight.clamp(0.0, 1.0) * 1e3).round() / 1e3;
@@ -117,13 +117,13 @@ impl Session {
         self.change("Change weight", text, Some(&format!("weight {layer}/{pin}")));
     }
 
-    /// Lets the chosen pins rest, or act again.
+    /// Mutes or unmutes the selected pins.
     pub fn mute_chosen(&mut self) {
         let pins: Vec<[usize; 2]> = self.selection.pins.iter().copied().collect();
         self.toggle_pin_mute(&pins);
     }
 
-    /// Lets pins rest, or act again: all as the first of them will.
+    /// Mutes or unmutes pins; all take the new state of the first.
     pub fn toggle_pin_mute(&mut self, pins: &[[usize; 2]]) {
         let pin = |at: &[usize; 2]| self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
         let Some(first) = pins.first().and_then(pin) else { return self.say("No pin is chosen: click one first.") };
@@ -140,7 +140,7 @@ impl Session {
         self.change(&label, text, None);
     }
 
-    /// Names of layer and pin.
+    /// Returns the names of layer and pin.
     pub(super) fn names_of(&self, [layer, pin]: [usize; 2]) -> Option<(String, String)> {
         let layer = self.document.shot().layers.get(layer)?;
         Some((layer.name.clone(), layer.pins.get(pin)?.name.clone()))
@@ -150,7 +150,7 @@ impl Session {
         self.selection.pins.iter().filter_map(|&at| self.names_of(at)).collect()
     }
 
-    /// Chooses all pins of the layer.
+    /// Selects all pins of the layer.
     pub fn choose_all(&mut self) {
         let layer = self.selection.layer;
         let count = self.document.shot().layers.get(layer).map_or(0, |layer| layer.pins.len());
@@ -167,7 +167,7 @@ impl Session {
         self.change(label, text, series)
     }
 
-    /// Shows the frame again, as the document says it.
+    /// Discards the drag in progress and shows the frame of the document.
     pub(super) fn let_go(&mut self) {
         self.dragged = None;
         self.frames_changed();
@@ -175,7 +175,7 @@ impl Session {
     }
 }
 
-/// A name for a pin on a node that no other pin of the layer has.
+/// Returns a name for a pin on a node that is unique in the layer.
 fn free_name(shot: &Shot, layer: usize, node: &str) -> String {
     let pins = &shot.layers[layer].pins;
     let is_free = |name: &String| pins.iter().all(|pin| pin.name != *name);

@@ -1,6 +1,6 @@
-//! One tool: the pen places, drags, turns, grows and chooses, by what lies under it.
+//! The pen: places, drags, turns, scales and selects, depending on what lies under it.
 //!
-//! In: where the pen is, which keys are held. Out: gestures; a drag changes the document once, when it ends.
+//! In: pen positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
 use super::gesture::Gesture;
 use super::{Purpose, Session};
@@ -14,22 +14,22 @@ use crate::space::ScreenPoint;
 use glam::DVec2;
 use std::sync::Arc;
 
-/// Most and least that a region can have.
+/// Minimum and maximum radius of a region, in frame heights.
 const RADII: [f64; 2] = [0.005, 4.0];
 
-/// Most and least stiffness that a drag gives.
+/// Minimum and maximum stiffness that a drag can set.
 const STIFFNESSES: [f64; 2] = [0.01, 100.0];
 
-/// Powers of ten that the pen makes of a frame height.
+/// Decades of stiffness per frame height of pen movement.
 const STIFFNESS_PER_HEIGHT: f64 = 6.0;
 
-/// Radius of a region that a drag of the stiffness begins, frame heights.
+/// Radius in frame heights of a region created by a stiffness drag.
 const USUAL_RADIUS: f64 = 0.1;
 
-/// What of a pin is dragged.
+/// The property of a pin that is dragged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PinPart {
-    /// Where it goes.
+    /// Its target.
     #[default]
     Target,
     /// The radius of its region.
@@ -38,28 +38,28 @@ pub enum PinPart {
     Stiffness,
 }
 
-/// Keys that are held while the pen goes down.
+/// Modifier keys when the pen goes down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Held {
-    /// What is chosen stays so.
+    /// Whether the selection is extended.
     pub adds: bool,
-    /// The part is meant as a whole.
+    /// Whether the pin moves the part as a whole.
     pub whole: bool,
-    /// What of a pin is dragged.
+    /// The property of a pin that is dragged.
     pub part: PinPart,
 }
 
-/// The ring around a chosen pin, as the viewport draws it.
+/// The ring around a selected pin, as drawn by the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
-    /// Its radius, frame heights.
+    /// Its radius in frame heights.
     pub radius: f64,
-    /// How near to it the pen has to be, frame heights.
+    /// Its hit distance in frame heights.
     pub reach: f64,
 }
 
 impl Session {
-    /// The pen goes down; `reach`: how near to a point it has to be, frame heights.
+    /// Handles pen down. `reach`: hit distance of points in frame heights.
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         self.playhead.go(self.playhead.frame());
         let base = Arc::new(self.document.shot().clone());
@@ -104,13 +104,13 @@ impl Session {
         self.gesture = Gesture::Placing { id, from: at, at, is_up: false, is_whole: held.whole };
     }
 
-    /// Begins to drag what is chosen.
+    /// Starts dragging the selection.
     pub(super) fn begin_drag(&mut self, from: ScreenPoint) {
         let base = Arc::new(self.document.shot().clone());
         self.gesture = Gesture::Drag { from, base, has_moved: false };
     }
 
-    /// The pen moves; `grows`: a turn changes the size, too.
+    /// Handles pen movement; `grows`: a turn also scales.
     pub fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
         match &mut self.gesture {
             Gesture::Idle => {}
@@ -156,12 +156,12 @@ impl Session {
         }
     }
 
-    /// The pen moves.
+    /// Handles pen movement.
     pub fn motion(&mut self, to: ScreenPoint) {
         self.motion_with(to, false);
     }
 
-    /// The pen goes up.
+    /// Handles pen up.
     pub fn release(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
@@ -184,7 +184,7 @@ impl Session {
         }
     }
 
-    /// Who drags the only pin of a layer sees all of it move.
+    /// Explains why all of a layer moves when its only pin is dragged.
     fn explain_lone_pin(&mut self) {
         let layers = &self.document.shot().layers;
         let is_alone = |at: [usize; 2]| layers.get(at[0]).is_some_and(|layer| layer.pins.len() == 1);
@@ -193,7 +193,7 @@ impl Session {
         }
     }
 
-    /// The gesture is given up.
+    /// Cancels the gesture, or clears the selection if there is none.
     pub fn cancel(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => self.selection.clear(),
@@ -202,19 +202,19 @@ impl Session {
         }
     }
 
-    /// The pen is down and does something.
+    /// Returns whether a gesture is in progress.
     #[must_use]
     pub const fn is_dragging(&self) -> bool {
         !matches!(self.gesture, Gesture::Idle | Gesture::Placing { is_up: true, .. })
     }
 
-    /// Opposite corners of the box that is being drawn.
+    /// Returns opposite corners of the selection box.
     #[must_use]
     pub const fn choosing_box(&self) -> Option<[ScreenPoint; 2]> {
         if let Gesture::Box { from, to } = self.gesture { Some([from, to]) } else { None }
     }
 
-    /// Moves what is chosen by this much, frame heights.
+    /// Moves the selection by an offset in frame heights.
     pub fn nudge(&mut self, by: DVec2) {
         let base = self.document.shot().clone();
         match self.dragged_shot(&base, Move::By(by)) {
@@ -227,7 +227,7 @@ impl Session {
         }
     }
 
-    /// The shot with the chosen pins and handles changed.
+    /// Returns the shot with the selected pins and handles changed.
     fn dragged_shot(&self, base: &Shot, change: Move) -> Result<Shot, EditError> {
         let (mut shot, frame) = (base.clone(), self.playhead.frame());
         let chosen = self.selection.pins.iter().map(|&at| (at, change));
@@ -242,7 +242,7 @@ impl Session {
             let (Some(size), LayerSpace::Screen { .. }) = (self.box_size(layer), owner.space) else { continue };
             let place = owner.handles.iter().position(|track| track.index == index);
             let time = key_time(&base.frames, owner, frame);
-            // What its keys say there, without strength.
+            // The keys' own value there, without strength applied.
             let said = place.map(|place| {
                 let mut plain = owner.clone();
                 (plain.strength, plain.step) = (1.0, 1);
@@ -261,12 +261,12 @@ impl Session {
         Ok(shot)
     }
 
-    /// Pins on the other side of those that are chosen, where they are moved alike.
+    /// Returns the counterparts of the selected pins on the other side, if mirroring is on.
     fn counterparts(&self, shot: &Shot) -> impl Iterator<Item = [usize; 2]> {
         let chosen = if self.mirrors { self.selection.pins.iter().copied().collect() } else { Vec::new() };
         let other = |at: [usize; 2]| {
             let name = other_side(&shot.layers[at[0]].pins[at[1]].name)?;
-            // In its own layer first, else in that of the other side.
+            // Looks in its own layer first, then in the others.
             let named = |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name);
             let layers = std::iter::once(at[0]).chain(0..shot.layers.len());
             { layers }.find_map(|layer| Some([layer, named(layer)?]))
@@ -301,7 +301,7 @@ impl Session {
         self.commit_series(what, base, None);
     }
 
-    /// Writes what was dragged into the document.
+    /// Commits a drag to the document.
     fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
         let Some(shot) = self.dragged.clone() else { return };
         let mut keys: Vec<([usize; 2], Vec<PinKey>)> = Vec::new();
@@ -338,7 +338,7 @@ impl Session {
         }
     }
 
-    /// The target of the only chosen pin.
+    /// Returns the target of the single selected pin.
     #[must_use]
     pub fn ring_center(&self) -> Option<ScreenPoint> {
         let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
@@ -346,7 +346,7 @@ impl Session {
         marks.pins.iter().find(|mark| mark.pin == pin).map(|mark| mark.target)
     }
 
-    /// The nearest pin, and where it rests.
+    /// Returns the nearest pin and its rest position.
     #[must_use]
     pub fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
         let marks = self.marks();
@@ -356,7 +356,7 @@ impl Session {
         nearest.map(|(_, pin, rest)| (pin, rest))
     }
 
-    /// The nearest handle that is seen.
+    /// Returns the nearest visible handle.
     #[must_use]
     pub fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
         if !self.shown.handles || self.shown.is_hidden {
@@ -386,7 +386,7 @@ impl Session {
         self.selection.pins.extend(chosen);
     }
 
-    /// What is drawn over the frame that is seen.
+    /// Returns the marks of the current frame.
     #[must_use]
     pub fn marks(&self) -> &[LayerMarks] {
         self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)

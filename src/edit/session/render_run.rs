@@ -1,4 +1,4 @@
-//! A render of the sequence, as `pinwarp render` does it, while the editor goes on.
+//! Renders the sequence in the background, as `pinwarp render` does.
 //!
 //! In: a shot. Out: frames on disk, progress, a log.
 
@@ -11,29 +11,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 
-/// A render that runs or ran.
+/// A render that is running or has ended.
 #[derive(Debug)]
 pub struct RenderRun {
     events: Receiver<Told>,
     cancel: Arc<AtomicBool>,
-    /// Frames that are asked for.
+    /// Number of requested frames.
     pub frames: usize,
-    /// Frames that were tried.
+    /// Number of frames processed.
     pub done: usize,
-    /// What it said, in words.
+    /// Its log messages.
     pub log: Vec<String>,
-    /// Where it is.
+    /// Its state.
     pub state: RunState,
-    /// Frames that are finished, in order.
+    /// Paths of finished frames, in order.
     pub files: Vec<std::path::PathBuf>,
 }
 
-/// Where a render is.
+/// The state of a render.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RunState {
-    /// It runs.
+    /// Running.
     Running,
-    /// All frames were tried, or it was cancelled; in words.
+    /// Finished or cancelled, with a summary.
     Ended(String),
 }
 
@@ -43,7 +43,7 @@ enum Told {
 }
 
 impl Session {
-    /// Renders the range that is played, or the whole shot; frames that are there are kept where they hold the same.
+    /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept.
     pub fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
         let frames: Vec<i32> = match self.playhead.has_range() {
             true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
@@ -52,20 +52,20 @@ impl Session {
         self.run = Some(RenderRun::start(self.document.shot().clone(), (frames, device), wake));
     }
 
-    /// The render that runs or ran last.
+    /// Returns the current or last render.
     #[must_use]
     pub const fn run(&self) -> Option<&RenderRun> {
         self.run.as_ref()
     }
 
-    /// Ends the render after the frames in flight.
+    /// Cancels the render after the frames in flight.
     pub fn cancel_render(&self) {
         if let Some(run) = &self.run {
             run.cancel.store(true, Ordering::Relaxed);
         }
     }
 
-    /// The log was read.
+    /// Closes the log of the last render.
     pub fn close_render(&mut self) {
         if self.run.as_ref().is_some_and(|run| run.state != RunState::Running) {
             self.run = None;
@@ -108,7 +108,7 @@ impl RenderRun {
         Self { events, cancel, frames: count, done: 0, log, state, files: Vec::new() }
     }
 
-    /// Takes what it has to say.
+    /// Processes the render's events. Returns whether anything changed.
     pub(super) fn pump(&mut self) -> bool {
         let told: Vec<Told> = self.events.try_iter().collect();
         let is_any = !told.is_empty();

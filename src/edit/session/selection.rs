@@ -1,41 +1,41 @@
-//! What is chosen: pins, handles and keys.
+//! The selection: pins, handles and keys.
 //!
-//! In: what the person clicks. Out: sets of indices into the shot.
+//! In: clicks. Out: sets of indices into the shot.
 
 use crate::shot::Shot;
 use std::collections::BTreeSet;
 
-/// Chosen pins, handles and keys.
+/// Selected pins, handles and keys.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
-    /// The layer that new things go to, and whose settings are seen.
+    /// The active layer: new pins go to it, and its settings are shown.
     pub layer: usize,
-    /// Layer and pin.
+    /// Indices of layer and pin.
     pub pins: BTreeSet<[usize; 2]>,
-    /// Layer, and column, row and layer of the handle.
+    /// Index of the layer, and lattice coordinates of the handle.
     pub handles: BTreeSet<(usize, [usize; 3])>,
-    /// Layer and pin, and the times of their keys.
+    /// Indices of layer and pin, and the times of their keys.
     pub keys: Vec<([usize; 2], f64)>,
 }
 
 impl Selection {
-    /// One pin and nothing else.
+    /// Selects one pin only.
     pub fn only_pin(&mut self, at: [usize; 2]) {
         *self = Self { layer: at[0], pins: BTreeSet::from([at]), ..Self::default() };
     }
 
-    /// Nothing; the layer stays.
+    /// Clears the selection; the active layer is kept.
     pub fn clear(&mut self) {
         *self = Self { layer: self.layer, ..Self::default() };
     }
 
-    /// The one chosen pin; `None`: there are none, or several.
+    /// Returns the single selected pin; `None` if there are none or several.
     #[must_use]
     pub fn single_pin(&self) -> Option<[usize; 2]> {
         if self.pins.len() == 1 { self.pins.first().copied() } else { None }
     }
 
-    /// Layers of which something is chosen.
+    /// Returns the layers with selected elements.
     #[must_use]
     pub fn layers(&self) -> Vec<usize> {
         let of_pins = self.pins.iter().map(|[layer, _]| *layer);
@@ -43,7 +43,7 @@ impl Selection {
         all.into_iter().collect()
     }
 
-    /// Lets go of what the shot does not have any more.
+    /// Drops what no longer exists in the shot.
     pub fn retain(&mut self, shot: &Shot) {
         let pin = |[layer, pin]: [usize; 2]| shot.layers.get(layer).and_then(|layer| layer.pins.get(pin));
         self.layer = self.layer.min(shot.layers.len().saturating_sub(1));
@@ -55,13 +55,13 @@ impl Selection {
         });
     }
 
-    /// Whether a key is chosen.
+    /// Returns whether a key is selected.
     #[must_use]
     pub fn has_key(&self, at: [usize; 2], time: f64) -> bool {
         self.keys.iter().any(|(other, when)| *other == at && *when == time)
     }
 
-    /// Times of the chosen keys of a pin.
+    /// Returns the times of the selected keys of a pin.
     #[must_use]
     pub fn times_of(&self, at: [usize; 2]) -> Vec<f64> {
         self.keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()

@@ -1,56 +1,56 @@
-//! What is drawn over the picture.
+//! Display options of the viewport.
 //!
-//! In: what the person asks for. Out: plain switches; they stay as they are whatever else is done.
+//! In: user commands. Out: plain switches, unaffected by other operations.
 
-/// Switches of the viewport.
+/// Display options of the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// Lines of lattices.
+    /// Lattice lines.
     pub lattice: bool,
-    /// Handles, to be dragged.
+    /// Draggable handles.
     pub handles: bool,
     /// Pins.
     pub pins: bool,
-    /// Names beside pins.
+    /// Names next to pins.
     pub names: bool,
-    /// Where pinned points are at rest.
+    /// Rest positions of pinned points.
     pub rest: bool,
-    /// Lines in the colour of how far they are stretched.
+    /// Lattice lines coloured by stretch.
     pub distortion: bool,
-    /// Cells that fold, in red.
+    /// Folded cells, in red.
     pub folds: bool,
-    /// Frames within which titles and action are safe.
+    /// Title-safe and action-safe areas.
     pub safe_areas: bool,
-    /// Ways of pins over time.
+    /// Motion trails of pins.
     pub trails: bool,
-    /// Neighbouring frames.
+    /// Onion skins.
     pub onion: Onion,
-    /// The unwarped frame.
+    /// Comparison with the unwarped frame.
     pub wipe: Wipe,
-    /// Nothing is drawn over the picture for now.
+    /// Whether all overlays are hidden temporarily.
     pub is_hidden: bool,
 }
 
-/// Neighbouring frames behind the one that is seen.
+/// Onion skins: neighbouring frames behind the current one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Onion {
-    /// Frames on either side; 0: none.
+    /// Number of frames on either side; 0: off.
     pub count: u32,
-    /// Frames between them; 0: the keys of chosen pins.
+    /// Step between them in frames; 0: the keys of the selected pins.
     pub every: u32,
-    /// Of the nearest.
+    /// Opacity of the nearest.
     pub opacity: f32,
 }
 
-/// How the unwarped frame is compared.
+/// Comparison with the unwarped frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Wipe {
-    /// It is not.
+    /// Off.
     #[default]
     Off,
-    /// It alone is seen.
+    /// Only the unwarped frame is shown.
     Before,
-    /// It is seen left of this share of the picture.
+    /// The unwarped frame is shown left of this fraction of the width.
     At(f32),
 }
 
@@ -74,7 +74,7 @@ impl Default for Shown {
 }
 
 impl super::Session {
-    /// Compares with the unwarped frame, or no more.
+    /// Sets the comparison, and requests the unwarped frame if it is missing.
     pub fn set_wipe(&mut self, wipe: Wipe) {
         let is_new = self.shown.wipe == Wipe::Off && wipe != Wipe::Off;
         self.shown.wipe = wipe;

@@ -1,10 +1,10 @@
-//! Names for widgets whose faces are signs or numbers.
+//! Accessible names for widgets that show icons or numbers.
 
 use eframe::egui::Response;
 
-/// A widget whose face is a sign gets a name.
+/// Gives a widget an accessible name.
 pub(super) trait Accessible {
-    /// The name that screen readers and tests know it by, shown on hover, too.
+    /// Sets the name used by screen readers and tests, also shown as a tooltip.
     fn accessible(self, name: &str) -> Self;
 }
 

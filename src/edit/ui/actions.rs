@@ -1,4 +1,4 @@
-//! What actions do, whether a key or a menu asks for them.
+//! Executes actions, triggered by keys or menus.
 
 use super::browser::Task;
 use super::editor::Editor;
@@ -6,7 +6,7 @@ use crate::edit::{Action, Session, Wipe};
 use eframe::egui;
 
 impl Editor {
-    /// Does an action.
+    /// Executes an action.
     pub(super) fn act(&mut self, ctx: &egui::Context, action: Action, now: f64) {
         match action {
             Action::Open => self.browse(Task::Open),
@@ -51,7 +51,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Redo => session.redo(),
         Action::Copy => {
             session.copy_keys();
-            // Hosts tell of pasting where there is something to paste.
+            // Platforms send a paste event only if the clipboard is not empty.
             ctx.copy_text("keys of pinwarp".to_owned());
         }
         Action::Paste => session.paste_keys(),
@@ -87,9 +87,9 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
     }
 }
 
-/// To a scale, or by a factor.
+/// Zooms to a scale, or by a factor.
 fn zoom(session: &mut Session, value: f64, by: Option<()>) {
-    // Where the picture is fitted, only the viewport knows how; from there on the middle stays.
+    // The scale of a fitted picture depends on the viewport; from here on the centre stays fixed.
     let lens = session.zoom.lens(session.shot().size, session.viewport);
     let scale = if by.is_some() { lens.scale() * value } else { value };
     session.zoom = session.zoom.at_scale(&lens, scale);

@@ -1,11 +1,11 @@
-//! Chooses a file in the editor's own window: to open, or to save.
+//! The file browser inside the editor's window, for opening and saving.
 
 use super::accessible::Accessible;
 use eframe::egui::{self, Align2, Key, ScrollArea, TextEdit, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What a file is chosen for.
+/// The purpose of the file choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     Open,
@@ -13,13 +13,13 @@ pub(super) enum Task {
     Reference,
 }
 
-/// Endings of pictures that come in sequences.
+/// Extensions of pictures that may form sequences.
 const PICTURES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
 
-/// Endings of what can be opened.
+/// Extensions of files that can be opened.
 const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "json"];
 
-/// A window in which a file is chosen.
+/// A file browser window.
 pub(super) struct Browser {
     pub(super) task: Task,
     path: String,
@@ -27,16 +27,16 @@ pub(super) struct Browser {
     entries: Vec<(String, bool)>,
 }
 
-/// What became of it.
+/// The browser's result.
 pub(super) enum Choice {
-    /// It is still open.
+    /// Still open.
     None,
     Cancelled,
     File(PathBuf),
 }
 
 impl Browser {
-    /// Begins in the folder of a file.
+    /// Opens the browser in the folder of a file.
     pub(super) fn new(task: Task, near: &Path) -> Self {
         let folder = if near.is_dir() { near } else { near.parent().unwrap_or(Path::new("")) };
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -132,7 +132,7 @@ impl Browser {
     }
 }
 
-/// Frames that stand side by side, each sequence by its pattern: `frame.####.exr`.
+/// Groups numbered files into sequences, each named by its pattern: `frame.####.exr`.
 fn sequences(names: &[&str]) -> Vec<String> {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for name in names {

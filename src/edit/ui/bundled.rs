@@ -1,15 +1,15 @@
-//! Scenes that come with the program, to begin with.
+//! Example scenes bundled with the program.
 
 use crate::edit::EditError;
 use crate::image::{replace_bytes, replace_text};
 use std::path::{Path, PathBuf};
 
-/// A scene that is part of the program.
+/// A bundled scene.
 pub(super) struct Bundled {
     pub(super) title: &'static str,
     pub(super) words: &'static str,
     folder: &'static str,
-    /// Names and contents; the first is the shot.
+    /// File names and contents; the first is the shot.
     files: &'static [(&'static str, &'static [u8])],
 }
 
@@ -24,7 +24,7 @@ macro_rules! bundled {
     };
 }
 
-/// All of them.
+/// All bundled scenes.
 pub(super) const BUNDLED: [Bundled; 6] = [
     bundled!("walker", "Walking gnome", "animated, three layers", "shot.toml", "walker.glb"),
     bundled!("gingerman", "Gingerman", "a pose, one layer", "shot.toml", "gingerman.glb"),
@@ -35,7 +35,7 @@ pub(super) const BUNDLED: [Bundled; 6] = [
 ];
 
 impl Bundled {
-    /// Puts a copy into a folder, unless one is there; gives its shot.
+    /// Unpacks a copy into a folder, unless one exists; returns the path of its shot.
     pub(super) fn unpack(&self, scenes: &Path) -> Result<PathBuf, EditError> {
         let folder = scenes.join(self.folder);
         let io = |source| EditError::Io { path: folder.clone(), source };

@@ -1,6 +1,6 @@
-//! Keys of the chosen pins as curves: in what the timeline has for rows.
+//! The curve editor: keys of the selected pins as curves, in place of the timeline's rows.
 //!
-//! In: a [`Session`], frames along the window. Out: curves; keys that are dragged to another time and number.
+//! In: a [`Session`], the time scale. Out: curves; keys dragged to other times and values.
 
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
@@ -9,13 +9,13 @@ use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-/// Points of a curve in a frame, where frames are wide.
+/// Samples of a curve per frame, at most.
 const PER_FRAME: i32 = 4;
 
-/// How near to a key the pen has to be, points.
+/// Hit distance of keys in points.
 const REACH: f32 = 8.0;
 
-/// Which curves are seen, and what the pen does to them.
+/// The displayed channels, and the drag in progress.
 #[derive(Default)]
 pub(super) struct CurveView {
     kind: Kind,
@@ -43,20 +43,20 @@ impl Kind {
     }
 }
 
-/// A key that is dragged. The axis stays as it was when the drag began.
+/// The drag in progress. The axis is frozen when the drag begins.
 #[derive(Clone, Copy)]
 struct Drag {
     at: [usize; 2],
     channel: Channel,
-    /// Of the key, or of the key that holds the ease.
+    /// Time of the key, or of the key that holds the ease.
     time: f64,
-    /// The end of a tangent that is dragged, instead of the key.
+    /// The end of the tangent that is dragged, if not the key itself.
     control: Option<usize>,
     axis: Axis,
 }
 
 impl Drag {
-    /// The pen goes on.
+    /// Applies a pen movement.
     fn go(&mut self, session: &mut Session, scale: FrameScale, pen: Pos2) {
         let (time, value) = (f64::from(scale.frame(pen.x)), self.axis.value(pen.y));
         if let Some(control) = self.control {
@@ -68,7 +68,7 @@ impl Drag {
     }
 }
 
-/// Numbers along the height.
+/// The value axis.
 #[derive(Clone, Copy)]
 struct Axis {
     low: f64,
@@ -94,7 +94,7 @@ struct Curve {
     channel: Channel,
     points: Vec<[f64; 2]>,
     keys: Vec<[f64; 2]>,
-    /// Of chosen keys.
+    /// Tangents of selected keys.
     tangents: Vec<Tangent>,
 }
 
@@ -155,7 +155,7 @@ impl CurveView {
         }
     }
 
-    /// Curves of the chosen pins; where none is chosen, of the layer's.
+    /// Returns the curves of the selected pins, or of all the layer's pins if none is selected.
     fn curves(&self, session: &Session, scale: FrameScale) -> Vec<Curve> {
         let [first, last] = session.playhead.shot_range();
         let per_frame = if scale.x(1.0) - scale.x(0.0) > 4.0 { PER_FRAME } else { 1 };
@@ -181,7 +181,7 @@ impl CurveView {
     }
 }
 
-/// Room for all curves, and some to drag keys into.
+/// Fits the value axis to all curves, with a margin to drag keys into.
 fn axis_of(curves: &[Curve], rect: Rect) -> Axis {
     let values = || curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.keys)).map(|point| point[1]);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
@@ -229,7 +229,7 @@ fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), ses
     }
 }
 
-/// The key under the pen, or the end of a tangent.
+/// Returns the key or tangent end under the pen.
 fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option<Drag> {
     let mut found: Option<(f32, Drag)> = None;
     let mut look = |at: &[f64; 2], drag: Drag| {

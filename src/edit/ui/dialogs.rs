@@ -1,9 +1,9 @@
-//! Windows over the editor: keys, a render, a file that changed on disk, work that is not saved.
+//! Dialogs: shortcuts, render progress, external file changes, unsaved work.
 
 use crate::edit::{Action, RunState, Session, Shortcuts};
 use eframe::egui::{self, Align2, Grid, Key, Modal, RichText, ScrollArea, vec2};
 
-/// An answer to a question with three.
+/// The answer to a three-way question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     First,
@@ -11,7 +11,7 @@ pub(super) enum Answer {
     Cancel,
 }
 
-/// The list of keys. False: it was closed.
+/// Shows the list of shortcuts. Returns false once closed.
 pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path::Path) -> bool {
     let mut is_open = true;
     let window = egui::Window::new("Keys").open(&mut is_open).collapsible(false).resizable(false);
@@ -29,7 +29,7 @@ pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path:
     is_open && !ctx.input(|input| input.key_pressed(Key::Escape))
 }
 
-/// The keys of what belongs together.
+/// Shows the shortcuts of one group.
 fn key_group(ui: &mut egui::Ui, shortcuts: &Shortcuts, group: &str) {
     if group.is_empty() {
         return;
@@ -46,7 +46,7 @@ fn key_group(ui: &mut egui::Ui, shortcuts: &Shortcuts, group: &str) {
     ui.add_space(8.0);
 }
 
-/// A render that runs or ran. False: it was closed.
+/// Shows the current or last render. Returns false once closed.
 pub(super) fn render(ctx: &egui::Context, session: &Session) -> bool {
     let Some(run) = session.run() else { return false };
     let (mut is_open, mut is_closed) = (true, false);
@@ -77,7 +77,7 @@ pub(super) fn render(ctx: &egui::Context, session: &Session) -> bool {
     is_open && !is_closed
 }
 
-/// A question with three answers.
+/// Asks a three-way question.
 pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&str; 3]) -> Option<Answer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique(title)).show(ctx, |ui| {

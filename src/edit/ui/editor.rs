@@ -1,4 +1,4 @@
-//! The editor: what is open, which windows are, and one pass over all of it.
+//! The editor: the open document, the open windows, and the layout of one pass.
 
 use super::browser::{Browser, Choice, Task};
 use super::dialogs::Answer;
@@ -11,7 +11,7 @@ use crate::edit::{DiskChange, Document, EditError, Reference, Session, Shortcuts
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
-/// What waits until it is known what becomes of unsaved work.
+/// The operation deferred until the user has decided about unsaved work.
 #[derive(Clone, Debug, PartialEq)]
 enum Then {
     Open(PathBuf),
@@ -36,7 +36,7 @@ pub struct Editor {
 }
 
 impl Editor {
-    /// Starts with nothing open.
+    /// Starts without an open document.
     #[must_use]
     pub fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
         theme::install(ctx);
@@ -62,13 +62,13 @@ impl Editor {
         }
     }
 
-    /// The open shot.
+    /// Returns the open session.
     #[must_use]
     pub const fn session(&self) -> Option<&Session> {
         self.session.as_ref()
     }
 
-    /// The open shot, for tests and scripts.
+    /// Returns the open session mutably, for tests and scripts.
     pub const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
@@ -76,14 +76,14 @@ impl Editor {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`EditError`] where it cannot be opened; what was open stays.
+    /// [`EditError`] if it cannot be opened; the current document then stays open.
     pub fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
         let document = crate::edit::open(path, self.options.access)?;
         self.begin(ctx, document);
         Ok(())
     }
 
-    /// Goes on with a document.
+    /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         document.keep_journal(&self.options.journals());
         let wake = ctx.clone();
@@ -91,7 +91,7 @@ impl Editor {
         (self.textures, self.timeline, self.fault) = (Textures::default(), Timeline::default(), None);
     }
 
-    /// Goes on with a document, and leaves nothing on disk.
+    /// Starts editing a document without a journal, leaving nothing on disk.
     pub(super) fn begin_unjournaled(&mut self, ctx: &egui::Context, document: Document) {
         let wake = ctx.clone();
         self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
@@ -112,7 +112,7 @@ impl Editor {
         }
     }
 
-    /// One pass of the window.
+    /// Runs one pass of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         let now = ctx.input(|input| input.time);
@@ -126,7 +126,7 @@ impl Editor {
         }
         self.look_at_disk();
         if let Some(session) = self.session.as_mut().filter(|_| ctx.input(|input| input.pointer.any_pressed())) {
-            // Each drag of a number is undone by itself.
+            // Each drag of a number is undone separately.
             session.document_mut().end_series();
         }
         for action in keys::pressed(&ctx, &self.shortcuts) {
@@ -140,7 +140,7 @@ impl Editor {
             }
             Some(session) => {
                 Panel::bottom("hint").exact_size(26.0).show(ui, |ui| menus::hint(ui, session));
-                // A small window keeps room for the picture.
+                // A small window leaves room for the picture.
                 let window = ctx.content_rect().size();
                 let height = (0.25 * window.y).clamp(130.0, 220.0);
                 let width = (0.19 * window.x).clamp(200.0, 262.0);
@@ -219,7 +219,7 @@ impl Editor {
         self.browser = Some(Browser::new(task, &near));
     }
 
-    /// Files that are dropped on the window.
+    /// Handles files dropped on the window.
     fn drops(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).next());
         if let Some(path) = dropped {
@@ -327,7 +327,7 @@ impl Editor {
         }
     }
 
-    /// A window that is closed asks first.
+    /// Asks about unsaved work before the window closes.
     fn close(&mut self, ctx: &egui::Context) {
         let is_wanted = ctx.input(|input| input.viewport().close_requested());
         let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());

@@ -1,13 +1,13 @@
-//! Frames along a line of the window: what ruler, rows and curves share.
+//! The horizontal time scale shared by ruler, rows and curves.
 
 use super::theme::ACCENT;
 use crate::edit::Session;
 use eframe::egui::{Painter, Rect, Stroke};
 
-/// Width of the names left of the rows.
+/// Width of the names to the left of the rows.
 pub(super) const NAMES: f32 = 150.0;
 
-/// Frames along a line of the window.
+/// A horizontal time scale.
 #[derive(Clone, Copy)]
 pub(super) struct FrameScale {
     pub(super) first: f32,
@@ -25,7 +25,7 @@ impl FrameScale {
     }
 }
 
-/// Where the shot is.
+/// Draws the playhead.
 pub(super) fn playhead(painter: &Painter, rect: Rect, session: &Session, scale: FrameScale) {
     let x = scale.x(f64::from(session.playhead.frame()));
     painter.vline(x, rect.y_range(), Stroke::new(1.5, ACCENT));

@@ -1,9 +1,9 @@
-//! Signs on buttons, drawn: letters of the toolkit's fonts have none of them.
+//! Button icons, drawn as shapes: the toolkit's fonts lack these glyphs.
 
 use super::theme::ACCENT;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-/// What a button shows.
+/// An icon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Icon {
     First,
@@ -20,7 +20,7 @@ pub(super) enum Icon {
     Unseen,
 }
 
-/// A button with a sign; its name is for screen readers, tests and the pointer at rest.
+/// Shows an icon button; its name is for screen readers, tests and the tooltip.
 pub(super) fn button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let width = if matches!(icon, Icon::Play | Icon::Pause) { 36.0 } else { 24.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(width, 22.0), Sense::click());
@@ -74,7 +74,7 @@ fn draw(painter: &Painter, at: Pos2, icon: Icon, color: Color32) {
     }
 }
 
-/// A key's sign beside words: filled where there is a key.
+/// Shows a key icon beside a label: filled where there is a key.
 pub(super) fn key_sign(ui: &mut Ui, is_keyed: bool) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     let at = rect.center();

@@ -1,4 +1,4 @@
-//! Numbers of the chosen pin, and the report of the frame.
+//! The inspector: values of the selected pin, and the report of the frame.
 
 use super::accessible::Accessible;
 use super::icons;
@@ -66,7 +66,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
     });
 }
 
-/// How firmly it holds, from soft to hard.
+/// Edits the pin's weight, from soft to hard.
 fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
     ui.label("Weight");
     let mut weight = old;
@@ -78,7 +78,7 @@ fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
     ui.end_row();
 }
 
-/// Two numbers in pixels.
+/// Edits a position in pixels.
 fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     let lines = f64::from(session.shot().size.height);
     let (what, old) = match key.goal {
@@ -138,7 +138,7 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     ui.end_row();
 }
 
-/// A number that says "free" where no key of the pin holds one.
+/// Makes a number field show "free" if the pin has no value in that channel.
 fn free_number<'a>(number: DragValue<'a>, is_free: bool, unit: &'static str) -> DragValue<'a> {
     let write = move |value: f64, _: std::ops::RangeInclusive<usize>| match is_free {
         true => "free".to_owned(),
@@ -147,7 +147,7 @@ fn free_number<'a>(number: DragValue<'a>, is_free: bool, unit: &'static str) -> 
     number.custom_formatter(write).custom_parser(move |text| text.trim_end_matches(unit).trim().parse().ok())
 }
 
-/// A number, and a button that frees the pin of it. Gives whether the number is another now.
+/// Shows a number field and a button that clears the channel. Returns whether the value changed.
 fn held_or_free(
     ui: &mut Ui,
     session: &mut Session,
@@ -198,10 +198,10 @@ fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<
     }
 }
 
-/// A figure of a layer.
+/// Extracts a figure from a layer's report.
 type Figure = fn(&LayerReport) -> Option<f64>;
 
-/// A line of the table: name, figure, its sign where more is better, and from where on it is worrying.
+/// The rows of the report table: name, figure, 1 if higher is worse or -1 if lower is, and the warning threshold.
 const FIGURES: [(&str, Figure, f64, f64); 4] = [
     ("Pin error, px", |layer| Some(layer.pin_error_px), 1.0, 0.05),
     ("Least det J", |layer| Some(layer.solve.min_det), -1.0, -0.1),
@@ -247,13 +247,13 @@ fn warning(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 110) } else { Color32::from_rgb(150, 76, 0) }
 }
 
-/// The worst of all layers.
+/// Returns the worst value over all layers.
 fn worst(report: &FrameReport, figure: Figure, sign: f64) -> Option<f64> {
     let known = report.layers.iter().filter_map(figure).filter(|value| value.is_finite());
     known.max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
 }
 
-/// Words end a block.
+/// Discards a response, so that a block may end with a widget.
 trait IntoInner {
     fn into_inner(self);
 }

@@ -1,4 +1,4 @@
-//! Chords of [`Shortcuts`] as the window's keys.
+//! Maps the chords of [`Shortcuts`] to the toolkit's key events.
 
 use crate::edit::{Action, Chord, Shortcuts};
 use eframe::egui::{self, Key, Modifiers};
@@ -13,7 +13,7 @@ fn key(chord: &Chord) -> Option<Key> {
     Key::from_name(&chord.key)
 }
 
-/// Actions whose keys went down; nothing while somebody types.
+/// Returns the actions whose keys were pressed; none while a text field has focus.
 pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action> {
     if ctx.text_edit_focused() {
         return Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
     let is_held_kind = |action: Action| action.group() == "Hold";
     let mut found = Vec::new();
     ctx.input_mut(|input| {
-        // Chords with more keys first: Ctrl+Shift+Z is no Ctrl+Z.
+        // Chords with more modifiers come first, so that Ctrl+Shift+Z does not match Ctrl+Z.
         let mut actions: Vec<Action> = Action::ALL.iter().copied().filter(|action| !is_held_kind(*action)).collect();
         let count = |action: &Action| {
             shortcuts
@@ -37,7 +37,7 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
                 found.push(action);
             }
         }
-        // Hosts turn these chords into events of their own.
+        // The toolkit turns these chords into events of their own.
         input.events.retain(|event| match event {
             egui::Event::Copy => {
                 found.push(Action::Copy);
@@ -53,7 +53,7 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
     found
 }
 
-/// Whether the key of an action is down.
+/// Returns whether the key of an action is held.
 pub(super) fn is_held(ctx: &egui::Context, shortcuts: &Shortcuts, action: Action) -> bool {
     if ctx.text_edit_focused() {
         return false;
@@ -62,7 +62,7 @@ pub(super) fn is_held(ctx: &egui::Context, shortcuts: &Shortcuts, action: Action
     key.is_some_and(|key| ctx.input(|input| input.key_down(key)))
 }
 
-/// What stands behind a menu's entry.
+/// Returns the shortcut text for a menu entry.
 pub(super) fn words(shortcuts: &Shortcuts, action: Action) -> String {
     shortcuts.of(action).map(ToString::to_string).unwrap_or_default()
 }

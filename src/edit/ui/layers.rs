@@ -1,4 +1,4 @@
-//! The list of layers and the settings of the chosen one.
+//! The layer list and the settings of the selected layer.
 
 use super::accessible::Accessible;
 use super::icons::{self, Icon};
@@ -9,7 +9,7 @@ use crate::shot::LayerSpace;
 use crate::shot::edit::Setting;
 use eframe::egui::{self, CollapsingHeader, ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
 
-/// What was clicked in the list.
+/// A click in the list.
 enum Click {
     Layer(usize),
     Mute(String),
@@ -123,7 +123,7 @@ fn settings(ui: &mut Ui, session: &mut Session) {
     let Some(layer) = session.shot().layers.get(index).cloned() else { return };
     CollapsingHeader::new(format!("Settings of '{}'", layer.name)).default_open(true).show(ui, |ui| {
         Grid::new("layer settings").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
-            // The shot's strength is in it, too.
+            // The layer's effective strength includes the shot's, so the file's own value is edited.
             let own = session.own_strength(index);
             let mut strength = own;
             ui.label("Strength");

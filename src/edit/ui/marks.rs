@@ -1,4 +1,4 @@
-//! What is drawn over the picture: lattices, pins, regions, folds, trails, guides.
+//! Draws the overlays of the picture: lattices, pins, regions, folds, trails, guides.
 //!
 //! In: a [`Session`], a [`Lens`]. Out: shapes.
 
@@ -10,16 +10,16 @@ use crate::space::ScreenPoint;
 use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use std::collections::BTreeMap;
 
-/// Radius of the ring around a chosen pin, points.
+/// Radius of the ring around a selected pin in points.
 pub(super) const RING: f32 = 44.0;
 
-/// Frames on either side of which trails tell.
+/// Number of frames on either side that trails cover.
 const TRAIL: i32 = 24;
 
-/// Lines of a lattice that lie so far apart are drawn in full, points.
+/// Spacing of lattice lines, in points, from which they are drawn at full opacity.
 const WIDE: f32 = 36.0;
 
-/// Draws over a picture.
+/// Draws the overlays of a picture.
 pub(super) struct Over<'a> {
     pub(super) session: &'a Session,
     pub(super) lens: Lens,
@@ -33,7 +33,7 @@ impl Over<'_> {
         self.origin + vec2(place.x as f32, place.y as f32)
     }
 
-    /// Everything that is switched on.
+    /// Draws all enabled overlays.
     pub(super) fn draw(&self) {
         let shown = self.session.shown;
         if shown.is_hidden {
@@ -82,7 +82,7 @@ impl Over<'_> {
 
     fn lattice(&self, marks: &LayerMarks, is_chosen: bool) {
         let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
-        // Lines that lie close together would cover the picture.
+        // Dense lines would cover the picture, so they are faded.
         let color = color.gamma_multiply((self.line_spacing(marks) / WIDE).clamp(0.35, 1.0));
         let is_heat = self.session.shown.distortion && is_chosen;
         for (number, line) in marks.lines.iter().enumerate() {
@@ -100,7 +100,7 @@ impl Over<'_> {
         }
     }
 
-    /// How far lines of a lattice of the screen lie apart, points.
+    /// Returns the spacing of a screen-space lattice's lines in points.
     fn line_spacing(&self, marks: &LayerMarks) -> f32 {
         let Some(rest) = marks.rest_box else { return WIDE };
         let [low, high] = [rest.min, rest.max].map(|corner| self.at(corner));
@@ -109,7 +109,7 @@ impl Over<'_> {
     }
 
     fn fold(&self, cell: &[ScreenPoint]) {
-        // A fan around the middle: folded cells are not convex.
+        // A triangle fan around the centroid, as folded cells are not convex.
         let points: Vec<Pos2> = cell.iter().map(|&point| self.at(point)).collect();
         let sum = points.iter().fold(vec2(0.0, 0.0), |sum, point| sum + point.to_vec2());
         let mut mesh = Mesh::default();
@@ -167,7 +167,8 @@ impl Over<'_> {
         }
     }
 
-    /// Names beside the pins of the chosen layer, chosen ones first; what would cover another name goes to the left, or away.
+    /// Draws names beside the pins of the selected layer, selected pins first; a name that would cover another moves to
+    /// the left or is omitted.
     fn names(&self, marks: &[LayerMarks]) {
         let session = self.session;
         let Some(own) = marks.iter().find(|own| session.shown.names && own.layer == session.selection.layer) else {
@@ -208,7 +209,7 @@ impl Over<'_> {
         self.painter.circle_filled(knob, 3.5, over::CHOSEN);
     }
 
-    /// Where the chosen pins were and will be; of a layer without chosen pins all of its pins.
+    /// Draws the trails of the selected pins, or of all pins of the selected layer if no pin is selected.
     fn trails(&self) {
         let (chosen, here) = (&self.session.selection, self.session.playhead.frame());
         let mut ways: BTreeMap<[usize; 2], Vec<(i32, Pos2)>> = BTreeMap::new();

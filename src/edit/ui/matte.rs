@@ -1,11 +1,11 @@
-//! What of a plate the chosen layer moves.
+//! Selection of the part of a plate that the selected layer moves.
 
 use super::accessible::Accessible;
 use crate::edit::{MatteChoice, Session};
 use crate::shot::Layer;
 use eframe::egui::{ComboBox, TextEdit, Ui};
 
-/// A list of kinds, and the names that some kinds ask for.
+/// Shows the list of kinds, and the names that some kinds require.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     let Some(now) = MatteChoice::of(layer) else {
         ui.weak("as the shot file says");
@@ -49,7 +49,7 @@ const fn name(matte: &MatteChoice) -> &'static str {
     }
 }
 
-/// What a kind asks for, and what that means.
+/// Returns the names of a kind that requires them, with a hint.
 fn words(matte: &MatteChoice) -> Option<(String, &'static str)> {
     match matte {
         MatteChoice::Usual | MatteChoice::Picture | MatteChoice::Alpha => None,

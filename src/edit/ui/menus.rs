@@ -1,14 +1,14 @@
-//! The bar at the top: menus, the file's name, what goes on.
+//! The menu bar with the file's name and status, and the hint line.
 
 use super::keys::words;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
 
-/// What can be done, in a line.
+/// The default hint: the basic operations in one line.
 const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
                     Wheel: zoom.  Middle button: pan.  F1: keys.";
 
-/// The menus. Gives the actions that were chosen.
+/// Shows the menus; returns the selected actions.
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
     let mut chosen = Vec::new();
     let is_open = session.is_some();
@@ -110,7 +110,7 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
     }
 }
 
-/// What `pinwarp export` writes.
+/// Shows the export formats.
 fn exports(ui: &mut Ui, session: &mut Session) {
     ui.menu_button("Export", |ui| {
         for (format, name) in EXPORTS {
@@ -122,7 +122,7 @@ fn exports(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-/// A reference picture: how it lies over the frame.
+/// Shows the settings of the reference picture.
 fn reference(ui: &mut Ui, session: &mut Session) {
     let Some(reference) = &mut session.reference else { return };
     ui.separator();
@@ -167,7 +167,7 @@ fn theme(ui: &mut Ui) {
     });
 }
 
-/// The file's name in the middle of the bar, and what goes on at its right end.
+/// Shows the file's name in the middle of the bar, and the progress at its right end.
 pub(super) fn state(ui: &mut Ui, session: &Session) {
     let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let sign = if session.document().is_dirty() { "not saved" } else { "" };
@@ -187,7 +187,7 @@ pub(super) fn state(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// The line at the bottom: what the last action says, or what could be done.
+/// Shows the bottom line: the message of the last action, or a hint.
 pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
@@ -199,7 +199,7 @@ pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
                 (None, Some(message)) => RichText::new(message),
                 (None, None) => RichText::new(HINT).weak(),
             };
-            // What does not fit is read on hover.
+            // Truncated text is shown in full as a tooltip.
             let full = words.text().to_owned();
             ui.add(egui::Label::new(words).truncate()).on_hover_text(full);
         });

@@ -1,6 +1,6 @@
 //! The editor's window: thin widgets over a [`Session`](super::Session).
 //!
-//! In: events of the window. Out: calls of the session, shapes to draw. No other module knows the toolkit.
+//! In: window events. Out: calls of the session, and shapes to draw. The only module that depends on the toolkit.
 
 mod accessible;
 mod actions;

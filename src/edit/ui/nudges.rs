@@ -4,7 +4,7 @@ use crate::edit::Session;
 use eframe::egui::{self, Key, Modifiers};
 use glam::DVec2;
 
-/// Arrow keys move what is chosen by a pixel, with Shift by ten; Escape gives up what the pen does.
+/// Handles arrow keys, which move the selection by a pixel, or ten with Shift, and Escape, which cancels the gesture.
 pub(super) fn show(ctx: &egui::Context, session: &mut Session) {
     if ctx.text_edit_focused() {
         return;

@@ -1,22 +1,22 @@
-//! What the editor is told when it starts.
+//! Options of the editor at start-up.
 
 use crate::raster::DeviceChoice;
 use crate::scene::FileAccess;
 use std::path::PathBuf;
 
-/// What the editor is told when it starts.
+/// Options of the editor at start-up.
 #[derive(Clone, Debug)]
 pub struct EditorOptions {
-    /// What draws.
+    /// The rendering device.
     pub device: DeviceChoice,
-    /// What scenes may refer to.
+    /// The files that scenes may refer to.
     pub access: FileAccess,
-    /// Where journals, own keys and unpacked scenes are.
+    /// The folder of journals, the user's key file and unpacked scenes.
     pub folder: PathBuf,
 }
 
 impl EditorOptions {
-    /// With the folder that the system has for a program's state.
+    /// Uses the system's folder for application state.
     #[must_use]
     pub fn new(device: DeviceChoice, access: FileAccess) -> Self {
         let given = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);

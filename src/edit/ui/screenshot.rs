@@ -1,4 +1,4 @@
-//! The editor as a picture, without a window: for scripts, documents and tests.
+//! Renders the editor to a picture, without a window: for scripts, documentation and tests.
 
 use super::editor::Editor;
 use super::options::EditorOptions;
@@ -9,16 +9,16 @@ use eframe::egui::{self, RawInput, Theme, ThemePreference};
 use std::path::Path;
 use std::time::Duration;
 
-/// How long a frame may take.
+/// Timeout of a frame.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// Passes until widgets have their places.
+/// Number of passes until the layout is settled.
 const PASSES: usize = 4;
 
-/// A picture of the editor with a shot open at a frame, as the window would show it once the frame is drawn as it is rendered.
+/// Returns a picture of the editor with a shot open at a frame, as the window would show it once the frame is rendered.
 ///
 /// # Errors
-/// [`EditError`] where the shot cannot be opened or drawn, or the picture cannot be written.
+/// [`EditError`] if the shot cannot be opened or rendered, or the picture cannot be written.
 pub fn screenshot(
     path: &Path,
     frame: Option<i32>,
@@ -43,7 +43,7 @@ pub fn screenshot(
     Ok(write_png(output, &picture)?)
 }
 
-/// The editor, drawn.
+/// Draws the editor.
 fn draw(ctx: &egui::Context, editor: &mut Editor, size: [u32; 2]) -> Preview {
     let mut painter = SoftwarePainter::default();
     let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(size[0] as f32, size[1] as f32));

@@ -1,4 +1,4 @@
-//! Settings of the whole shot: clip, frames, camera, samples, what is hidden.
+//! Settings of the shot: clip, frames, camera, samples, hidden nodes.
 
 use super::accessible::Accessible;
 use crate::edit::Session;
@@ -6,7 +6,7 @@ use crate::shot::edit::Setting;
 use crate::shot::{CameraRule, ClipName};
 use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, Label, ScrollArea, Ui};
 
-/// Views of scenes without a camera of their own.
+/// Views for scenes without a camera.
 const VIEWS: [&str; 7] = ["fit", "front", "three-quarter", "left", "right", "back", "top"];
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {

@@ -1,6 +1,7 @@
-//! Draws the window's shapes without a graphics card: for screenshots by scripts and for tests.
+//! Software rasteriser for the window's shapes: for screenshots by scripts and for tests.
 //!
-//! In: what one pass of the toolkit gives. Out: a [`Preview`]. Textures are sampled linearly, colours blended as the card blends them.
+//! In: the output of one pass of the toolkit. Out: a [`Preview`]. Textures are sampled bilinearly; colours are blended
+//! as on the GPU.
 
 use crate::image::Preview;
 use eframe::egui::epaint::{ImageData, ImageDelta, Mesh, Primitive, Vertex};
@@ -14,14 +15,14 @@ struct Texture {
     pixels: Vec<Color32>,
 }
 
-/// Keeps textures and draws passes.
+/// Stores textures and draws passes.
 #[derive(Clone, Debug, Default)]
 pub struct SoftwarePainter {
     textures: HashMap<TextureId, Texture>,
 }
 
 impl SoftwarePainter {
-    /// Takes new textures over, and lets go of others.
+    /// Applies texture updates and removals.
     pub fn take_textures(&mut self, delta: &mut TexturesDelta) {
         let taken = std::mem::take(delta);
         for (id, deltas) in &taken.set {
@@ -115,7 +116,8 @@ impl Triangle {
         }
     }
 
-    /// Shares of the corners in a point; `None`: it lies outside. Points on an edge belong to one of two neighbours.
+    /// Returns the barycentric weights of a point; `None` if it lies outside. Points on a shared edge belong to one
+    /// triangle.
     fn weights(&self, point: [f32; 2]) -> Option<[f32; 3]> {
         let mut weights = [0.0; 3];
         for (k, weight) in weights.iter_mut().enumerate() {
@@ -141,7 +143,7 @@ fn cross(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
 }
 
 impl Texture {
-    /// Linear, clamped at the edges.
+    /// Samples bilinearly, clamped at the edges.
     fn sample(&self, u: f32, v: f32) -> [f32; 4] {
         let [width, height] = self.size;
         if self.pixels.is_empty() {
@@ -163,7 +165,7 @@ impl Texture {
     }
 }
 
-/// Over, with alpha multiplied in.
+/// Blends a premultiplied colour over a pixel.
 fn blend(pixel: &mut [u8], color: [f32; 4]) {
     let left = 1.0 - color[3] / 255.0;
     for (code, color) in pixel.iter_mut().zip(color) {

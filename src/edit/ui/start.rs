@@ -1,11 +1,11 @@
-//! What is seen before anything is open: what to do, bundled scenes, work that a kill interrupted.
+//! The start screen: how to begin, bundled scenes, and interrupted work to recover.
 
 use super::bundled::BUNDLED;
 use super::theme;
 use crate::edit::Unfinished;
 use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
 
-/// What was clicked.
+/// The clicked entry.
 pub(super) enum Wish {
     Open,
     Bundled(usize),

@@ -1,21 +1,22 @@
-//! Colours and spaces, dark and light. The surroundings of a picture are neutral, so that they do not tint it.
+//! Colours and spacing, dark and light. The surroundings of a picture are neutral, so that they do not tint its
+//! appearance.
 
 use eframe::egui::{self, Color32, CornerRadius, Stroke, Theme, Visuals, vec2};
 
-/// What is chosen, in both themes.
+/// The selection colour, in both themes.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(232, 146, 36);
 
-/// Around the picture.
+/// Returns the colour around the picture.
 pub(super) const fn surroundings(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { Color32::from_gray(38) } else { Color32::from_gray(150) }
 }
 
-/// Behind a picture that is transparent.
+/// Returns the colour behind a transparent picture.
 pub(super) const fn backdrop(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { Color32::from_gray(62) } else { Color32::from_gray(178) }
 }
 
-/// Sets both themes up.
+/// Installs both themes.
 pub(super) fn install(ctx: &egui::Context) {
     ctx.set_visuals_of(Theme::Dark, dark());
     ctx.set_visuals_of(Theme::Light, light());
@@ -70,7 +71,7 @@ fn common(visuals: &mut Visuals) {
     visuals.indent_has_left_vline = false;
 }
 
-/// The colour of a stretch: 1 is blue, 2 and more is red.
+/// Returns the colour of a stretch factor: 1 is blue, 2.5 and above red.
 pub(super) fn heat(stretch: f64) -> Color32 {
     let t = ((stretch - 1.0).clamp(0.0, 1.5) / 1.5) as f32;
     let channel =

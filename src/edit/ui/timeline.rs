@@ -1,4 +1,4 @@
-//! The timeline: transport, ruler, and a row of keys for each pin of the chosen layer, or their curves.
+//! The timeline: transport, ruler, and a row of keys for each pin of the selected layer, or their curves.
 
 use super::curves::CurveView;
 use super::frame_scale::{FrameScale, NAMES, playhead};
@@ -17,21 +17,21 @@ const ROW: f32 = 20.0;
 /// Height of the ruler.
 const RULER: f32 = 24.0;
 
-/// What the timeline remembers between frames of the window.
+/// State of the timeline kept between passes.
 #[derive(Default)]
 pub(super) struct Timeline {
-    /// The pen scrubs.
+    /// Whether the pen is scrubbing.
     scrubs: bool,
-    /// Frame at which a drag of keys began, and how far it is.
+    /// Frame at which a drag of keys began, and its offset in frames.
     moved: Option<(f32, i32)>,
-    /// The pin whose row was brought into view last.
+    /// The pin whose row was scrolled into view last.
     followed: Option<[usize; 2]>,
-    /// Curves are seen instead of rows of keys.
+    /// The curve editor, if shown instead of rows of keys.
     curves: Option<CurveView>,
 }
 
 impl Timeline {
-    /// Shows curves instead of rows, or rows again.
+    /// Toggles between curves and rows.
     pub(super) fn toggle_curves(&mut self) {
         self.curves = if self.curves.is_some() { None } else { Some(CurveView::default()) };
     }
@@ -68,7 +68,7 @@ impl Timeline {
             rect.bottom() - 5.0..=rect.bottom() - 1.0,
         );
         painter.rect_filled(range, 2, if session.playhead.has_range() { ACCENT } else { weak.gamma_multiply(0.4) });
-        // Frames with a picture, so that it is seen what plays at once.
+        // Marks the frames that are cached and thus play immediately.
         for frame in (first..=last).filter(|&frame| session.picture_of(frame).is_some()) {
             let x = scale.x(f64::from(frame));
             let half = (0.5 * scale.per_frame).max(0.5);
@@ -94,7 +94,7 @@ impl Timeline {
     }
 
     fn scrub(&mut self, response: &Response, session: &mut Session, scale: FrameScale) {
-        // A quick click is over before it is seen as held.
+        // A quick click may end before it is reported as held.
         if (response.is_pointer_button_down_on() || response.clicked())
             && let Some(at) = response.interact_pointer_pos()
         {
@@ -215,7 +215,7 @@ impl Timeline {
     }
 }
 
-/// A key: a diamond; one that is held a square, a smooth one round.
+/// Draws a key: a diamond; a square if it holds, a circle if smooth.
 fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
     let size = 5.0;
     match ease {
@@ -228,7 +228,7 @@ fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, at least so many frames.
+/// Returns the smallest step of the ruler that is at least `least` frames.
 fn nice_step(least: f32) -> i32 {
     let steps = [1, 2, 4, 6, 12, 24, 48, 120, 240, 480, 1200, 2400, 4800, 12_000, 48_000, 240_000];
     steps.into_iter().find(|&step| step as f32 >= least).unwrap_or(1_000_000)

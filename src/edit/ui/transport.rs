@@ -1,11 +1,11 @@
-//! The buttons above the timeline: to play, to key, to ease.
+//! The buttons above the timeline: playback, keys, eases.
 
 use super::accessible::Accessible;
 use super::icons::{self, Icon};
 use crate::edit::{AutoKey, EasePreset, Pace, Session};
 use eframe::egui::{ComboBox, DragValue, Ui};
 
-/// Gives whether rows and curves shall change places.
+/// Shows the buttons; returns whether to toggle between rows and curves.
 pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (f64, bool)) -> bool {
     let mut is_changed = false;
     ui.horizontal(|ui| {

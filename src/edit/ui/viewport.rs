@@ -1,4 +1,4 @@
-//! The picture, and the pen over it.
+//! The viewport: the picture, and the pen over it.
 //!
 //! In: a [`Session`]. Out: presses, drags, zooms; textures and shapes.
 
@@ -14,10 +14,10 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How near to a point the pen has to be, points.
+/// Hit distance of the pen in points.
 const REACH: f32 = 10.0;
 
-/// Pictures on the graphics card.
+/// Textures of the displayed pictures.
 #[derive(Default)]
 pub(super) struct Textures {
     seen: BTreeMap<&'static str, (Arc<Picture>, TextureHandle)>,
@@ -59,7 +59,7 @@ impl Textures {
     }
 }
 
-/// Shows the picture, and what the pen does to it.
+/// Shows the picture and handles the pen.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, textures: &mut Textures) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -67,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     let lens = session.zoom.lens(session.shot().size, DVec2::new(rect.width().into(), rect.height().into()));
     session.viewport = lens.viewport;
     if response.has_focus() {
-        // Arrow keys nudge; they do not go to the next widget.
+        // Arrow keys nudge, so they must not move the keyboard focus.
         let own = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, escape: true, tab: false };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
     }
@@ -194,7 +194,7 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     }
 }
 
-/// The reference picture: where it lies, how much of it is seen, whether it lies above.
+/// Returns the reference picture: its rectangle, opacity, and whether it lies above.
 fn reference(
     ctx: &egui::Context,
     (frame, lens): (Rect, Lens),
@@ -212,7 +212,7 @@ fn reference(
     Some((textures.of(ctx, "reference", &picture), place, color, reference.is_above))
 }
 
-/// Neighbouring frames, the farthest first, each with its tint.
+/// Returns the onion skins, the farthest first, each with its tint.
 fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
     let onion = session.shown.onion;
     if onion.count == 0 || session.playhead.is_playing() {
@@ -231,7 +231,7 @@ fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
     found
 }
 
-/// The frame so many steps away, or so many keys.
+/// Returns the frame a number of steps, or of keys, away.
 fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
     if session.shown.onion.every > 0 {
         return Some(here + steps * session.shown.onion.every as i32);
@@ -247,7 +247,7 @@ fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
     }
 }
 
-/// What the picture is, in its corner.
+/// Draws the picture's status in the corner.
 fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
     use crate::edit::Quality;
     let painter = ui.painter_at(rect);
@@ -269,7 +269,7 @@ fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
     painter.galley(place.min, galley, Color32::WHITE);
 }
 
-/// What the right button offers.
+/// Shows the context menu.
 fn menu(response: &egui::Response, session: &mut Session) {
     response.context_menu(|ui| {
         let has_pins = !session.selection.pins.is_empty();

@@ -1,4 +1,4 @@
-//! The real window.
+//! The native window.
 
 use super::editor::Editor;
 use super::options::EditorOptions;
@@ -12,12 +12,12 @@ impl eframe::App for Editor {
     }
 }
 
-/// Opens the window, and a file in it; comes back when it is closed.
+/// Opens the window, and a file in it; returns when it is closed.
 ///
 /// # Errors
-/// [`EditError::NoDisplay`] where there is none; others where the file cannot be opened.
+/// [`EditError::NoDisplay`] if there is no display; others if the file cannot be opened.
 pub fn run(path: Option<&Path>, options: EditorOptions) -> Result<(), EditError> {
-    // What cannot be opened is told where the user is, at the command line.
+    // A file that cannot be opened is reported on the command line, before the window opens.
     let document = path.map(|path| crate::edit::open(path, options.access)).transpose()?;
     let is_told = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !is_told("DISPLAY") && !is_told("WAYLAND_DISPLAY") {

@@ -1,24 +1,24 @@
-//! How large a quick picture may be to be there in time.
+//! Adapts the resolution of draft pictures to a time budget.
 //!
-//! In: how long pictures took. Out: the next one's size, a whole part of the frame's.
+//! In: the drawing times of pictures. Out: the next size, an integer fraction of the frame's.
 
 use crate::space::FrameSize;
 
-/// The smallest picture has this part of the frame's lines.
+/// Largest divisor of the frame's size.
 const MOST_PARTS: u32 = 4;
 
-/// Part of the time that does not depend on pixels, of a picture in full size.
+/// Fraction of a full-size picture's time that does not depend on its pixels.
 const FIXED: f64 = 0.25;
 
-/// Learns how long pictures take.
+/// Estimates how long pictures take.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DraftSize {
-    /// Of a picture in full size, as the last one lets expect; `None`: none was drawn yet.
+    /// Estimated milliseconds of a full-size picture; `None` until one was drawn.
     full_ms: Option<f64>,
 }
 
 impl DraftSize {
-    /// The largest size that is there in time.
+    /// Returns the largest size that meets the budget.
     pub(super) fn within(self, frame: FrameSize, longest_ms: f64) -> FrameSize {
         let parts = match self.full_ms {
             None => 2,
@@ -28,7 +28,7 @@ impl DraftSize {
         FrameSize { width: part(frame.width), height: part(frame.height), ..frame }
     }
 
-    /// A picture of that size took so long.
+    /// Updates the estimate with a measured time.
     pub(super) fn learn(&mut self, frame: FrameSize, size: FrameSize, took_ms: f64) {
         let parts = (f64::from(frame.height) / f64::from(size.height)).round().max(1.0) as u32;
         let full = took_ms / share(parts);
@@ -36,7 +36,7 @@ impl DraftSize {
     }
 }
 
-/// The share of a full picture's time that a smaller one takes.
+/// Returns the fraction of a full-size picture's time that a smaller one takes.
 fn share(parts: u32) -> f64 {
     FIXED + (1.0 - FIXED) / f64::from(parts * parts)
 }

@@ -1,26 +1,27 @@
-//! The solve of layers whose keys follow the pointer: what does not depend on where pins go is done once a drag.
+//! The solve of layers being dragged: everything independent of the pins' targets is computed once per drag.
 //!
-//! In: a prepared shot and the frame, then keys again and again. Out: the frame's [`TimeSample`], those layers solved.
+//! In: a prepared shot and the frame, then changed keys again and again. Out: the frame's [`TimeSample`] with those
+//! layers solved.
 
 use crate::pipeline::{LayerMarks, LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample, resting_marks};
 use crate::shot::{Layer, LayerSpace, PinRegion};
 use crate::solve::Cancel;
 
-/// A frame with layers under the hand.
+/// A frame with layers being dragged.
 pub(super) struct DragSolve {
     frame: i32,
     layers: Vec<usize>,
     sample: TimeSample,
-    /// One a layer of `layers`; `None`: it lies in the scene or out of sight.
+    /// One per layer of `layers`; `None` if it lies in the scene or is not visible.
     solvers: Vec<Option<LayerSolver>>,
-    /// Lattices of layers that nothing moves.
+    /// Marks of layers without displacement.
     resting: Vec<LayerMarks>,
-    /// What a solver holds of the layers.
+    /// The inputs that the solvers were factored with.
     held: Vec<HeldPins>,
 }
 
 impl DragSolve {
-    /// Prepares a drag; the shot's keys are those of its beginning.
+    /// Prepares a drag from the shot's keys at its start.
     pub(super) fn begin(prepared: &PreparedShot, frame: i32, layers: &[usize]) -> Result<Self, PipelineError> {
         let sample = prepared.provisional(frame)?;
         let mut solvers = Vec::new();
@@ -34,16 +35,16 @@ impl DragSolve {
         Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held: held_of(prepared, layers) })
     }
 
-    /// Whether it goes on with that drag.
+    /// Returns whether this drag can be continued with these inputs.
     pub(super) fn fits(&self, prepared: &PreparedShot, frame: i32, layers: &[usize]) -> bool {
         self.frame == frame && self.layers == layers && self.held == held_of(prepared, layers)
     }
 
-    /// Solves the frame with the keys that the shot has now.
+    /// Solves the frame with the shot's current keys.
     pub(super) fn solve(&mut self, prepared: &PreparedShot) -> Result<(), PipelineError> {
         let is_in_scene = |&index: &usize| matches!(prepared.shot.layers[index].space, LayerSpace::World { .. });
         if self.layers.iter().any(is_in_scene) {
-            // Lattices of the scene move what all others lie over.
+            // World-space lattices displace what all other layers lie over.
             self.sample = prepared.provisional(self.frame)?;
             return Ok(());
         }
@@ -56,18 +57,18 @@ impl DragSolve {
         Ok(())
     }
 
-    /// Marks of layers that rest.
+    /// Returns the marks of undisplaced layers.
     pub(super) fn resting(&self) -> &[LayerMarks] {
         &self.resting
     }
 
-    /// The frame as it was solved last.
+    /// Returns the frame as solved last.
     pub(super) const fn sample(&self) -> &TimeSample {
         &self.sample
     }
 }
 
-/// What a factored solver depends on of a layer's pins: what they take along, whether they act; which handles are moved.
+/// The pin properties that a factored solver depends on: regions and mute states; and the number of moved handles.
 #[derive(PartialEq)]
 struct HeldPins {
     pins: Vec<(Option<PinRegion>, bool)>,

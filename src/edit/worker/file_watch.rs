@@ -1,23 +1,23 @@
-//! Whether the files of a shot changed on disk: a look at their times, while there is nothing else to do.
+//! Detects changes of a shot's files on disk, by polling modification times while idle.
 
 use crate::pipeline::OpenShot;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Files and the times at which they were written.
+/// Files and their modification times.
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     shot: PathBuf,
     stamps: Vec<(PathBuf, Option<SystemTime>)>,
 }
 
-/// What changed.
+/// The changed files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Changed {
-    /// The shot file.
+    /// Whether the shot file changed.
     pub(super) shot: bool,
-    /// What it is about: scene, pictures, masks.
+    /// Whether a scene, picture or mask changed.
     pub(super) scene: bool,
 }
 
@@ -33,7 +33,8 @@ impl FileWatch {
         Self { shot: shot.path.clone(), stamps: paths.map(|path| (path.clone(), stamp(path))).collect() }
     }
 
-    /// What changed since the last look. Files that are gone are being written, or will be missed when they are needed.
+    /// Returns what changed since the last call. Missing files are ignored: either they are being written, or using
+    /// them will report the error.
     pub(super) fn look(&mut self) -> Changed {
         let mut changed = Changed::default();
         for (path, known) in &mut self.stamps {

@@ -1,4 +1,4 @@
-//! The window's end of the thread of frames.
+//! The window's handle to the worker thread.
 
 use super::mail::{Inbox, Job, Mail, Question, Reply, Teller};
 use super::studio::Studio;
@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, PoisonError};
 
-/// The window's end of the thread.
+/// The window's handle to the worker thread.
 #[derive(Debug)]
 pub(in crate::edit) struct Worker {
     inbox: Arc<Inbox>,
@@ -16,7 +16,7 @@ pub(in crate::edit) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called whenever there is a reply.
+    /// Starts the thread; `wake` is called for every reply.
     #[must_use]
     pub(in crate::edit) fn start(device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (inbox, (reply, replies)) = (Arc::new(Inbox::default()), channel());
@@ -29,33 +29,33 @@ impl Worker {
         Self { inbox, replies, thread: thread.ok() }
     }
 
-    /// Wants a frame, and no other any more.
+    /// Requests a frame, replacing any earlier request.
     pub(in crate::edit) fn want(&self, job: Job) {
         self.interrupt(|mail| mail.job = Some(job));
     }
 
-    /// Asks something. What is being drawn waits for the answer.
+    /// Asks a question, which interrupts drawing until it is answered.
     pub(in crate::edit) fn ask(&self, question: Question) {
         self.interrupt(|mail| mail.questions.push_back(question));
     }
 
-    /// The files of the shot are read again with the next job.
+    /// Makes the next job read the shot's files again.
     pub(in crate::edit) fn forget(&self) {
         self.interrupt(|mail| mail.is_stale = true);
     }
 
-    /// What came since the last call.
+    /// Returns the replies since the last call.
     pub(in crate::edit) fn replies(&self) -> impl Iterator<Item = Reply> {
         self.replies.try_iter()
     }
 
-    /// Waits for the next reply, so long at most.
+    /// Waits for the next reply until a timeout.
     #[must_use]
     pub(in crate::edit) fn wait(&self, longest: std::time::Duration) -> Option<Reply> {
         self.replies.recv_timeout(longest).ok()
     }
 
-    /// Changes the mail, and ends what was begun before.
+    /// Modifies the mail, and interrupts work in progress.
     fn interrupt(&self, change: impl FnOnce(&mut Mail)) {
         let mut mail = self.inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
         change(&mut mail);

@@ -1,4 +1,4 @@
-//! What goes between the window and the thread of frames.
+//! Messages between the window and the worker thread.
 
 use crate::edit::picture::Picture;
 use crate::pipeline::{FrameReport, LayerMarks, PickedPoint};
@@ -9,106 +9,106 @@ use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex};
 
-/// What is to be seen.
+/// A requested frame.
 #[derive(Clone, Debug)]
 pub(in crate::edit) struct Job {
-    /// The shot, perhaps with keys that are not in the document yet.
+    /// The shot, possibly with keys that are not in the document yet.
     pub shot: Arc<Shot>,
-    /// Change of the document that it is.
+    /// Revision of the document.
     pub revision: u64,
-    /// Which frame.
+    /// Frame number.
     pub frame: i32,
-    /// What for.
+    /// The purpose of the request.
     pub purpose: Purpose,
-    /// Frames that will be wanted after this one, in order.
+    /// Frames to draw afterwards, in order.
     pub next: Vec<i32>,
-    /// The frame without any warp is wanted, too.
+    /// Whether the unwarped frame is requested, too.
     pub with_before: bool,
-    /// The frame was told as it is rendered: a job that was interrupted goes on with the next frames.
+    /// Whether the rendered frame was already sent: an interrupted job then continues with the next frames.
     pub is_shown: bool,
 }
 
-/// What a frame is wanted for.
+/// The purpose of a requested frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::edit) enum Purpose {
-    /// To be looked at: quickly first, then as it is rendered.
+    /// Display: a draft first, then the rendered frame.
     Look,
-    /// It is one of many: quickly.
+    /// Playback: a draft only.
     Play,
-    /// Keys of these layers follow the pointer: marks at once, then a quick picture.
+    /// Drag of these layers: marks at once, then a draft.
     Drag(Vec<usize>),
 }
 
-/// Something asked beside the picture.
+/// A question asked alongside the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::edit) struct Question {
-    /// Comes back with the answer.
+    /// Returned with the answer.
     pub id: u64,
-    /// A point of the model is wanted that is seen there, in the frame of the newest job.
+    /// The screen position at which to pick a point of the model, in the frame of the newest job.
     pub at: ScreenPoint,
 }
 
-/// What the thread has to say.
+/// A reply of the worker thread.
 #[derive(Clone, Debug)]
 pub(in crate::edit) enum Reply {
     /// The shot is loaded.
     Loaded(Arc<Loaded>),
-    /// Marks over a frame, and what its solve says.
+    /// Overlay marks and the solve report of a frame.
     Solved(Arc<SolvedFrame>),
     /// A frame was drawn.
     Drawn(Arc<Picture>),
-    /// A frame was drawn without any warp.
+    /// The unwarped frame was drawn.
     Before(Arc<Picture>),
-    /// The answer to a question; `None`: there is no surface.
+    /// The answer to a question; `None` if there is no surface.
     Picked(u64, Option<PickedPoint>),
-    /// How much of the solve over time is done, 0 to 1.
+    /// Progress of the solve over time, 0 to 1.
     Progress(f64),
-    /// A frame or the shot failed, in words.
+    /// A frame or the shot failed, with a message.
     Failed(String),
-    /// Nothing is left to do.
+    /// There is no work left.
     Idle,
-    /// The shot file was written, perhaps by another program.
+    /// The shot file was written, possibly by another program.
     ShotWritten,
     /// The scene or a picture was written by another program.
     SceneWritten,
 }
 
-/// What is known of a loaded shot.
+/// Information about a loaded shot.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded {
-    /// What was chosen or ignored, in the user's words.
+    /// What was selected automatically or ignored, worded for the user.
     pub notes: Vec<String>,
     /// Names of nodes with meshes, and whether they are hidden.
     pub nodes: Vec<(String, bool)>,
-    /// Names of clips, and how long they are, seconds.
+    /// Names of clips, and their durations in seconds.
     pub clips: Vec<(String, f64)>,
-    /// Names of cameras of the scene.
+    /// Names of the scene's cameras.
     pub cameras: Vec<String>,
-    /// What draws.
+    /// Name of the rendering device.
     pub device: String,
 }
 
 /// A solved frame.
 #[derive(Clone, Debug)]
 pub struct SolvedFrame {
-    /// Number of the frame.
+    /// Frame number.
     pub frame: i32,
-    /// Change of the document.
+    /// Revision of the document.
     pub revision: u64,
-    /// What is drawn over it.
+    /// Its overlay marks.
     pub marks: Vec<LayerMarks>,
-    /// What the solve says.
+    /// The solve report.
     pub report: FrameReport,
-    /// It is what is rendered.
+    /// Whether it is the solve used for rendering.
     pub is_final: bool,
 }
 
-/// What the thread finds when it looks.
+/// The worker thread's inbox.
 #[derive(Debug, Default)]
 pub(super) struct Inbox {
     pub(super) state: Mutex<Mail>,
     pub(super) changed: Condvar,
-    /// Goes up with all mail: what was begun before is no longer wanted, or waits.
+    /// Incremented by every message: work begun before is cancelled or suspended.
     pub(super) newest: AtomicU64,
 }
 
@@ -116,12 +116,12 @@ pub(super) struct Inbox {
 pub(super) struct Mail {
     pub(super) job: Option<Job>,
     pub(super) questions: VecDeque<Question>,
-    /// The files of the shot hold something else now.
+    /// Whether the shot's files changed.
     pub(super) is_stale: bool,
     pub(super) is_over: bool,
 }
 
-/// The thread's end of the replies.
+/// The worker thread's end of the replies.
 pub(super) struct Teller {
     pub(super) reply: Sender<Reply>,
     pub(super) wake: Box<dyn Fn() + Send + Sync>,

@@ -1,7 +1,7 @@
-//! The thread that loads, solves and draws, so that the window never waits.
+//! The worker thread that loads, solves and draws, so that the window never blocks.
 //!
-//! In: [`Job`]s, of which only the newest counts, and [`Question`]s. Out: [`Reply`]s, in the order in which they are known: marks,
-//! a quick picture, the rendered one.
+//! In: [`Job`]s, of which only the newest counts, and [`Question`]s. Out: [`Reply`]s as results become available:
+//! marks, a draft, the rendered picture.
 
 mod draft_size;
 mod drag_solve;

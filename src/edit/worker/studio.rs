@@ -1,6 +1,6 @@
-//! What the thread of frames does with its jobs.
+//! The worker thread's processing of jobs.
 //!
-//! In: an [`Inbox`]. Out: replies through a [`Teller`]. Whatever takes long asks now and then whether there is a newer job.
+//! In: an [`Inbox`]. Out: replies through a [`Teller`]. Long operations poll for a newer job.
 
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
@@ -17,16 +17,16 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A picture under the hand has to be there in this time, solve included.
+/// Time budget of a frame during a drag, solve included, in milliseconds.
 const DRAG_MS: f64 = 22.0;
 
-/// One of a playing shot.
+/// Time budget of a frame during playback, in milliseconds.
 const PLAY_MS: f64 = 30.0;
 
-/// The first one of a frame that is looked at.
+/// Time budget of the first draft of a displayed frame, in milliseconds.
 const LOOK_MS: f64 = 80.0;
 
-/// How long nothing has to come until files are looked at.
+/// Idle time before the files are checked for changes.
 const WATCH: Duration = Duration::from_secs(1);
 
 /// Loads, solves and draws.
@@ -42,11 +42,11 @@ pub(super) struct Studio {
     watch: FileWatch,
 }
 
-/// What one look into the inbox finds.
+/// The next task from the inbox.
 enum Task {
     Job(Job, u64),
     Answer(Question),
-    /// Nothing came for a while.
+    /// Nothing arrived for a while.
     Watch,
     Over,
 }
@@ -66,7 +66,7 @@ impl Studio {
         }
     }
 
-    /// Works until the window goes.
+    /// Processes the inbox until the window closes.
     pub(super) fn run(mut self, inbox: &Inbox, teller: &Teller) {
         loop {
             match next(inbox, &mut self.open) {
@@ -107,7 +107,7 @@ impl Studio {
             Purpose::Look if job.is_shown => {}
             Purpose::Look => job.is_shown = self.look(job, is_stale, teller)?,
         }
-        // What was drawn is off the list, should a question interrupt.
+        // Each frame leaves the list before it is drawn, in case a question interrupts.
         while !is_stale() && !job.next.is_empty() {
             let next = job.next.remove(0);
             self.play_frame(next, job, teller)?;
@@ -115,7 +115,7 @@ impl Studio {
         Ok(())
     }
 
-    /// Brings the loaded shot to what the job says.
+    /// Updates the loaded shot to the job's.
     fn load(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
         let shot = wanted_shot(job);
         let rework = match &mut self.open {
@@ -158,7 +158,7 @@ impl Studio {
         }
     }
 
-    /// Quickly, then as it is rendered. False: something newer came first.
+    /// Draws a draft, then the rendered frame. Returns false if newer mail interrupted it.
     fn look(
         &mut self,
         job: &Job,
@@ -229,7 +229,7 @@ impl Studio {
             None => DragSolve::begin(prepared, job.frame, layers)?,
         };
         if drag.solve(prepared).is_err() {
-            // A rotation that was not held before needs other rows.
+            // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
             drag = DragSolve::begin(prepared, job.frame, layers)?;
             drag.solve(prepared)?;
         }
@@ -262,7 +262,7 @@ impl Studio {
         SolvedFrame { frame: job.frame, revision: job.revision, marks, report, is_final }
     }
 
-    /// A quick picture.
+    /// Draws a draft.
     fn draw(
         &mut self,
         (frame, job): (i32, &Job),
@@ -289,7 +289,8 @@ impl Studio {
     }
 }
 
-/// The shot of a job; layers of the scene under the hand are solved alone, because the whole range takes too long.
+/// Returns the shot of a job; world-space layers being dragged are solved per frame, because the whole range takes too
+/// long.
 fn wanted_shot(job: &Job) -> Shot {
     let mut shot = Shot::clone(&job.shot);
     if let Purpose::Drag(layers) = &job.purpose {
@@ -303,7 +304,7 @@ fn wanted_shot(job: &Job) -> Shot {
     shot
 }
 
-/// A job that a question interrupted goes on after the answer, unless there is another.
+/// Puts back a job that a question interrupted, unless there is a newer one.
 fn put_back(inbox: &Inbox, job: Job) {
     let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
     if mail.job.is_none() {
@@ -311,7 +312,7 @@ fn put_back(inbox: &Inbox, job: Job) {
     }
 }
 
-/// Waits for something to do: questions first, because somebody waits for them with the pen down.
+/// Waits for a task. Questions come first, because the user is waiting with the pen down.
 fn next(inbox: &Inbox, open: &mut Option<OpenShot>) -> Task {
     let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
     loop {

@@ -1,10 +1,10 @@
-//! Handles: opaque pointers that the host owns, one type for each kind of thing behind them.
+//! Handles: opaque pointers owned by the host, with a distinct type for each kind of object.
 //!
-//! In: pointers from the host. Out: pointers to the host; only the host may look behind them.
+//! In: pointers from the host. Out: the same pointers, passed back to the host; the plugin never dereferences them.
 
 use std::ffi::c_void;
 
-/// Declares opaque handles, each a pointer that cannot be mistaken for another kind.
+/// Declares opaque handle types, so that handles of different kinds cannot be mixed up.
 macro_rules! handles {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
         $(#[$doc])*
@@ -13,10 +13,10 @@ macro_rules! handles {
         pub struct $name(pub *mut c_void);
 
         impl $name {
-            /// The handle of nothing.
+            /// The null handle.
             pub const NULL: Self = Self(std::ptr::null_mut());
 
-            /// Whether there is nothing behind the handle.
+            /// Returns whether the handle is null.
             #[must_use]
             pub fn is_null(self) -> bool {
                 self.0.is_null()
@@ -26,20 +26,20 @@ macro_rules! handles {
 }
 
 handles! {
-    /// A set of named properties: of the host, an effect, a clip, an image, a parameter, or the arguments of an action.
+    /// A property set: of the host, an effect, a clip, an image, a parameter, or the arguments of an action.
     PropertySet;
-    /// An effect: its descriptor in the describing actions, an instance in all others.
+    /// An effect: a descriptor in the describe actions, an instance in all others.
     EffectHandle;
     /// A clip of an instance.
     ClipHandle;
-    /// The parameters of an effect.
+    /// The parameter set of an effect.
     ParamSetHandle;
     /// One parameter of an instance.
     ParamHandle;
-    /// Memory from the host's image pool.
+    /// Memory allocated from the host's image pool.
     MemoryHandle;
-    /// An on-screen overlay: its descriptor when described, an instance in all other actions.
+    /// An overlay interact: a descriptor in the describe action, an instance in all others.
     InteractHandle;
-    /// Where the Draw suite draws, valid while the draw action runs.
+    /// The drawing context of the Draw suite, valid during the draw action.
     DrawContextHandle;
 }

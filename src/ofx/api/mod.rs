@@ -1,9 +1,11 @@
-//! The part of the OpenFX C API that this plugin and its test host speak: handles, layouts, names and status values.
+//! The part of the OpenFX C API that this plugin and its test host use: handles, struct layouts, names and status
+//! codes.
 //!
 //! In: nothing. Out: declarations only; no code runs here.
 //!
 //! Written by hand from the OpenFX headers 1.4 and 1.5 (The Open Effects Association and contributors, BSD-3-Clause,
-//! <https://github.com/AcademySoftwareFoundation/openfx>): names, values and layouts are theirs, the words are ours.
+//! <https://github.com/AcademySoftwareFoundation/openfx>): names, values and layouts are theirs, the documentation is
+//! ours.
 
 mod handle;
 pub mod names;

@@ -1,59 +1,60 @@
-//! The two structures by which host and plugin meet, and the plain values they exchange.
+//! The two structures through which host and plugin introduce themselves, and the plain structures they exchange.
 //!
-//! In: nothing. Out: layouts as C compilers on 64-bit systems lay them out, held by asserts.
+//! In: nothing. Out: layouts as C compilers for 64-bit systems produce them, checked by assertions.
 
 use super::{EffectHandle, PropertySet, Status};
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::mem::offset_of;
 
-/// What the host gives to [`Plugin::set_host`]: its properties and the way to its suites.
+/// The structure that the host passes to [`Plugin::set_host`]: its properties and access to its suites.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Host {
-    /// Properties of the host: name, version, abilities.
+    /// Properties of the host: name, version, capabilities.
     pub properties: PropertySet,
-    /// Finds the suite of a name and version; null where the host has none.
+    /// Fetches a suite by name and version; null if the host does not have it.
     pub fetch_suite: Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int) -> *const c_void>,
 }
 
-/// An action: its name, what it is about (null for loading), its arguments and where answers go (either may be null).
+/// The entry point for actions. Arguments: the action's name, its handle (null for load and unload), its in and out
+/// arguments (either may be null).
 pub type EntryPoint = unsafe extern "C" fn(*const c_char, *const c_void, PropertySet, PropertySet) -> Status;
 
-/// What a plugin tells about itself before anything is loaded.
+/// What a plugin declares about itself before any action is called.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Plugin {
-    /// The API it speaks: [`super::names::IMAGE_EFFECT_API`].
+    /// The name of its API: [`super::names::IMAGE_EFFECT_API`].
     pub api: *const c_char,
     /// Version of that API: 1.
     pub api_version: c_int,
-    /// Name under which hosts and their projects know it; never changes.
+    /// The identifier under which hosts and project files refer to it; never changes.
     pub identifier: *const c_char,
-    /// Raised where old projects would look different.
+    /// Major version: raised when existing projects would render differently.
     pub version_major: c_uint,
-    /// Raised where they would not.
+    /// Minor version: raised by compatible changes.
     pub version_minor: c_uint,
-    /// Takes the host; called before any action.
+    /// Receives the host structure; called before any action.
     pub set_host: Option<unsafe extern "C" fn(*const Host)>,
-    /// Takes all actions.
+    /// Receives all actions.
     pub main_entry: Option<EntryPoint>,
 }
 
-/// A rectangle of whole pixels, y up: `x1 <= x < x2`, `y1 <= y < y2`.
+/// A rectangle of integer pixels, y up: `x1 <= x < x2`, `y1 <= y < y2`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct RectI {
-    /// Left column.
+    /// The left column.
     pub x1: c_int,
-    /// Lowest row.
+    /// The bottom row.
     pub y1: c_int,
-    /// Column after the last.
+    /// One past the right column.
     pub x2: c_int,
-    /// Row after the highest.
+    /// One past the top row.
     pub y2: c_int,
 }
 
-/// A rectangle of the canonical plane (y up, square pixels at full size).
+/// A rectangle in canonical coordinates (y up, square pixels at full size).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct RectD {
@@ -67,27 +68,27 @@ pub struct RectD {
     pub y2: f64,
 }
 
-/// A point of the canonical plane.
+/// A point in canonical coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct PointD {
-    /// To the right.
+    /// The x coordinate, to the right.
     pub x: f64,
-    /// Upwards.
+    /// The y coordinate, upwards.
     pub y: f64,
 }
 
-/// A stretch of time or of numbers.
+/// A range of times or values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct RangeD {
-    /// Where it begins.
+    /// The lower end.
     pub min: f64,
-    /// Where it ends.
+    /// The upper end.
     pub max: f64,
 }
 
-/// A colour of the Draw suite, 0 to 1.
+/// A colour of the Draw suite, each component 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct RgbaColour {

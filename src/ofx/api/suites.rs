@@ -1,8 +1,8 @@
-//! Suites: tables of the host's functions. Any entry may be missing, so each is an `Option`.
+//! Suites: tables of the host's functions. Any entry may be null, so each is an `Option`.
 //!
-//! In: nothing. Out: layouts with their offsets asserted.
+//! In: nothing. Out: layouts with asserted offsets.
 //!
-//! Functions that take "..." are variadic in C and must be called as such: their arguments follow C's promotions.
+//! Functions declared with `...` are variadic in C and must be called as such: their arguments are promoted as in C.
 
 use super::{
     ClipHandle, DrawContextHandle, EffectHandle, InteractHandle, MemoryHandle, ParamHandle, ParamSetHandle, PointD,
@@ -11,15 +11,15 @@ use super::{
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::mem::offset_of;
 
-/// Sets one value: the set, the property's name, the index of the value, the value.
+/// Sets one value. Arguments: property set, name, index, value.
 type SetOne<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, T) -> Status>;
-/// Sets the first values: the set, the name, how many, where they lie.
+/// Sets the first values. Arguments: property set, name, count, array of values.
 type SetMany<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, *const T) -> Status>;
-/// Reads one value: the set, the name, the index, where the value goes.
+/// Reads one value. Arguments: property set, name, index, where to write the value.
 type GetOne<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, *mut T) -> Status>;
 
-/// Properties: named lists of pointers, strings, doubles or ints. Strings that are read belong to the host and last
-/// until its next call.
+/// The Property suite: named arrays of pointers, strings, doubles or ints. Strings that are read belong to the host and
+/// are valid until its next call.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct PropertySuiteV1 {
@@ -47,7 +47,7 @@ pub struct PropertySuiteV1 {
     pub get_double: GetOne<f64>,
     /// Reads one int.
     pub get_int: GetOne<c_int>,
-    /// Reads the first pointers: how many, where they go.
+    /// Reads the first pointers: count, where to write them.
     pub get_pointer_n: GetOne<*mut c_void>,
     /// Reads the first strings.
     pub get_string_n: GetOne<*mut c_char>,
@@ -55,59 +55,60 @@ pub struct PropertySuiteV1 {
     pub get_double_n: GetOne<f64>,
     /// Reads the first ints.
     pub get_int_n: GetOne<c_int>,
-    /// Brings a property back to its default.
+    /// Resets a property to its default.
     pub reset: Option<unsafe extern "C" fn(PropertySet, *const c_char) -> Status>,
-    /// Reads how many values a property has.
+    /// Reads the number of values of a property.
     pub get_dimension: Option<unsafe extern "C" fn(PropertySet, *const c_char, *mut c_int) -> Status>,
 }
 
-/// Effects, their clips and images.
+/// The Image Effect suite: effects, their clips and images.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct ImageEffectSuiteV1 {
-    /// Properties of an effect.
+    /// Gets the properties of an effect.
     pub get_property_set: Option<unsafe extern "C" fn(EffectHandle, *mut PropertySet) -> Status>,
-    /// Parameters of an effect.
+    /// Gets the parameter set of an effect.
     pub get_param_set: Option<unsafe extern "C" fn(EffectHandle, *mut ParamSetHandle) -> Status>,
-    /// Declares a clip while a context is described; gives the clip's properties.
+    /// Declares a clip while a context is described; returns the clip's properties.
     pub clip_define: Option<unsafe extern "C" fn(EffectHandle, *const c_char, *mut PropertySet) -> Status>,
-    /// The clip of a name; the last place, for its properties, may be null.
+    /// Gets a clip by name; the last argument, for its properties, may be null.
     pub clip_get_handle:
         Option<unsafe extern "C" fn(EffectHandle, *const c_char, *mut ClipHandle, *mut PropertySet) -> Status>,
-    /// Properties of a clip.
+    /// Gets the properties of a clip.
     pub clip_get_property_set: Option<unsafe extern "C" fn(ClipHandle, *mut PropertySet) -> Status>,
-    /// The image of a clip at a time; the region (canonical) may be null. `FAILED`: there is none, take transparent black.
+    /// Gets a clip's image at a time; the region (canonical) may be null. `FAILED`: no image, treat as transparent
+    /// black.
     pub clip_get_image: Option<unsafe extern "C" fn(ClipHandle, f64, *const RectD, *mut PropertySet) -> Status>,
-    /// Gives an image back.
+    /// Releases an image.
     pub clip_release_image: Option<unsafe extern "C" fn(PropertySet) -> Status>,
-    /// The region of definition of a clip at a time, canonical.
+    /// Gets a clip's region of definition at a time, canonical.
     pub clip_get_region_of_definition: Option<unsafe extern "C" fn(ClipHandle, f64, *mut RectD) -> Status>,
-    /// 1 where the host no longer wants the result.
+    /// Returns 1 if the host no longer needs the result.
     pub abort: Option<unsafe extern "C" fn(EffectHandle) -> c_int>,
-    /// Takes memory from the host's image pool.
+    /// Allocates memory from the host's image pool.
     pub image_memory_alloc: Option<unsafe extern "C" fn(EffectHandle, usize, *mut MemoryHandle) -> Status>,
-    /// Gives it back.
+    /// Frees that memory.
     pub image_memory_free: Option<unsafe extern "C" fn(MemoryHandle) -> Status>,
-    /// Pins it to an address.
+    /// Locks the memory to a fixed address.
     pub image_memory_lock: Option<unsafe extern "C" fn(MemoryHandle, *mut *mut c_void) -> Status>,
-    /// Lets it move again.
+    /// Unlocks the memory.
     pub image_memory_unlock: Option<unsafe extern "C" fn(MemoryHandle) -> Status>,
 }
 
-/// Parameters: declaring, reading, writing, keys, undo blocks.
+/// The Parameter suite: declaring, reading and writing parameters, keys, undo blocks.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct ParameterSuiteV1 {
-    /// Declares a parameter: set, type, name; gives its properties.
+    /// Declares a parameter: parameter set, type, name; returns its properties.
     pub define: Option<unsafe extern "C" fn(ParamSetHandle, *const c_char, *const c_char, *mut PropertySet) -> Status>,
-    /// The parameter of a name; the last place, for its properties, may be null.
+    /// Gets a parameter by name; the last argument, for its properties, may be null.
     pub get_handle:
         Option<unsafe extern "C" fn(ParamSetHandle, *const c_char, *mut ParamHandle, *mut PropertySet) -> Status>,
-    /// Properties of a set of parameters.
+    /// Gets the properties of a parameter set.
     pub set_get_property_set: Option<unsafe extern "C" fn(ParamSetHandle, *mut PropertySet) -> Status>,
-    /// Properties of a parameter.
+    /// Gets the properties of a parameter.
     pub get_property_set: Option<unsafe extern "C" fn(ParamHandle, *mut PropertySet) -> Status>,
-    /// Reads the value now: a pointer for each dimension.
+    /// Reads the current value; one pointer per dimension.
     pub get_value: Option<unsafe extern "C" fn(ParamHandle, ...) -> Status>,
     /// Reads the value at a time.
     pub get_value_at_time: Option<unsafe extern "C" fn(ParamHandle, f64, ...) -> Status>,
@@ -115,33 +116,33 @@ pub struct ParameterSuiteV1 {
     pub get_derivative: Option<unsafe extern "C" fn(ParamHandle, f64, ...) -> Status>,
     /// Reads the integral between two times.
     pub get_integral: Option<unsafe extern "C" fn(ParamHandle, f64, f64, ...) -> Status>,
-    /// Sets the value now: a value for each dimension.
+    /// Sets the current value; one value per dimension.
     pub set_value: Option<unsafe extern "C" fn(ParamHandle, ...) -> Status>,
-    /// Sets a key.
+    /// Sets a key at a time.
     pub set_value_at_time: Option<unsafe extern "C" fn(ParamHandle, f64, ...) -> Status>,
-    /// Reads how many keys there are.
+    /// Reads the number of keys.
     pub get_num_keys: Option<unsafe extern "C" fn(ParamHandle, *mut c_uint) -> Status>,
     /// Reads the time of the nth key.
     pub get_key_time: Option<unsafe extern "C" fn(ParamHandle, c_uint, *mut f64) -> Status>,
-    /// Finds a key at, before (< 0) or after (> 0) a time; -1: none.
+    /// Finds the key at, before (< 0) or after (> 0) a time; -1: there is none.
     pub get_key_index: Option<unsafe extern "C" fn(ParamHandle, f64, c_int, *mut c_int) -> Status>,
-    /// Removes the key at a time.
+    /// Deletes the key at a time.
     pub delete_key: Option<unsafe extern "C" fn(ParamHandle, f64) -> Status>,
-    /// Removes all keys.
+    /// Deletes all keys.
     pub delete_all_keys: Option<unsafe extern "C" fn(ParamHandle) -> Status>,
-    /// Copies one parameter (the second) to another, with its keys.
+    /// Copies the second parameter to the first, keys included.
     pub copy: Option<unsafe extern "C" fn(ParamHandle, ParamHandle, f64, *const RangeD) -> Status>,
-    /// Begins a change that is undone in one step.
+    /// Begins an undo block.
     pub edit_begin: Option<unsafe extern "C" fn(ParamSetHandle, *const c_char) -> Status>,
-    /// Ends it.
+    /// Ends an undo block.
     pub edit_end: Option<unsafe extern "C" fn(ParamSetHandle) -> Status>,
 }
 
-/// A message: effect (may be null), kind, id (may be null), format as of `printf`, its arguments.
+/// A message function. Arguments: effect (may be null), type, id (may be null), `printf` format, its arguments.
 pub type Message =
     Option<unsafe extern "C" fn(*mut c_void, *const c_char, *const c_char, *const c_char, ...) -> Status>;
 
-/// Words for the user.
+/// The Message suite, version 1.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct MessageSuiteV1 {
@@ -149,55 +150,56 @@ pub struct MessageSuiteV1 {
     pub message: Message,
 }
 
-/// Words for the user, and such as stay at the effect until they are cleared. Some hosts end the program when asked for it.
+/// The Message suite, version 2: adds persistent messages, which stay at the effect until cleared. Some hosts end the
+/// process when it is requested.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct MessageSuiteV2 {
     /// Shows a message.
     pub message: Message,
-    /// Leaves a message at an instance.
+    /// Sets a persistent message at an instance.
     pub set_persistent_message: Message,
-    /// Removes it.
+    /// Clears the persistent message.
     pub clear_persistent_message: Option<unsafe extern "C" fn(*mut c_void) -> Status>,
 }
 
-/// Memory of the host.
+/// The Memory suite.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct MemorySuiteV1 {
-    /// Takes memory: effect (may be null), bytes, where the address goes.
+    /// Allocates memory. Arguments: effect (may be null), bytes, where to write the address.
     pub alloc: Option<unsafe extern "C" fn(*mut c_void, usize, *mut *mut c_void) -> Status>,
-    /// Gives it back.
+    /// Frees memory.
     pub free: Option<unsafe extern "C" fn(*mut c_void) -> Status>,
 }
 
-/// Overlays.
+/// The Interact suite.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct InteractSuiteV1 {
     /// Swaps the OpenGL buffers (custom parameter widgets only).
     pub swap_buffers: Option<unsafe extern "C" fn(InteractHandle) -> Status>,
-    /// Asks for a draw action.
+    /// Requests a redraw.
     pub redraw: Option<unsafe extern "C" fn(InteractHandle) -> Status>,
-    /// Properties of an overlay.
+    /// Gets the properties of an overlay.
     pub get_property_set: Option<unsafe extern "C" fn(InteractHandle, *mut PropertySet) -> Status>,
 }
 
-/// Drawing without OpenGL (API 1.5).
+/// The Draw suite: drawing without OpenGL (API 1.5).
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct DrawSuiteV1 {
-    /// Reads a colour of the host's own (see [`super::names::draw`]).
+    /// Gets one of the host's standard colours (see [`super::names::draw`]).
     pub get_colour: Option<unsafe extern "C" fn(DrawContextHandle, c_int, *mut RgbaColour) -> Status>,
-    /// Sets the colour of what follows.
+    /// Sets the current colour.
     pub set_colour: Option<unsafe extern "C" fn(DrawContextHandle, *const RgbaColour) -> Status>,
-    /// Sets the width of lines in pixels of the screen; 0: as thin as they come.
+    /// Sets the line width in screen pixels; 0: the thinnest possible.
     pub set_line_width: Option<unsafe extern "C" fn(DrawContextHandle, f32) -> Status>,
-    /// Sets the dashing of lines.
+    /// Sets the line stipple.
     pub set_line_stipple: Option<unsafe extern "C" fn(DrawContextHandle, c_int) -> Status>,
-    /// Draws a figure: its kind, its points (canonical), how many.
+    /// Draws a primitive. Arguments: its kind, its points (canonical), their number.
     pub draw: Option<unsafe extern "C" fn(DrawContextHandle, c_int, *const PointD, c_int) -> Status>,
-    /// Draws text at a point, aligned.
+    /// Draws text at a point, with an alignment.
     pub draw_text: Option<unsafe extern "C" fn(DrawContextHandle, *const c_char, *const PointD, c_int) -> Status>,
 }
 

@@ -1,22 +1,23 @@
-//! What a shared library shows and needs, read from its ELF file ("System V Application Binary Interface", chapters 4, 5).
+//! The exports and dependencies of a shared library, read from its ELF file ("System V Application Binary Interface",
+//! chapters 4, 5).
 //!
 //! In: the bytes of a 64-bit little-endian file. Out: names of its exports, libraries and symbol versions, sorted.
 
-/// Types of sections.
+/// Section types.
 const DYNAMIC: u32 = 6;
 const DYNSYM: u32 = 11;
 const VERSIONS_NEEDED: u32 = 0x6fff_fffe;
-/// Tag of a dynamic entry: a library that is needed.
+/// Dynamic tag: a needed library.
 const NEEDED: u64 = 1;
 
-/// A library, from outside.
+/// The external interface of a shared library.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elf {
-    /// Symbols that others can find.
+    /// Exported symbols.
     pub(crate) exports: Vec<String>,
     /// Libraries it needs.
     pub(crate) needs: Vec<String>,
-    /// Versions of symbols it needs: `GLIBC_2.17`.
+    /// Symbol versions it needs, such as `GLIBC_2.17`.
     pub(crate) versions: Vec<String>,
 }
 
@@ -26,11 +27,11 @@ struct Section {
     kind: u32,
     start: usize,
     length: usize,
-    /// The section with its names.
+    /// Index of the section that holds its names.
     link: usize,
 }
 
-/// A file, read without going beyond its end.
+/// A file with bounds-checked reads.
 #[derive(Clone, Copy)]
 struct Bytes<'a>(&'a [u8]);
 
@@ -65,7 +66,7 @@ impl Bytes<'_> {
 }
 
 impl Elf {
-    /// Reads a file; `None`: it is none, or damaged.
+    /// Parses a file; `None` if it is not an ELF file or is damaged.
     pub(crate) fn parse(file: &[u8]) -> Option<Self> {
         let is_ours = file.starts_with(b"\x7fELF\x02\x01");
         let bytes = Bytes(file);
@@ -84,19 +85,19 @@ impl Elf {
         Some(elf)
     }
 
-    /// The newest version of glibc that is needed.
+    /// Returns the newest glibc version that is needed.
     pub(crate) fn newest_glibc(&self) -> Option<[u32; 2]> {
         self.versions.iter().filter_map(|name| version(name.strip_prefix("GLIBC_")?)).max()
     }
 }
 
-/// `2.28` as numbers; a third one is dropped.
+/// Parses a version such as `2.28`; a third component is dropped.
 pub(crate) fn version(text: &str) -> Option<[u32; 2]> {
     let mut parts = text.split('.').map(str::parse);
     Some([parts.next()?.ok()?, parts.next()?.ok()?])
 }
 
-/// Symbols with a place in this file that are not local.
+/// Returns the defined symbols that are not local.
 fn exports(bytes: Bytes, section: Section, names: usize) -> Option<Vec<String>> {
     let symbols = (0..section.length / 24).map(|index| section.start + 24 * index);
     let shown = symbols.filter(|at| {
@@ -112,7 +113,7 @@ fn needs(bytes: Bytes, section: Section, names: usize) -> Option<Vec<String>> {
     needed.map(|at| bytes.text(names.checked_add(bytes.place(at + 8)?)?)).collect()
 }
 
-/// For each library a record of versions, chained by offsets.
+/// Returns the needed versions: one record per library, linked by offsets.
 fn versions(bytes: Bytes, section: Section, names: usize) -> Option<Vec<String>> {
     let mut found = Vec::new();
     let mut library = section.start;

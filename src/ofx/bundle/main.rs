@@ -1,8 +1,9 @@
-//! Makes `PinWarp.ofx.bundle`, the folder that OpenFX hosts load, and checks what it puts there:
-//! `cargo run --release --example make_bundle -- -o FOLDER [--target TRIPLE[.GLIBC]]`
+//! Builds `PinWarp.ofx.bundle`, the folder that OpenFX hosts load, and checks its contents: `cargo run --release
+//! --example make_bundle -- -o FOLDER [--target TRIPLE[.GLIBC]]`
 //!
-//! In: this package's sources. Out: a bundle in FOLDER; other systems' libraries in it stay. A target with a version of glibc
-//! (`x86_64-unknown-linux-gnu.2.28`, that of Rocky Linux 8) is built by `cargo-zigbuild`, to run on older systems.
+//! In: this package's sources. Out: a bundle in FOLDER; libraries for other systems already in it are kept. A target
+//! with a glibc version (`x86_64-unknown-linux-gnu.2.28`, that of Rocky Linux 8) is built by `cargo-zigbuild`, to run
+//! on older systems.
 
 mod elf;
 
@@ -11,22 +12,22 @@ use elf::Elf;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What hosts look up, and all that the library may show.
+/// The symbols that hosts look up; the library may export no others.
 const EXPORTS: [&str; 3] = ["OfxGetNumberOfPlugins", "OfxGetPlugin", "OfxSetHost"];
-/// Libraries that every Linux with glibc has.
+/// Libraries present on every Linux with glibc.
 const SYSTEM: [&str; 7] =
     ["ld-linux-x86-64.so.2", "libc.so.6", "libdl.so.2", "libgcc_s.so.1", "libm.so.6", "libpthread.so.0", "librt.so.1"];
 
-/// A system: the name of its folder in the bundle, and of Rust's library for it.
+/// A platform: the name of its folder in the bundle, and the file name of Rust's library for it.
 type Place = (&'static str, &'static str);
 
-/// What is asked for.
+/// The command-line options.
 struct Options {
-    /// Where the bundle goes.
+    /// The folder to write the bundle to.
     folder: PathBuf,
-    /// Rust's triple; empty: this machine.
+    /// Rust's target triple; empty: this machine.
     triple: String,
-    /// Newest version of glibc that may be needed.
+    /// Newest glibc version that the library may need.
     glibc: Option<[u32; 2]>,
 }
 
@@ -45,14 +46,14 @@ impl Options {
     }
 }
 
-/// Splits `x86_64-unknown-linux-gnu.2.28` into triple and version.
+/// Splits `x86_64-unknown-linux-gnu.2.28` into triple and glibc version.
 fn target(value: &str) -> anyhow::Result<(String, Option<[u32; 2]>)> {
     let Some((triple, version)) = value.split_once('.') else { return Ok((value.to_owned(), None)) };
     let glibc = elf::version(version).with_context(|| format!("{version} is no version of glibc, as 2.28 is"))?;
     Ok((triple.to_owned(), Some(glibc)))
 }
 
-/// Where hosts of a system look, by its triple.
+/// Returns the platform of a target triple.
 fn place(triple: &str) -> anyhow::Result<Place> {
     let named = if triple.is_empty() {
         format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS)
@@ -71,7 +72,7 @@ fn place(triple: &str) -> anyhow::Result<Place> {
     })
 }
 
-/// Builds the library; where it lies.
+/// Builds the library; returns its path.
 fn build(options: &Options, library: &str) -> anyhow::Result<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
@@ -95,7 +96,7 @@ fn build(options: &Options, library: &str) -> anyhow::Result<PathBuf> {
     Ok(target.join(&options.triple).join("release").join(library))
 }
 
-/// Folders of this machine that compilers write into libraries, longest first, and what is written instead.
+/// Returns this machine's folders that compilers embed in libraries, longest first, with their replacements.
 fn build_folders(root: &Path) -> Vec<(PathBuf, &'static str)> {
     let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
     let of = |name: &str, folder: &str| {
@@ -111,11 +112,12 @@ fn build_folders(root: &Path) -> Vec<(PathBuf, &'static str)> {
     let mut folders: Vec<_> =
         folders.into_iter().filter_map(|(folder, name)| Some((folder.filter(is_long)?, name))).collect();
     folders.sort_by_key(|(folder, _)| folder.as_os_str().len());
-    // Of several prefixes that fit, the compiler takes the one given last.
+    // Of several matching prefixes, the compiler uses the one given last.
     folders
 }
 
-/// The flags of the compiler: those that are set, and, unless they have some, other names for folders. Parted by the character that Cargo wants.
+/// Returns the compiler flags: those already set, plus path remappings unless there are some. Separated as Cargo
+/// expects.
 fn flags(folders: &[(PathBuf, &str)]) -> String {
     let encoded = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok();
     let plain =
@@ -124,7 +126,7 @@ fn flags(folders: &[(PathBuf, &str)]) -> String {
     joined(own, folders)
 }
 
-/// Flags that give folders other names already stay as they are: whatever was built with them is not built again.
+/// Flags that already remap paths are left alone, so that nothing built with them is rebuilt.
 fn joined(own: Option<String>, folders: &[(PathBuf, &str)]) -> String {
     if let Some(own) = own.as_ref().filter(|own| own.contains(REMAP)) {
         return own.clone();
@@ -133,13 +135,13 @@ fn joined(own: Option<String>, folders: &[(PathBuf, &str)]) -> String {
     own.into_iter().chain(folders.iter().map(remap)).collect::<Vec<_>>().join(SPLIT)
 }
 
-/// The compiler's option for other names of folders.
+/// The compiler's option that remaps path prefixes.
 const REMAP: &str = "--remap-path-prefix";
 
-/// Parts flags in `CARGO_ENCODED_RUSTFLAGS`.
+/// Separator of flags in `CARGO_ENCODED_RUSTFLAGS`.
 const SPLIT: &str = "\u{1f}";
 
-/// Folders of this machine that a library names.
+/// Returns this machine's folders whose paths occur in a library.
 fn named_folders(bytes: &[u8], folders: &[(PathBuf, &'static str)]) -> Vec<String> {
     let names = |folder: &Path| {
         let name = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
@@ -149,7 +151,7 @@ fn named_folders(bytes: &[u8], folders: &[(PathBuf, &'static str)]) -> Vec<Strin
     named.map(|(folder, _)| format!("it names {}, a folder of this machine", folder.display())).collect()
 }
 
-/// Everything that would keep the library from loading elsewhere.
+/// Returns every reason why the library would not load on another machine.
 fn faults(library: &Elf, glibc: Option<[u32; 2]>) -> Vec<String> {
     let mut faults = Vec::new();
     if library.exports.iter().map(String::as_str).ne(EXPORTS) {
@@ -165,7 +167,7 @@ fn faults(library: &Elf, glibc: Option<[u32; 2]>) -> Vec<String> {
     faults
 }
 
-/// What macOS, and openfx-runner, want to know about a bundle.
+/// Returns the `Info.plist` that macOS and openfx-runner require.
 fn info() -> String {
     let entry = |key: &str, value: &str| format!("  <key>{key}</key>\n  <string>{value}</string>\n");
     let entries = [

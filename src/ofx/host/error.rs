@@ -1,24 +1,24 @@
-//! What a host lacks, or gives in a way that cannot be used.
+//! Errors caused by the host: missing features and unusable data.
 //!
-//! In: the cause. Out: words for the user.
+//! In: the cause. Out: a message for the user.
 
 use thiserror::Error;
 
-/// Something that the host should have given.
+/// A feature or datum that the host failed to provide.
 #[derive(Debug, Error)]
 pub(in crate::ofx) enum HostError {
-    /// The host never introduced itself, or lacks a suite that every host has to offer.
+    /// The host never called `setHost`, or lacks a mandatory suite.
     #[error("the host offers no {0}; pinwarp needs it")]
     MissingSuite(&'static str),
-    /// A handle that should be there is not.
+    /// A handle is missing.
     #[error("the host gave no {0}")]
     Missing(&'static str),
-    /// An image that cannot be read or written.
+    /// An image cannot be read or written.
     #[error("{clip}: {what}")]
     Image {
-        /// The clip.
+        /// The clip's name.
         clip: String,
-        /// What is wrong with its image, and what would be right.
+        /// The problem with its image, and what is supported.
         what: String,
     },
 }

@@ -1,32 +1,32 @@
-//! The border to C: no panic crosses it.
+//! The FFI boundary: no panic crosses it.
 //!
-//! In: work, and names from C. Out: a status each time, and the words of a panic.
+//! In: closures, and names from C. Out: a status for each, and panic messages.
 
 use crate::ofx::api::Status;
 use std::any::Any;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs `work`; a panic, which must not reach C, becomes a failure.
+/// Runs `work`, turning a panic, which must not unwind into C, into a failure status.
 pub(in crate::ofx) fn guarded(work: impl FnOnce() -> Status) -> Status {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(Status::FAILED)
 }
 
-/// Runs `work`; a panic becomes its words.
+/// Runs `work`, turning a panic into its message.
 pub(in crate::ofx) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| words(&*panic))
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 fn words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it did not say why").to_owned()
 }
 
-/// The name of an action; `None`: null.
+/// Returns the name of an action; `None` if null.
 ///
 /// # Safety
-/// `name` is null or ends with zero, and lasts for `'a`.
+/// `name` is null or a NUL-terminated string that is valid for `'a`.
 pub(in crate::ofx) unsafe fn action_name<'a>(name: *const c_char) -> Option<&'a CStr> {
     // SAFETY: not null; the rest is the caller's promise.
     (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) })

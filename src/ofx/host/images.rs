@@ -1,7 +1,7 @@
-//! Images of the host: any depth, components and row order, to planes of floats and back.
+//! Conversion of the host's images, of any bit depth, components and row order, to and from planes of floats.
 //!
-//! In: a clip and a time. Out: an [`Image`], given back to the host when dropped. Planes have their rows from the top;
-//! rows of OpenFX come from below, upside down where the host's row bytes are negative.
+//! In: a clip and a time. Out: an [`Image`], released to the host when dropped. The rows of planes run from top to
+//! bottom; those of OpenFX images from bottom to top, or the reverse if the host's row bytes are negative.
 
 use super::effect::Clip;
 use super::error::HostError;
@@ -13,7 +13,7 @@ use half::f16;
 use rayon::prelude::*;
 use std::ffi::CStr;
 
-/// How a value is stored.
+/// The storage format of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::ofx) enum Depth {
     Byte,
@@ -32,42 +32,42 @@ impl Depth {
     }
 }
 
-/// Rows that a window covers.
+/// The rows of a window to render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::ofx) enum Rows {
-    /// All.
+    /// All rows.
     All,
-    /// 0, 2, 4: the lower field.
+    /// Rows 0, 2, 4: the lower field.
     Even,
-    /// 1, 3, 5: the upper field.
+    /// Rows 1, 3, 5: the upper field.
     Odd,
 }
 
-/// An image, until it is dropped.
+/// An image of the host, released when dropped.
 pub(in crate::ofx) struct Image<'a> {
     suites: &'a Suites,
     set: PropertySet,
     memory: Memory,
-    /// Its pixels: left column, lowest row, and those after the last.
+    /// Its pixels: left column, bottom row, and one past the right column and top row.
     pub(in crate::ofx) bounds: [i32; 4],
     pub(in crate::ofx) depth: Depth,
-    /// 4: RGBA, 3: RGB, 1: alpha.
+    /// Components per pixel. 4: RGBA, 3: RGB, 1: alpha.
     pub(in crate::ofx) channels: usize,
-    /// Pixels per pixel of the full size, as the image itself has it; `None`: it does not say.
+    /// Pixels per pixel of the full size, as stated by the image itself; `None` if it does not state it.
     pub(in crate::ofx) scale: Option<[f64; 2]>,
-    /// Colour is not multiplied by alpha.
+    /// Whether colour is straight, not premultiplied.
     pub(in crate::ofx) is_straight: bool,
 }
 
-/// Where the rows lie.
+/// The memory layout of the rows.
 struct Memory {
     data: *mut u8,
     row_bytes: isize,
-    /// Lowest row, and the row after the highest.
+    /// The bottom row, and one past the top row.
     rows: [i32; 2],
 }
 
-/// Where pixels of an image go. Threads may write windows that do not overlap at the same time.
+/// Where pixels of an image are written. Threads may write windows that do not overlap concurrently.
 #[derive(Clone, Copy)]
 pub(in crate::ofx) struct Target<'a> {
     memory: &'a Memory,
@@ -77,17 +77,17 @@ pub(in crate::ofx) struct Target<'a> {
     rows: Rows,
 }
 
-// SAFETY: the host leaves the image's memory to this render until the image is given back.
+// SAFETY: the host leaves the image's memory to this render until the image is released.
 unsafe impl Send for Memory {}
-// SAFETY: as above; rows are written by one thread each.
+// SAFETY: as above; each row is written by one thread only.
 unsafe impl Sync for Memory {}
 
 impl Memory {
-    /// Where a row starts.
+    /// Returns the address of a row.
     fn start(&self, y: i32) -> *mut u8 {
         assert!((self.rows[0]..self.rows[1]).contains(&y), "rows outside the image are not asked for");
         let offset = (y - self.rows[0]) as isize * self.row_bytes;
-        // SAFETY: the host's rows lie that many bytes apart.
+        // SAFETY: the host's rows are that many bytes apart.
         unsafe { self.data.offset(offset) }
     }
 }
@@ -95,18 +95,18 @@ impl Memory {
 impl Drop for Image<'_> {
     fn drop(&mut self) {
         if let Some(release) = self.suites.effect.clip_release_image {
-            // SAFETY: the host's function with the image that it gave, once.
+            // SAFETY: the host's function with the image that it provided, called once.
             let _gone_anyway = unsafe { release(self.set) };
         }
     }
 }
 
 impl<'a> Clip<'a> {
-    /// The image at a time; `None`: the clip has none there.
+    /// Returns the clip's image at a time; `None` if it has none.
     pub(in crate::ofx) fn image(self, time: f64) -> Result<Option<Image<'a>>, HostError> {
         let mut set = PropertySet::NULL;
         let Some(get) = self.suites.effect.clip_get_image else { return Ok(None) };
-        // SAFETY: the host's function with its own handle; the region may be null, the place outlives the call.
+        // SAFETY: the host's function with its own handle; the region may be null, the out pointer outlives the call.
         let status = unsafe { get(self.handle, time, std::ptr::null(), &raw mut set) };
         if !status.is_ok() || set.is_null() {
             return Ok(None);
@@ -144,7 +144,7 @@ impl<'a> Image<'a> {
                 _ => 4,
             },
             scale: props.doubles(image::RENDER_SCALE).filter(|scale: &[f64; 2]| scale.iter().all(|side| *side > 0.0)),
-            // pyofx calls it "OfxImageUnPreMultiplied".
+            // pyofx spells it "OfxImageUnPreMultiplied".
             is_straight: told(image::PREMULTIPLICATION).to_ascii_lowercase().ends_with("unpremultiplied"),
         };
         let is_known = |told: &str, names: &[&CStr]| {
@@ -175,12 +175,13 @@ impl<'a> Image<'a> {
         self.channels * self.depth.bytes()
     }
 
-    /// Number of pixels within the bounds.
+    /// Returns the number of pixels within the bounds.
     pub(in crate::ofx) fn area(&self) -> usize {
         self.width() * (self.bounds[3] - self.bounds[1]) as usize
     }
 
-    /// Reads all pixels of the bounds into planes of that many samples, one a channel: rows from the top, alpha last.
+    /// Reads all pixels of the bounds into planes of [`Self::area`] samples, one per channel: rows from the top, alpha
+    /// last.
     pub(in crate::ofx) fn read(&self, planes: &mut [Vec<f32>]) {
         assert!(planes.len() == self.channels && planes.iter().all(|plane| plane.len() == self.area()));
         let (width, length) = (self.width(), self.width() * self.pixel_bytes());
@@ -197,14 +198,14 @@ impl<'a> Image<'a> {
         });
     }
 
-    /// Where its pixels go: those of some rows.
+    /// Returns where its pixels are written, restricted to `rows`.
     pub(in crate::ofx) const fn target(&self, rows: Rows) -> Target<'_> {
         Target { memory: &self.memory, bounds: self.bounds, depth: self.depth, channels: self.channels, rows }
     }
 }
 
 impl Target<'_> {
-    /// Writes planes of a window within the bounds: as many as there are channels, rows from the top.
+    /// Writes planes of a window within the bounds, one per channel, rows from the top.
     pub(in crate::ofx) fn write(&self, window: [i32; 4], planes: &[Vec<f32>]) {
         let ([x1, y1, x2, y2], pixel_bytes) = (window, self.channels * self.depth.bytes());
         let width = (x2 - x1) as usize;
@@ -219,14 +220,14 @@ impl Target<'_> {
                 return;
             }
             let start = self.memory.start(y).wrapping_add(left);
-            // SAFETY: part of a row of the host's output; windows that are written do not overlap, and each row of one is
-            // written by one task.
+            // SAFETY: part of a row of the host's output; windows written concurrently do not overlap, and each row of
+            // a window is written by one task.
             gather(&row, self.depth, unsafe { std::slice::from_raw_parts_mut(start, width * pixel_bytes) });
         });
     }
 }
 
-/// A row of interleaved values to one row a plane.
+/// Deinterleaves a row into one row per plane.
 fn spread(row: &[u8], depth: Depth, planes: &mut [&mut [f32]]) {
     match depth {
         Depth::Byte => spread_as(row, planes, |[byte]| f32::from(byte) / 255.0),
@@ -244,7 +245,7 @@ fn spread_as<const N: usize>(row: &[u8], planes: &mut [&mut [f32]], value: impl 
     }
 }
 
-/// With the number of planes known, the compiler shuffles whole registers.
+/// A constant number of planes lets the compiler vectorise the shuffle.
 fn unwoven<const N: usize, const C: usize>(planes: [&mut [f32]; C], row: &[u8], value: impl Fn([u8; N]) -> f32) {
     let pixels = row.as_chunks::<N>().0.as_chunks::<C>().0;
     let planes = planes.map(|plane| &mut plane[..pixels.len()]);
@@ -253,9 +254,9 @@ fn unwoven<const N: usize, const C: usize>(planes: [&mut [f32]; C], row: &[u8], 
     }
 }
 
-/// One row a plane to a row of interleaved values.
+/// Interleaves one row per plane.
 fn gather(planes: &[&[f32]], depth: Depth, row: &mut [u8]) {
-    // No number becomes 0: "as" does that.
+    // NaN becomes 0, by the definition of `as`.
     match depth {
         Depth::Byte => gather_as(planes, row, |value| [(value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8]),
         Depth::Short => gather_as(planes, row, |value| ((value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16).to_ne_bytes()),

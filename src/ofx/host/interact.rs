@@ -1,6 +1,6 @@
 //! An overlay of the host.
 //!
-//! In: the handle that comes with an overlay's action. Out: its properties, and a wish to be drawn anew.
+//! In: the handle passed to an overlay's action. Out: its properties and redraw requests.
 
 use super::props::Props;
 use super::suites::Suites;
@@ -14,22 +14,22 @@ pub(in crate::ofx) struct Interact<'a> {
 }
 
 impl<'a> Interact<'a> {
-    /// What is kept for the overlay is kept under this number.
+    /// Returns the key under which data of the overlay is stored.
     pub(in crate::ofx) fn key(self) -> usize {
         self.handle.0 as usize
     }
 
-    /// The overlay's properties; none where the host fails to give them.
+    /// Returns the overlay's properties; an empty set if the host fails to provide them.
     pub(in crate::ofx) fn props(self) -> Props<'a> {
         let mut set = PropertySet::NULL;
         if let Some(get) = self.suites.interact.and_then(|suite| suite.get_property_set) {
-            // SAFETY: the host's function with its own handle; the place outlives the call.
+            // SAFETY: the host's function with its own handle; the out pointer outlives the call.
             let _stays_null = unsafe { get(self.handle, &raw mut set) };
         }
         Props::new(self.suites.property, set)
     }
 
-    /// Asks to be drawn anew.
+    /// Requests a redraw.
     pub(in crate::ofx) fn redraw(self) {
         if let Some(redraw) = self.suites.interact.and_then(|suite| suite.redraw) {
             // SAFETY: the host's function with its own handle.

@@ -1,18 +1,18 @@
-//! What is kept for handles of the host: a host that forgets to end what it began cannot make it grow.
+//! Data stored per handle of the host, bounded so that a host that never destroys its handles cannot make it grow.
 //!
-//! In: handles as numbers. Out: values; of too many the oldest goes.
+//! In: handles as numbers. Out: values; the oldest are dropped beyond the limit.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Values kept at most.
+/// Maximum number of values.
 const MOST: usize = 1024;
 
 /// Values by handle, oldest first.
 pub(in crate::ofx) struct Kept<T>(Mutex<VecDeque<(usize, T)>>);
 
 impl<T> Kept<T> {
-    /// Nothing yet.
+    /// Creates an empty store.
     pub(in crate::ofx) const fn new() -> Self {
         Self(Mutex::new(VecDeque::new()))
     }
@@ -21,7 +21,7 @@ impl<T> Kept<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a value; what was kept before.
+    /// Stores a value; returns the previous one.
     pub(in crate::ofx) fn insert(&self, handle: usize, value: T) -> Option<T> {
         let before = self.remove(handle);
         let mut values = self.locked();
@@ -32,14 +32,14 @@ impl<T> Kept<T> {
         before
     }
 
-    /// Lets go of a value.
+    /// Removes and returns a value.
     pub(in crate::ofx) fn remove(&self, handle: usize) -> Option<T> {
         let mut values = self.locked();
         let place = values.iter().position(|(other, _)| *other == handle)?;
         values.remove(place).map(|(_, value)| value)
     }
 
-    /// A copy of a value.
+    /// Returns a copy of a value.
     pub(in crate::ofx) fn get(&self, handle: usize) -> Option<T>
     where
         T: Clone,
@@ -47,7 +47,7 @@ impl<T> Kept<T> {
         self.locked().iter().find(|(other, _)| *other == handle).map(|(_, value)| value.clone())
     }
 
-    /// Changes a value under the lock, made by default where there is none.
+    /// Modifies a value under the lock, inserting the default if there is none.
     pub(in crate::ofx) fn update<R>(&self, handle: usize, change: impl FnOnce(&mut T) -> R) -> R
     where
         T: Default,
@@ -63,7 +63,7 @@ impl<T> Kept<T> {
         result
     }
 
-    /// Lets go of all values but those that are wanted.
+    /// Drops all values except those that `is_wanted` accepts.
     pub(in crate::ofx) fn retain(&self, is_wanted: impl Fn(&T) -> bool) {
         self.locked().retain(|(_, value)| is_wanted(value));
     }

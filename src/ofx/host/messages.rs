@@ -1,7 +1,7 @@
-//! Messages to the user: each is given once, and taken back when it no longer holds.
+//! Messages to the user: each is shown once and cleared when it no longer applies.
 //!
-//! In: errors, warnings of a frame, news. Out: persistent messages where the host has message suite 2, else transient ones.
-//! Warnings differ from frame to frame: one that was given is given again only after an edit.
+//! In: errors, warnings about a frame, information. Out: persistent messages if the host has message suite 2, else
+//! transient ones. Warnings differ from frame to frame: one that was shown is shown again only after an edit.
 
 use super::effect::Effect;
 use super::kept::Kept;
@@ -10,26 +10,26 @@ use crate::ofx::api::names::{MESSAGE_ERROR, MESSAGE_MESSAGE, MESSAGE_WARNING};
 use crate::ofx::api::{EffectHandle, Message};
 use std::ffi::CStr;
 
-/// Different warnings of an effect that are remembered.
+/// Maximum number of distinct warnings remembered per effect.
 const MOST_WARNINGS: usize = 64;
 
 /// The messages of each effect, by its handle.
 static GIVEN: Kept<Given> = Kept::new();
 
-/// Messages that an effect has given.
+/// Messages that an effect has shown.
 #[derive(Clone, Default)]
 struct Given {
-    /// What the host shows at the effect.
+    /// The persistent message at the effect.
     shown: Option<Shown>,
-    /// Subjects of the warnings given since the last edit.
+    /// Subjects of the warnings shown since the last edit.
     warned_of: Vec<String>,
 }
 
-/// A message that stays until it is cleared.
+/// A persistent message.
 #[derive(Clone, PartialEq)]
 enum Shown {
     Error(String),
-    /// Of a frame, at this time.
+    /// A warning about the frame at this time.
     Warning(f64),
 }
 
@@ -38,24 +38,25 @@ enum Shown {
 pub(in crate::ofx) struct FrameWarning {
     /// The frame's time.
     pub(in crate::ofx) time: f64,
-    /// What it is about; warnings with the same subject are given once.
+    /// Its subject; warnings with the same subject are shown once.
     pub(in crate::ofx) subject: String,
-    /// What the user reads.
+    /// The text shown to the user.
     pub(in crate::ofx) text: String,
 }
 
-/// The handle starts or ends: nothing has been said.
+/// Forgets all messages of a handle, when it is created or destroyed.
 pub(super) fn forget(handle: EffectHandle) {
     GIVEN.remove(handle.0 as usize);
 }
 
 impl Effect<'_> {
-    /// What is kept for the messages of this effect. MLT makes its instances anew for every frame; they count as one.
+    /// Returns the key under which this effect's messages are stored. MLT creates a new instance for every frame; these
+    /// share one key.
     fn messages_key(self) -> usize {
         if self.suites.host_is("MLT") { 0 } else { self.key() }
     }
 
-    /// Shows an error; once as long as it stays the same.
+    /// Shows an error, once as long as it stays the same.
     pub(in crate::ofx) fn show_error(self, text: &str) {
         let error = Shown::Error(text.to_owned());
         let is_new = GIVEN.update(self.messages_key(), |given| given.shown.replace(error.clone()) != Some(error));
@@ -64,7 +65,7 @@ impl Effect<'_> {
         }
     }
 
-    /// Shows a warning, unless its subject was warned of since the last edit.
+    /// Shows a warning, unless one with its subject was shown since the last edit.
     pub(in crate::ofx) fn warn(self, warning: &FrameWarning) {
         let is_new = GIVEN.update(self.messages_key(), |given| {
             if given.warned_of.contains(&warning.subject) {
@@ -82,7 +83,7 @@ impl Effect<'_> {
         }
     }
 
-    /// A frame came out: errors are over; with nothing to warn of, so is the warning about this frame.
+    /// Records a successful frame: clears errors, and the warning about this frame if it no longer applies.
     pub(in crate::ofx) fn frame_succeeded(self, time: f64, has_warning: bool) {
         let is_over = GIVEN.update(self.messages_key(), |given| {
             let is_over = match given.shown {
@@ -97,14 +98,14 @@ impl Effect<'_> {
         }
     }
 
-    /// The user changed something: all messages may be given again.
+    /// Clears all messages after an edit, so that they may be shown again.
     pub(in crate::ofx) fn clear_messages(self) {
         if GIVEN.remove(self.messages_key()).is_some_and(|given| given.shown.is_some()) {
             self.clear_persistent();
         }
     }
 
-    /// Shows news once, as a transient message.
+    /// Shows information once, as a transient message.
     pub(in crate::ofx) fn inform(self, text: &str) {
         self.post(self.transient(), MESSAGE_MESSAGE, text);
     }
@@ -113,7 +114,7 @@ impl Effect<'_> {
         self.suites.message.and_then(|suite| suite.message)
     }
 
-    /// The persistent message where there is one, else the transient one.
+    /// Returns the persistent message function if there is one, else the transient one.
     fn lasting(self) -> Message {
         let lasting = self.suites.lasting_message.and_then(|suite| suite.set_persistent_message);
         lasting.or(self.transient())
@@ -123,7 +124,7 @@ impl Effect<'_> {
         let Some(message) = message else { return };
         // The text itself is the format: Natron 2.5 shows ("%s", text) as an empty message.
         let format = c_text(&text.replace('%', "%%"));
-        // SAFETY: the host's function, `printf` style: a format that takes no arguments, which outlives the call.
+        // SAFETY: the host's `printf`-style function; the format takes no arguments and outlives the call.
         let _cannot_be_shown = unsafe { message(self.handle.0, kind.as_ptr(), c"".as_ptr(), format.as_ptr()) };
     }
 

@@ -1,7 +1,7 @@
-//! The host, safely: suites, properties, effects with their clips and parameters, images, overlays.
+//! Safe wrappers of the host: suites, properties, effects with their clips and parameters, images, overlays.
 //!
-//! In: handles and tables of C functions. Out: values of Rust; what a host leaves out is `None`, or is not done. Nothing here
-//! knows what the plugin does.
+//! In: handles and tables of C functions. Out: Rust values; what a host does not provide is `None` or has no effect.
+//! Nothing here depends on what the plugin does.
 
 mod effect;
 mod error;

@@ -1,6 +1,6 @@
-//! Lines over the viewer: by the host's Draw suite, else by OpenGL 1, found in the process at run time.
+//! Line drawing over the viewer: by the host's Draw suite, else by OpenGL 1, looked up in the process at run time.
 //!
-//! In: points, canonical, and a colour. Out: lines on the screen; none where the host has neither.
+//! In: points, canonical, and a colour. Out: lines on the screen; nothing if the host has neither.
 
 use crate::ofx::api::names::draw;
 use crate::ofx::api::{DrawContextHandle, DrawSuiteV1, PointD, RgbaColour};
@@ -9,14 +9,14 @@ use std::ffi::{CStr, c_void};
 /// Red, green, blue, opacity.
 type Colour = [f32; 4];
 
-/// What draws.
+/// The drawing backend.
 pub(in crate::ofx) enum Painter {
     Suite(&'static DrawSuiteV1, DrawContextHandle),
     OpenGl(OpenGl),
 }
 
 impl Painter {
-    /// The Draw suite where the host hands out a context, else OpenGL where the process has it.
+    /// Selects the Draw suite if the host passes a context, else OpenGL if the process has it.
     pub(in crate::ofx) fn new(suite: Option<&'static DrawSuiteV1>, context: Option<*mut c_void>) -> Option<Self> {
         match (suite, context) {
             (Some(suite), Some(context)) => Some(Self::Suite(suite, DrawContextHandle(context))),
@@ -24,7 +24,7 @@ impl Painter {
         }
     }
 
-    /// A line through points, canonical.
+    /// Draws a polyline through canonical points.
     pub(in crate::ofx) fn line(&self, points: &[[f64; 2]], colour: Colour, width: f32) {
         match self {
             Self::Suite(suite, context) => suite_line(suite, *context, points, (colour, width)),
@@ -38,7 +38,7 @@ fn suite_line(suite: &DrawSuiteV1, context: DrawContextHandle, points: &[[f64; 2
     let colour = RgbaColour { r, g, b, a };
     let points: Vec<PointD> = points.iter().map(|&[x, y]| PointD { x, y }).collect();
     if let Some(set) = suite.set_colour {
-        // SAFETY: the host's function with the context of this very action; the colour outlives the call.
+        // SAFETY: the host's function with the context of this action; the colour outlives the call.
         let _drawn_in_another_colour = unsafe { set(context, &raw const colour) };
     }
     if let Some(set) = suite.set_line_width {
@@ -51,7 +51,7 @@ fn suite_line(suite: &DrawSuiteV1, context: DrawContextHandle, points: &[[f64; 2
     }
 }
 
-/// The functions of OpenGL 1 that draw lines.
+/// The functions of OpenGL 1 used to draw lines.
 #[derive(Clone, Copy)]
 pub(in crate::ofx) struct OpenGl {
     begin: unsafe extern "system" fn(u32),
@@ -65,7 +65,7 @@ pub(in crate::ofx) struct OpenGl {
 const LINE_STRIP: u32 = 3;
 
 impl OpenGl {
-    /// `None` where the host's process has no OpenGL; the plugin brings none.
+    /// Looks the functions up; `None` if the host's process has no OpenGL. The plugin does not link it.
     fn find() -> Option<Self> {
         let [begin, end, vertex] = [symbol(c"glBegin")?, symbol(c"glEnd")?, symbol(c"glVertex2d")?];
         let [colour, width] = [symbol(c"glColor4f")?, symbol(c"glLineWidth")?];
@@ -86,7 +86,7 @@ impl OpenGl {
     }
 
     fn line(&self, points: &[[f64; 2]], [r, g, b, a]: Colour, width: f32) {
-        // SAFETY: the host made its context current for this action; so for all that follow.
+        // SAFETY: the host made its context current for this action; likewise for the calls below.
         unsafe { (self.width)(width) };
         // SAFETY: as above.
         unsafe { (self.colour)(r, g, b, a) };
@@ -106,9 +106,9 @@ fn symbol(name: &CStr) -> Option<*mut c_void> {
     unsafe extern "C" {
         fn dlsym(library: *mut c_void, name: *const std::ffi::c_char) -> *mut c_void;
     }
-    // `RTLD_DEFAULT`, "wherever in the process".
+    // `RTLD_DEFAULT`: search the whole process.
     const ANYWHERE: isize = if cfg!(target_vendor = "apple") { -2 } else { 0 };
-    // SAFETY: the library is a value that stands for all of them; the name outlives the call.
+    // SAFETY: the library is a constant that stands for all loaded ones; the name outlives the call.
     let found = unsafe { dlsym(std::ptr::without_provenance_mut(ANYWHERE as usize), name.as_ptr()) };
     (!found.is_null()).then_some(found)
 }

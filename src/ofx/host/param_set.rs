@@ -1,6 +1,6 @@
-//! The parameters of an effect: declared, read, set, with keys and steps to undo.
+//! The parameters of an effect: declaration, values, keys and undo blocks.
 //!
-//! In: the id of a parameter. Out: values; `None` where the host has none that is a number.
+//! In: the id of a parameter. Out: values; `None` if the host has none or it is not finite.
 
 use super::props::{Props, c_text, owned};
 use super::suites::Suites;
@@ -11,13 +11,13 @@ use std::ffi::{CStr, c_char, c_int};
 /// When a value is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::ofx) enum When {
-    /// Now: a host makes a key of it where there are others.
+    /// The current time: the host makes it a key if the parameter is animated.
     Now,
-    /// As a key at a time.
+    /// A key at this time.
     Key(f64),
 }
 
-/// The parameters of a descriptor or of an instance.
+/// The parameters of a descriptor or instance.
 #[derive(Clone, Copy)]
 pub(in crate::ofx) struct Params<'a> {
     suites: &'a Suites,
@@ -25,22 +25,22 @@ pub(in crate::ofx) struct Params<'a> {
 }
 
 impl<'a> Params<'a> {
-    /// The parameters behind a handle of the host that is not null.
+    /// Wraps a handle of the host, which must not be null.
     pub(super) fn new(suites: &'a Suites, set: ParamSetHandle) -> Self {
         Self { suites, set }
     }
 
-    /// Declares a parameter; its properties.
+    /// Declares a parameter and returns its properties.
     pub(in crate::ofx) fn define(self, kind: &CStr, id: &str) -> Props<'a> {
         let mut set = PropertySet::NULL;
         if let Some(define) = self.suites.parameter.define {
-            // SAFETY: the host's function with its own handle; strings and place outlive the call.
+            // SAFETY: the host's function with its own handle; strings and out pointer outlive the call.
             let _stays_null = unsafe { define(self.set, kind.as_ptr(), c_text(id).as_ptr(), &raw mut set) };
         }
         Props::new(self.suites.property, set)
     }
 
-    /// Properties of the whole set.
+    /// Returns the properties of the whole set.
     pub(in crate::ofx) fn props(self) -> Props<'a> {
         let mut set = PropertySet::NULL;
         if let Some(get) = self.suites.parameter.set_get_property_set {
@@ -53,50 +53,51 @@ impl<'a> Params<'a> {
     fn handle(self, id: &str) -> Option<ParamHandle> {
         let mut param = ParamHandle::NULL;
         let get = self.suites.parameter.get_handle?;
-        // SAFETY: as in `define`; the place for properties may be null.
+        // SAFETY: as in `define`; the pointer for properties may be null.
         let status = unsafe { get(self.set, c_text(id).as_ptr(), &raw mut param, std::ptr::null_mut()) };
         (status.is_ok() && !param.is_null()).then_some(param)
     }
 
-    /// An int, boolean or choice at a time.
+    /// Returns an int, boolean or choice at a time.
     pub(in crate::ofx) fn int(self, id: &str, time: f64) -> Option<i32> {
         let (param, mut value): (_, c_int) = (self.handle(id)?, 0);
-        // SAFETY: the parameter holds one int, for which there is a place.
+        // SAFETY: the parameter holds one int, and so does the out pointer.
         unsafe { (self.suites.parameter.get_value_at_time?)(param, time, &raw mut value) }.is_ok().then_some(value)
     }
 
-    /// A double at a time.
+    /// Returns a double at a time.
     pub(in crate::ofx) fn double(self, id: &str, time: f64) -> Option<f64> {
         let (param, mut value) = (self.handle(id)?, 0.0_f64);
-        // SAFETY: the parameter holds one double, for which there is a place.
+        // SAFETY: the parameter holds one double, and so does the out pointer.
         let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, &raw mut value) };
         (status.is_ok() && value.is_finite()).then_some(value)
     }
 
-    /// A point at a time, canonical.
+    /// Returns a position at a time, canonical.
     pub(in crate::ofx) fn point(self, id: &str, time: f64) -> Option<[f64; 2]> {
         let (param, mut at) = (self.handle(id)?, [0.0_f64; 2]);
         // pyofx writes both values through the first pointer: both pointers are valid for the whole array.
         let x = at.as_mut_ptr();
         let y = x.wrapping_add(1);
-        // SAFETY: the parameter holds two doubles, for which there are places; a host may write both from the first on.
+        // SAFETY: the parameter holds two doubles, and so does the array; a host may write both through the first
+        // pointer.
         let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, x, y) };
         (status.is_ok() && at.iter().all(|value| value.is_finite())).then_some(at)
     }
 
-    /// A string at a time.
+    /// Returns a string at a time.
     pub(in crate::ofx) fn text(self, id: &str, time: f64) -> Option<String> {
         let (param, mut text): (_, *mut c_char) = (self.handle(id)?, std::ptr::null_mut());
-        // SAFETY: the parameter holds a string, for whose address there is a place.
+        // SAFETY: the parameter holds a string, whose address the out pointer receives.
         let status = unsafe { (self.suites.parameter.get_value_at_time?)(param, time, &raw mut text) };
         status.is_ok().then(|| owned(text)).flatten()
     }
 
-    /// Properties of a parameter of an instance.
+    /// Returns the properties of a parameter of an instance.
     pub(in crate::ofx) fn props_of(self, id: &str) -> Props<'a> {
         let mut set = PropertySet::NULL;
         if let (Some(param), Some(get)) = (self.handle(id), self.suites.parameter.get_property_set) {
-            // SAFETY: the host's function with its own handle; the place outlives the call.
+            // SAFETY: the host's function with its own handle; the out pointer outlives the call.
             let _stays_null = unsafe { get(param, &raw mut set) };
         }
         Props::new(self.suites.property, set)
@@ -117,7 +118,7 @@ impl<'a> Params<'a> {
         let _stays_as_it_was = unsafe { set(param, value.as_ptr()) };
     }
 
-    /// Sets a double, or a key of it.
+    /// Sets a double, or a key of one.
     pub(in crate::ofx) fn set_double(self, id: &str, value: f64, when: When) {
         let Some(param) = self.handle(id) else { return };
         let _stays_as_it_was = match (when, self.suites.parameter.set_value, self.suites.parameter.set_value_at_time) {
@@ -129,7 +130,7 @@ impl<'a> Params<'a> {
         };
     }
 
-    /// Sets a point, canonical, or a key of it.
+    /// Sets a position, canonical, or a key of one.
     pub(in crate::ofx) fn set_point(self, id: &str, [x, y]: [f64; 2], when: When) {
         let Some(param) = self.handle(id) else { return };
         let _stays_as_it_was = match (when, self.suites.parameter.set_value, self.suites.parameter.set_value_at_time) {
@@ -141,7 +142,7 @@ impl<'a> Params<'a> {
         };
     }
 
-    /// Removes all keys, where it is safe to ask.
+    /// Deletes all keys, if the host can be asked safely.
     pub(in crate::ofx) fn delete_keys(self, id: &str) {
         if self.suites.are_fragile() {
             return;
@@ -152,7 +153,7 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// Times of the keys; none where a parameter says that it is not animated, or where it is not safe to ask.
+    /// Returns the times of the keys; empty if the parameter is not animated, or the host cannot be asked safely.
     pub(in crate::ofx) fn keys(self, id: &str) -> Vec<f64> {
         let suite = self.suites.parameter;
         let told = self.props_of(id).int(param::IS_ANIMATING);
@@ -163,7 +164,7 @@ impl<'a> Params<'a> {
             return Vec::new();
         };
         let mut keys = 0;
-        // SAFETY: the host's function with its own handle; the place outlives the call.
+        // SAFETY: the host's function with its own handle; the out pointer outlives the call.
         let _stays_none = unsafe { count(param, &raw mut keys) };
         let key = |index| {
             let mut time = 0.0;
@@ -173,7 +174,7 @@ impl<'a> Params<'a> {
         (0..keys).filter_map(key).collect()
     }
 
-    /// Begins a change that the user undoes in one step.
+    /// Begins an undo block.
     pub(in crate::ofx) fn begin_edit(self, label: &CStr) {
         if let Some(begin) = self.suites.parameter.edit_begin {
             // SAFETY: the host's function with its own handle and a constant.
@@ -181,7 +182,7 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// Ends it.
+    /// Ends the undo block.
     pub(in crate::ofx) fn end_edit(self) {
         if let Some(end) = self.suites.parameter.edit_end {
             // SAFETY: the host's function with its own handle.

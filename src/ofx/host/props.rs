@@ -1,6 +1,6 @@
-//! Properties, read and written without minding what a host leaves out.
+//! Property access that tolerates missing properties.
 //!
-//! In: a handle of the host, which may be null. Out: values, or `None`; what cannot be set is not.
+//! In: a handle of the host, which may be null. Out: values, or `None`; setting an unknown property has no effect.
 
 use crate::ofx::api::{PropertySet, PropertySuiteV1, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -10,7 +10,7 @@ type Get<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, *mu
 /// Sets one value of a property.
 type Set<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, T) -> Status>;
 
-/// No property that is asked for has this value: it stands where a host wrote none.
+/// Marks an out value that the host left unwritten; no property in use takes this value.
 const UNWRITTEN: i32 = i32::MIN;
 
 /// A set of properties.
@@ -21,7 +21,7 @@ pub(in crate::ofx) struct Props<'a> {
 }
 
 impl<'a> Props<'a> {
-    /// The properties behind a handle of the host; null: there are none.
+    /// Wraps a handle of the host; null is an empty set.
     pub(in crate::ofx) fn new(suite: &'a PropertySuiteV1, set: PropertySet) -> Self {
         Self { suite, set }
     }
@@ -29,28 +29,28 @@ impl<'a> Props<'a> {
     fn get<T>(self, get: Get<T>, name: &CStr, index: usize, mut value: T) -> Option<T> {
         let get = get.filter(|_| !self.set.is_null())?;
         let index = c_int::try_from(index).ok()?;
-        // SAFETY: the host's function with a handle of its own; name and place outlive the call.
+        // SAFETY: the host's function with its own handle; name and out pointer outlive the call.
         let status = unsafe { get(self.set, name.as_ptr(), index, &raw mut value) };
         status.is_ok().then_some(value)
     }
 
-    /// Several values in one call, for hosts that answer OK to questions for one and leave it unwritten, as pyofx does for
-    /// windows.
+    /// Reads several values in one call, for hosts that answer OK to a query for a single value but leave it unwritten,
+    /// as pyofx does for windows.
     fn get_all<T: Copy, const N: usize>(self, get: Get<T>, name: &CStr, mut values: [T; N]) -> Option<[T; N]> {
         let get = get.filter(|_| !self.set.is_null())?;
         let count = c_int::try_from(N).ok()?;
-        // SAFETY: the host's function with a handle of its own; name and place, for `count` values, outlive the call.
+        // SAFETY: the host's function with its own handle; name and out array, of `count` values, outlive the call.
         let status = unsafe { get(self.set, name.as_ptr(), count, values.as_mut_ptr()) };
         status.is_ok().then_some(values)
     }
 
     fn set<T>(self, set: Set<T>, name: &CStr, index: usize, value: T) {
         let (Some(set), Ok(index), false) = (set, c_int::try_from(index), self.set.is_null()) else { return };
-        // SAFETY: the host's function with a handle of its own; it copies what `value` may point to.
+        // SAFETY: the host's function with its own handle; it copies what `value` may point to.
         let _unknown_to_this_host = unsafe { set(self.set, name.as_ptr(), index, value) };
     }
 
-    /// The first `N` ints of a property; `None` where one is missing.
+    /// Returns the first `N` ints of a property; `None` if one is missing.
     pub(in crate::ofx) fn ints<const N: usize>(self, name: &CStr) -> Option<[i32; N]> {
         let mut values = [UNWRITTEN; N];
         for (index, value) in values.iter_mut().enumerate() {
@@ -63,12 +63,12 @@ impl<'a> Props<'a> {
         Some(values)
     }
 
-    /// An int.
+    /// Returns an int.
     pub(in crate::ofx) fn int(self, name: &CStr) -> Option<i32> {
         self.ints(name).map(|[value]| value)
     }
 
-    /// The first `N` doubles of a property, all finite; `None` where one is not.
+    /// Returns the first `N` doubles of a property; `None` if one is missing or not finite.
     pub(in crate::ofx) fn doubles<const N: usize>(self, name: &CStr) -> Option<[f64; N]> {
         let mut values = [0.0; N];
         for (index, value) in values.iter_mut().enumerate() {
@@ -77,18 +77,18 @@ impl<'a> Props<'a> {
         Some(values)
     }
 
-    /// A double.
+    /// Returns a double.
     pub(in crate::ofx) fn double(self, name: &CStr) -> Option<f64> {
         self.doubles(name).map(|[value]| value)
     }
 
-    /// A string, copied.
+    /// Returns a string, copied.
     pub(in crate::ofx) fn text(self, name: &CStr) -> Option<String> {
         let text = self.get(self.suite.get_string, name, 0, std::ptr::null_mut())?;
         owned(text)
     }
 
-    /// A pointer that is not null.
+    /// Returns a pointer; `None` if it is null.
     pub(in crate::ofx) fn pointer(self, name: &CStr) -> Option<*mut c_void> {
         self.get(self.suite.get_pointer, name, 0, std::ptr::null_mut()).filter(|pointer| !pointer.is_null())
     }
@@ -112,14 +112,14 @@ impl<'a> Props<'a> {
         }
     }
 
-    /// Sets strings.
+    /// Sets C strings.
     pub(in crate::ofx) fn set_names(self, name: &CStr, values: &[&CStr]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suite.set_string, name, index, value.as_ptr());
         }
     }
 
-    /// Sets strings of our own making.
+    /// Sets Rust strings.
     pub(in crate::ofx) fn set_texts(self, name: &CStr, values: &[&str]) {
         for (index, value) in values.iter().enumerate() {
             self.set(self.suite.set_string, name, index, c_text(value).as_ptr());
@@ -132,17 +132,17 @@ impl<'a> Props<'a> {
     }
 }
 
-/// A string of the host, copied at once: it lasts until the host's next call only.
+/// Copies a string of the host at once: it is valid until the host's next call only.
 pub(in crate::ofx) fn owned(text: *const c_char) -> Option<String> {
     if text.is_null() {
         return None;
     }
-    // SAFETY: not null, and the host ends its strings with zero.
+    // SAFETY: not null, and the host's strings are NUL-terminated.
     let text = unsafe { CStr::from_ptr(text) };
     Some(text.to_string_lossy().into_owned())
 }
 
-/// A text as C wants it; what follows a zero byte is lost.
+/// Converts a text to a C string, truncated at the first NUL.
 pub(in crate::ofx) fn c_text(text: &str) -> CString {
     CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
 }

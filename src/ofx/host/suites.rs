@@ -1,6 +1,6 @@
-//! The host: the suites it offers. Three are needed, all others may be missing.
+//! The host's suites. Three are mandatory, all others optional.
 //!
-//! In: the structure of `setHost`. Out: [`Suites`], shared by all instances.
+//! In: the structure passed to `setHost`. Out: [`Suites`], shared by all instances.
 
 use super::error::HostError;
 use super::props::Props;
@@ -12,9 +12,9 @@ use std::ffi::{CStr, c_int};
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// The host as `setHost` left it; suites may be fetched from the first action on, not before.
+/// The host passed to `setHost`; suites may be fetched from the first action on, not before.
 static HOST: AtomicPtr<Host> = AtomicPtr::new(std::ptr::null_mut());
-/// Hosts that end the program when asked for what they do not have: openfx-runner, by the name it gives itself.
+/// Names of hosts that end the process when asked for something unsupported: openfx-runner.
 const FRAGILE: [&str; 1] = ["openfx-driver"];
 /// The suites of that host.
 static SUITES: RwLock<Option<Arc<Suites>>> = RwLock::new(None);
@@ -31,12 +31,12 @@ pub(in crate::ofx) struct Suites {
     properties: PropertySet,
 }
 
-// SAFETY: the API lets suites and the host's handle be used from any thread.
+// SAFETY: the API allows suites and the host's handle to be used from any thread.
 unsafe impl Send for Suites {}
 // SAFETY: as above.
 unsafe impl Sync for Suites {}
 
-/// A table of functions with the name and version it is fetched by.
+/// A table of functions, with the name and version under which it is fetched.
 ///
 /// # Safety
 /// The layout must be that of the suite of this name and version.
@@ -82,12 +82,15 @@ fn fetch<T: Suite>(host: &Host) -> Option<&'static T> {
     unsafe { suite.cast::<T>().as_ref() }
 }
 
-/// Remembers the host; null is remembered as none.
+/// Stores the host; null stands for none.
 pub(in crate::ofx) fn meet(host: *const Host) {
     HOST.store(host.cast_mut(), Ordering::Release);
 }
 
-/// Fetches the suites, again at each call: a host may come back with others.
+/// Fetches the suites, anew at each call: a host may have changed them.
+///
+/// # Errors
+/// [`HostError::MissingSuite`] if there is no host, or it lacks a mandatory suite.
 pub(in crate::ofx) fn load() -> Result<Arc<Suites>, HostError> {
     // SAFETY: `setHost` promises a structure that is valid while the plugin is loaded.
     let host = unsafe { HOST.load(Ordering::Acquire).as_ref() }.ok_or(HostError::MissingSuite("OfxHost"))?;
@@ -101,7 +104,7 @@ pub(in crate::ofx) fn load() -> Result<Arc<Suites>, HostError> {
         draw: fetch(host),
         properties: host.properties,
     };
-    // Version 2 came with API 1.2; an older host may end the program when asked for what it does not know.
+    // Version 2 came with API 1.2; an older host may end the process when asked for an unknown suite.
     let knows_them = suites.host().ints(names::prop::API_VERSION).is_some_and(|version: [i32; 2]| version >= [1, 2]);
     if knows_them && !suites.are_fragile() {
         suites.lasting_message = fetch(host);
@@ -111,24 +114,24 @@ pub(in crate::ofx) fn load() -> Result<Arc<Suites>, HostError> {
     Ok(suites)
 }
 
-/// The suites; fetched now where the host left out the load action.
+/// Returns the suites, fetching them if the host skipped the load action.
 pub(in crate::ofx) fn suites() -> Result<Arc<Suites>, HostError> {
     let known = SUITES.read().unwrap_or_else(PoisonError::into_inner).clone();
     known.map_or_else(load, Ok)
 }
 
 impl Suites {
-    /// Properties of the host.
+    /// Returns the properties of the host.
     pub(in crate::ofx) fn host(&self) -> Props<'_> {
         Props::new(self.property, self.properties)
     }
 
-    /// Whether the host ends the program when asked for what it does not have.
+    /// Returns whether the host ends the process when asked for something unsupported.
     pub(in crate::ofx) fn are_fragile(&self) -> bool {
         FRAGILE.iter().any(|name| self.host_is(name))
     }
 
-    /// Whether the host calls itself by a name that contains `part`.
+    /// Returns whether the host's name contains `part`.
     pub(in crate::ofx) fn host_is(&self, part: &str) -> bool {
         self.host().text(names::prop::NAME).is_some_and(|name| name.contains(part))
     }

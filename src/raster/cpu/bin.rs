@@ -1,7 +1,8 @@
-//! Sorts a pass's triangles into tiles of the window.
+//! Bins a pass's triangles into tiles of the window.
 //!
-//! In: [`Geometry`], where it lies in the window. Out: chunks of set-up triangles, each with its (tile, triangle)
-//! pairs sorted. Chunks are cut by count alone, so the order in a tile never depends on the number of threads.
+//! In: [`Geometry`], its transform to the window. Out: chunks of set-up triangles, each with its sorted (tile,
+//! triangle) pairs. Chunks have a fixed number of triangles, so the order in a tile never depends on the number of
+//! threads.
 
 use super::material::Materials;
 use super::triangle::{Source, Triangle, WindowVertex, set_up};
@@ -11,16 +12,16 @@ use glam::IVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Side of a tile, pixels.
+/// Side of a tile in pixels.
 pub(super) const TILE: i32 = 64;
 
-/// Triangles a chunk.
+/// Triangles per chunk.
 const CHUNK: usize = 2048;
 
-/// The window's tiles.
+/// The tiling of a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tiling {
-    /// Window size, pixels.
+    /// Window size in pixels.
     pub(super) size: IVec2,
 }
 
@@ -33,7 +34,7 @@ impl Tiling {
         self.columns() * (self.size.y.max(0) as usize).div_ceil(TILE as usize)
     }
 
-    /// First pixel of a tile.
+    /// Returns the first pixel of a tile.
     pub(super) fn origin(self, tile: usize) -> IVec2 {
         IVec2::new((tile % self.columns()) as i32, (tile / self.columns()) as i32) * TILE
     }
@@ -44,7 +45,7 @@ fn window_vertex(vertex: &RasterVertex, window_from_screen: &WindowFromScreen) -
     WindowVertex { at: window_from_screen.point(vertex), z: (z / w) as f32, inverse_w: (1.0 / w) as f32 }
 }
 
-/// Set-up triangles and where they go; buffers live on between passes.
+/// Set-up triangles and their tiles; buffers are reused between passes.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     vertices: Vec<WindowVertex>,
@@ -54,7 +55,7 @@ pub(super) struct Bins {
 #[derive(Debug, Default)]
 struct Chunk {
     triangles: Vec<Triangle>,
-    /// (tile, index into `triangles`), sorted.
+    /// Sorted pairs of tile and index into `triangles`.
     pairs: Vec<(u32, u32)>,
 }
 
@@ -83,7 +84,7 @@ impl Bins {
         });
     }
 
-    /// The triangles that may touch a tile, in drawing order.
+    /// Returns the triangles that may touch a tile, in drawing order.
     pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = &Triangle> {
         let tile = tile as u32;
         self.chunks.iter().flat_map(move |chunk| {
@@ -108,7 +109,7 @@ impl Chunk {
     }
 }
 
-/// Running count of triangles before each draw, and their total at the end.
+/// Returns the number of triangles before each draw, and the total at the end.
 fn first_triangles(geometry: &Geometry) -> Vec<usize> {
     let mut total = 0;
     let mut starts = vec![0];
@@ -119,7 +120,7 @@ fn first_triangles(geometry: &Geometry) -> Vec<usize> {
     starts
 }
 
-/// A draw's corner indices; empty where the range lies outside the geometry.
+/// Returns a draw's vertex indices; empty if the range lies outside the geometry.
 fn indices_of<'a>(geometry: &'a Geometry, range: &Range<u32>) -> &'a [u32] {
     geometry.indices.get(range.start as usize..range.end as usize).unwrap_or(&[])
 }

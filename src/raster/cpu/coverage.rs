@@ -1,21 +1,21 @@
-//! Visibility in one tile: which triangle is nearest at each pixel.
+//! Visibility in one tile: the nearest triangle at each pixel.
 //!
-//! In: triangles in drawing order. Out: per pixel the greatest reversed z and the number of its triangle.
-//! The inner loops work on eight pixels at a time in plain arrays, which the compiler turns into vector code.
+//! In: triangles in drawing order. Out: per pixel the greatest reversed z and the number of its triangle. The inner
+//! loops work on eight pixels at a time in plain arrays, which the compiler vectorises.
 
 use super::bin::TILE;
 use super::triangle::Triangle;
 use glam::IVec2;
 
-/// Pixels a tile.
+/// Pixels per tile.
 pub(super) const TILE_PIXELS: usize = (TILE * TILE) as usize;
 
-/// No triangle.
+/// Number of no triangle.
 pub(super) const NOTHING: u32 = u32::MAX;
 
 const LANES: usize = 8;
 
-/// A tile's depth and the number of the triangle seen, rows from the top.
+/// Depth and visible triangle of a tile's pixels, rows from the top.
 #[derive(Debug)]
 pub(super) struct Visibility {
     pub(super) z: Vec<f32>,
@@ -28,19 +28,19 @@ impl Default for Visibility {
     }
 }
 
-/// Edge functions of a triangle from the tile's first pixel on.
+/// Edge functions of a triangle, relative to the tile's first pixel.
 struct TileEdges {
     a: [i32; 3],
     b: [i32; 3],
-    /// Value at the tile's first pixel.
+    /// Values at the tile's first pixel.
     start: [i32; 3],
 }
 
 impl TileEdges {
-    /// `None` where the triangle misses the tile.
+    /// Sets up the edge functions; `None` if the triangle misses the tile.
     ///
-    /// An edge that holds in the whole tile becomes 0, so what is left changes sign inside and fits 32 bits:
-    /// |a| + |b| ≤ 2·49152·256 over 63 pixels < 2³¹.
+    /// An edge function that is nowhere negative in the tile is replaced by 0, so that the others change sign inside
+    /// the tile and fit 32 bits: |a| + |b| ≤ 2·49152·256 over 63 pixels < 2³¹.
     fn of(triangle: &Triangle, origin: IVec2) -> Option<Self> {
         let mut edges = Self { a: [0; 3], b: [0; 3], start: [0; 3] };
         let reach = i64::from(TILE - 1);
@@ -59,15 +59,15 @@ impl TileEdges {
         Some(edges)
     }
 
-    /// Values at the tile's pixel (x, y).
+    /// Returns the values at the tile's pixel (x, y).
     fn at(&self, x: i32, y: i32) -> [i32; 3] {
         [0, 1, 2].map(|i| self.start[i] + self.a[i] * x + self.b[i] * y)
     }
 }
 
-/// What eight neighbouring pixels of a triangle share.
+/// Values of a triangle shared by eight neighbouring pixels.
 struct Lanes {
-    /// Change of the edge functions from the first pixel to each.
+    /// Differences of the edge functions from the first pixel to each.
     ramps: [[i32; LANES]; 3],
     z_dx: f32,
     number: u32,
@@ -75,7 +75,7 @@ struct Lanes {
 
 impl Lanes {
     /// Draws eight pixels: `values` are the edge functions at the first, `z_start` the z of its row and `column` its
-    /// place in the row, both counted from the triangle's first pixel.
+    /// place in the row, both relative to the triangle's first pixel.
     #[inline]
     fn fill(&self, (z, seen): (&mut [f32], &mut [u32]), values: [i32; 3], (z_start, column): (f32, i32)) {
         let (z, seen) = (&mut z[..LANES], &mut seen[..LANES]);
@@ -95,7 +95,7 @@ impl Visibility {
         self.seen.fill(NOTHING);
     }
 
-    /// Draws an opaque triangle: where it is covered and nearer, it is seen.
+    /// Draws an opaque triangle where it is covered and nearer.
     pub(super) fn fill(&mut self, triangle: &Triangle, origin: IVec2, number: u32) {
         let Some(edges) = TileEdges::of(triangle, origin) else { return };
         let (low, high) = bounds(triangle, origin);
@@ -119,7 +119,8 @@ impl Visibility {
         }
     }
 
-    /// Calls `visit` with place, window pixel and z where the triangle is covered and nearer than what is seen.
+    /// Calls `visit` with place, window pixel and z for each pixel that the triangle covers and in which it is nearer
+    /// than the visible surface.
     pub(super) fn visit(&self, triangle: &Triangle, origin: IVec2, mut visit: impl FnMut(usize, IVec2, f32)) {
         let Some(edges) = TileEdges::of(triangle, origin) else { return };
         let (low, high) = bounds(triangle, origin);
@@ -136,7 +137,7 @@ impl Visibility {
     }
 }
 
-/// The triangle's first and last pixel in the tile, from the tile's first pixel.
+/// Returns the triangle's first and last pixel in the tile, relative to the tile's first pixel.
 fn bounds(triangle: &Triangle, origin: IVec2) -> (IVec2, IVec2) {
     ((triangle.min - origin).max(IVec2::ZERO), (triangle.max - origin).min(IVec2::splat(TILE - 1)))
 }

@@ -1,4 +1,4 @@
-//! One pixel of one triangle: perspective-correct attributes, its colour and its data.
+//! A fragment, one pixel of one triangle: perspective-correct attributes, its colour and its data.
 //!
 //! In: a set-up triangle, its vertices, a pixel. Out: associated RGBA, depth, normal, motion.
 
@@ -9,16 +9,16 @@ use super::triangle::Triangle;
 use crate::raster::{Draw, Geometry, RasterVertex};
 use glam::{IVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
 
-/// What all triangles of a pass share.
+/// State shared by all triangles of a pass.
 pub(super) struct Shade<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) materials: &'a Materials,
     pub(super) lights: &'a [Light],
-    /// Pixels a unit of screen space, x and y.
+    /// Pixels per unit of screen space, x and y.
     pub(super) pixels_per_unit: Vec2,
 }
 
-/// A triangle with everything its pixels look up.
+/// A triangle with everything needed to shade its pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Face<'a> {
     pub(super) triangle: &'a Triangle,
@@ -54,7 +54,7 @@ impl<'a> Face<'a> {
         self.corners.map(field)
     }
 
-    /// The barycentrics of a pixel centre.
+    /// Returns the barycentrics at a pixel centre.
     fn barycentrics(&self, pixel: IVec2) -> Barycentrics {
         let offset = pixel - self.triangle.min;
         let [second, third] = self.triangle.barycentrics.map(|plane| plane.at(offset));
@@ -64,7 +64,7 @@ impl<'a> Face<'a> {
         Barycentrics(raw.map(|weight| weight * scale))
     }
 
-    /// Their change to the next pixel right and down.
+    /// Returns their differences to the next pixel to the right and below.
     ///
     /// With screen barycentrics l and W = Σ lᵢ/wᵢ: bᵢ = lᵢ/(wᵢ W), so ∂bᵢ = (∂lᵢ/wᵢ − bᵢ ∂W)/W.
     fn barycentric_slopes(&self, pixel: IVec2, barycentrics: &Barycentrics) -> [Barycentrics; 2] {
@@ -80,7 +80,7 @@ impl<'a> Face<'a> {
         })
     }
 
-    /// Where textures are looked up: both sets of coordinates with their footprints.
+    /// Returns the texture footprints of both UV sets.
     fn footprints(&self, pixel: IVec2, barycentrics: &Barycentrics) -> [Footprint; 2] {
         if !self.material.has_textures() {
             return [Footprint::default(); 2];
@@ -92,7 +92,7 @@ impl<'a> Face<'a> {
         [Footprint { at: at.xy(), dx: dx.xy(), dy: dy.xy() }, Footprint { at: at.zw(), dx: dx.zw(), dy: dy.zw() }]
     }
 
-    /// Alpha as the material means it, before any cutoff.
+    /// Returns the material's alpha before any cutoff.
     pub(super) fn alpha(&self, shade: &Shade, pixel: IVec2) -> f32 {
         let barycentrics = self.barycentrics(pixel);
         let uv = self.footprints(pixel, &barycentrics);
@@ -100,7 +100,7 @@ impl<'a> Face<'a> {
         shade.materials.base_color(self.material, &uv, color).w
     }
 
-    /// Associated linear RGBA, and the shading normal where it was needed for that.
+    /// Returns associated linear RGBA, and the shading normal if it was computed.
     pub(super) fn color(&self, shade: &Shade, pixel: IVec2) -> (Vec4, Option<Vec3>) {
         let barycentrics = self.barycentrics(pixel);
         let uv = self.footprints(pixel, &barycentrics);
@@ -129,7 +129,7 @@ impl<'a> Face<'a> {
         ((lit * alpha).extend(alpha), Some(normal))
     }
 
-    /// Shading normal that faces the viewer.
+    /// Returns the shading normal, facing the viewer.
     pub(super) fn normal(&self, shade: &Shade, pixel: IVec2) -> Vec3 {
         let barycentrics = self.barycentrics(pixel);
         let needs_map = self.material.has_normal_map();
@@ -140,7 +140,7 @@ impl<'a> Face<'a> {
     fn normal_at(&self, shade: &Shade, barycentrics: &Barycentrics, uv: &[Footprint; 2]) -> Vec3 {
         let normal = barycentrics.vec3(self.each(|vertex| vertex.normal));
         if !self.material.has_normal_map() {
-            // What `shading_normal` gives for a zero tangent, at a fraction of its cost.
+            // Equal to `shading_normal` with a zero tangent, at a fraction of its cost.
             let unit = shading::unit_or(normal, Vec3::Z);
             return if self.triangle.is_front { unit } else { -unit };
         }
@@ -149,12 +149,12 @@ impl<'a> Face<'a> {
         shading::shading_normal(normal, tangent, mapped, self.triangle.is_front)
     }
 
-    /// Distance along the view axis, metres.
+    /// Returns the distance along the view axis in metres.
     pub(super) fn depth(&self, pixel: IVec2) -> f32 {
         Vec3::from(self.barycentrics(pixel).0).dot(self.each(|vertex| vertex.depth).into())
     }
 
-    /// Forward and backward motion, pixels; exactly 0 at rest.
+    /// Returns forward and backward motion in pixels; exactly 0 at rest.
     pub(super) fn motion(&self, shade: &Shade, pixel: IVec2) -> [f32; 4] {
         let barycentrics = self.barycentrics(pixel);
         let at = |points: [[f32; 3]; 3]| screen_point(barycentrics.vec3(points));
@@ -169,7 +169,7 @@ impl<'a> Face<'a> {
     }
 }
 
-/// Screen point of a homogeneous position; `None` behind the camera.
+/// Returns the screen point of a homogeneous position; `None` behind the camera.
 fn screen_point(homogeneous: Vec3) -> Option<Vec2> {
     (homogeneous.z > 1e-6).then(|| homogeneous.truncate() / homogeneous.z)
 }

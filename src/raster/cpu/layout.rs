@@ -1,17 +1,17 @@
-//! Which channels a frame has and in which plane of a tile each is gathered.
+//! The channels of a frame, and the planes of a tile that accumulate them.
 //!
-//! In: the channel groups wanted. Out: plane numbers in the order of the channel table.
+//! In: the requested channel groups. Out: plane numbers in the order of the channel table.
 
 use crate::image::{ChannelGroup, ChannelSpec};
 
-/// First plane of each group wanted.
+/// First plane of each requested group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// As [`ChannelGroup::PLANAR`].
+    /// In the order of [`ChannelGroup::PLANAR`].
     first: [Option<usize>; ChannelGroup::PLANAR.len()],
-    /// Mattes are gathered, in lists beside the planes.
+    /// Whether mattes are accumulated, in lists beside the planes.
     pub(super) has_mattes: bool,
-    /// Planes in all.
+    /// Total number of planes.
     pub(super) planes: usize,
 }
 
@@ -26,7 +26,7 @@ impl Layout {
         Self { first, has_mattes: groups.contains(&ChannelGroup::Cryptomatte), planes }
     }
 
-    /// The group's first plane, where it is wanted.
+    /// Returns the group's first plane, if it is requested.
     pub(super) fn first(&self, group: ChannelGroup) -> Option<usize> {
         let at = ChannelGroup::PLANAR.iter().position(|&planar| planar == group)?;
         self.first[at]
@@ -36,7 +36,7 @@ impl Layout {
         ChannelGroup::PLANAR.iter().any(|group| group.is_data() && self.first(*group).is_some())
     }
 
-    /// Every channel with its group and plane, without mattes.
+    /// Returns every channel with its group and plane, without mattes.
     pub(super) fn channels(&self) -> impl Iterator<Item = (ChannelGroup, &'static ChannelSpec, usize)> {
         let wanted = ChannelGroup::PLANAR.into_iter().zip(self.first);
         wanted.filter_map(|(group, first)| Some((group, first?))).flat_map(|(group, first)| {

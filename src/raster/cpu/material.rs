@@ -1,6 +1,6 @@
-//! Materials, ready to be looked up pixel by pixel.
+//! Materials prepared for shading.
 //!
-//! In: a [`Scene`]. Out: [`Materials`]: factors, samplers and the mip chains of every image that is used.
+//! In: a [`Scene`]. Out: [`Materials`]: factors, samplers and the mip chains of every image in use.
 
 use super::texture::{Footprint, MipChain, Sampler};
 use crate::scene::{AlphaMode, Material, Scene, TextureRef};
@@ -14,7 +14,7 @@ pub(super) struct Materials {
     images: Vec<MipChain>,
 }
 
-/// A material with its samplers resolved.
+/// A material with resolved samplers.
 #[derive(Debug)]
 pub(super) struct Prepared {
     /// Factors.
@@ -39,7 +39,7 @@ impl Prepared {
         }
     }
 
-    /// What decides where it covers, and how much.
+    /// Prepares only what determines alpha.
     fn of_alpha(material: &Material, scene: &Scene) -> Self {
         let is_opaque = material.alpha == AlphaMode::Opaque;
         let base_color_texture = if is_opaque { None } else { material.base_color_texture };
@@ -60,12 +60,12 @@ impl Prepared {
             .flatten()
     }
 
-    /// Some texture is looked up, so texture coordinates matter.
+    /// Returns whether any texture is sampled, so that UVs are needed.
     pub(super) fn has_textures(&self) -> bool {
         self.samplers().next().is_some()
     }
 
-    /// A normal map is looked up, so tangents matter.
+    /// Returns whether a normal map is sampled, so that tangents are needed.
     pub(super) fn has_normal_map(&self) -> bool {
         self.normal.is_some()
     }
@@ -74,7 +74,7 @@ impl Prepared {
         self.factors.alpha == AlphaMode::Blend
     }
 
-    /// The least alpha that is drawn, where the material cuts holes.
+    /// Returns the minimum alpha that is drawn, for masked materials.
     pub(super) fn cutoff(&self) -> Option<f32> {
         match self.factors.alpha {
             AlphaMode::Mask { cutoff } => Some(cutoff),
@@ -88,7 +88,7 @@ impl Materials {
         Self::with(scene, scene.materials.iter().map(|material| Prepared::of(material, scene)).collect())
     }
 
-    /// Without what does not change alpha.
+    /// Prepares only what determines alpha.
     pub(super) fn of_alpha(scene: &Scene) -> Self {
         Self::with(scene, scene.materials.iter().map(|material| Prepared::of_alpha(material, scene)).collect())
     }
@@ -104,23 +104,23 @@ impl Materials {
         Self { images: used.into_par_iter().map(MipChain::of).collect(), list }
     }
 
-    /// The material of that index, else the first.
+    /// Returns the material at an index, or the first.
     pub(super) fn get(&self, index: u32) -> &Prepared {
         self.list.get(index as usize).unwrap_or(&self.list[0])
     }
 
-    /// Linear base colour and alpha, vertex colour included.
+    /// Returns linear base colour and alpha, vertex colour included.
     pub(super) fn base_color(&self, material: &Prepared, uv: &[Footprint; 2], vertex_color: Vec4) -> Vec4 {
         material.factors.base_color * vertex_color * self.sample(&material.base_color, uv)
     }
 
-    /// Metallic and roughness.
+    /// Returns metallic and roughness.
     pub(super) fn metallic_roughness(&self, material: &Prepared, uv: &[Footprint; 2]) -> (f32, f32) {
         let texel = self.sample(&material.metallic_roughness, uv);
         (material.factors.metallic * texel.z, material.factors.roughness * texel.y)
     }
 
-    /// The normal map's vector in tangent space.
+    /// Returns the normal map's vector in tangent space.
     pub(super) fn mapped_normal(&self, material: &Prepared, uv: &[Footprint; 2]) -> Vec3 {
         if !material.has_normal_map() {
             return Vec3::Z;
@@ -128,13 +128,13 @@ impl Materials {
         super::shading::normal_from_texel(self.sample(&material.normal, uv).xyz(), material.factors.normal_scale)
     }
 
-    /// 1 open, 0 hidden.
+    /// Returns the ambient occlusion: 1 open, 0 occluded.
     pub(super) fn occlusion(&self, material: &Prepared, uv: &[Footprint; 2]) -> f32 {
         let texel = self.sample(&material.occlusion, uv).x;
         super::shading::occlusion_from_texel(texel, material.factors.occlusion_strength)
     }
 
-    /// Linear radiance given off.
+    /// Returns the emitted linear radiance.
     pub(super) fn emissive(&self, material: &Prepared, uv: &[Footprint; 2]) -> Vec3 {
         if material.factors.emissive == Vec3::ZERO {
             return Vec3::ZERO;

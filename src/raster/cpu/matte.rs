@@ -1,7 +1,7 @@
-//! Mattes: which ids cover each pixel, and how much, over all beauty passes.
+//! Mattes: the ids that cover each pixel, with their coverage, over all beauty passes.
 //!
-//! In: the surfaces that a pass shows in a tile. Out: the ranks of every Cryptomatte, as channels.
-//! A pixel keeps a list of (ids, coverage), mostly one entry long: 24 bytes per covered pixel.
+//! In: the visible surfaces of a pass in a tile. Out: the ranks of every Cryptomatte, as channels. A pixel keeps a list
+//! of (ids, coverage), mostly one entry long: 24 bytes per covered pixel.
 
 use super::bin::{TILE, Tiling};
 use super::coverage::TILE_PIXELS;
@@ -10,19 +10,19 @@ use crate::image::{Channel, Storage};
 use crate::raster::{MATTE_LAYERS, RasterError};
 use rayon::prelude::*;
 
-/// No entry.
+/// End of a list.
 const END: u32 = u32::MAX;
 
-/// Numbers a pixel has in the frame's channels: id and coverage of each rank of each Cryptomatte.
+/// Values per pixel in the frame's channels: id and coverage of each rank of each Cryptomatte.
 const PLANES: usize = MATTE_LAYERS.len() * 2 * USUAL_RANKS;
 
-/// One id of each Cryptomatte, for what is drawn together.
+/// One id per Cryptomatte, for triangles drawn together.
 pub(super) type Ids = [MatteId; MATTE_LAYERS.len()];
 
 /// The ids that cover a tile's pixels.
 #[derive(Debug, Default)]
 pub(super) struct TileMattes {
-    /// One a pixel: where its list begins.
+    /// Index of each pixel's first entry.
     first: Vec<u32>,
     entries: Vec<Entry>,
 }
@@ -34,7 +34,7 @@ struct Entry {
     next: u32,
 }
 
-/// A blended surface in front of the opaque one of its pixel; fragments are listed in drawing order, back to front.
+/// A blended surface in front of its pixel's opaque one; fragments are in drawing order, back to front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TransparentFragment {
     pub(super) place: usize,
@@ -43,14 +43,14 @@ pub(super) struct TransparentFragment {
 }
 
 impl TileMattes {
-    /// Forgets what the last frame left.
+    /// Clears the previous frame.
     pub(super) fn reset(&mut self) {
         self.first.clear();
         self.entries.clear();
     }
 
-    /// Adds a pass of that weight: its transparent fragments, and the opaque surface of each pixel, if any. What a fragment
-    /// lets through covers what lies behind it, so that coverage sums to the alpha of beauty.
+    /// Adds a pass with a weight: its transparent fragments, and the opaque surface of each pixel, if any. A fragment's
+    /// transmittance weights the coverage of what lies behind it, so that coverage sums to the alpha of beauty.
     pub(super) fn add_pass(
         &mut self,
         weight: f32,
@@ -58,7 +58,7 @@ impl TileMattes {
         opaque: impl Iterator<Item = (usize, Ids)>,
     ) {
         self.first.resize(TILE_PIXELS, END);
-        // What is left of the pass's weight behind the fragments; empty where there are none.
+        // The remaining weight of the pass behind the fragments; empty if there are none.
         let mut rest = if fragments.is_empty() { Vec::new() } else { vec![weight; TILE_PIXELS] };
         for fragment in fragments.iter().rev() {
             let rest = &mut rest[fragment.place];
@@ -86,7 +86,7 @@ impl TileMattes {
         self.first[place] = self.entries.len() as u32 - 1;
     }
 
-    /// The entries of a pixel.
+    /// Returns the entries of a pixel.
     fn of(&self, place: usize) -> impl Iterator<Item = &Entry> {
         let mut at = self.first.get(place).copied().unwrap_or(END);
         std::iter::from_fn(move || {
@@ -97,7 +97,7 @@ impl TileMattes {
     }
 }
 
-/// The channels of all Cryptomattes, from the mattes of a window's tiles.
+/// Returns the channels of all Cryptomattes from the mattes of a window's tiles.
 pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec<Channel>, RasterError> {
     let (width, height) = (tiling.size.x as usize, tiling.size.y as usize);
     let area = width * height;
@@ -106,7 +106,7 @@ pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec
         return Err(RasterError::OutOfMemory { what: format!("{PLANES} matte channels of {area} pixels") });
     }
     let names = MATTE_LAYERS.iter().flat_map(|layer| rank_channel_names(layer, USUAL_RANKS));
-    // Zeros come from the system untouched: ranks that no pixel needs take no memory.
+    // The system provides zeroed pages lazily: ranks that no pixel needs take no memory.
     let channel = |name| Channel { name, storage: Storage::Float, samples: vec![0.0; area] };
     let mut channels: Vec<Channel> = names.map(channel).collect();
     let side = TILE as usize;
@@ -126,7 +126,7 @@ pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec
     Ok(channels)
 }
 
-/// Ranks the pixels of a tile that begins at `left` of a band of rows of that width.
+/// Ranks the pixels of a tile that starts at column `left` of a band of rows with this width.
 fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): (&mut [&mut [f32]], usize, usize)) {
     if mattes.entries.is_empty() {
         return;
@@ -139,7 +139,7 @@ fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): 
             mattes.of(y * side + x).for_each(|entry| coverage.add(entry.ids[layer], entry.coverage));
             for (rank, &(id, covered)) in planes.chunks_exact_mut(2).zip(coverage.ranked()) {
                 rank[0][y * width + left + x] = id.sample();
-                // The sum of rounded weights may pass the whole by a bit.
+                // The sum of rounded weights may slightly exceed 1.
                 rank[1][y * width + left + x] = covered.min(1.0);
             }
         }

@@ -1,6 +1,6 @@
-//! Mip chains: an image becomes ever smaller copies of itself, averaged in linear light.
+//! Mip chains: successively smaller copies of an image, averaged in linear light.
 //!
-//! In: an [`Image`] as stored (RGBA8). Out: levels as stored, down to 1x1. Both rasters use these chains.
+//! In: an [`Image`] as stored (RGBA8). Out: levels as stored, down to 1x1. Both rasterisers use these chains.
 
 use crate::scene::Image;
 use glam::Vec4;
@@ -31,7 +31,7 @@ pub(super) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
 pub(super) static LINEAR_FROM_BYTE: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| byte as f32 / 255.0));
 
-/// All levels of an image, the first its own texels, the last 1x1. An image without texels becomes one white texel.
+/// Returns all levels of an image, the first its own texels, the last 1x1. An empty image becomes one white texel.
 pub(crate) fn mip_chain(image: &Image) -> Vec<Level> {
     let texels: Vec<[u8; 4]> = image.rgba.chunks_exact(4).map(|rgba| [rgba[0], rgba[1], rgba[2], rgba[3]]).collect();
     let is_whole = !texels.is_empty() && texels.len() == image.width as usize * image.height as usize;
@@ -46,7 +46,7 @@ pub(crate) fn mip_chain(image: &Image) -> Vec<Level> {
     levels
 }
 
-/// A level of half the size, rounded down, each texel the exact mean over the area it covers.
+/// Returns a level of half the size, rounded down, each texel the exact mean over the area it covers.
 fn halved(from: &Level, is_srgb: bool) -> Level {
     let (width, height) = ((from.width / 2).max(1), (from.height / 2).max(1));
     let columns: Vec<Span> = (0..width).map(|x| span(x, width, from.width)).collect();
@@ -60,10 +60,10 @@ fn halved(from: &Level, is_srgb: bool) -> Level {
     Level { width, height, texels }
 }
 
-/// First source texel and the weights from there on (two, or three where the size is odd); they sum to 1.
+/// First source texel and the weights of it and its successors (two, or three if the size is odd); they sum to 1.
 type Span = (u32, [f32; 3]);
 
-/// Which source texels the texel at `index` of `count` covers, of `source` there are.
+/// Returns the source texels, out of `source`, that the texel at `index` of `count` covers.
 fn span(index: u32, count: u32, source: u32) -> Span {
     let ratio = f64::from(source) / f64::from(count);
     let (from, to) = (f64::from(index) * ratio, f64::from(index + 1) * ratio);
@@ -75,7 +75,7 @@ fn span(index: u32, count: u32, source: u32) -> Span {
     (first as u32, weights)
 }
 
-/// The linear mean over a span of texels; colour counts by its alpha, so hidden colours do not bleed in.
+/// Returns the linear mean over a span of texels; colour is weighted by alpha, so hidden colours do not bleed in.
 fn mean(from: &Level, columns: &Span, rows: &Span, is_srgb: bool) -> Vec4 {
     let (mut plain, mut covered) = (Vec4::ZERO, Vec4::ZERO);
     for (dy, row_weight) in rows.1.iter().enumerate() {
@@ -90,14 +90,14 @@ fn mean(from: &Level, columns: &Span, rows: &Span, is_srgb: bool) -> Vec4 {
     if is_srgb && plain.w > 1e-4 { (covered.truncate() / plain.w).extend(plain.w) } else { plain }
 }
 
-/// A stored texel as linear values.
+/// Converts a stored texel to linear values.
 pub(super) fn decode(texel: [u8; 4], is_srgb: bool) -> Vec4 {
     let colour = if is_srgb { &LINEAR_FROM_SRGB } else { &LINEAR_FROM_BYTE };
     let [r, g, b, a] = texel.map(usize::from);
     Vec4::new(colour[r], colour[g], colour[b], LINEAR_FROM_BYTE[a])
 }
 
-/// Linear values as a stored texel.
+/// Converts linear values to a stored texel.
 fn encode(linear: Vec4, is_srgb: bool) -> [u8; 4] {
     let encode_one = |x: f32| match is_srgb {
         true if x <= 0.003_130_8 => x * 12.92,

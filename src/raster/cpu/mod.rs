@@ -1,8 +1,8 @@
-//! The CPU raster: the reference, in safe Rust, in tiles over all cores.
+//! The CPU rasteriser: the reference implementation, in safe Rust, in tiles over all cores.
 //!
 //! In: a scene's materials, then [`Pass`]es of geometry. Out: a [`Frame`], the same bytes for any number of threads.
-//! Bins sort triangles into tiles (`bin`, `triangle`); tiles find what is seen (`coverage`) and shade it once
-//! (`tile`, `fragment`, `texture`, `shading`).
+//! Triangles are binned into tiles (`bin`, `triangle`); tiles determine visibility (`coverage`) and shade visible
+//! pixels once (`tile`, `fragment`, `texture`, `shading`).
 
 mod bin;
 mod coverage;
@@ -32,7 +32,7 @@ use std::time::{Duration, Instant};
 use tile::{Scratch, Tile, TilePass};
 use triangle::MAX_SIDE;
 
-/// Draws frames on the CPU.
+/// Renders frames on the CPU.
 ///
 /// ```
 /// use pinwarp::raster::{ChannelGroup, Geometry, Pass, PassRole, Raster, Target, cpu::CpuRaster};
@@ -55,24 +55,24 @@ pub struct CpuRaster {
     times: StageTimes,
 }
 
-/// The frame that is being drawn.
+/// The frame being drawn.
 #[derive(Debug)]
 struct Job {
     target: Target,
     layout: Layout,
     tiling: Tiling,
-    /// A pass has drawn data.
+    /// Whether a pass has drawn data.
     has_data: bool,
 }
 
-/// Time spent since the last `start`, for measurements.
+/// Time spent since the last `start`, for benchmarks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageTimes {
-    /// Placing vertices, setting triangles up, sorting them into tiles.
+    /// Vertex transform, triangle set-up, binning.
     pub bin: Duration,
     /// Visibility and shading.
     pub tiles: Duration,
-    /// Gathering the tiles into channels.
+    /// Assembling the channels from tiles.
     pub resolve: Duration,
 }
 
@@ -83,7 +83,7 @@ impl CpuRaster {
         Self::with(Materials::of(scene))
     }
 
-    /// For mattes alone: of the images only those are prepared whose alpha shapes what is seen.
+    /// Prepares a rasteriser for mattes only: only the images that determine alpha are loaded.
     pub(super) fn for_mattes(scene: &Scene) -> Self {
         Self::with(Materials::of_alpha(scene))
     }
@@ -92,7 +92,7 @@ impl CpuRaster {
         Self { materials, bins: Bins::default(), tiles: Vec::new(), job: None, times: StageTimes::default() }
     }
 
-    /// Time spent since the last `start`.
+    /// Returns the time spent since the last `start`.
     #[must_use]
     pub fn stage_times(&self) -> StageTimes {
         self.times
@@ -184,7 +184,7 @@ impl Raster for CpuRaster {
     }
 }
 
-/// One channel, row by row, out of the tiles.
+/// Assembles one channel from the tiles, row by row.
 fn gather(
     job: &Job,
     tiles: &[Tile],

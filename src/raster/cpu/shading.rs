@@ -1,8 +1,7 @@
-//! Light on a surface: `shaders/shading.wgsl` in Rust, function for function.
+//! Surface shading: `shaders/shading.wgsl` in Rust, function for function.
 //!
-//! In: a [`Surface`] and a [`Light`]. Out: linear radiance towards the viewer.
-//! BRDF: Khronos, "glTF 2.0 Specification", Appendix B,
-//! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#appendix-b-brdf-implementation>. Lights:
+//! In: a [`Surface`] and a [`Light`]. Out: linear radiance towards the viewer. BRDF: Khronos, "glTF 2.0 Specification",
+//! Appendix B, <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#appendix-b-brdf-implementation>. Lights:
 //! <https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Khronos/KHR_lights_punctual>
 
 use crate::pose::PosedLight;
@@ -22,36 +21,36 @@ const DIELECTRIC_F0: f32 = 0.04;
 /// Cosine-weighted mean of `matte_share`: (1 − f0)·(1 − 1/21), since the mean of (1 − c)⁵ is 1/21.
 const MEAN_MATTE_SHARE: f32 = 0.914_285_7;
 
-/// A smaller roughness would make highlights of punctual lights narrower than a half float can hold.
+/// Minimum roughness: below it, highlights of punctual lights are too bright for half floats.
 const MIN_ROUGHNESS: f32 = 0.045;
 
-/// Square of the least distance from a point light, metres²: keeps 1/d² finite.
+/// Square of the minimum distance from a point light in metres²: keeps 1/d² finite.
 const MIN_DISTANCE_SQUARED: f32 = 1e-4;
 
-/// The neutral surroundings: radiance `GROUND` below the horizon, `SKY + OVERHEAD·(d·up)` above it.
-/// SKY + 2/3·OVERHEAD = 1, so a white matte surface that faces up shows 1.
+/// The neutral environment: radiance `GROUND` below the horizon, `SKY + OVERHEAD·(d·up)` above it. SKY + 2/3·OVERHEAD =
+/// 1, so a white diffuse surface that faces up has radiance 1.
 const GROUND: f32 = 0.25;
 const SKY: f32 = 0.5;
 const OVERHEAD: f32 = 0.75;
 
-/// A point of a surface, as it is lit.
+/// A surface point to be shaded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
     /// Scene position.
     pub(crate) position: Vec3,
-    /// Unit shading normal; faces the viewer's side of the triangle.
+    /// Unit shading normal, on the viewer's side of the triangle.
     pub(crate) normal: Vec3,
     /// Unit vector towards the viewer.
     pub(crate) to_viewer: Vec3,
-    /// Linear, 0..1.
+    /// Linear base colour, 0..1.
     pub(crate) base_color: Vec3,
     /// 0 dielectric, 1 metal.
     pub(crate) metallic: f32,
     /// Perceptual roughness, 0..1.
     pub(crate) roughness: f32,
-    /// 1 open, 0 hidden from the surroundings; punctual lights are not affected.
+    /// Ambient occlusion: 1 open, 0 occluded; punctual lights are not affected.
     pub(crate) occlusion: f32,
-    /// Linear radiance given off.
+    /// Emitted linear radiance.
     pub(crate) emissive: Vec3,
 }
 
@@ -59,21 +58,21 @@ pub(crate) struct Surface {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Light {
-    /// Scene position (unused where directional).
+    /// Scene position (unused for directional lights).
     position: [f32; 3],
-    /// 1 / range in 1/metres; 0 where the light has no end.
+    /// 1 / range in 1/metres; 0 for an infinite range.
     inverse_range: f32,
     /// Unit vector along which it shines.
     direction: [f32; 3],
     /// `LIGHT_DIRECTIONAL`, `LIGHT_POINT` or `LIGHT_SPOT`.
     kind: u32,
-    /// Linear RGB: lux where directional, else candela.
+    /// Linear RGB: lux for directional lights, else candela.
     color: [f32; 3],
-    /// 1 / max(0.001, cos inner − cos outer); 0 where not a spot.
+    /// 1 / max(0.001, cos inner − cos outer); 0 for lights other than spots.
     cone_scale: f32,
-    /// −cos outer · `cone_scale`; 1 where not a spot.
+    /// −cos outer · `cone_scale`; 1 for lights other than spots.
     cone_offset: f32,
-    /// Fills the shaders' 16-byte rows.
+    /// Padding to the shaders' 16-byte rows.
     _padding: [f32; 3],
 }
 
@@ -100,24 +99,24 @@ impl From<&PosedLight> for Light {
     }
 }
 
-/// Light that arrives at a point.
+/// Incident light at a point.
 struct Arrival {
     /// Unit vector towards the light.
     to_light: Vec3,
-    /// Illuminance on a plane that faces the light, lux.
+    /// Illuminance on a plane that faces the light, in lux.
     illuminance: Vec3,
 }
 
-/// Unit vector along `v`, or `fallback` where `v` has no length.
+/// Returns the unit vector along `v`, or `fallback` if `v` is zero.
 pub(crate) fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
     let squared = v.length_squared();
     if squared > 1e-37 { v * (1.0 / squared.sqrt()) } else { fallback }
 }
 
-/// The normal after the normal map, turned to the side that is seen.
+/// Applies a normal map, and flips the normal to the visible side.
 ///
-/// `mapped` is the map's normal in tangent space with its scale applied, (0, 0, 1) without a map;
-/// `tangent.w` is the handedness, a zero tangent means no map.
+/// `mapped` is the map's normal in tangent space with its scale applied, (0, 0, 1) without a map; `tangent.w` is the
+/// handedness, a zero tangent means no map.
 pub(crate) fn shading_normal(normal: Vec3, tangent: Vec4, mapped: Vec3, is_front: bool) -> Vec3 {
     let n = unit_or(normal, Vec3::Z);
     let t = unit_or(tangent.xyz() - n * n.dot(tangent.xyz()), Vec3::ZERO);
@@ -126,7 +125,7 @@ pub(crate) fn shading_normal(normal: Vec3, tangent: Vec4, mapped: Vec3, is_front
     if is_front { bent } else { -bent }
 }
 
-/// A stored normal map texel (0..1) as a vector of tangent space; `scale` acts on x and y (glTF 2.0, 3.9.3).
+/// Converts a stored normal map texel (0..1) to a tangent-space vector; `scale` acts on x and y (glTF 2.0, 3.9.3).
 pub(crate) fn normal_from_texel(texel: Vec3, scale: f32) -> Vec3 {
     (texel * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0)
 }
@@ -153,31 +152,32 @@ fn fresnel_schlick(f0: Vec3, v_h: f32) -> Vec3 {
     f0 + (Vec3::ONE - f0) * (m2 * m2 * m)
 }
 
-/// Reflectance at normal incidence.
+/// Returns the reflectance at normal incidence.
 fn normal_reflectance(surface: &Surface) -> Vec3 {
     Vec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic)
 }
 
-/// Albedo of the matte part.
+/// Returns the albedo of the diffuse layer.
 fn diffuse_albedo(surface: &Surface) -> Vec3 {
     surface.base_color * (1.0 - surface.metallic)
 }
 
-/// Cosine towards the viewer, kept off 0 where a smooth normal points past the silhouette.
+/// Returns the cosine towards the viewer, kept above 0 where a smooth normal faces away beyond the silhouette.
 fn view_cosine(surface: &Surface) -> f32 {
     surface.normal.dot(surface.to_viewer).clamp(1e-3, 1.0)
 }
 
-/// Share of the light that a dielectric's surface lets through at a cosine.
+/// Returns the fraction of light transmitted by a dielectric's surface at a cosine.
 fn matte_share(cosine: f32) -> f32 {
     let m = 1.0 - cosine;
     let m2 = m * m;
     (1.0 - DIELECTRIC_F0) * (1.0 - m2 * m2 * m)
 }
 
-/// BRDF times cosine, 1/sr: gloss as in Appendix B.3.5. Its matte layer (1 − F(v·h)) gains up to 28 % at grazing views;
-/// here it is coupled to the gloss so that a white surface never returns more than it gets: Kelemen and
-/// Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", 2001.
+/// Returns BRDF times cosine, 1/sr. The specular part is that of Appendix B.3.5. Its diffuse layer (1 − F(v·h)) gains
+/// up to 28 % at grazing views; here it is coupled to the specular layer so that a white surface never reflects more
+/// than it receives: Kelemen and Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance
+/// Sampling", 2001.
 fn reflect_light(surface: &Surface, to_light: Vec3) -> Vec3 {
     let n_l = surface.normal.dot(to_light).clamp(0.0, 1.0);
     let n_v = view_cosine(surface);
@@ -192,20 +192,21 @@ fn reflect_light(surface: &Surface, to_light: Vec3) -> Vec3 {
     (matte + gloss) * n_l
 }
 
-/// Fades a light out towards its range (`KHR_lights_punctual`, "Range Property").
+/// Returns the attenuation of a light towards its range (`KHR_lights_punctual`, "Range Property").
 fn range_window(squared_distance: f32, inverse_range: f32) -> f32 {
     let x = squared_distance * inverse_range * inverse_range;
     (1.0 - x * x).clamp(0.0, 1.0)
 }
 
-/// Fades a spot out towards the rim of its cone (`KHR_lights_punctual`, "Inner and Outer Cone Angles").
+/// Returns the attenuation of a spot towards the rim of its cone (`KHR_lights_punctual`, "Inner and Outer Cone
+/// Angles").
 fn cone_window(light: &Light, to_light: Vec3) -> f32 {
     let f = Vec3::from(light.direction).dot(-to_light) * light.cone_scale + light.cone_offset;
     let f = f.clamp(0.0, 1.0);
     f * f
 }
 
-/// The light that arrives at a scene position.
+/// Returns the incident light at a scene position.
 fn arrive(light: &Light, position: Vec3) -> Arrival {
     if light.kind == LIGHT_DIRECTIONAL {
         return Arrival { to_light: -Vec3::from(light.direction), illuminance: light.color.into() };
@@ -217,17 +218,17 @@ fn arrive(light: &Light, position: Vec3) -> Arrival {
     Arrival { to_light, illuminance: Vec3::from(light.color) * (window / squared) }
 }
 
-/// Radiance towards the viewer that one light causes.
+/// Returns the radiance towards the viewer caused by one light.
 pub(crate) fn light_surface(surface: &Surface, light: &Light) -> Vec3 {
     let arrival = arrive(light, surface.position);
     reflect_light(surface, arrival.to_light) * arrival.illuminance
 }
 
-/// Mean radiance of the surroundings over the cosine lobe around a direction whose cosine with up is y.
+/// Returns the mean radiance of the environment over the cosine lobe around a direction whose cosine with up is y.
 ///
-/// A plane sees (1 + y)/2 of the upper half weighted by the cosine; the overhead part is the clamped cosine convolved
-/// with the clamped cosine, 2/(3π)·(sin θ + (π − θ)·cos θ), as in a Lambertian sphere's phase law: y/3 and an even
-/// part, for which stands a cubic in y² (minimax over 0..1, error below 2e-4).
+/// A plane sees (1 + y)/2 of the upper hemisphere weighted by the cosine; the overhead part is the clamped cosine
+/// convolved with the clamped cosine, 2/(3π)·(sin θ + (π − θ)·cos θ), as in a Lambertian sphere's phase law: y/3 and an
+/// even part, approximated by a cubic in y² (minimax over 0..1, error below 2e-4).
 fn surroundings_matte(y: f32) -> f32 {
     let c = y.clamp(-1.0, 1.0);
     let t = c * c;
@@ -235,8 +236,8 @@ fn surroundings_matte(y: f32) -> f32 {
     mix(GROUND, SKY, 0.5 + 0.5 * c) + OVERHEAD * (c * (1.0 / 3.0) + even)
 }
 
-/// Mean radiance of the surroundings over the highlight lobe around such a direction: the horizon softens and the
-/// gradient nears `surroundings_matte` as roughness grows.
+/// Returns the mean radiance of the environment over the specular lobe around such a direction: with increasing
+/// roughness the horizon softens, and the gradient approaches `surroundings_matte`.
 fn surroundings_gloss(y: f32, roughness: f32) -> f32 {
     let half_width = mix(0.03, 1.0, roughness);
     let above = smoothstep(-half_width, half_width, y);
@@ -244,7 +245,7 @@ fn surroundings_gloss(y: f32, roughness: f32) -> f32 {
     mix(sharp, surroundings_matte(y), roughness * roughness)
 }
 
-/// Scale and offset of f0 in the light reflected from uniform surroundings.
+/// Returns scale and bias of f0 in the light reflected from a uniform environment.
 ///
 /// Karis, "Physically Based Shading on Mobile", 2014, EnvBRDFApprox, a fit after Lazarov, "Getting More Physical in
 /// Call of Duty: Black Ops II", 2013. <https://www.unrealengine.com/blog/physically-based-shading-on-mobile>
@@ -254,7 +255,7 @@ fn environment_brdf(roughness: f32, n_v: f32) -> Vec2 {
     Vec2::new(-1.04, 1.04) * a004 + r.zw()
 }
 
-/// Radiance towards the viewer that the surroundings cause, for strength 1.
+/// Returns the radiance towards the viewer caused by the environment at strength 1.
 fn environment(surface: &Surface) -> Vec3 {
     let brdf = environment_brdf(surface.roughness, view_cosine(surface));
     let reflected = (normal_reflectance(surface) * brdf.x + brdf.y).clamp(Vec3::ZERO, Vec3::ONE);
@@ -264,7 +265,7 @@ fn environment(surface: &Surface) -> Vec3 {
     (gloss + matte) * surface.occlusion
 }
 
-/// Everything but the punctual lights: what the surface gives off and the surroundings at `strength`.
+/// Returns the radiance without punctual lights: emission, and the environment at `strength`.
 pub(crate) fn ambient_surface(surface: &Surface, strength: f32) -> Vec3 {
     if strength <= 0.0 {
         return surface.emissive;
@@ -272,7 +273,7 @@ pub(crate) fn ambient_surface(surface: &Surface, strength: f32) -> Vec3 {
     surface.emissive + environment(surface) * strength
 }
 
-/// glTF's occlusion: 1 + strength·(texel − 1) (glTF 2.0, 3.9.3).
+/// Returns glTF's occlusion: 1 + strength·(texel − 1) (glTF 2.0, 3.9.3).
 pub(crate) fn occlusion_from_texel(texel: f32, strength: f32) -> f32 {
     1.0 + strength * (texel - 1.0)
 }

@@ -1,16 +1,17 @@
-//! Texture look-up: wrap modes, bilinear within and linear between levels, several taps along a stretched footprint.
+//! Texture sampling: wrap modes, bilinear within and linear between levels, several taps along an anisotropic
+//! footprint.
 //!
-//! In: texture coordinates and their change a pixel. Out: linear RGBA.
-//! The anisotropic footprint follows the Vulkan specification, "Texel Anisotropic Filtering".
+//! In: UVs and their change per pixel. Out: linear RGBA. The anisotropic footprint follows the Vulkan specification,
+//! "Texel Anisotropic Filtering".
 
 use super::mipmap::{LINEAR_FROM_BYTE, LINEAR_FROM_SRGB, Level, mip_chain};
 use crate::scene::{Filter, Image, Texture, TextureRef, Wrap};
 use glam::{Vec2, Vec3, Vec4};
 
-/// Most taps along the long axis of a footprint, as Vulkan devices offer.
+/// Maximum number of taps along the long axis of a footprint, as on Vulkan devices.
 const MAX_ANISOTROPY: f32 = 16.0;
 
-/// An image, ready to be sampled.
+/// An image prepared for sampling.
 #[derive(Debug)]
 pub(super) struct MipChain {
     levels: Vec<Level>,
@@ -24,7 +25,7 @@ impl MipChain {
     }
 }
 
-/// A texture of a material: which image, how it is filtered, which coordinates it takes.
+/// A material's texture: image, filters, UV set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sampler {
     pub(super) image: usize,
@@ -33,7 +34,7 @@ pub(super) struct Sampler {
     texture_from_uv: [Vec3; 2],
 }
 
-/// Where a texture is looked up: coordinates and their change to the next pixel right and down.
+/// The UVs of a lookup, and their change to the next pixel to the right and below.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Footprint {
     pub(super) at: Vec2,
@@ -42,14 +43,14 @@ pub(super) struct Footprint {
 }
 
 impl Sampler {
-    /// `None` where the reference points at nothing.
+    /// Resolves a reference; `None` if it is invalid.
     pub(super) fn of(reference: &TextureRef, textures: &[Texture]) -> Option<Self> {
         let texture = *textures.get(reference.texture)?;
         let uv_set = reference.uv_set.min(1);
         Some(Self { image: texture.image, texture, uv_set, texture_from_uv: reference.texture_from_uv })
     }
 
-    /// The linear texel there; `sets` holds TEXCOORD_0 and TEXCOORD_1.
+    /// Samples the texture, returning linear values; `sets` holds TEXCOORD_0 and TEXCOORD_1.
     pub(super) fn sample(&self, images: &[MipChain], sets: &[Footprint; 2]) -> Vec4 {
         let Some(image) = images.get(self.image) else { return Vec4::ONE };
         let set = &sets[self.uv_set];
@@ -60,7 +61,7 @@ impl Sampler {
     }
 }
 
-/// Filters over the footprint: taps along its long axis, each at the level that fits its short axis.
+/// Filters over the footprint: taps along its long axis, each at the level that matches its short axis.
 fn filter(texture: &Texture, image: &MipChain, place: &Footprint) -> Vec4 {
     let size = Vec2::new(image.levels[0].width as f32, image.levels[0].height as f32);
     let (across, down) = ((place.dx * size).length(), (place.dy * size).length());
@@ -81,7 +82,7 @@ fn filter(texture: &Texture, image: &MipChain, place: &Footprint) -> Vec4 {
     sum / taps
 }
 
-/// One tap at a fractional level.
+/// Samples at a fractional level.
 fn tap_between(texture: &Texture, image: &MipChain, (level, between): (f32, Filter), at: Vec2) -> Vec4 {
     let (low, share) = match between {
         Filter::Nearest => (level.round(), 0.0),
@@ -95,11 +96,11 @@ fn tap_between(texture: &Texture, image: &MipChain, (level, between): (f32, Filt
     near.lerp(tap(texture, image, (low + 1, texture.minify), at), share)
 }
 
-/// One tap within a level.
+/// Samples within a level.
 fn tap(texture: &Texture, image: &MipChain, (level, within): (usize, Filter), at: Vec2) -> Vec4 {
     let level = &image.levels[level];
     let size = [level.width as i32, level.height as i32];
-    // The fraction of a repeated texture is taken first, so that large coordinates keep their precision.
+    // The fractional part of a repeated coordinate is taken first, so that large coordinates keep their precision.
     let local = Vec2::new(fold(at.x, texture.wrap[0]), fold(at.y, texture.wrap[1]));
     let texel = local * Vec2::new(level.width as f32, level.height as f32);
     let fetch = |x: i32, y: i32| {
@@ -120,7 +121,7 @@ fn tap(texture: &Texture, image: &MipChain, (level, within): (usize, Filter), at
     upper.lerp(lower, share.y)
 }
 
-/// A coordinate brought near 0..1 without changing what it means.
+/// Reduces a coordinate to near 0..1, equivalent under the wrap mode.
 fn fold(at: f32, mode: Wrap) -> f32 {
     match mode {
         Wrap::Repeat => at - at.floor(),
@@ -129,7 +130,7 @@ fn fold(at: f32, mode: Wrap) -> f32 {
     }
 }
 
-/// A texel index brought into 0..size.
+/// Wraps a texel index to 0..size.
 fn wrap(index: i32, size: i32, mode: Wrap) -> i32 {
     match mode {
         Wrap::Repeat => index.rem_euclid(size),
@@ -181,7 +182,7 @@ mod tests {
     fn magnified_texels_blend_between_their_centres() {
         let image = strip();
         assert!((look(&texture(Wrap::Clamp, Filter::Linear), &image, 0.25, 0.0) - 30.0).abs() < 1e-3);
-        // Between the last and, wrapped, the first.
+        // Between the last and, wrapped around, the first.
         assert!((look(&texture(Wrap::Repeat, Filter::Linear), &image, 1.0, 0.0) - 120.0).abs() < 1e-3);
         assert!((look(&texture(Wrap::Clamp, Filter::Linear), &image, 1.0, 0.0) - 240.0).abs() < 1e-3);
     }

@@ -1,6 +1,6 @@
 //! Draws one tile: visibility first, then each visible pixel is shaded once, then blended triangles in order.
 //!
-//! In: the tile's triangles of a pass. Out: the tile's planes, which gather all passes of a frame.
+//! In: the tile's triangles of a pass. Out: the tile's planes, which accumulate all passes of a frame.
 
 use super::bin::TILE;
 use super::coverage::{NOTHING, TILE_PIXELS, Visibility};
@@ -12,36 +12,36 @@ use crate::image::ChannelGroup;
 use crate::raster::PassRole;
 use glam::{IVec2, Vec3, Vec4};
 
-/// What a tile has gathered.
+/// The accumulated samples of a tile.
 #[derive(Debug, Default)]
 pub(super) struct Tile {
-    /// [`Layout::planes`] planes of [`TILE_PIXELS`] samples; kept between frames.
+    /// [`Layout::planes`] planes of [`TILE_PIXELS`] samples; reused between frames.
     planes: Vec<f32>,
-    /// A pass has drawn into the planes of beauty.
+    /// Whether a pass has drawn into the planes of beauty.
     has_beauty: bool,
-    /// A pass has drawn into the planes of data.
+    /// Whether a pass has drawn into the planes of data.
     has_data: bool,
     /// Ids and their coverage.
     pub(super) mattes: TileMattes,
 }
 
-/// Buffers a thread needs while it draws a tile.
+/// Buffers of a thread that draws tiles.
 #[derive(Default)]
 pub(super) struct Scratch<'a> {
-    /// Triangles of the tile.
+    /// The tile's triangles.
     list: Vec<&'a Triangle>,
     /// Opaque and masked surfaces.
     visibility: Visibility,
-    /// Surfaces that count for data: those and nearly opaque blended ones.
+    /// Surfaces that are visible to data channels: those, and nearly opaque blended ones.
     data: Visibility,
     color: Vec<Vec4>,
-    /// Shading normals of opaque surfaces, where shading them gave any.
+    /// Shading normals of opaque surfaces, if shading computed them.
     normals: Vec<Option<Vec3>>,
-    /// Blended surfaces, where mattes are wanted.
+    /// Blended surfaces, if mattes are requested.
     fragments: Vec<TransparentFragment>,
 }
 
-/// What happens to a tile in a pass.
+/// The parameters of a tile in a pass.
 #[derive(Clone, Copy)]
 pub(super) struct TilePass<'a> {
     pub(super) shade: &'a Shade<'a>,
@@ -51,11 +51,11 @@ pub(super) struct TilePass<'a> {
     pub(super) weight: f32,
     /// First pixel of the tile in the window.
     pub(super) origin: IVec2,
-    /// Pixels of the tile that lie in the window.
+    /// Size of the part of the tile inside the window.
     pub(super) size: IVec2,
 }
 
-/// Blended surfaces of at least this alpha count for data.
+/// Minimum alpha at which blended surfaces are visible to data channels.
 const DATA_ALPHA: f32 = 0.5;
 
 impl TilePass<'_> {
@@ -71,7 +71,7 @@ impl TilePass<'_> {
         self.role != PassRole::Data && self.layout.has_mattes
     }
 
-    /// Places (index in the tile) and window pixels of a tile's visible part.
+    /// Returns places (index in the tile) and window pixels of the tile's part inside the window.
     fn pixels(&self) -> impl Iterator<Item = (usize, IVec2)> + use<> {
         let (origin, size) = (self.origin, self.size);
         (0..size.y).flat_map(move |y| (0..size.x).map(move |x| ((y * TILE + x) as usize, origin + IVec2::new(x, y))))
@@ -79,13 +79,13 @@ impl TilePass<'_> {
 }
 
 impl Tile {
-    /// Forgets the last frame.
+    /// Clears the previous frame.
     pub(super) fn reset(&mut self) {
         (self.has_beauty, self.has_data) = (false, false);
         self.mattes.reset();
     }
 
-    /// The samples of a plane, row by row; `None` where no pass has drawn into its group.
+    /// Returns the samples of a plane, row by row; `None` if no pass has drawn into its group.
     pub(super) fn plane(&self, group: ChannelGroup, plane: usize) -> Option<&[f32]> {
         let is_drawn = if group.is_data() { self.has_data } else { self.has_beauty };
         is_drawn.then(|| &self.planes[plane * TILE_PIXELS..(plane + 1) * TILE_PIXELS])
@@ -121,7 +121,7 @@ impl Tile {
         }
     }
 
-    /// Fills the planes that a pass is the first to draw into with the value of empty pixels.
+    /// Initialises the planes that this pass is the first to draw into with the value of empty pixels.
     fn prepare(&mut self, pass: &TilePass) {
         self.planes.resize(pass.layout.planes * TILE_PIXELS, 0.0);
         let is_first_beauty = pass.wants_beauty() && !self.has_beauty;
@@ -154,7 +154,7 @@ impl Tile {
         self.mattes.add_pass(pass.weight, &scratch.fragments, with_ids);
     }
 
-    /// Writes the data of the surface that each pixel shows.
+    /// Writes the data of the visible surface of each pixel.
     fn write_surfaces(&mut self, pass: &TilePass, scratch: &Scratch) {
         let mut faces = FaceCache::new(pass.shade);
         for (place, pixel) in pass.pixels() {
@@ -169,7 +169,7 @@ impl Tile {
         }
     }
 
-    /// `normal`: that of the shaded surface, where shading computed one.
+    /// Writes the data of one pixel; `normal`: that of the shaded surface, if shading computed one.
     fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2), normal: Option<Vec3>) {
         let layout = pass.layout;
         let mut put = |group: ChannelGroup, values: &dyn Fn() -> [f32; 4]| {
@@ -185,7 +185,7 @@ impl Tile {
     }
 }
 
-/// The face last looked up: neighbours mostly share it.
+/// Caches the last face, which neighbouring pixels mostly share.
 struct FaceCache<'a> {
     shade: &'a Shade<'a>,
     last: Option<(u32, Face<'a>)>,
@@ -231,7 +231,7 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// Colours every pixel that shows an opaque surface.
+    /// Shades every pixel that shows an opaque surface.
     fn shade(&mut self, pass: &TilePass<'a>) {
         self.color.clear();
         self.color.resize(TILE_PIXELS, Vec4::ZERO);
@@ -245,7 +245,7 @@ impl<'a> Scratch<'a> {
         }
     }
 
-    /// Lays blended triangles over, and finds which surface counts for data and which cover mattes.
+    /// Blends transparent triangles over, and determines the surfaces visible to data channels and to mattes.
     fn blend(&mut self, pass: &TilePass<'a>) {
         if pass.wants_data() {
             self.data.z.copy_from_slice(&self.visibility.z);

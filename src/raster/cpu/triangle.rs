@@ -1,6 +1,7 @@
-//! Triangle set-up: three vertices in the window become integer edge functions and interpolation planes.
+//! Triangle set-up: three window vertices become integer edge functions and interpolation planes.
 //!
-//! In: vertices in window pixels (y down). Out: [`Triangle`]s, culled, clipped to the guard band, bounded by the window.
+//! In: vertices in window pixels (y down). Out: [`Triangle`]s, culled, clipped to the guard band, bounded by the
+//! window.
 //!
 //! ```text
 //!   window pixels, y down      snapped to 1/256 px            edge from p to q, inside E >= 0
@@ -11,17 +12,17 @@
 use crate::raster::window::{GUARD_BAND, SUBPIXELS, is_in_guard_band, snap};
 use glam::{DVec2, IVec2};
 
-/// Largest window side: with the guard band it keeps edge values inside a tile below 2³¹.
+/// Largest window side: with the guard band, it keeps edge values inside a tile below 2³¹.
 pub(super) const MAX_SIDE: u32 = 16384;
 
-/// A vertex in the window.
+/// A vertex in window space.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WindowVertex {
     /// Window pixels, y down, jitter applied.
     pub(super) at: DVec2,
-    /// Reversed z, 1 near.
+    /// Reversed z, 1 at the near plane.
     pub(super) z: f32,
-    /// 1 / w; NaN where the vertex cannot be drawn.
+    /// 1 / w; NaN if the vertex cannot be drawn.
     pub(super) inverse_w: f32,
 }
 
@@ -31,7 +32,7 @@ impl WindowVertex {
     }
 }
 
-/// An edge function in whole pixels: E(i, j) = a·i + b·j + c; inside and on owned edges where E ≥ 0.
+/// An edge function in whole pixels: E(i, j) = a·i + b·j + c; E ≥ 0 inside and on owned edges.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edge {
     pub(super) a: i32,
@@ -39,7 +40,7 @@ pub(super) struct Edge {
     pub(super) c: i64,
 }
 
-/// A linear function of the pixel, from the triangle's first pixel: base + dx·(i − min.x) + dy·(j − min.y).
+/// A linear function of the pixel, relative to the triangle's first pixel: base + dx·(i − min.x) + dy·(j − min.y).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plane {
     pub(super) base: f32,
@@ -53,7 +54,7 @@ impl Plane {
     }
 }
 
-/// A triangle ready to be filled.
+/// A triangle ready to be rasterised.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     /// Edge functions.
@@ -64,7 +65,7 @@ pub(super) struct Triangle {
     pub(super) max: IVec2,
     /// Reversed z.
     pub(super) z: Plane,
-    /// Barycentrics of corners 1 and 2 on the screen (not perspective-correct).
+    /// Screen-space barycentrics of corners 1 and 2 (not perspective-correct).
     pub(super) barycentrics: [Plane; 2],
     /// 1 / w of the corners.
     pub(super) inverse_w: [f32; 3],
@@ -72,24 +73,24 @@ pub(super) struct Triangle {
     pub(super) corners: [u32; 3],
     /// Index of the draw.
     pub(super) draw: u32,
-    /// Seen from its front.
+    /// Whether its front is visible.
     pub(super) is_front: bool,
 }
 
-/// What a triangle is, before its place is known.
+/// A triangle before its vertices are transformed to the window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source {
     /// Vertex indices of the corners.
     pub(super) corners: [u32; 3],
     /// Index of the draw.
     pub(super) draw: u32,
-    /// Front faces are clockwise.
+    /// Whether front faces are clockwise.
     pub(super) is_mirrored: bool,
-    /// Back faces are not drawn.
+    /// Whether back faces are culled.
     pub(super) is_culled: bool,
 }
 
-/// Sets a triangle up and hands on what of it lies in the window: nothing, one triangle, or the fan of its clipped rest.
+/// Sets up a triangle and emits its part inside the window: nothing, one triangle, or a fan if it was clipped.
 pub(super) fn set_up(source: &Source, corners: [WindowVertex; 3], window: IVec2, emit: &mut impl FnMut(Triangle)) {
     if !corners.iter().all(WindowVertex::is_drawable) {
         return;
@@ -114,24 +115,24 @@ pub(super) fn set_up(source: &Source, corners: [WindowVertex; 3], window: IVec2,
     }
 }
 
-/// True where all corners lie beyond one side of the window.
+/// Returns whether all corners lie beyond one side of the window.
 fn lies_outside(at: [DVec2; 3], window: IVec2) -> bool {
     let low = at[0].min(at[1]).min(at[2]);
     let high = at[0].max(at[1]).max(at[2]);
     high.x < 0.0 || high.y < 0.0 || low.x > f64::from(window.x) || low.y > f64::from(window.y)
 }
 
-/// Which pixels a snapped triangle covers.
+/// The pixels that a snapped triangle covers.
 struct Coverage {
     edges: [Edge; 3],
     min: IVec2,
     max: IVec2,
-    /// Corners run counter-clockwise as the viewer sees them.
+    /// Whether the corners are counter-clockwise as seen by the viewer.
     is_counter_clockwise: bool,
 }
 
 impl Coverage {
-    /// `None` where it has no area or covers no pixel centre of the window.
+    /// Computes the coverage; `None` if the triangle has no area or covers no pixel centre of the window.
     fn of(at: [IVec2; 3], window: IVec2) -> Option<Self> {
         let [p, q, r] = at.map(|at| at.as_i64vec2());
         let area = (q - p).perp_dot(r - p);
@@ -140,7 +141,7 @@ impl Coverage {
         }
         let low = at[0].min(at[1]).min(at[2]);
         let high = at[0].max(at[1]).max(at[2]);
-        // The first centre at or after low: i·256 + 128 >= low.
+        // The first pixel centre at or after low: i·256 + 128 >= low.
         let min = ((low + 127) >> IVec2::splat(8)).max(IVec2::ZERO);
         let max = ((high - 128) >> IVec2::splat(8)).min(window - 1);
         if min.x > max.x || min.y > max.y {
@@ -152,11 +153,11 @@ impl Coverage {
     }
 }
 
-/// The edge function from p to q, the inside on its positive side (clockwise triangles in y-down pixels).
+/// Returns the edge function from p to q, positive inside (clockwise triangles in y-down pixels).
 ///
-/// Top-left rule: a pixel centre exactly on an edge belongs to it where the edge is a left one (a > 0) or a horizontal
-/// top one, so a shared edge is drawn by one neighbour only. Stepping by pixels changes E by multiples of 256, so the
-/// low eight bits can be dropped (rounding down) without changing its sign.
+/// Top-left rule: a pixel centre exactly on an edge is inside if the edge is a left edge (a > 0) or a horizontal top
+/// edge, so a shared edge is drawn by one neighbour only. Stepping by pixels changes E by multiples of 256, so the low
+/// eight bits can be dropped (rounding down) without changing its sign.
 fn edge(p: IVec2, q: IVec2) -> Edge {
     let (a, b) = (p.y - q.y, q.x - p.x);
     let is_owner = a > 0 || (a == 0 && b > 0);
@@ -165,7 +166,7 @@ fn edge(p: IVec2, q: IVec2) -> Edge {
     Edge { a, b, c: c >> 8 }
 }
 
-/// Adds the interpolation planes, which come from the corners before clipping (`place.1`, window pixels).
+/// Adds the interpolation planes, computed from the corners before clipping (`place.1`, window pixels).
 fn emit_covered(
     source: &Source,
     corners: &[WindowVertex; 3],
@@ -183,7 +184,8 @@ fn emit_covered(
         let side = (to - from) / area;
         [side.perp_dot(first - from), -side.y, side.x]
     };
-    // The barycentric of a corner is the area that its opposite edge spans with the point, over that of the triangle.
+    // The barycentric of a corner is the area that its opposite edge spans with the point, divided by that of the
+    // triangle.
     let (second, third) = (barycentric(r, p), barycentric(p, q));
     let [z0, z1, z2] = corners.map(|vertex| f64::from(vertex.z));
     let z = [0, 1, 2].map(|i| second[i] * (z1 - z0) + third[i] * (z2 - z0));
@@ -204,9 +206,9 @@ fn plane([base, dx, dy]: [f64; 3]) -> Plane {
     Plane { base: base as f32, dx: dx as f32, dy: dy as f32 }
 }
 
-/// The triangle cut to the guard band: a convex polygon (Sutherland and Hodgman 1974).
+/// Clips a triangle to the guard band, giving a convex polygon (Sutherland and Hodgman 1974).
 ///
-/// Neighbours get the same new corners on a shared edge because [`cut`] always walks it in the same direction.
+/// Neighbours get the same new corners on a shared edge because [`cut`] always traverses it in the same direction.
 fn clip_to_guard(at: [DVec2; 3]) -> Vec<DVec2> {
     let mut polygon = at.to_vec();
     for axis in 0..2 {
@@ -228,7 +230,7 @@ fn clip_to_guard(at: [DVec2; 3]) -> Vec<DVec2> {
     polygon
 }
 
-/// Where the segment crosses `limit` on `axis`.
+/// Returns where the segment crosses `limit` on `axis`.
 fn cut(from: DVec2, to: DVec2, axis: usize, limit: f64) -> DVec2 {
     let (low, high) = if from[axis] < to[axis] { (from, to) } else { (to, from) };
     let mut point = low.lerp(high, (limit - low[axis]) / (high[axis] - low[axis]));

@@ -1,6 +1,6 @@
-//! What geometry is assembled from, and its parts before they are joined.
+//! The inputs of geometry assembly, and its parts before they are joined.
 //!
-//! In: nothing. Out: the types that the steps of [`assemble`](super::assemble) share.
+//! In: nothing. Out: the types shared by the steps of [`assemble`](super::assemble).
 
 use super::part_warp::PartWarp;
 use crate::image::cryptomatte::MatteId;
@@ -9,40 +9,40 @@ use crate::raster::{Draw, MATTE_LAYERS, RasterVertex};
 use crate::scene::Scene;
 use crate::screen::Camera;
 
-/// The scene on the screen at one time, with its solved lattices.
+/// The scene as projected at one time, with its solved lattices.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedScene<'a> {
     /// The pose.
     pub pose: &'a Pose,
-    /// The camera that sees it.
+    /// The camera.
     pub camera: &'a Camera,
-    /// Per part of the pose: what warps it.
+    /// The warp of each part of the pose.
     pub warps: &'a [PartWarp<'a>],
 }
 
-/// What [`assemble`](super::assemble) needs.
+/// The inputs of [`assemble`](super::assemble).
 #[derive(Clone, Copy, Debug)]
 pub struct Assembly<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The time to draw.
     pub now: PosedScene<'a>,
-    /// One frame later, then one frame earlier; `None` where motion is not wanted (it is then zero).
+    /// One frame later, then one frame earlier; `None` if motion is not requested (it is then zero).
     pub neighbours: Option<[PosedScene<'a>; 2]>,
-    /// Per part: what it is told apart by.
+    /// Per part: its pieces with different ids.
     pub pieces: &'a [Vec<Piece>],
     /// All lights.
     pub lights: &'a [PosedLight],
-    /// Strength of the neutral surroundings.
+    /// Strength of the neutral environment.
     pub environment: f32,
-    /// Width of lines, frame heights.
+    /// Width of lines in frame heights.
     pub line_width: f64,
 }
 
-/// Triangles of a part that share their ids.
+/// Triangles of a part with common ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Piece {
-    /// Which triangles, by their numbers; `None`: all of the part, or its lines.
+    /// Indices of its triangles; `None`: all of the part, or its lines.
     pub triangles: Option<Vec<u32>>,
     /// 1 + index of the layer, 0 for none.
     pub layer_id: u32,
@@ -53,9 +53,9 @@ pub struct Piece {
 /// One part, ready to be joined with the others.
 pub(super) struct BuiltPart {
     pub(super) vertices: Vec<RasterVertex>,
-    /// Of all pieces, one after the other.
+    /// The triangles of all pieces, consecutively.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// One a piece: how it is drawn, and where its triangles end. Indices are filled in when the parts are joined.
+    /// One draw per piece, and the end of its triangles. Index ranges are filled in when the parts are joined.
     pub(super) draws: Vec<(Draw, usize)>,
     pub(super) is_blended: bool,
 }

@@ -1,4 +1,4 @@
-//! How strongly a lattice bends, as a table that answers "may this edge stay one straight line?".
+//! The curvature of a lattice's warp, as a table that answers whether an edge may remain a straight line.
 //!
 //! In: a lattice. Out: an upper estimate of the second derivative of its warp over any square of the screen.
 
@@ -7,21 +7,21 @@ use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
-/// An edge may stray this far from its warped curve, in frame heights: a twentieth of a pixel at 1000 lines.
+/// Maximum deviation of an edge from its warped curve in frame heights: a twentieth of a pixel at 1000 lines.
 pub(super) const TOLERANCE: f64 = 5e-5;
 
-/// Edges shorter than this stay, however strong the warp: a pixel at 1000 lines. It bounds the number of pieces.
+/// Minimum length of split edges, however strong the warp: a pixel at 1000 lines. It bounds the number of pieces.
 pub(super) const MIN_LENGTH: f64 = 1e-3;
 
-/// The greatest second derivative in each cell of a regular table over the lattice box, and the same for 2x2 blocks of
-/// cells, and so on up to one block.
+/// The maximum second derivative in each cell of a regular table over the lattice box, and in 2x2 blocks of cells, and
+/// so on up to one block.
 pub(super) struct Curvature {
     lo: DVec2,
     size: DVec2,
     /// `levels[l]` holds blocks of 2^l cells a side; `side >> l` of them, rows from below.
     levels: Vec<Vec<f64>>,
     side: usize,
-    /// Greatest jump of the gradient across the border of the box.
+    /// Maximum jump of the gradient across the border of the box.
     kink: f64,
 }
 
@@ -49,12 +49,13 @@ impl Curvature {
         Self { lo, size, levels: pyramid(cells, side), side, kink }
     }
 
-    /// Of a lattice with branches: the greatest over those that hold some of the shape there.
+    /// Computes the curvature of a lattice with branches: at each place, the maximum over the branches that contain the
+    /// shape there.
     pub(super) fn of_branches(branches: &BranchedLattice<2>) -> Self {
         let (grid, bending) = (branches.grid(), branches.bending());
         let side = (2 * grid.dims[0].max(grid.dims[1])).next_power_of_two().clamp(16, 128);
         let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
-        // Cells of the grid that a cell of the table overlaps.
+        // The cells of the lattice grid that overlap a cell of the table.
         let overlapped = |axis: usize, k: usize| k * spans[axis] / side..=((k + 1) * spans[axis] - 1) / side;
         let cells = (0..side * side).map(|cell| {
             let [columns, rows] = [overlapped(0, cell % side), overlapped(1, cell / side)];
@@ -66,10 +67,10 @@ impl Curvature {
         Self { lo, size, levels: pyramid(cells.collect(), side), side, kink: branches.greatest_strain_at_border() }
     }
 
-    /// Whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.
+    /// Returns whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.
     ///
-    /// The square around the edge's disc is looked at, not the edge alone: the discs over a triangle's three sides
-    /// cover the triangle, so a triangle whose edges may all stay is flat inside, too.
+    /// The square around the edge's disc is tested, not only the edge: the discs over a triangle's three sides cover
+    /// the triangle, so a triangle whose edges all remain straight is flat inside, too.
     pub(super) fn bends(&self, a: DVec2, b: DVec2) -> bool {
         let length = a.distance(b);
         if length < MIN_LENGTH {
@@ -86,7 +87,7 @@ impl Curvature {
         t.cmpge(DVec2::ZERO).all() && t.cmple(DVec2::ONE).all()
     }
 
-    /// The greatest second derivative in the square around `center`.
+    /// Returns the maximum second derivative in the square around `center`.
     fn greatest(&self, center: DVec2, half: f64) -> f64 {
         let cells = self.side as f64 / self.size;
         let low = (center - half - self.lo) * cells;
@@ -106,13 +107,13 @@ impl Curvature {
     }
 }
 
-/// Greatest change of an entry-wise norm between two gradients.
+/// Returns the Frobenius norm of the difference between two gradients.
 fn change(a: DMat2, b: DMat2) -> f64 {
     let difference = a - b;
     (difference.x_axis.length_squared() + difference.y_axis.length_squared()).sqrt()
 }
 
-/// Greatest values over blocks of 1, 2, 4, ... cells a side.
+/// Returns the maxima over blocks of 1, 2, 4, ... cells a side.
 fn pyramid(cells: Vec<f64>, side: usize) -> Vec<Vec<f64>> {
     let mut levels = vec![cells];
     let mut width = side;

@@ -1,6 +1,6 @@
-//! Lines as ribbons of constant width on the screen: devices disagree about how lines of their own look.
+//! Lines as ribbons of constant screen width, since native lines look different on every device.
 //!
-//! In: vertices and polylines. Out: raster vertices, two a point of the line, and two triangles a segment. Points
+//! In: vertices and polylines. Out: raster vertices, two per point of the line, and two triangles per segment. Points
 //! are warped, the width is not; depth and motion are those of the line itself.
 
 use super::part_warp::{EdgeBends, PartPoint};
@@ -9,16 +9,16 @@ use crate::raster::RasterVertex;
 use crate::screen::Camera;
 use glam::{DVec2, Vec3};
 
-/// Sharp turns widen the ribbon by no more than this.
+/// Maximum widening of the ribbon at sharp turns.
 const MITER_LIMIT: f64 = 2.0;
 
-/// Lines lie on surfaces as often as not: they count as nearer by this part of their z.
+/// Depth bias: lines often lie on surfaces, so they are moved nearer by this fraction of their z.
 const LIFT: f32 = 1e-3;
 
-/// A segment is halved at most this often.
+/// Maximum number of times a segment is halved.
 const MAX_HALVINGS: u32 = 11;
 
-/// What a line is clipped and split by.
+/// The clipping and splitting of lines.
 pub(super) struct LineClipper<'a> {
     pub(super) vertices: &'a VertexList<'a>,
     pub(super) near: f64,
@@ -26,7 +26,7 @@ pub(super) struct LineClipper<'a> {
 }
 
 impl LineClipper<'_> {
-    /// The parts of a line at or behind the near plane, bent segments halved until they are straight.
+    /// Returns the parts of a line at or beyond the near plane, with curved segments halved until they are straight.
     pub(super) fn runs(&self, line: &[u32]) -> Vec<Vec<ClipVertex>> {
         let mut runs: Vec<Vec<ClipVertex>> = Vec::new();
         let mut is_open = false;
@@ -51,7 +51,7 @@ impl LineClipper<'_> {
         vertex.places[0].depth >= self.near && vertex.places[0].w > 0.0
     }
 
-    /// The seen part of a segment.
+    /// Returns the visible part of a segment.
     fn cut(&self, a: ClipVertex, b: ClipVertex) -> Option<[ClipVertex; 2]> {
         let is_number = |vertex: &ClipVertex| vertex.places[0].h.is_finite() && vertex.places[0].depth.is_finite();
         if !(is_number(&a) && is_number(&b)) {
@@ -69,7 +69,7 @@ impl LineClipper<'_> {
         }
     }
 
-    /// Adds the end of a segment, after the points in between that the warp needs.
+    /// Appends the end of a segment, after the intermediate points that the warp needs.
     fn split(&self, run: &mut Vec<ClipVertex>, [a, b]: [ClipVertex; 2], halvings: u32) {
         let place = |vertex: &ClipVertex| vertex.places[0].point().0;
         if halvings < MAX_HALVINGS
@@ -84,7 +84,7 @@ impl LineClipper<'_> {
     }
 }
 
-/// Adds the ribbon along a run of warped points.
+/// Appends the ribbon along a run of warped points.
 pub(super) fn add_ribbon(
     points: &[RasterVertex],
     (camera, width): (&Camera, f64),
@@ -98,7 +98,7 @@ pub(super) fn add_ribbon(
     }
 }
 
-/// Left and right of every point; `points` are at least two.
+/// Returns the left and right border of every point; `points` has at least two.
 fn sides(points: &[RasterVertex], (camera, width): (&Camera, f64)) -> Vec<[RasterVertex; 2]> {
     let places: Vec<DVec2> = points.iter().map(place).collect();
     let is_closed = places.len() > 3 && places.first() == places.last();
@@ -116,19 +116,19 @@ fn sides(points: &[RasterVertex], (camera, width): (&Camera, f64)) -> Vec<[Raste
             _ => DVec2::ZERO,
         };
         let out = miter(before, after) * (0.5 * width);
-        // Square ends: lines that meet at their ends leave no notch.
+        // Square caps, so that lines meeting at their ends leave no notch.
         let along = if is_closed { DVec2::ZERO } else { (before - after) * (0.5 * width) * end_share(k, last) };
         [along + out, along - out].map(|by| shifted(point, by, camera))
     });
     sides.collect()
 }
 
-/// 1 at the ends of a line.
+/// Returns 1 at the ends of a line, else 0.
 fn end_share(k: usize, last: usize) -> f64 {
     if k == 0 || k == last { 1.0 } else { 0.0 }
 }
 
-/// From the middle of a turn to its left border, for a ribbon of half width 1.
+/// Returns the vector from the centre line to the left border at a turn, for a ribbon of half width 1.
 fn miter(before: DVec2, after: DVec2) -> DVec2 {
     let tangent = (before + after).normalize_or(before);
     let left = tangent.perp();
@@ -141,7 +141,7 @@ fn place(point: &RasterVertex) -> DVec2 {
     DVec2::new(x, y) / w
 }
 
-/// A vertex beside the line, at all three times, turned to the viewer.
+/// Returns a vertex displaced from the line, at all three times, with its normal facing the viewer.
 fn shifted(point: &RasterVertex, by: DVec2, camera: &Camera) -> RasterVertex {
     let by = by.as_vec2();
     let aside = |[x, y, w]: [f32; 3]| [x + by.x * w, y + by.y * w, w];

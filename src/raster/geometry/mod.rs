@@ -1,7 +1,8 @@
-//! Builds the [`Geometry`] of one time: vertices projected, clipped at the near plane, long edges split, warped.
+//! Assembles the [`Geometry`] of one time: vertices are projected, clipped at the near plane, long edges split, and
+//! warped.
 //!
-//! In: the scene, its pose and camera now, one frame later and one earlier, and what warps each part.
-//! Out: what a raster draws. Only positions on the screen are warped; depth, normals and lighting stay unwarped.
+//! In: the scene, its pose and camera now, one frame later and one earlier, and the warp of each part. Out: the input
+//! of a rasteriser. Only screen positions are warped; depth, normals and lighting remain unwarped.
 
 mod assembly;
 mod curvature;
@@ -26,7 +27,7 @@ use split::Splitter;
 pub use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
 
-/// Builds the geometry of one time.
+/// Assembles the geometry of one time.
 #[must_use]
 pub fn assemble(assembly: &Assembly) -> Geometry {
     let camera = assembly.now.camera;
@@ -44,7 +45,7 @@ pub fn assemble(assembly: &Assembly) -> Geometry {
     geometry
 }
 
-/// Places, cuts, splits and warps one part.
+/// Projects, clips, splits and warps one part.
 fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let Assembly { scene, now, neighbours, .. } = *assembly;
     let posed = &now.pose.parts[part];
@@ -78,7 +79,7 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     BuiltPart { vertices, triangles, draws, is_blended: material.alpha == AlphaMode::Blend }
 }
 
-/// Vertices and triangles of a surface, piece after piece, and where the triangles of each piece end.
+/// Returns vertices and triangles of a surface, piece after piece, and the end of each piece's triangles.
 fn faces(
     source: &Primitive,
     mut splitter: Splitter,
@@ -103,7 +104,7 @@ fn faces(
     (vertices, triangles, ends)
 }
 
-/// Vertices and triangles of lines.
+/// Returns vertices and triangles of lines.
 fn ribbons(
     source: &Primitive,
     clipper: &LineClipper,
@@ -118,8 +119,8 @@ fn ribbons(
     (vertices, triangles)
 }
 
-/// Turns triangles that the warp turned over, so that they face the viewer if they did before it: a fold shows the
-/// side that was seen, it does not open a hole.
+/// Restores the orientation of triangles that the warp inverted, so that they face the viewer if they did before: a
+/// fold shows its visible side instead of opening a hole.
 fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) {
     let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
     for corners in triangles {

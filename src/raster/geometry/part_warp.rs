@@ -1,6 +1,6 @@
-//! What warps a part on the screen: nothing, one lattice, one with branches, or several by weights of the vertices.
+//! The screen-space warp of a part: none, one lattice, one with branches, or several blended by vertex weights.
 //!
-//! In: lattices, weights. Out: where a point goes, and which edges need more than a straight line.
+//! In: lattices, weights. Out: warped points, and the edges that need more than a straight line.
 
 use super::curvature::{Curvature, MIN_LENGTH, TOLERANCE};
 use crate::lattice::ScreenLattice;
@@ -8,50 +8,51 @@ use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
 use glam::DVec2;
 
-/// What warps a part.
+/// The warp of a part.
 #[derive(Clone, Debug, Default)]
 pub enum PartWarp<'a> {
-    /// It rests.
+    /// No displacement.
     #[default]
     Rest,
-    /// One lattice moves all of it.
+    /// One lattice.
     Lattice(&'a ScreenLattice),
-    /// One lattice with branches moves all of it.
+    /// One lattice with branches.
     Branches(BranchWarp<'a>),
-    /// Several move it, each vertex by its weights.
+    /// Several lattices, blended by weights of the vertices.
     Blend(WarpBlend<'a>),
 }
 
-/// A lattice with branches, and where the part lies in its shape.
+/// A lattice with branches, and the correspondence between the part's triangles and its shape.
 #[derive(Clone, Copy, Debug)]
 pub struct BranchWarp<'a> {
     /// The lattice.
     pub branches: &'a BranchedLattice<2>,
-    /// Where the triangles of each triangle of the part begin in the shape, #triangles + 1: the near plane leaves none, one or two.
+    /// Index of the first triangle in the shape of each triangle of the part, #triangles + 1: near-plane clipping
+    /// leaves zero, one or two.
     pub starts: &'a [u32],
 }
 
-/// Warps that move the vertices of one part together: a vertex goes by the weighted sum of their displacements, so where
-/// weights sum to less than 1 it goes less far.
+/// A blend of warps: a vertex is displaced by the weighted sum of their displacements; weights that sum to less than 1
+/// reduce the displacement.
 #[derive(Clone, Debug)]
 pub struct WarpBlend<'a> {
-    /// The warps, none of them a blend.
+    /// The blended warps, none of which is a blend.
     pub layers: Vec<PartWarp<'a>>,
-    /// #vertices x #layers, rows one after the other.
+    /// #vertices x #layers, row-major.
     pub weights: &'a [f32],
 }
 
-/// Where a point lies on its part.
+/// The position of a point on its part.
 #[derive(Clone, Copy, Debug)]
 pub struct PartPoint<'a> {
-    /// One a layer of a blend; else none.
+    /// One weight per layer of a blend; else empty.
     pub weights: &'a [f32],
-    /// A triangle of the part that holds the point, by its number; any where no lattice has branches.
+    /// Index of a triangle of the part that contains the point; arbitrary if no lattice has branches.
     pub triangle: u32,
 }
 
 impl PartWarp<'_> {
-    /// Nothing moves.
+    /// Returns whether there is no displacement.
     #[must_use]
     pub fn is_rest(&self) -> bool {
         match self {
@@ -61,7 +62,7 @@ impl PartWarp<'_> {
         }
     }
 
-    /// Some lattice has branches.
+    /// Returns whether any lattice has branches.
     #[must_use]
     pub fn has_branches(&self) -> bool {
         match self {
@@ -71,7 +72,7 @@ impl PartWarp<'_> {
         }
     }
 
-    /// The weights of a vertex, one a layer; none where one lattice moves all.
+    /// Returns the weights of a vertex, one per layer; empty if a single lattice warps the part.
     #[must_use]
     pub fn weights_of(&self, vertex: usize) -> &[f32] {
         match self {
@@ -80,8 +81,8 @@ impl PartWarp<'_> {
         }
     }
 
-    /// Where a point goes. A weight of 1 gives the bits of that lattice alone, so that a part that is shared and its neighbour that
-    /// is not agree on their border.
+    /// Warps a point. A weight of 1 gives exactly the bits of that lattice alone, so that a blended part and an
+    /// adjacent part that is not blended agree on their border.
     #[must_use]
     pub fn warp(&self, point: ScreenPoint, on: PartPoint) -> ScreenPoint {
         match self {
@@ -112,7 +113,7 @@ impl PartWarp<'_> {
         }
     }
 
-    /// `None`: it rests.
+    /// Returns the curvature; `None` at rest, and for blends, whose layers have tables of their own.
     fn curvature(&self) -> Option<Curvature> {
         match self {
             Self::Rest | Self::Blend(_) => None,
@@ -123,7 +124,7 @@ impl PartWarp<'_> {
 }
 
 impl BranchWarp<'_> {
-    /// Where a point of a triangle of the part goes. Triangles of which the camera sees nothing rest.
+    /// Warps a point of a triangle of the part. Triangles that are completely clipped are not displaced.
     fn warp(&self, point: ScreenPoint, triangle: usize) -> ScreenPoint {
         let [start, end] = [triangle, triangle + 1].map(|k| self.starts.get(k).map_or(0, |&start| start as usize));
         if start >= end {
@@ -134,7 +135,7 @@ impl BranchWarp<'_> {
     }
 }
 
-/// Answers which edges of a part need more than a straight line.
+/// Determines which edges of a part need more than a straight line.
 pub(super) struct EdgeBends<'a> {
     layers: Vec<Option<(&'a PartWarp<'a>, Curvature)>>,
 }
@@ -145,8 +146,8 @@ impl<'a> EdgeBends<'a> {
         Self { layers: warp.layers().iter().map(table).collect() }
     }
 
-    /// Whether the warp of the edge between two points needs more than a straight line. Symmetric in its ends, and lattices that
-    /// weigh nothing at both do not count: parts that meet at the edge agree.
+    /// Returns whether the warp of the edge between two points needs more than a straight line. Symmetric in its ends;
+    /// lattices with zero weight at both are ignored, so that parts that share the edge agree.
     pub(super) fn bends(&self, [a, b]: [DVec2; 2], on: [PartPoint; 2]) -> bool {
         let [from, to] = on.map(|point| point.weights);
         if from.is_empty() {
@@ -166,7 +167,7 @@ impl<'a> EdgeBends<'a> {
                 strays += (by(b, on[1]) - by(a, on[0])) * f64::from(to - from);
             }
         }
-        // The product of two linear functions leaves its chord by a quarter of the product of their changes.
+        // The product of two linear functions deviates from its chord by a quarter of the product of their changes.
         a.distance(b) >= MIN_LENGTH && strays.length() / 4.0 > TOLERANCE
     }
 }

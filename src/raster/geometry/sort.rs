@@ -6,16 +6,16 @@ use super::assembly::BuiltPart;
 use crate::raster::{Draw, Geometry};
 use std::ops::Range;
 
-/// A blended triangle on its way into the back-to-front order.
+/// A blended triangle to be sorted from back to front.
 struct Blended {
     depth: f32,
     corners: [u32; 3],
-    /// Place in the list of all draws.
+    /// Index in the list of all draws.
     draw: usize,
 }
 
-/// Joins all parts in a geometry without vertices and draws. The arrays of the first part become those of the geometry, so
-/// a scene of one large mesh is not held twice.
+/// Joins all parts in a geometry without vertices and draws. The arrays of the first part are moved into the geometry,
+/// so that a scene of one large mesh is not held twice.
 pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
     let mut blended = Vec::new();
     let mut draws = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
         }
         draws.extend(pieces.into_iter().map(|(draw, _)| draw));
     }
-    // Stable: equally far triangles keep the file's order.
+    // A stable sort: equally distant triangles keep the file's order.
     blended.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     for run in blended.chunk_by(|a, b| a.draw == b.draw) {
         let start = geometry.indices.len() as u32;
@@ -65,7 +65,7 @@ pub(super) fn join(parts: Vec<BuiltPart>, geometry: &mut Geometry) {
     }
 }
 
-/// Adds a draw of these indices, unless there are none.
+/// Appends a draw of these indices, unless there are none.
 fn push(geometry: &mut Geometry, draw: &Draw, indices: Range<u32>) {
     if !indices.is_empty() {
         geometry.draws.push(Draw { indices, ..draw.clone() });

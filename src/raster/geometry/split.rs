@@ -1,14 +1,14 @@
 //! Clips triangles at the near plane and splits edges that the warp would bend, without opening cracks.
 //!
-//! In: the vertices and triangles of a part. Out: more of both. Whether and where an edge is split depends on the edge alone,
-//! so the triangles on both sides of it agree, also across seams where vertices are doubled.
+//! In: the vertices and triangles of a part. Out: the refined vertices and triangles. Whether and where an edge is
+//! split depends on the edge alone, so the triangles on both sides agree, also across seams with duplicated vertices.
 
 use super::part_warp::EdgeBends;
 use super::vertex::VertexList;
 use crate::screen::{Corner, clip_near};
 use std::collections::HashMap;
 
-/// An edge is halved at most this often: the longest edge on a screen then is shorter than half a pixel at 4K.
+/// Maximum number of times an edge is halved: the longest edge on screen is then shorter than half a pixel at 4K.
 const MAX_HALVINGS: u32 = 11;
 
 /// Collects the triangles of one part.
@@ -16,13 +16,13 @@ pub(super) struct Splitter<'a> {
     vertices: VertexList<'a>,
     triangles: Vec<[u32; 3]>,
     bends: &'a EdgeBends<'a>,
-    /// The triangle of the source mesh that is at hand.
+    /// The current triangle of the source mesh.
     triangle: u32,
-    /// Vertices made on an edge, by the edge's ends and what made them.
+    /// Vertices created on edges, by the edge's ends and the reason.
     made: HashMap<(u32, u32, EdgeVertex), u32>,
 }
 
-/// What a vertex on an edge is for.
+/// The reason for a vertex on an edge.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum EdgeVertex {
     Cut,
@@ -30,7 +30,7 @@ enum EdgeVertex {
 }
 
 impl<'a> Splitter<'a> {
-    /// Room for `triangles` triangles, which most parts do not exceed.
+    /// Reserves space for `triangles` triangles, which most parts do not exceed.
     pub(super) fn new(vertices: VertexList<'a>, triangles: usize, bends: &'a EdgeBends<'a>) -> Self {
         Self { vertices, triangles: Vec::with_capacity(triangles), bends, triangle: 0, made: HashMap::new() }
     }
@@ -46,23 +46,23 @@ impl<'a> Splitter<'a> {
         }
     }
 
-    /// Triangles so far.
+    /// Returns the number of triangles so far.
     pub(super) fn count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// All vertices and triangles.
+    /// Returns all vertices and triangles.
     pub(super) fn finish(self) -> (VertexList<'a>, Vec<[u32; 3]>) {
         (self.vertices, self.triangles)
     }
 
-    /// The vertex of a corner that the near plane kept or made.
+    /// Returns the vertex of a corner kept or created by near-plane clipping.
     fn on_edge(&mut self, corners: [u32; 3], corner: Corner) -> u32 {
         let (from, to) = (corners[corner.from], corners[corner.to]);
         if from == to { from } else { self.between((from, to), corner.share, EdgeVertex::Cut) }
     }
 
-    /// The vertex a share of the way along an edge, made once.
+    /// Returns the vertex at a fraction of an edge, created once.
     fn between(&mut self, (from, to): (u32, u32), share: f64, made: EdgeVertex) -> u32 {
         let key = match made {
             EdgeVertex::Cut => (from, to, made),
@@ -76,15 +76,15 @@ impl<'a> Splitter<'a> {
         index
     }
 
-    /// The middle of an edge that has to be split, else `None`.
+    /// Returns the midpoint of an edge that must be split; otherwise `None`.
     fn middle(&mut self, a: u32, b: u32) -> Option<u32> {
         let place = |vertex: u32| self.vertices.projected(vertex).point().0;
         let on = [a, b].map(|vertex| self.vertices.on_part(vertex));
         self.bends.bends([place(a), place(b)], on).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
     }
 
-    /// Adds a triangle, or the pieces of it that are flat enough. Every bent edge is halved at every step, so an edge
-    /// that two triangles share is at the same step in both.
+    /// Adds a triangle, or its pieces that are flat enough. Every curved edge is halved at every step, so an edge
+    /// shared by two triangles is at the same step in both.
     fn split(&mut self, [a, b, c]: [u32; 3], halvings: u32) {
         let middles =
             if halvings < MAX_HALVINGS { [self.middle(a, b), self.middle(b, c), self.middle(c, a)] } else { [None; 3] };

@@ -1,7 +1,8 @@
 //! Vertices before and after the warp.
 //!
 //! In: a part's attributes and projections. Out: [`ClipVertex`]es, which may be interpolated along edges, and
-//! [`RasterVertex`]es, which may not. Clip vertices are made when asked for: a mesh of millions of them is never held.
+//! [`RasterVertex`]es, which may not. Clip vertices are created on demand, so a mesh of millions of them is never
+//! stored.
 
 use super::assembly::Assembly;
 use super::part_warp::{PartPoint, PartWarp};
@@ -13,11 +14,11 @@ use crate::space::ScenePoint;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// A vertex before the warp, as clipping and splitting need it: everything in it is linear over its triangle in scene
+/// A vertex before the warp, as needed by clipping and splitting: all its fields are linear over its triangle in scene
 /// space.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClipVertex {
-    /// Projected now, one frame later, one frame earlier.
+    /// Projections now, one frame later and one frame earlier.
     pub(super) places: [Projected; 3],
     position: Vec3,
     normal: Vec3,
@@ -26,16 +27,16 @@ pub(super) struct ClipVertex {
     color: Vec4,
 }
 
-/// What z maps to 1 and 0: reversed, so that floats are fine where distances are large.
+/// The depths that z maps to 1 and 0: reversed, for floating-point precision at large distances.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthRange {
     near: f64,
-    /// Set for an orthographic lens; a perspective one needs no end.
+    /// Set for an orthographic lens; a perspective one needs no far plane.
     far: Option<f64>,
 }
 
 impl DepthRange {
-    /// The range that holds all of a pose.
+    /// Returns the range that contains all of a pose.
     pub(super) fn of(pose: &Pose, camera: &Camera) -> Self {
         let near = camera.near();
         let points = || pose.parts.iter().flat_map(|part| &part.positions);
@@ -44,29 +45,30 @@ impl DepthRange {
         Self { near, far }
     }
 
-    /// z·w of a vertex.
+    /// Returns z·w of a vertex.
     fn z_times_w(self, place: Projected) -> f64 {
         match self.far {
             // near / w times w.
             None => self.near,
-            // A hair above 0 at the far end: 0 is the cleared buffer.
+            // Slightly above 0 at the far end: 0 is the cleared depth.
             Some(far) => 1.0 - 0.999 * (place.depth - self.near) / (far - self.near),
         }
     }
 }
 
-/// The vertices of a part: those of its primitive, then those that were made on edges.
+/// The vertices of a part: those of its primitive, then those created on edges.
 pub(super) struct VertexList<'a> {
     assembly: &'a Assembly<'a>,
     posed: &'a PosedPart,
     source: &'a Primitive,
     part: usize,
-    /// Those of the primitive, projected now.
+    /// Projections of the primitive's vertices now.
     projected: Vec<Projected>,
     made: Vec<ClipVertex>,
-    /// Weights of those, for parts that several lattices warp.
+    /// Weights of the created vertices, for parts with several lattices.
     made_weights: Vec<f32>,
-    /// A triangle of each, for parts that a lattice with branches warps: those of the primitive, then those that were made.
+    /// One triangle per vertex, for parts with a branching lattice: those of the primitive's vertices, then of the
+    /// created ones.
     triangles: Vec<u32>,
 }
 
@@ -86,7 +88,7 @@ impl<'a> VertexList<'a> {
         self.posed.positions.len() + self.made.len()
     }
 
-    /// Adds the vertex a share of the way from one to another along a side of a triangle; gives its index.
+    /// Adds the vertex at a fraction of the way from one to another along an edge of a triangle; returns its index.
     pub(super) fn add_between(&mut self, (from, to): (u32, u32), share: f64, triangle: u32) -> u32 {
         if !self.triangles.is_empty() {
             self.triangles.push(triangle);
@@ -99,13 +101,13 @@ impl<'a> VertexList<'a> {
         self.len() as u32 - 1
     }
 
-    /// Where a vertex lies on the part.
+    /// Returns the position of a vertex on the part.
     pub(super) fn on_part(&self, index: u32) -> PartPoint<'_> {
         let triangle = self.triangles.get(index as usize).copied().unwrap_or_default();
         PartPoint { weights: self.weights(index), triangle }
     }
 
-    /// The weights of a vertex, one a lattice; none where one lattice warps all.
+    /// Returns the weights of a vertex, one per lattice; empty if a single lattice warps the part.
     fn weights(&self, index: u32) -> &[f32] {
         let (index, count) = (index as usize, self.posed.positions.len());
         match index.checked_sub(count) {
@@ -117,7 +119,7 @@ impl<'a> VertexList<'a> {
         }
     }
 
-    /// The vertex's projection now.
+    /// Returns the vertex's projection now.
     pub(super) fn projected(&self, index: u32) -> Projected {
         let index = index as usize;
         match self.made.get(index.wrapping_sub(self.posed.positions.len())) {
@@ -133,7 +135,8 @@ impl<'a> VertexList<'a> {
         }
         let mut places = [self.projected[index]; 3];
         if let Some(neighbours) = &self.assembly.neighbours {
-            // Also behind the camera: clipping and splitting mix places that are linear over the triangle.
+            // Points behind the camera are included: clipping and splitting interpolate positions that are linear over
+            // the triangle.
             for (place, moment) in places[1..].iter_mut().zip(neighbours) {
                 *place = moment.camera.project(moment.pose.parts[self.part].positions[index]);
             }
@@ -152,7 +155,7 @@ impl<'a> VertexList<'a> {
 }
 
 impl ClipVertex {
-    /// The vertex a share `t` of the way to `other`; symmetric for t = 0.5, so neighbours agree on it.
+    /// Interpolates by a fraction `t` of the way to `other`; symmetric for t = 0.5, so neighbours agree on it.
     pub(super) fn lerp(&self, other: &Self, t: f64) -> Self {
         let (a, b) = ((1.0 - t) as f32, t as f32);
         Self {
@@ -165,9 +168,10 @@ impl ClipVertex {
         }
     }
 
-    /// The vertex as drawn: its three places moved by the warps of their times, the rest as it was.
+    /// Returns the vertex as drawn: its three positions warped, each with the warp of its time; other fields unchanged.
     pub(super) fn warped(&self, warps: [&PartWarp; 3], on: PartPoint, range: DepthRange) -> RasterVertex {
-        // A point that passes the near plane has no place on the screen there: it counts as still.
+        // A point in front of the near plane at a neighbouring time has no screen position there: it is treated as
+        // static.
         let seen = |i: usize| if self.places[i].depth >= range.near && self.places[i].w > 0.0 { i } else { 0 };
         let [now, next, previous] = std::array::from_fn(|i| warp_place(self.places[seen(i)], warps[seen(i)], on));
         let z = range.z_times_w(self.places[0]) as f32;
@@ -185,7 +189,7 @@ impl ClipVertex {
     }
 }
 
-/// The first triangle of every vertex, #vertices; 0 for vertices without one.
+/// Returns a triangle of every vertex, the first one, #vertices; 0 for vertices without triangles.
 #[must_use]
 pub fn vertex_triangles(source: &Primitive) -> Vec<u32> {
     let mut triangles = vec![0; source.positions.len()];
@@ -195,9 +199,9 @@ pub fn vertex_triangles(source: &Primitive) -> Vec<u32> {
     triangles
 }
 
-/// Homogeneous screen position (x·w, y·w, w) after the warp.
+/// Returns the homogeneous screen position (x·w, y·w, w) after the warp.
 fn warp_place(place: Projected, warp: &PartWarp, on: PartPoint) -> [f32; 3] {
-    // Vertices behind the camera are kept for their indices' sake and never drawn.
+    // Vertices behind the camera are kept to preserve indices, and never drawn.
     let is_moved = place.w > 0.0 && !warp.is_rest();
     let h = if is_moved { warp.warp(place.point(), on).0 * place.w } else { place.h };
     [h.x as f32, h.y as f32, place.w as f32]

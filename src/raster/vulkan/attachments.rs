@@ -1,6 +1,7 @@
-//! The images that a frame is drawn into.
+//! The images that a frame is rendered into.
 //!
-//! In: the size of a frame. Out: attachments, made when first used and kept from frame to frame while they are large enough.
+//! In: the size of a frame. Out: attachments, created on first use and reused between frames while they are large
+//! enough.
 
 use super::descriptors::Descriptors;
 use super::device::Device;
@@ -11,14 +12,14 @@ use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
 
-/// Images that are made together.
+/// Images that are created together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AttachmentSet {
     /// The colour of the frame.
     Color,
-    /// The colour of one sample pass, where there are several.
+    /// The colour of one sample pass, if there are several.
     Sample,
-    /// Depth of a beauty pass drawn by itself.
+    /// Depth of a separate beauty pass.
     BeautyDepth,
     /// Data channels and their depth.
     Data,
@@ -30,13 +31,13 @@ pub(super) struct Attachments {
     pub(super) sample: Option<Image>,
     pub(super) beauty_depth: Option<Image>,
     pub(super) data: Option<DataImages>,
-    /// Reads `sample`.
+    /// The descriptor set that reads `sample`.
     pub(super) sample_set: vk::DescriptorSet,
     extent: vk::Extent2D,
     device: Arc<Device>,
 }
 
-/// Data channels, as [`DATA`], with the depth that decides which surface they show.
+/// Data channels, as in [`DATA`], with the depth that determines their visible surface.
 pub(super) struct DataImages {
     pub(super) images: [Image; DATA.len()],
     pub(super) depth: Image,
@@ -59,7 +60,7 @@ impl Attachments {
         })
     }
 
-    /// Makes room for frames of that size. No submitted commands may use the images.
+    /// Resizes the images for frames of that size. No submitted commands may use them.
     pub(super) fn resize(&mut self, extent: vk::Extent2D) {
         if extent.width > self.extent.width || extent.height > self.extent.height {
             (self.color, self.sample, self.beauty_depth, self.data) = (None, None, None, None);
@@ -67,7 +68,7 @@ impl Attachments {
         }
     }
 
-    /// Makes the images of a set unless they are there.
+    /// Creates the images of a set if needed.
     pub(super) fn prepare(&mut self, set: AttachmentSet, descriptors: &Descriptors) -> Result<(), RasterError> {
         match set {
             AttachmentSet::Color if self.color.is_none() => {

@@ -1,4 +1,4 @@
-//! Lists the Vulkan devices and chooses one.
+//! Enumerates the Vulkan devices and selects one.
 //!
 //! In: an instance, the user's choice. Out: a physical device with its limits and features.
 
@@ -9,23 +9,23 @@ use crate::raster::{DeviceChoice, RasterError};
 use ash::vk;
 use std::fmt;
 
-/// Kinds of device, the best first.
+/// Kinds of device, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeviceKind {
     /// A graphics card.
     Discrete,
-    /// Part of the processor.
+    /// Integrated into the processor.
     Integrated,
-    /// A share of a card in a virtual machine.
+    /// A virtual GPU.
     Virtual,
-    /// Software on the CPU.
+    /// A software driver on the CPU.
     Software,
     /// Anything else.
     Other,
 }
 
 impl DeviceKind {
-    /// Hardware for graphics, not a program on the CPU.
+    /// Returns whether it is graphics hardware, not a software driver.
     #[must_use]
     pub const fn is_card(self) -> bool {
         matches!(self, Self::Discrete | Self::Integrated | Self::Virtual)
@@ -44,26 +44,26 @@ impl fmt::Display for DeviceKind {
     }
 }
 
-/// What `pinwarp devices` shows of a device.
+/// A device as listed by `pinwarp devices`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// Its number for `--device`.
+    /// Its index for `--device`.
     pub index: usize,
-    /// Its name; a part of it serves for `--device`.
+    /// Its name; any part of it can be passed to `--device`.
     pub name: String,
     /// Its kind.
     pub kind: DeviceKind,
     /// Driver name and version: `llvmpipe Mesa 22.3.6 (LLVM 15.0.6)`.
     pub driver: String,
-    /// Version of Vulkan: `1.3.230`.
+    /// Vulkan version: `1.3.230`.
     pub api_version: String,
-    /// Device memory, bytes.
+    /// Device memory in bytes.
     pub memory_bytes: u64,
-    /// Why it cannot draw; `None` where it can.
+    /// The reason why it is unusable; `None` if it is usable.
     pub unusable: Option<String>,
 }
 
-/// A device with what decides whether it can draw, and how.
+/// A device with the properties that determine whether and how it can be used.
 pub(super) struct Candidate {
     pub(super) physical: vk::PhysicalDevice,
     pub(super) info: DeviceInfo,
@@ -71,21 +71,21 @@ pub(super) struct Candidate {
     pub(super) max_allocation_bytes: u64,
     pub(super) queue_family: u32,
     pub(super) has_anisotropy: bool,
-    /// Indices above 2^24 - 1 may be drawn.
+    /// Whether indices above 2^24 - 1 may be drawn.
     pub(super) has_full_indices: bool,
     pub(super) has_mapped_attachments: bool,
 }
 
-/// All Vulkan devices, usable or not.
+/// Returns all Vulkan devices, usable or not.
 ///
 /// # Errors
-/// [`RasterError::NoDevice`] where loader or drivers are missing.
+/// [`RasterError::NoDevice`] if loader or drivers are missing.
 pub fn devices() -> Result<Vec<DeviceInfo>, RasterError> {
     let instance = Instance::new(None)?;
     Ok(candidates(&instance)?.into_iter().map(|candidate| candidate.info).collect())
 }
 
-/// The device that serves the choice best.
+/// Returns the best device for the choice.
 pub(super) fn choose(instance: &Instance, choice: &DeviceChoice) -> Result<Candidate, RasterError> {
     let mut all = candidates(instance)?;
     let wanted = match choice {
@@ -97,7 +97,7 @@ pub(super) fn choose(instance: &Instance, choice: &DeviceChoice) -> Result<Candi
     Ok(all.swap_remove(wanted))
 }
 
-/// The best usable device among the kinds that are wanted.
+/// Returns the best usable device of the accepted kinds.
 fn best(all: &[Candidate], is_wanted: impl Fn(DeviceKind) -> bool) -> Result<usize, RasterError> {
     let serves = |candidate: &Candidate| candidate.info.unusable.is_none() && is_wanted(candidate.info.kind);
     let usable = all.iter().enumerate().filter(|(_, candidate)| serves(candidate));
@@ -112,7 +112,7 @@ fn reason(info: &DeviceInfo) -> String {
     format!("{}: {}", info.name, info.unusable.as_deref().unwrap_or("software, slower than --device cpu"))
 }
 
-/// By index, else by a part of the name in any case.
+/// Finds a device by index, else by a case-insensitive part of its name.
 fn named(all: &[Candidate], wanted: &str) -> Result<usize, RasterError> {
     let lower = wanted.to_lowercase();
     let by_name = || all.iter().position(|candidate| candidate.info.name.to_lowercase().contains(&lower));
@@ -142,7 +142,7 @@ fn candidates(instance: &Instance) -> Result<Vec<Candidate>, RasterError> {
 fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> Candidate {
     // SAFETY: `physical` comes from this instance, here and below.
     let basic = unsafe { instance.raw().get_physical_device_properties(physical) };
-    // A driver older than 1.1 fills none of the chained structures.
+    // A driver older than 1.1 does not fill the chained structures.
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
     let mut more = vk::PhysicalDeviceProperties2::default();
@@ -177,8 +177,8 @@ fn candidate(instance: &Instance, index: usize, physical: vk::PhysicalDevice) ->
     }
 }
 
-/// Whether the host may read attachments where they lie. Only asked of software devices, whose memory is the host's
-/// and whose images lie row by row anyway; a graphics card draws faster into its own memory and layout.
+/// Returns whether the host may read attachments in place. Queried for software devices only, whose memory is the
+/// host's and whose images are linear anyway; a graphics card renders faster into its own memory and layout.
 fn has_mapped_attachments(
     instance: &Instance,
     physical: vk::PhysicalDevice,
@@ -225,7 +225,7 @@ fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
 fn graphics_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: `physical` comes from this instance.
     let families = unsafe { instance.raw().get_physical_device_queue_family_properties(physical) };
-    // Plates are warped by compute shaders; every driver that draws has a family for both.
+    // Plates are warped by compute shaders; every graphics driver has a family for both.
     let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
     (0u32..).zip(families).find(|(_, family)| family.queue_flags.contains(needed)).map(|(at, _)| at)
 }
@@ -265,7 +265,7 @@ fn unusable(
     })
 }
 
-/// Colour and all data are drawn at once.
+/// Colour and all data are rendered simultaneously.
 fn lacks_attachments(limits: &vk::PhysicalDeviceLimits) -> Option<String> {
     let most = limits.max_color_attachments.min(limits.max_fragment_output_attachments);
     let needed = IMAGES.len() as u32;

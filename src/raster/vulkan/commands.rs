@@ -1,7 +1,7 @@
-//! A command buffer with its fence: recorded, submitted, waited for.
+//! A command buffer with its fence: recording, submission, waiting.
 //!
-//! In: safe calls that name live objects. Out: work on the queue. Whoever records keeps the named objects until
-//! [`Commands::wait`] has returned; dropping waits too.
+//! In: safe calls on live objects. Out: work on the queue. The recording code keeps the objects alive until
+//! [`Commands::wait`] has returned; dropping waits, too.
 
 use super::device::Device;
 use super::fault::vulkan_error;
@@ -12,7 +12,7 @@ use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
 
-/// One command buffer, used again and again.
+/// A reusable command buffer.
 pub(super) struct Commands {
     buffer: vk::CommandBuffer,
     pool: Owned<vk::CommandPool>,
@@ -25,13 +25,13 @@ pub(super) struct Compute<'a> {
     pub(super) pipeline: &'a Pipeline,
     pub(super) layout: &'a PipelineLayout,
     pub(super) set: vk::DescriptorSet,
-    /// All push constants.
+    /// The complete push constants.
     pub(super) push: &'a [u8],
-    /// Groups across and down.
+    /// Number of workgroups across and down.
     pub(super) groups: [u32; 2],
 }
 
-/// What an image is used for next.
+/// The next use of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Usage {
     ColorAttachment,
@@ -42,7 +42,7 @@ pub(super) enum Usage {
     HostRead,
 }
 
-/// Whether an image's pixels are needed afterwards.
+/// Whether an image's pixels are preserved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
     Keep,
@@ -80,7 +80,7 @@ impl Commands {
             unsafe { raw.create_command_pool(&info, None) }
         })?;
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool.get()).command_buffer_count(1);
-        // SAFETY: the pool is alive, nobody else uses it; buffers go with it.
+        // SAFETY: the pool is alive and not used by anyone else; buffers are freed with it.
         let buffers = unsafe { device.raw().allocate_command_buffers(&info) };
         let buffers = buffers.map_err(vulkan_error("vkAllocateCommandBuffers"))?;
         let fence = Owned::new(device, ("vkCreateFence", name), |raw| {
@@ -104,7 +104,7 @@ impl Commands {
         self.buffer
     }
 
-    /// Waits for the last use, then starts to record anew.
+    /// Waits for the last submission, then begins a new recording.
     pub(super) fn begin(&mut self) -> Result<(), RasterError> {
         self.wait()?;
         // SAFETY: its only buffer is not pending (VUID-vkResetCommandPool-commandPool-00040).
@@ -116,7 +116,7 @@ impl Commands {
         begun.map_err(vulkan_error("vkBeginCommandBuffer"))
     }
 
-    /// Ends the recording and hands it to the queue.
+    /// Ends the recording and submits it.
     pub(super) fn submit(&mut self) -> Result<(), RasterError> {
         let fences = [self.fence.get()];
         // SAFETY: `begin` waited for the last use, so no queue uses it (VUID-vkResetFences-pFences-01123).
@@ -129,20 +129,20 @@ impl Commands {
         Ok(())
     }
 
-    /// Waits until what was submitted is done; returns at once where nothing was. After an error other than a lost device
-    /// the commands may still run, and count as pending.
+    /// Waits until the submission has completed; returns at once if there is none. After an error other than a lost
+    /// device the commands may still run, and remain pending.
     pub(super) fn wait(&mut self) -> Result<(), RasterError> {
         if !self.is_pending {
             return Ok(());
         }
         // SAFETY: the fence is of this device and was submitted.
         let waited = unsafe { self.raw().wait_for_fences(&[self.fence.get()], true, u64::MAX) };
-        // A lost device runs nothing any more (Vulkan specification, "Lost Device").
+        // A lost device no longer executes commands (Vulkan specification, "Lost Device").
         self.is_pending = !matches!(waited, Ok(()) | Err(vk::Result::ERROR_DEVICE_LOST));
         waited.map_err(vulkan_error("vkWaitForFences"))
     }
 
-    /// Makes an image ready for its next use, after whatever used it last.
+    /// Transitions an image to its next use, after its last one.
     pub(super) fn prepare(&self, image: &mut Image, usage: Usage, contents: Contents) {
         let (last, next) = (image.state, usage.state());
         let old_layout = match contents {
@@ -166,24 +166,24 @@ impl Commands {
             .subresource_range(range)];
         let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
         // SAFETY: recording outside of rendering; the old layout is the tracked one or UNDEFINED
-        // (VUID-VkImageMemoryBarrier2-oldLayout-01197), each usage is one that the image was made for.
+        // (VUID-VkImageMemoryBarrier2-oldLayout-01197), each usage is one that the image was created for.
         unsafe { self.raw().cmd_pipeline_barrier2(self.buffer, &info) };
         image.state = next;
     }
 
     /// Copies the upper left `extent` of a colour image, prepared as [`Usage::CopySource`], for the host to read after
-    /// [`Self::wait`]. Rows follow each other without gaps.
+    /// [`Self::wait`]. Rows are tightly packed.
     pub(super) fn copy_to_host(&self, image: &Image, buffer: &Buffer, extent: vk::Extent2D) {
         let region = copy_region(extent, 0);
         // SAFETY: recording; `extent` lies in the image and the buffer is large enough (VUID-vkCmdCopyImageToBuffer-
-        // imageSubresource-07971, -pRegions-00183), as `readback` sees to; the layout is the tracked one.
+        // imageSubresource-07971, -pRegions-00183), as `readback` ensures; the layout is the tracked one.
         unsafe {
             self.raw().cmd_copy_image_to_buffer(self.buffer, image.get(), image.state.layout, buffer.get(), &[region]);
         }
         self.show_host(buffer, (vk::PipelineStageFlags2::COPY, vk::AccessFlags2::TRANSFER_WRITE));
     }
 
-    /// Lets the host see what a stage wrote into a buffer.
+    /// Makes a stage's writes to a buffer visible to the host.
     fn show_host(&self, buffer: &Buffer, (stage, access): (vk::PipelineStageFlags2, vk::AccessFlags2)) {
         let barriers = [vk::BufferMemoryBarrier2::default()
             .src_stage_mask(stage)
@@ -199,25 +199,27 @@ impl Commands {
         unsafe { self.raw().cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    /// Runs a compute shader whose set fits its layout, for the host to read `output` after [`Self::wait`].
+    /// Dispatches a compute shader whose set matches its layout; the host can read `output` after [`Self::wait`].
     pub(super) fn compute(&self, work: &Compute, output: &Buffer) {
         let (raw, layout) = (self.raw(), work.layout.get());
         let point = vk::PipelineBindPoint::COMPUTE;
         // SAFETY: recording; a compute pipeline (VUID-vkCmdBindPipeline-pipelineBindPoint-00780).
         unsafe { raw.cmd_bind_pipeline(self.buffer, point, work.pipeline.get()) };
-        // SAFETY: recording; the set was made for set 0 of the layout (VUID-vkCmdBindDescriptorSets-pDescriptorSets-00358).
+        // SAFETY: recording; the set was allocated for set 0 of the layout
+        // (VUID-vkCmdBindDescriptorSets-pDescriptorSets-00358).
         unsafe { raw.cmd_bind_descriptor_sets(self.buffer, point, layout, 0, &[work.set], &[]) };
         // SAFETY: recording; as long as the layout's range and for its stage (VUID-vkCmdPushConstants-offset-01795,
         // -01796, -size-00369).
         unsafe { raw.cmd_push_constants(self.buffer, layout, vk::ShaderStageFlags::COMPUTE, 0, work.push) };
         let [x, y] = work.groups;
-        // SAFETY: pipeline, set and push constants are bound; every device runs 65535 groups an axis, and `remap` asks
-        // for fewer (VUID-vkCmdDispatch-groupCountX-00386, -groupCountY-00387).
+        // SAFETY: pipeline, set and push constants are bound; every device supports 65535 groups per axis, and `remap`
+        // requests fewer (VUID-vkCmdDispatch-groupCountX-00386, -groupCountY-00387).
         unsafe { raw.cmd_dispatch(self.buffer, x, y, 1) };
         self.show_host(output, (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE));
     }
 
-    /// Fills the levels of an image, prepared as [`Usage::CopyTarget`]: (level, extent, offset in the buffer) each.
+    /// Fills the levels of an image, prepared as [`Usage::CopyTarget`], each given by (level, extent, offset in the
+    /// buffer).
     pub(super) fn copy_from_host(&self, buffer: &Buffer, image: &Image, levels: &[(u32, vk::Extent2D, u64)]) {
         let regions: Vec<_> = levels
             .iter()
@@ -228,7 +230,7 @@ impl Commands {
             })
             .collect();
         let layout = image.state.layout;
-        // SAFETY: recording; `textures` lays levels out one after the other, each whole
+        // SAFETY: recording; `textures` lays levels out consecutively, each whole
         // (VUID-vkCmdCopyBufferToImage-imageSubresource-07971, -pRegions-00171), offsets multiples of 4 (-07975).
         unsafe { self.raw().cmd_copy_buffer_to_image(self.buffer, buffer.get(), image.get(), layout, &regions) };
     }
@@ -236,7 +238,7 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // What the commands use may be destroyed as soon as this returns.
+        // The objects used by the commands may be destroyed as soon as this returns.
         if let Err(error) = self.wait() {
             tracing::error!("waiting for the device: {error}");
         }

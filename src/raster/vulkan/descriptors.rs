@@ -1,4 +1,4 @@
-//! Descriptor sets: which buffers and textures the shaders read.
+//! Descriptor sets: the buffers and textures that shaders read.
 //!
 //! In: layouts, buffers, images, samplers. Out: sets from a pool that owns them.
 
@@ -11,16 +11,16 @@ use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
 
-/// A pool with room for a scene's sets; they go with it.
+/// A pool with space for a scene's sets, which are freed with it.
 pub(super) struct Descriptors {
     pool: Owned<vk::DescriptorPool>,
 }
 
-/// Part of a buffer: offset and size, bytes.
+/// A part of a buffer: offset and size in bytes.
 pub(super) type BufferPart<'a> = (&'a Buffer, u64, u64);
 
 impl Descriptors {
-    /// Room for `materials` sets of textures and a buffer, `passes` sets of one buffer, and one image set.
+    /// Creates a pool for `materials` sets of textures and a buffer, `passes` sets of one buffer, and one image set.
     pub(super) fn new(device: &Arc<Device>, materials: usize, passes: usize) -> Result<Self, RasterError> {
         let count = |each: usize| u32::try_from(each).unwrap_or(u32::MAX);
         let size = |kind, each| vk::DescriptorPoolSize { ty: kind, descriptor_count: count(each) };
@@ -33,7 +33,7 @@ impl Descriptors {
         Self::with_sizes(device, count(materials + passes + 1), &sizes)
     }
 
-    /// Room for one set of storage buffers.
+    /// Creates a pool for one set of storage buffers.
     pub(super) fn for_buffers(device: &Arc<Device>, buffers: u32) -> Result<Self, RasterError> {
         let size = vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: buffers };
         Self::with_sizes(device, 1, &[size])
@@ -49,7 +49,7 @@ impl Descriptors {
         Ok(Self { pool })
     }
 
-    /// A set, empty; the pool was made large enough.
+    /// Allocates an empty set; the pool is large enough.
     pub(super) fn set(&self, layout: vk::DescriptorSetLayout, name: &str) -> Result<vk::DescriptorSet, RasterError> {
         let device = self.pool.device();
         let layouts = [layout];
@@ -62,7 +62,7 @@ impl Descriptors {
         Ok(set)
     }
 
-    /// Binds part of a buffer (offset and size, bytes). No submitted commands may use the set.
+    /// Binds a part of a buffer (offset and size in bytes). No submitted commands may use the set.
     pub(super) fn write_buffer(
         &self,
         (set, binding): (vk::DescriptorSet, u32),
@@ -99,8 +99,8 @@ impl Descriptors {
     }
 
     fn update(&self, writes: &[vk::WriteDescriptorSet]) {
-        // SAFETY: the sets are of this pool, not in use (VUID-vkUpdateDescriptorSets-None-03047), the bindings as in
-        // their layouts; what they name outlives the commands that read it.
+        // SAFETY: the sets are from this pool, not in use (VUID-vkUpdateDescriptorSets-None-03047), the bindings match
+        // their layouts; the resources outlive the commands that read them.
         unsafe { self.pool.device().raw().update_descriptor_sets(writes, &[]) };
     }
 }

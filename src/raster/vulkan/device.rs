@@ -21,31 +21,31 @@ pub(super) struct Device {
     queue: Mutex<vk::Queue>,
     names: Option<ext::debug_utils::Device>,
     facts: Facts,
-    /// Commands may run for ever: nothing of this device is destroyed any more.
+    /// Whether commands may never complete, so that nothing of this device may be destroyed any more.
     is_abandoned: AtomicBool,
     instance: Arc<Instance>,
 }
 
-/// What the raster has to know of its device.
+/// Device properties that the rasteriser needs.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
     pub(super) name: String,
     pub(super) queue_family: u32,
     pub(super) max_side: u32,
     pub(super) max_texture_side: u32,
-    /// `None`: no anisotropic filter.
+    /// `None` without anisotropic filtering.
     pub(super) max_anisotropy: Option<f32>,
-    /// The host may read colour attachments where they lie.
+    /// Whether the host may read colour attachments in place.
     pub(super) has_mapped_attachments: bool,
-    /// Offsets of parts of storage and uniform buffers are multiples of this.
+    /// Alignment of the offsets of storage and uniform buffers.
     pub(super) offset_alignment: u64,
-    /// The largest storage buffer, bytes.
+    /// Maximum size of a storage buffer in bytes.
     pub(super) max_buffer_bytes: u64,
-    /// The largest index of a vertex that may be drawn.
+    /// Maximum vertex index.
     pub(super) max_index: u32,
 }
 
-/// Bytes of all attachments of a pixel, at most.
+/// Maximum number of bytes per pixel over all attachments.
 const BYTES_PER_PIXEL: u64 = 80;
 
 impl Facts {
@@ -59,8 +59,8 @@ impl Facts {
             viewport_width,
             viewport_height,
         ];
-        // A square of the largest side must fit into one allocation an image; with all images, a picture of 16:9 that
-        // wide into three quarters of the memory.
+        // Each image of a square frame with the maximum side must fit into one allocation; all images of a 16:9 frame
+        // of that width must fit into three quarters of the memory.
         let by_allocation = (candidate.max_allocation_bytes / 16).isqrt();
         let by_memory = (candidate.info.memory_bytes * 3 / 4 / BYTES_PER_PIXEL * 16 / 9).isqrt();
         let by_memory = u32::try_from(by_allocation.min(by_memory)).unwrap_or(u32::MAX);
@@ -75,7 +75,7 @@ impl Facts {
             offset_alignment: limits
                 .min_storage_buffer_offset_alignment
                 .max(limits.min_uniform_buffer_offset_alignment),
-            // Source, offsets and result at once take three quarters of the memory at most.
+            // Source, offsets and result together take at most three quarters of the memory.
             max_buffer_bytes: u64::from(limits.max_storage_buffer_range)
                 .min(candidate.max_allocation_bytes)
                 .min(candidate.info.memory_bytes / 4),
@@ -90,14 +90,15 @@ impl Device {
         Self::from_raw(raw, instance, candidate)
     }
 
-    /// Owns a device that [`create`] made; its function table may be another than the driver's.
+    /// Wraps a device created by [`create`]; its function table may differ from the driver's.
     pub(super) fn from_raw(
         raw: ash::Device,
         instance: Arc<Instance>,
         candidate: &Candidate,
     ) -> Result<Arc<Self>, RasterError> {
         let names = instance.messages().map(|_| ext::debug_utils::Device::new(instance.raw(), &raw));
-        // SAFETY: the family and its first queue were asked for in `create` (VUID-vkGetDeviceQueue-queueFamilyIndex-00384).
+        // SAFETY: the family and its first queue were requested in `create`
+        // (VUID-vkGetDeviceQueue-queueFamilyIndex-00384).
         let queue = unsafe { raw.get_device_queue(candidate.queue_family, 0) };
         // From here on `Drop` cleans up.
         let device = Self {
@@ -122,7 +123,7 @@ impl Device {
         Ok(Arc::new(device))
     }
 
-    /// The functions of the device.
+    /// Returns the function table of the device.
     pub(super) fn raw(&self) -> &ash::Device {
         &self.raw
     }
@@ -141,7 +142,7 @@ impl Device {
         }
     }
 
-    /// From now on nothing of this device is destroyed: commands that use it may still run.
+    /// Prevents the destruction of anything of this device: commands that use it may still run.
     pub(super) fn abandon(&self) {
         self.is_abandoned.store(true, Ordering::SeqCst);
     }
@@ -150,14 +151,14 @@ impl Device {
         self.is_abandoned.load(Ordering::SeqCst)
     }
 
-    /// Memory from the allocator, or an error that names what it was for.
+    /// Allocates memory; an error names its purpose.
     pub(super) fn allocate(&self, wanted: &AllocationCreateDesc) -> Result<Allocation, RasterError> {
         let allocated = self.with_allocator(|allocator| allocator.as_mut().map(|allocator| allocator.allocate(wanted)));
         let allocated = allocated.ok_or(RasterError::Misuse("the memory allocator is gone"))?;
         allocated.map_err(memory_error(wanted.name, wanted.requirements.size))
     }
 
-    /// Gives memory back; nothing may be bound to it any more.
+    /// Frees memory; nothing may be bound to it any more.
     pub(super) fn free(&self, allocation: Allocation) {
         let freed = self.with_allocator(|allocator| allocator.as_mut().map(|allocator| allocator.free(allocation)));
         if let Some(Err(error)) = freed {
@@ -165,22 +166,22 @@ impl Device {
         }
     }
 
-    /// Submits a recorded command buffer; `fence` is signalled when it is done.
+    /// Submits a recorded command buffer; `fence` is signalled when it completes.
     pub(super) fn submit(&self, buffer: vk::CommandBuffer, fence: vk::Fence) -> Result<(), RasterError> {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(buffer)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
         // SAFETY: the queue is locked; the buffer is recorded and not pending (VUID-vkQueueSubmit2-commandBuffer-03874,
-        // -03875), the fence unsignalled (-fence-04894): `Commands` sees to both.
+        // -03875), the fence unsignalled (-fence-04894): `Commands` ensures both.
         unsafe { self.raw.queue_submit2(*queue, &submit, fence) }.map_err(vulkan_error("vkQueueSubmit2"))
     }
 
-    /// Names an object for messages, where validation is on.
+    /// Names an object for messages, if validation is enabled.
     pub(super) fn set_name<H: vk::Handle>(&self, handle: H, name: &str) {
         let (Some(names), Ok(name)) = (&self.names, CString::new(name)) else { return };
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // SAFETY: the handle was just made by this device (VUID-VkDebugUtilsObjectNameInfoEXT-objectType-02590).
-        // A failure costs a name only.
+        // SAFETY: the handle was just created by this device (VUID-VkDebugUtilsObjectNameInfoEXT-objectType-02590). A
+        // failure only loses the name.
         let _ = unsafe { names.set_debug_utils_object_name(&info) };
     }
 
@@ -204,13 +205,13 @@ impl Drop for Device {
             }
         }
         drop(allocator);
-        // SAFETY: every object holds an `Arc` of this device, so all are gone (VUID-vkDestroyDevice-device-05137), and
-        // `Commands` wait before they go, so nothing runs.
+        // SAFETY: every object holds an `Arc` of this device, so all are destroyed (VUID-vkDestroyDevice-device-05137),
+        // and `Commands` wait when they are dropped, so nothing runs.
         unsafe { self.raw.destroy_device(None) };
     }
 }
 
-/// A device with the features that the raster uses.
+/// Creates a device with the features that the rasteriser uses.
 pub(super) fn create(instance: &Instance, candidate: &Candidate) -> Result<ash::Device, RasterError> {
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(candidate.queue_family).queue_priorities(&[1.0])];
@@ -222,7 +223,7 @@ pub(super) fn create(instance: &Instance, candidate: &Candidate) -> Result<ash::
         .queue_create_infos(&queues)
         .enabled_features(&features)
         .push_next(&mut vulkan13);
-    // SAFETY: the device is of this instance; Vulkan 1.3 guarantees both features, the others were looked for
+    // SAFETY: the device belongs to this instance; Vulkan 1.3 guarantees both features, the others were queried
     // (VUID-VkDeviceCreateInfo-queueFamilyIndex-02802, features of vkGetPhysicalDeviceFeatures).
     let made = unsafe { instance.raw().create_device(candidate.physical, &info, None) };
     made.map_err(vulkan_error("vkCreateDevice"))

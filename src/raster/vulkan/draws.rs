@@ -1,4 +1,4 @@
-//! The draws of a pass in one rendering.
+//! Records the draws of a pass in one rendering.
 //!
 //! In: draws in order, an uploaded mesh. Out: recorded draws, with state set only where it changes.
 
@@ -22,22 +22,22 @@ struct Push {
 
 const _: () = assert!(size_of::<Push>() == PUSH_BYTES as usize);
 
-/// What draws need besides the attachments.
+/// The inputs of draws besides the attachments.
 pub(super) struct DrawContext<'a> {
     pub(super) commands: &'a Commands,
-    /// Holds the mesh.
+    /// The buffer that holds the mesh.
     pub(super) buffer: &'a Buffer,
     pub(super) mesh: MeshRange,
     pub(super) pass_set: vk::DescriptorSet,
     pub(super) pipelines: &'a Pipelines,
     pub(super) materials: &'a Materials,
-    /// Pixels a frame height, across and up.
+    /// Pixels per frame height, across and up.
     pub(super) pixels_from_screen: [f32; 2],
     pub(super) extent: vk::Extent2D,
 }
 
 impl DrawContext<'_> {
-    /// Records draws in the order given; all pipelines are prepared.
+    /// Records draws in the given order; all pipelines must be prepared.
     pub(super) fn draw(&self, rendering: &Rendering, stage: Stage, draws: &[&Draw]) -> Result<(), RasterError> {
         if draws.is_empty() {
             return Ok(());
@@ -75,7 +75,7 @@ fn shown_faces(draw: &Draw, is_double_sided: bool) -> Faces {
     }
 }
 
-/// The value that is bound.
+/// The currently bound value.
 struct BoundState<T>(Option<T>);
 
 impl<T: Copy + PartialEq> BoundState<T> {
@@ -83,7 +83,7 @@ impl<T: Copy + PartialEq> BoundState<T> {
         Self(None)
     }
 
-    /// The value, where it is another than the one bound.
+    /// Returns the value if it differs from the bound one.
     fn change(&mut self, value: T) -> Option<T> {
         (self.0.replace(value) != Some(value)).then_some(value)
     }

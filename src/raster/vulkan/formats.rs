@@ -1,6 +1,6 @@
-//! Formats and uses of the images that frames are drawn into: what pipelines, attachments and the choice of a device share.
+//! Formats and uses of the attachments: shared by pipelines, attachments and the choice of a device.
 //!
-//! In: the channel table. Out: one [`ImageSpec`] an attachment, in the order of the locations in `geometry.wgsl`.
+//! In: the channel table. Out: one [`ImageSpec`] per attachment, in the order of the locations in `geometry.wgsl`.
 
 use crate::image::ChannelGroup;
 use ash::vk;
@@ -10,22 +10,22 @@ use ash::vk;
 pub(super) struct ImageSpec {
     pub(super) name: &'static str,
     pub(super) format: vk::Format,
-    /// The groups whose channels follow each other in a pixel.
+    /// The groups whose channels are consecutive in a pixel.
     pub(super) groups: &'static [ChannelGroup],
 }
 
 impl ImageSpec {
-    /// Name, group and place in the pixel of every channel.
+    /// Returns group and specification of every channel, in the order of the components.
     pub(super) fn channels(&self) -> impl Iterator<Item = (ChannelGroup, &'static crate::image::ChannelSpec)> {
         self.groups.iter().flat_map(|&group| group.channels().iter().map(move |spec| (group, spec)))
     }
 
-    /// Components of a pixel.
+    /// Number of components per pixel.
     pub(super) fn components(&self) -> usize {
         self.channels().count()
     }
 
-    /// What a pixel holds where nothing is.
+    /// Returns the value of empty pixels.
     pub(super) fn clear(&self) -> [f32; 4] {
         let mut clear = [0.0; 4];
         clear.iter_mut().zip(self.channels()).for_each(|(value, (_, spec))| *value = spec.empty);
@@ -48,20 +48,20 @@ pub(super) const DATA: [ImageSpec; 3] = [
     ImageSpec { name: "ids", format: vk::Format::R32G32_SFLOAT, groups: &[ChannelGroup::Id] },
 ];
 
-/// All images that the host reads.
+/// All images that are read back.
 pub(super) const IMAGES: [ImageSpec; 4] = [COLOR, DATA[0], DATA[1], DATA[2]];
 
 /// Reversed z.
 pub(super) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
-/// An image that is drawn into only.
+/// Usage of an image that is only rendered into.
 pub(super) const ATTACHMENT: vk::ImageUsageFlags = vk::ImageUsageFlags::COLOR_ATTACHMENT;
 
-/// An image that the host reads, too.
+/// Usage of an image that is also read back.
 pub(super) const READ_BACK: vk::ImageUsageFlags =
     vk::ImageUsageFlags::from_raw(ATTACHMENT.as_raw() | vk::ImageUsageFlags::TRANSFER_SRC.as_raw());
 
-/// An image that is resolved into another.
+/// Usage of an image that is resolved into another.
 pub(super) const RESOLVED: vk::ImageUsageFlags =
     vk::ImageUsageFlags::from_raw(ATTACHMENT.as_raw() | vk::ImageUsageFlags::SAMPLED.as_raw());
 

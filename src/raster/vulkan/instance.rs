@@ -1,6 +1,7 @@
-//! The Vulkan instance: the loader is opened at run time, validation is switched on where asked for.
+//! The Vulkan instance: the loader is opened at run time; validation is optional.
 //!
-//! In: nothing, or where to put validation messages. Out: an [`Instance`] that owns library, instance and messenger.
+//! In: nothing, or the destination of validation messages. Out: an [`Instance`] that owns library, instance and
+//! messenger.
 
 use super::fault::{no_device, vulkan_error};
 use super::messenger::{Messages, Messenger, messenger_info};
@@ -8,10 +9,10 @@ use crate::raster::RasterError;
 use ash::{Entry, ext, vk};
 use std::ffi::CStr;
 
-/// The layer that checks every call.
+/// The validation layer.
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// The least version of Vulkan: dynamic rendering and `synchronization2` are in its core.
+/// Minimum Vulkan version: dynamic rendering and `synchronization2` are in its core.
 pub(super) const API_VERSION: u32 = vk::API_VERSION_1_3;
 
 /// Owns the instance. Drop order: messenger, instance, messages, library.
@@ -23,7 +24,7 @@ pub(super) struct Instance {
 }
 
 impl Instance {
-    /// Opens the loader and makes an instance; with `messages`, validation (core and synchronisation) is on.
+    /// Opens the loader and creates an instance; with `messages`, validation (core and synchronisation) is enabled.
     pub(super) fn new(messages: Option<&Messages>) -> Result<Self, RasterError> {
         // SAFETY: loading libvulkan runs its initialisers; `_library` keeps it loaded as long as its functions are used.
         let entry = unsafe { Entry::load() }
@@ -41,12 +42,12 @@ impl Instance {
         Ok(instance)
     }
 
-    /// The functions of the instance.
+    /// Returns the function table of the instance.
     pub(super) fn raw(&self) -> &ash::Instance {
         &self.raw
     }
 
-    /// Where validation messages go; `None`: validation is off.
+    /// Returns the destination of validation messages; `None` if validation is disabled.
     pub(super) fn messages(&self) -> Option<&Messages> {
         self.messages.as_ref()
     }
@@ -56,7 +57,7 @@ impl Drop for Instance {
     fn drop(&mut self) {
         // The messenger is a child of the instance.
         self.messenger = None;
-        // SAFETY: all children are gone (VUID-vkDestroyInstance-instance-00629): `Device` holds an `Arc` of this.
+        // SAFETY: all children are destroyed (VUID-vkDestroyInstance-instance-00629): `Device` holds an `Arc` of this.
         unsafe { self.raw.destroy_instance(None) };
     }
 }
@@ -74,7 +75,7 @@ fn check_version(entry: &Entry) -> Result<(), RasterError> {
     Ok(())
 }
 
-/// `1.3.230`.
+/// Formats a version such as `1.3.230`.
 pub(super) fn version_text(version: u32) -> String {
     let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
     format!("{major}.{minor}.{}", vk::api_version_patch(version))
@@ -104,7 +105,7 @@ fn create(entry: &Entry, messages: Option<&Messages>) -> Result<ash::Instance, R
         info = info.enabled_layer_names(&layers).enabled_extension_names(&extensions);
         info = info.push_next(&mut features).push_next(messenger);
     }
-    // SAFETY: all that `info` points to lives until the call returns; the layer and its extensions were looked for
+    // SAFETY: everything that `info` points to lives until the call returns; the layer and its extensions were queried
     // (VUID-vkCreateInstance-ppEnabledExtensionNames-01388).
     let made = unsafe { entry.create_instance(&info, None) };
     made.map_err(|result| match result {

@@ -1,6 +1,6 @@
 //! A scene's materials on the device.
 //!
-//! In: materials, textures. Out: per material a set of textures and numbers, and how it is drawn.
+//! In: materials, textures. Out: per material a set of textures and parameters, and its drawing state.
 
 use super::descriptors::{BufferPart, Descriptors};
 use super::device::Device;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 const MATERIALS: BufferUse =
     BufferUse { name: "materials", usage: vk::BufferUsageFlags::UNIFORM_BUFFER, location: MemoryLocation::CpuToGpu };
 
-/// Binding of the numbers, after textures and samplers.
+/// Binding of the parameters, after textures and samplers.
 const NUMBERS_BINDING: u32 = 2 * TEXTURES_PER_MATERIAL as u32;
 
 /// `TexturePlace` of geometry.wgsl.
@@ -45,16 +45,16 @@ struct GpuMaterial {
 
 const _: () = assert!(size_of::<GpuMaterial>() == 240);
 
-/// How triangles of a material are drawn.
+/// The drawing state of a material.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaterialState {
     pub(super) variant: Variant,
     pub(super) is_double_sided: bool,
-    /// Its textures.
+    /// Its descriptor set.
     pub(super) set: vk::DescriptorSet,
 }
 
-/// All materials of a scene. The sets name textures and buffer, which are kept here.
+/// All materials of a scene. Owns the textures and the buffer that the sets refer to.
 pub(super) struct Materials {
     states: Vec<MaterialState>,
     _buffer: Buffer,
@@ -70,7 +70,7 @@ impl Materials {
     ) -> Result<Self, RasterError> {
         let textures = Textures::new(device, scene)?;
         let stride = (size_of::<GpuMaterial>() as u64).next_multiple_of(device.facts().offset_alignment.max(1));
-        // A buffer cannot be empty.
+        // A buffer must not be empty.
         let mut buffer = Buffer::new(device, MATERIALS, stride * scene.materials.len().max(1) as u64)?;
         let places = buffer.bytes_mut().chunks_mut(stride as usize);
         for (place, material) in places.zip(&scene.materials) {
@@ -82,13 +82,13 @@ impl Materials {
         Ok(Self { states, _buffer: buffer, _textures: textures })
     }
 
-    /// How the material of that index is drawn.
+    /// Returns the state of the material at an index.
     pub(super) fn state(&self, material: u32) -> Result<&MaterialState, RasterError> {
         self.states.get(material as usize).ok_or(RasterError::Misuse("a draw names a material that the scene lacks"))
     }
 }
 
-/// In the order of the bindings of geometry.wgsl.
+/// Returns the textures in the order of the bindings of geometry.wgsl.
 fn references(material: &Material) -> [Option<&TextureRef>; 5] {
     [
         material.base_color_texture.as_ref(),

@@ -1,7 +1,7 @@
 //! Buffers and images with their memory.
 //!
 //! In: sizes, formats, uses. Out: objects that own handle and memory; host-visible ones are mapped and coherent
-//! (gpu-allocator takes no other memory for them), so nothing has to be flushed.
+//! (gpu-allocator uses no other memory for them), so nothing has to be flushed.
 
 use super::device::Device;
 use super::fault::vulkan_error;
@@ -12,20 +12,20 @@ pub(super) use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::Arc;
 
-/// Objects from this size on get memory of their own, which goes back to the system with them.
+/// Minimum size of objects with a dedicated allocation, which is returned to the system with them.
 const DEDICATED_BYTES: u64 = 16 << 20;
 
-/// Alignment that lets mapped memory be read as vectors of four floats.
+/// Alignment that allows reading mapped memory as vectors of four floats.
 const LEAST_ALIGNMENT: u64 = 16;
 
-/// Memory that frees itself.
+/// An allocation that is freed when dropped.
 struct Memory {
     allocation: Allocation,
     device: Arc<Device>,
 }
 
 impl Memory {
-    /// Memory of an object's own, as `wanted` asks; small objects share theirs all the same.
+    /// Allocates memory as requested by `wanted`; small objects are always suballocated.
     fn new(device: &Arc<Device>, wanted: AllocationCreateDesc) -> Result<Self, RasterError> {
         let is_small = wanted.requirements.size < DEDICATED_BYTES;
         let allocation_scheme = if is_small { AllocationScheme::GpuAllocatorManaged } else { wanted.allocation_scheme };
@@ -48,7 +48,7 @@ impl Drop for Memory {
     }
 }
 
-/// What a buffer is for.
+/// The use of a buffer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BufferUse {
     pub(super) name: &'static str,
@@ -56,7 +56,7 @@ pub(super) struct BufferUse {
     pub(super) location: MemoryLocation,
 }
 
-/// A buffer; host-visible ones are mapped. Field order: the handle goes before its memory.
+/// A buffer; host-visible ones are mapped. Field order: the handle is destroyed before its memory.
 pub(super) struct Buffer {
     handle: Owned<vk::Buffer>,
     memory: Memory,
@@ -64,7 +64,7 @@ pub(super) struct Buffer {
 }
 
 impl Buffer {
-    /// A buffer of `size` > 0 bytes.
+    /// Creates a buffer of `size` > 0 bytes.
     pub(super) fn new(device: &Arc<Device>, wanted: BufferUse, size: u64) -> Result<Self, RasterError> {
         let info = vk::BufferCreateInfo::default().size(size).usage(wanted.usage);
         let handle = Owned::new(device, ("vkCreateBuffer", wanted.name), |raw| {
@@ -92,8 +92,8 @@ impl Buffer {
         Ok(Self { handle, memory, size })
     }
 
-    /// The buffer in `slot`, if it has `bytes`; else a new one of `new_bytes`, and the old one goes: no submitted
-    /// commands may use it.
+    /// Returns the buffer in `slot` if it has `bytes`; otherwise replaces it by one of `new_bytes`. No submitted
+    /// commands may use the old one.
     pub(super) fn reserve<'a>(
         slot: &'a mut Option<Self>,
         device: &Arc<Device>,
@@ -112,18 +112,18 @@ impl Buffer {
         self.handle.get()
     }
 
-    /// What the device wrote; empty where the buffer is not host-visible.
+    /// Returns the bytes written by the device; empty if the buffer is not host-visible.
     pub(super) fn bytes(&self) -> &[u8] {
         self.memory.allocation.mapped_slice().unwrap_or_default()
     }
 
-    /// What the device will read; empty where the buffer is not host-visible.
+    /// Returns the bytes to be read by the device; empty if the buffer is not host-visible.
     pub(super) fn bytes_mut(&mut self) -> &mut [u8] {
         self.memory.allocation.mapped_slice_mut().unwrap_or_default()
     }
 }
 
-/// What an image is for.
+/// The use of an image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ImageUse {
     pub(super) name: &'static str,
@@ -133,17 +133,17 @@ pub(super) struct ImageUse {
     pub(super) placement: Placement,
 }
 
-/// Where an image is placed.
+/// The placement of an image in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Placement {
-    /// In memory and a layout that are best for the device.
+    /// Device-local memory and optimal tiling.
     Device,
-    /// Row by row in mapped memory, where [`super::device::Facts::has_mapped_attachments`]: the host reads it without
-    /// a copy.
+    /// Linear tiling in mapped memory, if [`super::device::Facts::has_mapped_attachments`]: the host reads it without a
+    /// copy.
     Mapped,
 }
 
-/// How an image was used last: what the next barrier waits for.
+/// The last use of an image, which the next barrier waits for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ImageState {
     pub(super) layout: vk::ImageLayout,
@@ -164,14 +164,14 @@ pub(super) struct Image {
     view: Owned<vk::ImageView>,
     handle: Owned<vk::Image>,
     memory: Memory,
-    /// First byte and bytes from row to row, where the image is mapped.
+    /// Offset of the first row and row pitch in bytes, if the image is mapped.
     rows: Option<(usize, usize)>,
     pub(super) aspect: vk::ImageAspectFlags,
     pub(super) state: ImageState,
 }
 
 impl Image {
-    /// An image of at least 1x1 pixels, no larger than the device allows.
+    /// Creates an image of at least 1x1 pixels, within the device's limits.
     pub(super) fn new(device: &Arc<Device>, wanted: ImageUse, extent: vk::Extent2D) -> Result<Self, RasterError> {
         let handle = create_image(device, wanted, extent)?;
         // SAFETY: the image is of this device.
@@ -210,14 +210,15 @@ impl Image {
         self.view.get()
     }
 
-    /// What the device wrote, from the first pixel on, and the bytes from row to row; `None`: it is not mapped.
+    /// Returns the bytes written by the device from the first pixel on, and the row pitch in bytes; `None` if not
+    /// mapped.
     pub(super) fn mapped_rows(&self) -> Option<(&[u8], usize)> {
         let (first, pitch) = self.rows?;
         Some((self.memory.allocation.mapped_slice()?.get(first..)?, pitch))
     }
 }
 
-/// Where the rows of an image of linear tiling start, and how far apart they are, bytes.
+/// Returns the offset of the first row and the row pitch in bytes of a linear image.
 fn rows(device: &Arc<Device>, image: &Owned<vk::Image>, aspect: vk::ImageAspectFlags) -> (usize, usize) {
     let part = vk::ImageSubresource::default().aspect_mask(aspect);
     // SAFETY: linear tiling, a level and layer that exist (VUID-vkGetImageSubresourceLayout-image-07790, -01716, -01717).

@@ -1,4 +1,4 @@
-//! Messages of the validation layers.
+//! Collects messages of the validation layers.
 //!
 //! In: callbacks of VK_EXT_debug_utils. Out: a list of texts, which tests check.
 
@@ -9,13 +9,14 @@ use ash::{Entry, vk};
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Messages of the validation layers, shared with a raster opened by
-/// [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated); it still fills while that raster is dropped.
+/// Messages of the validation layers, shared with a rasteriser opened by
+/// [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated); more may be added until that rasteriser is
+/// dropped.
 #[derive(Clone, Debug, Default)]
 pub struct Messages(Arc<Mutex<Vec<String>>>);
 
 impl Messages {
-    /// All messages so far; the list is empty afterwards.
+    /// Removes and returns all messages so far.
     #[must_use]
     pub fn take(&self) -> Vec<String> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
@@ -26,7 +27,7 @@ impl Messages {
     }
 }
 
-/// Calls back for warnings and errors of the layers.
+/// Receives warnings and errors of the layers.
 pub(super) struct Messenger {
     functions: debug_utils::Instance,
     handle: vk::DebugUtilsMessengerEXT,
@@ -46,12 +47,12 @@ impl Messenger {
 
 impl Drop for Messenger {
     fn drop(&mut self) {
-        // SAFETY: made in `new`, destroyed once, before its instance (`Instance::drop`).
+        // SAFETY: created in `new`, destroyed once, before its instance (`Instance::drop`).
         unsafe { self.functions.destroy_debug_utils_messenger(self.handle, None) };
     }
 }
 
-/// The user data points into `messages`, which must outlive whatever is made from the result.
+/// Returns the creation info. The user data points into `messages`, which must outlive whatever is created from it.
 pub(super) fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     use vk::DebugUtilsMessageSeverityFlagsEXT as Severity;
     use vk::DebugUtilsMessageTypeFlagsEXT as Type;
@@ -62,7 +63,7 @@ pub(super) fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCrea
         .user_data(Arc::as_ptr(&messages.0).cast_mut().cast())
 }
 
-/// Stores one message. Must not unwind into C: it allocates and locks, nothing that panics.
+/// Stores one message. Must not unwind into C: it only allocates and locks, which does not panic.
 unsafe extern "system" fn collect(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

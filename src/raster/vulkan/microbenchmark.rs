@@ -1,4 +1,4 @@
-//! The least that a frame can cost: the baseline of the benches.
+//! The minimum cost of a frame, as a baseline for benchmarks.
 //!
 //! In: a target with all channels and one pass. Out: the times of a bare draw and copy.
 
@@ -13,18 +13,19 @@ use std::time::{Duration, Instant};
 /// Times of a bare frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BareTimes {
-    /// From the first command to the last byte in host memory that belongs to the device.
+    /// From the first command to the last byte in host-visible device memory.
     pub device: Duration,
-    /// The bytes copied, image by image, into memory of the program's own.
+    /// Copying the bytes, image by image, into ordinary host memory.
     pub host: Duration,
 }
 
 impl VulkanRaster {
-    /// A bare frame: the geometry is uploaded, one command buffer draws it with the pipelines and into the images of a
-    /// frame, and copies all of them. It makes no channels. The target wants all channels and one beauty pass.
+    /// Measures a bare frame: the geometry is uploaded, one command buffer draws it with the pipelines and into the
+    /// images of a frame, and copies all of them; no channels are assembled. The target must have all channels and one
+    /// beauty pass.
     ///
     /// # Errors
-    /// As a frame.
+    /// As for a frame.
     pub fn time_bare_frame(&mut self, target: &Target, geometry: &Geometry) -> Result<BareTimes, RasterError> {
         self.start(target)?;
         let frame = self.current.take().ok_or(RasterError::Misuse("no frame was begun"))?;

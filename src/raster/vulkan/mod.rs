@@ -1,7 +1,7 @@
-//! The Vulkan raster: offscreen float targets through ash; the loader is opened at run time.
+//! The Vulkan rasteriser: offscreen float targets through ash; the loader is opened at run time.
 //!
-//! In: a scene, then the geometry of each pass. Out: the frames that the CPU raster draws. Needs Vulkan 1.3 (dynamic
-//! rendering, `synchronization2`).
+//! In: a scene, then the geometry of each pass. Out: the same frames as from the CPU rasteriser. Requires Vulkan 1.3
+//! (dynamic rendering, `synchronization2`).
 
 #![expect(unsafe_code, reason = "Vulkan is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 

@@ -1,6 +1,7 @@
-//! Handles that destroy themselves.
+//! Handles that are destroyed when dropped.
 //!
-//! In: a device and a created handle. Out: an [`Owned`] handle, which keeps its device alive and is destroyed before it.
+//! In: a device and a created handle. Out: an [`Owned`] handle, which keeps its device alive and is destroyed before
+//! it.
 
 use super::device::Device;
 use super::fault::vulkan_error;
@@ -8,10 +9,12 @@ use crate::raster::RasterError;
 use ash::vk;
 use std::sync::Arc;
 
-/// A handle that its device can destroy.
+/// A handle that can be destroyed by its device.
 pub(super) trait Destroy: vk::Handle + Copy {
+    /// Destroys the handle.
+    ///
     /// # Safety
-    /// The handle was made by `device`, nothing uses it any more, and it is destroyed once.
+    /// The handle was created by `device`, is no longer in use, and is destroyed once.
     unsafe fn destroy(self, device: &ash::Device);
 }
 
@@ -40,15 +43,15 @@ destroy! {
     vk::ShaderModule => destroy_shader_module,
 }
 
-/// A handle with its device. Whoever records it keeps it until the commands are done: [`super::VulkanRaster`] drops
-/// its `Commands`, which wait, before everything they name.
+/// A handle with its device. Recorded handles must be kept until the commands complete: [`super::VulkanRaster`] drops
+/// its `Commands`, which wait, before everything that they refer to.
 pub(super) struct Owned<H: Destroy> {
     handle: H,
     device: Arc<Device>,
 }
 
 impl<H: Destroy> Owned<H> {
-    /// Makes and names an object. `make` must return a new handle of this device.
+    /// Creates and names an object. `make` must return a new handle of this device.
     pub(super) fn new(
         device: &Arc<Device>,
         (call, name): (&'static str, &str),
@@ -59,7 +62,7 @@ impl<H: Destroy> Owned<H> {
         Ok(Self { handle, device: Arc::clone(device) })
     }
 
-    /// The handle itself.
+    /// Returns the raw handle.
     pub(super) fn get(&self) -> H {
         self.handle
     }
@@ -74,7 +77,7 @@ impl<H: Destroy> Drop for Owned<H> {
         if self.device.is_abandoned() {
             return;
         }
-        // SAFETY: made by this device in `new`, destroyed here only; not in use, see the type.
+        // SAFETY: created by this device in `new`, destroyed only here; not in use, see the type.
         unsafe { self.handle.destroy(self.device.raw()) };
     }
 }

@@ -1,4 +1,4 @@
-//! One sample pass as commands.
+//! Records one sample pass.
 //!
 //! In: an uploaded mesh, attachments, pipelines. Out: recorded draws of colour, data or both. With several beauty
 //! passes, the colour of each is added to the frame's mean.
@@ -13,28 +13,28 @@ use super::pipeline::{Alpha, Key, Pipelines, Stage};
 use super::rendering::{Attachment, Rendering};
 use crate::raster::{Draw, Geometry, RasterError};
 
-/// Depth of the far plane: z is reversed.
+/// Depth at infinity: z is reversed.
 const FAR: f32 = 0.0;
 
-/// What a pass draws.
+/// The outputs of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassOutput {
-    /// Colour and data, from the same triangles at once.
+    /// Colour and data, from the same triangles in one rendering.
     Both,
-    /// Colour.
+    /// Colour only.
     Beauty,
-    /// Data.
+    /// Data only.
     Data,
 }
 
-/// The draws of a pass in the order of the geometry, by how they are drawn.
+/// The draws of a pass, in the order of the geometry, grouped by how they are drawn.
 pub(super) struct DrawGroups<'a> {
     opaque: Vec<&'a Draw>,
     blended: Vec<&'a Draw>,
 }
 
 impl<'a> DrawGroups<'a> {
-    /// Splits the draws, and makes the pipelines they need.
+    /// Groups the draws, and creates the pipelines they need.
     pub(super) fn new(
         geometry: &'a Geometry,
         output: PassOutput,
@@ -65,11 +65,11 @@ fn stages(output: PassOutput, alpha: Alpha) -> &'static [Stage] {
     }
 }
 
-/// An image was used before it was made.
+/// An attachment was used before it was created.
 const UNPREPARED: RasterError = RasterError::Misuse("a pass lacks an attachment");
 
-/// Records the draws of a pass; the attachments it needs are prepared. Colour is drawn into the sample image where the
-/// frame is the mean of several passes.
+/// Records the draws of a pass; its attachments must be prepared. Colour is drawn into the sample image if the frame is
+/// the mean of several passes.
 pub(super) fn record(
     context: &DrawContext,
     attachments: &mut Attachments,
@@ -101,7 +101,8 @@ fn both(
     if groups.blended.is_empty() {
         return Ok(());
     }
-    // Colour first: opaque surfaces alone hide it, while data also stores the depth of blended ones.
+    // Colour is drawn first: it is occluded by opaque surfaces only, while drawing data also stores the depth of
+    // blended ones.
     let rendering = open(context, &mut [(color, None)], Some((&mut data.depth, None)));
     context.draw(&rendering, Stage::Beauty, &groups.blended)?;
     drop(rendering);
@@ -146,7 +147,7 @@ pub(super) fn resolve(
     Ok(())
 }
 
-/// Starts to draw into images: cleared to a value, or with their contents kept.
+/// Begins rendering into images, either cleared to a value or preserving their contents.
 fn open<'a>(
     context: &DrawContext<'a>,
     colors: &mut [(&mut Image, Option<[f32; 4]>)],

@@ -1,6 +1,6 @@
 //! Pipelines, their layouts and shaders.
 //!
-//! In: which entry point with which meaning of alpha and textures. Out: pipelines, made when first asked for.
+//! In: the entry point, the alpha mode and the textures. Out: pipelines, created on first use.
 
 use super::device::Device;
 use super::formats::{COLOR, DATA, DEPTH_FORMAT, TEXTURES_PER_MATERIAL};
@@ -19,36 +19,36 @@ mod table {
 /// A graphics pipeline.
 pub(super) type Pipeline = Owned<vk::Pipeline>;
 
-/// What a pipeline draws into.
+/// The outputs of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Stage {
-    /// Colour and data at once.
+    /// Colour and data in one rendering.
     Both,
-    /// Colour.
+    /// Colour only.
     Beauty,
-    /// Data.
+    /// Data only.
     Data,
 }
 
-/// What alpha means; the numbers are those of `ALPHA` in geometry.wgsl.
+/// The alpha mode; the values are those of `ALPHA` in geometry.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Alpha {
-    /// Nothing.
+    /// Ignored.
     Opaque = 0,
-    /// There or not.
+    /// Alpha test.
     Mask = 1,
-    /// Coverage.
+    /// Blending.
     Blend = 2,
 }
 
-/// Which textures a material has; the numbers are those of `TEXTURES` in geometry.wgsl.
+/// The textures of a material; the values are those of `TEXTURES` in geometry.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Textures {
     /// None.
     None = 0,
-    /// Base colour.
+    /// Base colour only.
     BaseColor = 1,
-    /// Any others.
+    /// Any.
     All = 2,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Key {
     pub(super) variant: Variant,
 }
 
-/// What a material decides about its shaders.
+/// The shader variant that a material needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Variant {
     pub(super) alpha: Alpha,
@@ -83,7 +83,7 @@ impl Key {
         }
     }
 
-    /// Blended colour goes over what is there and leaves depth alone.
+    /// Returns whether it blends colour over the target without writing depth.
     fn is_over(self) -> bool {
         self.stage == Stage::Beauty && self.variant.alpha == Alpha::Blend
     }
@@ -96,11 +96,11 @@ pub(super) struct PipelineLayout {
 }
 
 impl PipelineLayout {
-    /// Who reads push constants.
+    /// The shader stages that read push constants.
     pub(super) const PUSH_STAGES: vk::ShaderStageFlags =
         vk::ShaderStageFlags::from_raw(vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw());
 
-    /// Sets of descriptors that the fragment stage reads, and the size of the push constants.
+    /// Creates a layout from the descriptor sets of the fragment stage and the size of the push constants.
     fn new(
         device: &Arc<Device>,
         name: &str,
@@ -112,7 +112,7 @@ impl PipelineLayout {
         Self::of_sets(device, name, sets, (Self::PUSH_STAGES, push_bytes))
     }
 
-    /// One set of descriptors and push constants that a compute shader reads.
+    /// Creates a layout with one descriptor set and push constants for a compute shader.
     pub(super) fn for_compute(
         device: &Arc<Device>,
         name: &str,
@@ -179,7 +179,7 @@ pub(super) const PUSH_BYTES: u32 = 16;
 pub(super) struct Pipelines {
     geometry: HashMap<Key, Pipeline>,
     resolve: Option<Pipeline>,
-    /// Set 0: the pass (a buffer); set 1: textures, samplers and numbers of a material.
+    /// Set 0: the pass (a buffer); set 1: textures, samplers and parameters of a material.
     pub(super) geometry_layout: PipelineLayout,
     /// Set 0: the colour of a sample pass.
     pub(super) resolve_layout: PipelineLayout,
@@ -201,7 +201,7 @@ impl Pipelines {
         })
     }
 
-    /// Makes the geometry pipeline if it is not there yet.
+    /// Creates the geometry pipeline if needed.
     pub(super) fn prepare(&mut self, key: Key) -> Result<(), RasterError> {
         if !self.geometry.contains_key(&key) {
             self.geometry.insert(key, geometry_pipeline(&self.device, &self.geometry_layout, key)?);
@@ -209,12 +209,12 @@ impl Pipelines {
         Ok(())
     }
 
-    /// A pipeline that was prepared.
+    /// Returns a prepared geometry pipeline.
     pub(super) fn geometry(&self, key: Key) -> Result<&Pipeline, RasterError> {
         self.geometry.get(&key).ok_or(RasterError::Misuse("a pipeline was not prepared"))
     }
 
-    /// Makes the pipeline that adds a sample pass to the mean, if it is not there yet.
+    /// Creates the pipeline that adds a sample pass to the mean, if needed.
     pub(super) fn prepare_resolve(&mut self) -> Result<(), RasterError> {
         if self.resolve.is_none() {
             self.resolve = Some(resolve_pipeline(&self.device, &self.resolve_layout)?);
@@ -222,14 +222,14 @@ impl Pipelines {
         Ok(())
     }
 
-    /// That pipeline with its layout.
+    /// Returns that pipeline with its layout.
     pub(super) fn resolve(&self) -> Result<(&Pipeline, &PipelineLayout), RasterError> {
         let pipeline = self.resolve.as_ref().ok_or(RasterError::Misuse("a pipeline was not prepared"))?;
         Ok((pipeline, &self.resolve_layout))
     }
 }
 
-/// The compiled shader of that name, an entry of build.rs.
+/// Returns the compiled shader of that name, an entry of build.rs.
 pub(super) fn shader(device: &Arc<Device>, name: &str) -> Result<Owned<vk::ShaderModule>, RasterError> {
     let found = table::SHADERS.iter().find(|(known, _)| *known == name);
     let (_, bytes) = found.ok_or(RasterError::Misuse("a shader variant was not compiled"))?;
@@ -249,12 +249,12 @@ fn geometry_pipeline(device: &Arc<Device>, layout: &PipelineLayout, key: Key) ->
         Stage::Data => DATA.map(|spec| spec.format).to_vec(),
     };
     let name = key.shader();
-    // Colour is associated: over = source + (1 - alpha) · what is there.
+    // Colour is associated: over = source + (1 - alpha) · destination.
     let blend = key.is_over().then_some(vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
         .depth_write_enable(!key.is_over())
-        // Reversed z: 1 is near.
+        // Reversed z: larger is nearer.
         .depth_compare_op(vk::CompareOp::GREATER);
     let (bindings, attributes) = vertex_layout();
     let vertices = vk::PipelineVertexInputStateCreateInfo::default()
@@ -290,16 +290,16 @@ fn resolve_pipeline(device: &Arc<Device>, layout: &PipelineLayout) -> Result<Pip
     .build(device, layout)
 }
 
-/// What differs between pipelines.
+/// The parameters that differ between pipelines.
 struct PipelineDescription<'a> {
     name: &'a str,
     /// Vertex and fragment stage: name in the table, entry point.
     shaders: [(&'a str, &'static CStr); 2],
     vertices: vk::PipelineVertexInputStateCreateInfo<'a>,
-    /// `None`: no depth attachment.
+    /// `None` without a depth attachment.
     depth: Option<vk::PipelineDepthStencilStateCreateInfo<'a>>,
     formats: &'a [vk::Format],
-    /// Factor of what is there; `None`: it is replaced.
+    /// Factor of the destination; `None`: it is replaced.
     blend: Option<vk::BlendFactor>,
     dynamic: &'a [vk::DynamicState],
 }
@@ -355,7 +355,7 @@ fn create_pipeline(
         // 07904); the formats were checked in `choose` (-renderingInfo-06582, -06585; blending: -06062).
         let made =
             unsafe { raw.create_graphics_pipelines(vk::PipelineCache::null(), std::slice::from_ref(info), None) };
-        // One pipeline was asked for, so on failure there is none to destroy.
+        // Only one pipeline was requested, so on failure there is none to destroy.
         made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result)
     })
 }
@@ -371,8 +371,8 @@ fn blend_state(factor: Option<vk::BlendFactor>) -> vk::PipelineColorBlendAttachm
         .dst_alpha_blend_factor(factor)
 }
 
-/// Binding 0: [`RasterVertex`] as the locations of `VertexIn` (`position` and `depth` are one vector); binding 1: the
-/// position in clip space.
+/// Returns the vertex layout. Binding 0: [`RasterVertex`] at the locations of `VertexIn` (`position` and `depth` form
+/// one vector); binding 1: the position in clip space.
 fn vertex_layout() -> ([vk::VertexInputBindingDescription; 2], [vk::VertexInputAttributeDescription; 9]) {
     let (three, four) = (vk::Format::R32G32B32_SFLOAT, vk::Format::R32G32B32A32_SFLOAT);
     let fields = [

@@ -1,4 +1,4 @@
-//! [`VulkanRaster`]: a frame from its first pass to its channels.
+//! [`VulkanRaster`]: renders a frame, from its first pass to its channels.
 //!
 //! In: a device, a scene, passes. Out: a [`Frame`]. Two passes are in flight: one is drawn while the next is uploaded.
 
@@ -25,13 +25,14 @@ use ash::vk;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Passes in flight.
+/// Number of passes in flight.
 const SLOTS: usize = 2;
 
-/// Meshes from this size on use one slot: two copies of them would cost more memory than the overlap is worth.
+/// Size from which meshes use only one slot: two copies would cost more memory than the overlap is worth.
 const ONE_SLOT_BYTES: usize = 8 << 20;
 
-/// Draws on a Vulkan device. Field order: what waits for the device goes first, then what the device read.
+/// Renders on a Vulkan device. Field order: objects that wait for the device are dropped first, then what the device
+/// reads.
 pub struct VulkanRaster {
     pub(super) slots: [UploadSlot; SLOTS],
     pub(super) readback: Readback,
@@ -40,23 +41,23 @@ pub struct VulkanRaster {
     pub(super) materials: Materials,
     pub(super) descriptors: Descriptors,
     device: Arc<Device>,
-    /// Draws mattes on the host while the device draws the rest: lists of ids have no place in attachments, and so the
-    /// mattes are the same on every device.
+    /// Renders mattes on the host while the device renders the rest: lists of ids do not fit into attachments, and this
+    /// makes mattes the same on every device.
     mattes: CpuRaster,
     pub(super) current: Option<CurrentFrame>,
     times: StageTimes,
 }
 
-/// Time spent since the last `start`, for measurements. Device and host work side by side: these are times of the host.
+/// Time spent since the last `start`, for benchmarks. Device and host work in parallel: these are times of the host.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageTimes {
-    /// Geometry to the device, commands recorded and submitted.
+    /// Uploading geometry, recording and submitting commands.
     pub upload: Duration,
-    /// The host waits for the device to draw.
+    /// Waiting for the device.
     pub draw: Duration,
-    /// Images copied to the host and split into channels.
+    /// Copying images to the host and splitting them into channels.
     pub read: Duration,
-    /// The host draws mattes while the device is at work.
+    /// Rendering mattes on the host while the device works.
     pub mattes: Duration,
 }
 
@@ -64,11 +65,11 @@ pub struct StageTimes {
 pub(super) struct CurrentFrame {
     target: Target,
     pub(super) extent: vk::Extent2D,
-    /// Beauty passes so far.
+    /// Number of beauty passes so far.
     beauty_passes: u32,
-    /// The data pass has been drawn.
+    /// Whether the data pass has been drawn.
     has_data: bool,
-    /// Passes recorded so far; they take turns with the slots.
+    /// Number of passes recorded so far; they alternate between the slots.
     passes: usize,
 }
 
@@ -76,16 +77,16 @@ impl VulkanRaster {
     /// Opens the chosen device for a scene's materials and textures.
     ///
     /// # Errors
-    /// [`RasterError`] where there is no such device, or it lacks memory.
+    /// [`RasterError`] if there is no such device, or it lacks memory.
     pub fn open(choice: &DeviceChoice, scene: &Scene) -> Result<Self, RasterError> {
         Self::open_with(choice, scene, None)
     }
 
-    /// The same with validation (core and synchronisation checks). Messages of the layers are collected in `messages`,
-    /// those about leaked objects and memory when the raster is dropped.
+    /// Opens a device with validation (core and synchronisation checks). Messages of the layers are collected in
+    /// `messages`; those about leaked objects and memory appear when the rasteriser is dropped.
     ///
     /// # Errors
-    /// As [`Self::open`]; [`RasterError::NoDevice`] also where the validation layer is not installed.
+    /// As [`Self::open`]; [`RasterError::NoDevice`] also if the validation layer is not installed.
     pub fn open_validated(choice: &DeviceChoice, scene: &Scene, messages: &Messages) -> Result<Self, RasterError> {
         Self::open_with(choice, scene, Some(messages))
     }
@@ -115,13 +116,13 @@ impl VulkanRaster {
         })
     }
 
-    /// Time spent since the last `start`.
+    /// Returns the time spent since the last `start`.
     #[must_use]
     pub fn stage_times(&self) -> StageTimes {
         self.times
     }
 
-    /// Waits until the device has finished all commands.
+    /// Waits until the device has completed all commands.
     fn wait(&mut self) -> Result<(), RasterError> {
         self.slots.iter_mut().try_for_each(|slot| slot.commands.wait())?;
         self.readback.wait()
@@ -168,7 +169,7 @@ impl VulkanRaster {
         Ok(())
     }
 
-    /// Clears what no pass has drawn into.
+    /// Clears the outputs that no pass has drawn into.
     fn complete(&mut self, frame: &mut CurrentFrame) -> Result<(), RasterError> {
         let nothing = Geometry::default();
         if frame.beauty_passes == 0 && frame.wants_beauty() {
@@ -194,7 +195,7 @@ impl CurrentFrame {
         self.target.channels.contains(&ChannelGroup::Cryptomatte)
     }
 
-    /// What a pass of that role draws; `None`: nothing.
+    /// Returns the outputs of a pass with that role; `None` if there are none.
     fn output(&self, role: PassRole) -> Option<PassOutput> {
         let is_beauty = role != PassRole::Data && self.wants_beauty();
         let is_data = role != PassRole::Beauty && self.wants_data();
@@ -206,7 +207,8 @@ impl CurrentFrame {
         }
     }
 
-    /// The weight of a pass in the mean of its frame; `None` where it is the frame's only beauty pass, or draws none.
+    /// Returns the weight of a pass in the mean of its frame; `None` if it is the frame's only beauty pass, or draws no
+    /// colour.
     fn mean_weight(&self, output: PassOutput) -> Result<Option<f32>, RasterError> {
         let announced = self.target.beauty_passes.max(1);
         if output != PassOutput::Data && self.beauty_passes >= announced {
@@ -219,13 +221,13 @@ impl CurrentFrame {
     }
 }
 
-/// Pixels a frame height, across and up.
+/// Returns the pixels per frame height, across and up.
 pub(super) fn pixels_from_screen(target: &Target) -> [f32; 2] {
     let height = f64::from(target.frame.height);
     [(height / target.frame.pixel_aspect) as f32, height as f32]
 }
 
-/// The images that a pass draws into.
+/// Returns the attachments that a pass renders into.
 fn attachment_sets(output: PassOutput, is_one_of_several: bool) -> &'static [AttachmentSet] {
     use AttachmentSet::{BeautyDepth, Color, Data, Sample};
     match (output, is_one_of_several) {
@@ -258,7 +260,7 @@ impl Raster for VulkanRaster {
         if width.max(height) > self.max_side() {
             return Err(RasterError::Misuse("the target is larger than the device allows; draw it in tiles"));
         }
-        // The device may still draw a frame that was given up.
+        // The device may still be drawing an abandoned frame.
         self.wait()?;
         let extent = vk::Extent2D { width, height };
         self.attachments.resize(extent);
@@ -293,7 +295,7 @@ impl Raster for VulkanRaster {
         self.complete(&mut frame)?;
         let begin = Instant::now();
         self.readback.copy(&mut self.attachments, frame.extent, &frame.target.channels)?;
-        // The copies wait for the draws.
+        // The copies must follow the draws.
         self.slots.iter_mut().try_for_each(|slot| slot.commands.wait())?;
         let drawn = Instant::now();
         let mut channels = self.readback.read(&mut self.attachments, frame.extent, &frame.target.channels)?;

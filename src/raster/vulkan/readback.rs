@@ -1,7 +1,7 @@
-//! Copies of drawn images to the host.
+//! Reads rendered images back to the host.
 //!
-//! In: attachments, wanted channel groups. Out: channels, one plane each. Every image has its own buffer, commands and
-//! fence, so that the host unpacks one while the device copies the next; mapped images are read where they lie.
+//! In: attachments, requested channel groups. Out: channels, one plane each. Every image has its own buffer, commands
+//! and fence, so that the host unpacks one while the device copies the next; mapped images are read in place.
 
 use super::attachments::Attachments;
 use super::commands::{Commands, Contents, Usage};
@@ -17,10 +17,10 @@ use std::sync::Arc;
 const READ_BACK: BufferUse =
     BufferUse { name: "read back", usage: vk::BufferUsageFlags::TRANSFER_DST, location: MemoryLocation::GpuToCpu };
 
-/// Pixels unpacked at a time: source and planes stay in the cache.
+/// Pixels unpacked at a time, so that source and planes stay in the cache.
 const BLOCK: usize = 8192;
 
-/// Copies one image to the host. Field order: the commands wait before the buffer goes.
+/// Copies one image to the host. Field order: the commands wait before the buffer is dropped.
 struct ImageCopy {
     commands: Commands,
     buffer: Option<Buffer>,
@@ -38,7 +38,7 @@ impl Readback {
         Ok(Self { copies: [copy()?, copy()?, copy()?, copy()?], device: Arc::clone(device) })
     }
 
-    /// The wanted channels of what [`Self::copy`] copied, in the order of [`ChannelGroup`].
+    /// Returns the requested channels of the images copied by [`Self::copy`], in the order of [`ChannelGroup`].
     pub(super) fn read(
         &mut self,
         attachments: &mut Attachments,
@@ -61,7 +61,7 @@ impl Readback {
         Ok(channels.into_iter().map(|(_, channel)| channel).collect())
     }
 
-    /// Submits the copies of the upper left `extent` of all wanted images.
+    /// Submits the copies of the upper left `extent` of all requested images.
     pub(super) fn copy(
         &mut self,
         attachments: &mut Attachments,
@@ -88,7 +88,7 @@ impl Readback {
         Ok(())
     }
 
-    /// Makes buffers for all images of that extent.
+    /// Creates buffers for all images of that extent.
     pub(super) fn reserve(&mut self, extent: vk::Extent2D) -> Result<(), RasterError> {
         for (copy, spec) in self.copies.iter_mut().zip(IMAGES) {
             let bytes = bytes_of(&spec, extent);
@@ -97,7 +97,7 @@ impl Readback {
         Ok(())
     }
 
-    /// Records the copies of all images into other commands; the buffers are there.
+    /// Records the copies of all images into other commands; the buffers must exist.
     pub(super) fn record_all(
         &self,
         commands: &Commands,
@@ -114,7 +114,7 @@ impl Readback {
         Ok(())
     }
 
-    /// Copies of what all buffers hold.
+    /// Returns copies of the contents of all buffers.
     pub(super) fn bytes(&self) -> Vec<Vec<u8>> {
         self.copies.iter().filter_map(|copy| copy.buffer.as_ref()).map(|buffer| buffer.bytes().to_vec()).collect()
     }
@@ -129,7 +129,7 @@ fn bytes_of(spec: &ImageSpec, extent: vk::Extent2D) -> u64 {
     u64::from(extent.width) * u64::from(extent.height) * spec.components() as u64 * 4
 }
 
-/// In the order of [`IMAGES`].
+/// Returns the images in the order of [`IMAGES`].
 fn images(attachments: &mut Attachments) -> [Option<&mut Image>; 4] {
     let Attachments { color, data, .. } = attachments;
     match data {
@@ -145,10 +145,10 @@ fn is_wanted(spec: &ImageSpec, wanted: &[ChannelGroup]) -> bool {
     spec.groups.iter().any(|group| wanted.contains(group))
 }
 
-/// Bytes from the first pixel on, and bytes from row to row.
+/// Bytes from the first pixel on, and the row pitch in bytes.
 type Rows<'a> = (&'a [u8], usize);
 
-/// Adds the wanted channels of the upper left `extent` of an image to `channels`.
+/// Appends the requested channels of the upper left `extent` of an image to `channels`.
 fn unpack(
     (rows, extent): (Rows, vk::Extent2D),
     spec: &ImageSpec,
@@ -167,7 +167,7 @@ fn unpack(
     }
 }
 
-/// Splits rows of vectors into planes of width · height; those not wanted stay empty.
+/// Deinterleaves rows of vectors into planes of width · height; planes that are not requested stay empty.
 fn planes<const N: usize>(
     (bytes, pitch): Rows,
     (width, height): (usize, usize),
@@ -178,7 +178,7 @@ fn planes<const N: usize>(
     let mut rest = planes.each_mut().map(Vec::as_mut_slice);
     let rows_a_block = (BLOCK / width).clamp(1, height);
     let mut blocks = Vec::with_capacity(height.div_ceil(rows_a_block));
-    // The last row may end where the image does.
+    // The last row may lack the padding.
     for block in bytes[..(height - 1) * pitch + width * N * 4].chunks(rows_a_block * pitch) {
         let samples = block.len().div_ceil(pitch) * width;
         let mut parts = rest.map(|plane| plane.split_at_mut(samples.min(plane.len())));
@@ -205,7 +205,7 @@ mod tests {
         for (width, height, gap) in [(1000, 37, 0), (7, 3, 5), (2 * BLOCK, 2, 1), (1, 1, 0)] {
             let pixels: Vec<[f32; 4]> =
                 (0..(width + gap) * height).map(|at| [at as f32, 1.0, -(at as f32), 2.0 * at as f32]).collect();
-            // The last row has no gap.
+            // The last row has no padding.
             let bytes: &[u8] = bytemuck::cast_slice(&pixels[..pixels.len() - gap]);
             let [x, y, z, w] = planes((bytes, (width + gap) * 16), (width, height), |at| at != 1);
             assert!(y.is_empty());

@@ -1,7 +1,8 @@
-//! Planes resampled through a map of offsets on a device, as `src/plate/filter/` resamples them on the CPU.
+//! Resamples planes through an offset map on a device, as `src/plate/filter/` does on the CPU.
 //!
 //! In: a map, planes, a filter. Out: planes of the map's window, equal to those of
-//! [`resampled`](crate::plate::resampled) within rounding. Maps and pictures too large for a buffer are drawn in tiles.
+//! [`resampled`](crate::plate::resampled) within rounding. Maps and pictures too large for a buffer are processed in
+//! tiles.
 
 use super::choose::choose;
 use super::commands::{Commands, Compute};
@@ -21,9 +22,9 @@ use bytemuck::{Pod, Zeroable};
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// Planes that share a dispatch.
+/// Planes per dispatch.
 const GROUP: usize = 4;
-/// Pixels of a workgroup on both axes.
+/// Side of a workgroup in pixels.
 const GROUP_SIDE: u32 = 8;
 
 /// `Push` of remap.wgsl.
@@ -68,7 +69,8 @@ impl Role {
     }
 }
 
-/// Resamples planes on a Vulkan device. Field order: what waits for the device goes first, then what the device read.
+/// Resamples planes on a Vulkan device. Field order: objects that wait for the device are dropped first, then what the
+/// device reads.
 pub struct VulkanRemap {
     commands: Commands,
     buffers: [Option<Buffer>; Role::ALL.len()],
@@ -77,11 +79,11 @@ pub struct VulkanRemap {
     descriptors: Descriptors,
     layout: PipelineLayout,
     device: Arc<Device>,
-    /// Bytes that a buffer may have.
+    /// Maximum bytes of a buffer.
     most_bytes: u64,
 }
 
-/// Planes of a group, and where they are looked for.
+/// The planes of a dispatch, and their position.
 struct Group<'a> {
     map: &'a WarpMap,
     window: PixelRect,
@@ -94,15 +96,15 @@ impl VulkanRemap {
     /// Opens the chosen device.
     ///
     /// # Errors
-    /// [`RasterError`] where there is no such device, or it lacks memory, or the choice is [`DeviceChoice::Cpu`].
+    /// [`RasterError`] if there is no such device, it lacks memory, or the choice is [`DeviceChoice::Cpu`].
     pub fn open(choice: &DeviceChoice) -> Result<Self, RasterError> {
         Self::open_with(choice, None)
     }
 
-    /// The same with validation, as [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated).
+    /// Opens a device with validation, as [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated).
     ///
     /// # Errors
-    /// As [`Self::open`]; [`RasterError::NoDevice`] also where the validation layer is not installed.
+    /// As [`Self::open`]; [`RasterError::NoDevice`] also if the validation layer is not installed.
     pub fn open_validated(choice: &DeviceChoice, messages: &Messages) -> Result<Self, RasterError> {
         Self::open_with(choice, Some(messages))
     }
@@ -133,31 +135,31 @@ impl VulkanRemap {
         Ok(remap)
     }
 
-    /// What resamples: `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// Returns the device's name: `llvmpipe (LLVM 15.0.6, 256 bits)`.
     #[must_use]
     pub fn name(&self) -> String {
         self.device.facts().name.clone()
     }
 
-    /// Buffers get no larger than this, in bytes; more and smaller tiles then give the same picture.
+    /// Limits the size of buffers in bytes; more and smaller tiles then give the same picture.
     pub fn limit_buffers(&mut self, bytes: u64) {
         self.most_bytes = self.device.facts().max_buffer_bytes.min(bytes);
     }
 
-    /// The planes as seen through the map, as [`resampled`](crate::plate::resampled) gives them: one an input plane, each
-    /// `map.window.area()` samples; 0 where the map holds NaN. Copies keep their bits, sums differ by rounding.
+    /// Resamples the planes through the map, as [`resampled`](crate::plate::resampled) does: one output per input
+    /// plane, each with `map.window.area()` samples; 0 where the map holds NaN. Copied samples keep their bits, sums
+    /// differ by rounding.
     ///
     /// # Errors
-    /// [`RasterError`] where a plane or the map does not have as many elements as its window has pixels, or memory or the
-    /// device fails.
+    /// [`RasterError`] if a plane or the map does not have as many elements as its window has pixels, or if memory is
+    /// exhausted or the device fails.
     pub fn resample(&mut self, map: &WarpMap, source: &Planes, filter: Filter) -> Result<Vec<Vec<f32>>, RasterError> {
         let mut results = vec![vec![0.0; map.window.area()]; source.planes.len()];
         self.resample_into(map, source, filter, &mut results)?;
         Ok(results)
     }
 
-    /// The same, into planes that are there. Every plane goes to the device once, and so does the map where it fits there
-    /// as a whole.
+    /// Resamples into existing planes. Every plane is uploaded once, and so is the map if it fits as a whole.
     fn resample_into(
         &mut self,
         map: &WarpMap,
@@ -195,7 +197,7 @@ impl VulkanRemap {
         Ok(())
     }
 
-    /// Makes a filter's pipeline if it is not there yet.
+    /// Creates a filter's pipeline if needed.
     fn prepare(&mut self, filter: Filter) -> Result<(), RasterError> {
         let slot = &mut self.pipelines[filter as usize];
         if slot.is_none() {
@@ -204,7 +206,7 @@ impl VulkanRemap {
         Ok(())
     }
 
-    /// Binds so many bytes of a buffer, to be written or read by the host, once the device has finished with it.
+    /// Binds a number of bytes of a buffer, for the host to write or read once the device has finished with it.
     fn bind(&mut self, role: Role, bytes: usize) -> Result<&mut [u8], RasterError> {
         self.commands.wait()?;
         let size = bytes as u64;
@@ -215,7 +217,7 @@ impl VulkanRemap {
         buffer.bytes_mut().get_mut(..bytes).ok_or(RasterError::Misuse("a buffer of a plate is not mapped"))
     }
 
-    /// Puts a part of the planes into the source buffer, one after the other.
+    /// Uploads a part of the planes into the source buffer, consecutively.
     fn upload_source(&mut self, group: &Group, part: PixelRect) -> Result<(), RasterError> {
         let bytes = self.bind(Role::Source, part.area() * size_of::<f32>() * group.planes.len())?;
         let to: &mut [f32] = bytemuck::cast_slice_mut(bytes);
@@ -225,7 +227,7 @@ impl VulkanRemap {
         Ok(())
     }
 
-    /// Puts the offsets of an area and of its neighbours into their buffer; the rectangle they fill.
+    /// Uploads the offsets of an area and of its neighbours; returns the rectangle that they cover.
     fn upload_offsets(&mut self, map: &WarpMap, area: PixelRect) -> Result<PixelRect, RasterError> {
         let axis = |low: i32, size: u32, all: u32| {
             let first = (low - 1).max(0);
@@ -240,7 +242,7 @@ impl VulkanRemap {
         Ok(net)
     }
 
-    /// Draws a tile, whose source and offsets (of the rectangle `net`) are there, into its planes.
+    /// Resamples a tile, whose source and offsets (of the rectangle `net`) are uploaded, into its planes.
     fn run(
         &mut self,
         group: &Group,
@@ -259,7 +261,7 @@ impl VulkanRemap {
         Ok(())
     }
 
-    /// Runs a filter over the bound buffers and waits.
+    /// Dispatches a filter over the bound buffers and waits.
     fn dispatch(&mut self, push: &Push, filter: Filter) -> Result<(), RasterError> {
         let missing = RasterError::Misuse("a filter was not prepared");
         let (Some(pipeline), Some(result)) = (&self.pipelines[filter as usize], &self.buffers[Role::Result as usize])
@@ -321,7 +323,8 @@ fn check(map: &WarpMap, source: &Planes) -> Result<(), RasterError> {
     Ok(())
 }
 
-/// Copies a rectangle from one array of rows into another's of the same size: (elements, elements of a row, rectangle).
+/// Copies a rectangle between two row-major arrays; each side is (elements, elements per row, rectangle), of equal
+/// size.
 fn copy_rows<T: Copy>(
     (from, stride, part): (&[T], u32, PixelRect),
     (to, to_stride, place): (&mut [T], u32, PixelRect),
@@ -348,10 +351,10 @@ fn pipeline(device: &Arc<Device>, layout: &PipelineLayout, filter: Filter) -> Re
         .name(entry);
     let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.get())];
     Owned::new(device, ("vkCreateComputePipelines", name), |raw| {
-        // SAFETY: shader and layout agree (VUID-VkComputePipelineCreateInfo-layout-07988, -07987, -07990), the entry is
-        // the module's only one.
+        // SAFETY: shader and layout agree (VUID-VkComputePipelineCreateInfo-layout-07988, -07987, -07990), the entry
+        // point is the module's only one.
         let made = unsafe { raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
-        // One pipeline was asked for, so on failure there is none to destroy.
+        // Only one pipeline was requested, so on failure there is none to destroy.
         made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result)
     })
 }

@@ -1,45 +1,46 @@
-//! A resampling cut into tiles whose source, offsets and result fit into a device's buffers.
+//! Splits a resampling into tiles whose source, offsets and result fit into a device's buffers.
 //!
-//! In: a map, the source's extent, a filter. Out: rectangles of the map, each with the part of the source it needs.
+//! In: a map, the source's extent, a filter. Out: rectangles of the map, each with the part of the source that it
+//! needs.
 
 use crate::plate::{Extent, Filter, WarpMap};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
-/// Samples on each side that the widest footprint needs: shrinks are filtered in full up to 16, on diagonals 23.
+/// Samples on each side needed by the widest footprint: minification is filtered in full up to 16, on diagonals 23.
 const WIDEST: i32 = 47;
-/// Pixels of a side: every device runs as many workgroups on an axis.
+/// Maximum side in pixels: every device supports the corresponding number of workgroups per axis.
 const LONGEST: u32 = 1 << 18;
 
 /// One dispatch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tile {
-    /// Pixels, counted from the first of the map.
+    /// Pixels, relative to the first of the map.
     pub(super) area: PixelRect,
-    /// Samples, counted from the first of the source; never empty.
+    /// Samples, relative to the first of the source; never empty.
     pub(super) part: PixelRect,
 }
 
-/// What tiles are cut from.
+/// The inputs of tiling.
 pub(super) struct Cut<'a> {
     pub(super) map: &'a WarpMap,
     pub(super) extents: [Extent; 2],
-    /// The sample at the place of the map's first pixel.
+    /// The sample at the position of the map's first pixel.
     pub(super) start: [i32; 2],
     pub(super) filter: Filter,
-    /// Pixels or samples of a tile; one pixel is drawn whatever it needs.
+    /// Maximum pixels or samples of a tile; a single pixel is processed whatever it needs.
     pub(super) most: usize,
 }
 
 impl Cut<'_> {
-    /// Tiles that cover the map, each pixel once; the same for every call.
+    /// Returns tiles that cover each pixel of the map once; deterministic.
     pub(super) fn tiles(&self) -> Vec<Tile> {
         let window = self.map.window;
         let mut open = vec![PixelRect { x: 0, y: 0, ..window }];
         let mut tiles = Vec::new();
         while let Some(area) = open.pop() {
             let part = self.part(area);
-            // Neighbours of the area are needed too.
+            // The neighbours of the area are needed, too.
             let pixels = (area.width as usize + 2) * (area.height as usize + 2);
             let fits = pixels.max(part.area()) <= self.most && area.width.max(area.height) <= LONGEST;
             if area.area() == 1 || fits {
@@ -51,7 +52,7 @@ impl Cut<'_> {
         tiles
     }
 
-    /// The part of the source that an area needs, or all of it where that fits.
+    /// Returns the part of the source that an area needs, or all of it if that fits.
     fn part(&self, area: PixelRect) -> PixelRect {
         let [width, height] = self.extents.map(|extent| extent.count);
         if width as usize * height as usize <= self.most {
@@ -63,7 +64,7 @@ impl Cut<'_> {
         PixelRect { x, y, width: width as u32, height: height as u32 }
     }
 
-    /// First and last sample that the pixels of a row need, on both axes.
+    /// Returns the first and last sample that the pixels of a row need, on both axes.
     fn row_range(&self, area: PixelRect, row: i32) -> [Range; 2] {
         let taps = match self.filter {
             Filter::Ewa => WIDEST,
@@ -75,7 +76,7 @@ impl Cut<'_> {
         for (column, offset) in (area.x..).zip(&offsets[..area.width as usize]) {
             let place = [self.start[0] + column, self.start[1] + row];
             let samples = [0, 1].map(|axis| place[axis] as f32 + offset[axis].floor());
-            // NaN is near nothing.
+            // The comparisons are false for NaN.
             let near = |axis: usize| (samples[axis] + taps as f32) >= 0.0 && samples[axis] < self.limit(axis, taps);
             if near(0) && near(1) {
                 let range = |axis: usize| (samples[axis] as i32 - taps, samples[axis] as i32 + taps);
@@ -90,7 +91,7 @@ impl Cut<'_> {
     }
 }
 
-/// First and last sample; none where the first lies behind the last.
+/// First and last sample; empty if the first is after the last.
 type Range = (i32, i32);
 
 const NOWHERE: Range = (i32::MAX, i32::MIN);
@@ -99,13 +100,13 @@ fn both(a: [Range; 2], b: [Range; 2]) -> [Range; 2] {
     [0, 1].map(|axis| (a[axis].0.min(b[axis].0), a[axis].1.max(b[axis].1)))
 }
 
-/// First sample and number of samples within a picture, one at least.
+/// Returns the first sample and the number of samples within a picture, at least one.
 fn clipped((first, last): Range, count: i32) -> [i32; 2] {
     let first = first.clamp(0, count - 1);
     [first, last.clamp(first, count - 1) - first + 1]
 }
 
-/// The lower half first, so that the upper one is drawn first.
+/// Returns the lower half first, so that the upper one is processed first.
 fn halves(area: PixelRect) -> [PixelRect; 2] {
     let mut parts = [area; 2];
     if area.width > area.height {

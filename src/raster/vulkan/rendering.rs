@@ -8,27 +8,27 @@ use super::pipeline::{Pipeline, PipelineLayout};
 use super::upload::MeshRange;
 use ash::vk;
 
-/// An attachment, prepared for its use; `clear` is what it starts with, `None` keeps its pixels.
+/// An attachment, prepared for its use; `clear` is its initial value, `None` preserves its pixels.
 pub(super) struct Attachment<'a, T> {
     pub(super) image: &'a Image,
     pub(super) clear: Option<T>,
 }
 
-/// Render pass instance over the upper left part of its attachments; ends when dropped.
+/// A render pass instance over the upper left part of its attachments; ends when dropped.
 pub(super) struct Rendering<'a> {
     commands: &'a Commands,
 }
 
-/// Which faces are drawn.
+/// The faces to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Faces {
     /// Both sides; the front is counter-clockwise.
     All,
     /// Both sides; the front is clockwise (mirrored nodes).
     AllMirrored,
-    /// The front, counter-clockwise on the screen.
+    /// Front faces only; the front is counter-clockwise on the screen.
     CounterClockwise,
-    /// The front, clockwise.
+    /// Front faces only; the front is clockwise.
     Clockwise,
 }
 
@@ -80,14 +80,14 @@ impl<'a> Rendering<'a> {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        // SAFETY: recording; not larger than the limits, as `Facts::max_side` sees to (VUID-VkViewport-width-01771).
+        // SAFETY: recording; within the limits, as `Facts::max_side` ensures (VUID-VkViewport-width-01771).
         unsafe { self.raw().cmd_set_viewport(self.buffer(), 0, &[viewport]) };
         let scissor = vk::Rect2D::default().extent(extent);
         // SAFETY: recording.
         unsafe { self.raw().cmd_set_scissor(self.buffer(), 0, &[scissor]) };
     }
 
-    /// The pipeline must have been made for the formats of the attachments.
+    /// Binds a pipeline, which must have been created for the formats of the attachments.
     pub(super) fn bind_pipeline(&self, pipeline: &Pipeline) {
         // SAFETY: recording; a graphics pipeline (VUID-vkCmdBindPipeline-pipelineBindPoint-00779).
         unsafe {
@@ -97,12 +97,12 @@ impl<'a> Rendering<'a> {
 
     pub(super) fn bind_set(&self, layout: &PipelineLayout, index: u32, set: vk::DescriptorSet) {
         let point = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: recording; the set was made for this place of the layout
+        // SAFETY: recording; the set was allocated for this index of the layout
         // (VUID-vkCmdBindDescriptorSets-pDescriptorSets-00358).
         unsafe { self.raw().cmd_bind_descriptor_sets(self.buffer(), point, layout.get(), index, &[set], &[]) };
     }
 
-    /// `data` fills the push constants of the layout from their start.
+    /// Sets the push constants; `data` fills the layout's range from its start.
     pub(super) fn push(&self, layout: &PipelineLayout, data: &[u8]) {
         // SAFETY: recording; no longer than the layout's range, multiples of 4 bytes
         // (VUID-vkCmdPushConstants-offset-01795, -size-00369), for the range's stages (-offset-01796).
@@ -124,7 +124,7 @@ impl<'a> Rendering<'a> {
         unsafe { self.raw().cmd_set_front_face(self.buffer(), front) };
     }
 
-    /// A mesh in one buffer.
+    /// Binds a mesh that is stored in one buffer.
     pub(super) fn bind_mesh(&self, buffer: &Buffer, mesh: MeshRange) {
         let (buffers, offsets) = ([buffer.get(); 2], [mesh.vertices, mesh.clip_positions]);
         // SAFETY: recording; the offsets lie in the buffer (VUID-vkCmdBindVertexBuffers-pOffsets-00626).
@@ -133,7 +133,7 @@ impl<'a> Rendering<'a> {
         unsafe { self.raw().cmd_bind_index_buffer(self.buffer(), buffer.get(), mesh.indices, vk::IndexType::UINT32) };
     }
 
-    /// Draws indexed triangles; `upload` checked that indices and vertices exist and are within the device's limit.
+    /// Draws indexed triangles; `upload` checked that indices and vertices exist and are within the device's limits.
     pub(super) fn draw_indexed(&self, indices: std::ops::Range<u32>) {
         let count = indices.end - indices.start;
         // SAFETY: pipeline, sets, push constants and buffers are bound; the range lies in the index buffer
@@ -141,7 +141,7 @@ impl<'a> Rendering<'a> {
         unsafe { self.raw().cmd_draw_indexed(self.buffer(), count, 1, indices.start, 0, 0) };
     }
 
-    /// Draws a triangle whose corners the vertex shader makes up.
+    /// Draws a triangle whose corners the vertex shader generates.
     pub(super) fn draw_triangle(&self) {
         // SAFETY: as above, without buffers.
         unsafe { self.raw().cmd_draw(self.buffer(), 3, 1, 0, 0) };

@@ -1,7 +1,7 @@
-//! A function table between the raster and the driver that makes any call fail, for tests.
+//! A function table between rasteriser and driver that makes any call fail, for tests.
 //!
-//! In: a device, a [`Fault`]. Out: the same device with a table whose calls are counted; the call that the fault names
-//! returns its error. Per thread: tests run side by side.
+//! In: a device, a [`Fault`]. Out: the same device with a table that counts calls; the call selected by the fault
+//! returns its error. The state is per thread, as tests run in parallel.
 
 use super::choose::Candidate;
 use super::device::{Device, create};
@@ -11,16 +11,16 @@ use ash::vk;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// Which call fails, and how.
+/// The call that fails, and its error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fault {
-    /// Matching calls that succeed before it.
+    /// Number of matching calls that succeed first.
     pub(super) after: usize,
-    /// What the call returns.
+    /// The result code.
     pub(super) code: vk::Result,
-    /// Calls that match; empty: all.
+    /// Matching calls; empty: all.
     pub(super) calls: &'static [&'static str],
-    /// All later ones fail, too.
+    /// Whether all later matching calls fail, too.
     pub(super) is_lasting: bool,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Fault {
 struct State {
     tables: Option<(ash::DeviceFnV1_0, ash::DeviceFnV1_3)>,
     fault: Option<Fault>,
-    /// Matching calls so far.
+    /// Number of matching calls so far.
     seen: usize,
     /// The first call that failed.
     failed: Option<&'static str>,
@@ -38,7 +38,7 @@ thread_local! {
     static STATE: RefCell<State> = RefCell::default();
 }
 
-/// A device whose calls fail as the fault says.
+/// Creates a device whose calls fail as specified.
 pub(super) fn device(
     instance: &Arc<Instance>,
     candidate: &Candidate,
@@ -49,7 +49,7 @@ pub(super) fn device(
     Device::from_raw(raw, Arc::clone(instance), candidate)
 }
 
-/// From now on all calls succeed; the call that failed, if one did.
+/// Makes all further calls succeed; returns the call that failed, if any.
 pub(super) fn heal() -> Option<&'static str> {
     STATE.with_borrow_mut(|state| {
         state.fault = None;
@@ -57,7 +57,7 @@ pub(super) fn heal() -> Option<&'static str> {
     })
 }
 
-/// The error that a call returns, if it fails now.
+/// Returns the error of a call if it fails now.
 fn fault(call: &'static str) -> Option<vk::Result> {
     STATE.with_borrow_mut(|state| {
         let fault = state.fault?;
@@ -82,7 +82,7 @@ macro_rules! shims {
                 let real = STATE.with_borrow(|state| state.tables.as_ref().map(|tables| tables.$table.$name));
                 let Some(real) = real else { return vk::Result::ERROR_UNKNOWN };
                 match fault(stringify!($name)) {
-                    // Reported once the work is done: after a loss the caller may destroy everything.
+                    // Reported only after the work is done: after a device loss the caller may destroy everything.
                     Some(vk::Result::ERROR_DEVICE_LOST) if stringify!($name) == "wait_for_fences" => {
                         // SAFETY: the caller's promise.
                         let _ = unsafe { real($($arg),*) };
@@ -95,7 +95,7 @@ macro_rules! shims {
             }
         )*
 
-        /// Puts the shims into the table of a device.
+        /// Installs the shims in the function table of a device.
         fn hook(raw: ash::Device) -> ash::Device {
             let mut tables = (raw.fp_v1_0().clone(), raw.fp_v1_3().clone());
             STATE.with_borrow_mut(|state| state.tables = Some(tables.clone()));

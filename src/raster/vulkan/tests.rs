@@ -1,4 +1,4 @@
-//! Tests that need the inside of the raster: calls that fail, and that the validation layers see mistakes.
+//! Tests that need the rasteriser's internals: failing calls, and detection of errors by the validation layers.
 
 use super::choose::{Candidate, choose};
 use super::commands::{Commands, Contents, Usage};
@@ -20,7 +20,7 @@ use ash::vk;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// An instance with validation; `None`: not to be had here, said so.
+/// Creates an instance with validation; `None`, with a message, if that is not available here.
 fn instance(messages: &Messages) -> Option<Arc<Instance>> {
     let opened = Instance::new(Some(messages)).and_then(|instance| {
         choose(&instance, &DeviceChoice::Vulkan)?;
@@ -40,14 +40,14 @@ fn device_with(instance: &Arc<Instance>, placement: Placement) -> Arc<Device> {
     Device::new(Arc::clone(instance), &candidate(instance, placement)).unwrap()
 }
 
-/// The best device, with attachments mapped where it can do that, or always copied.
+/// Returns the best device, with mapped attachments if supported, or with copied ones.
 fn candidate(instance: &Instance, placement: Placement) -> Candidate {
     let mut candidate = choose(instance, &DeviceChoice::Vulkan).unwrap();
     candidate.has_mapped_attachments &= placement == Placement::Mapped;
     candidate
 }
 
-/// An opaque, textured and a blended material.
+/// A scene with an opaque, a textured and a blended material.
 fn scene() -> Scene {
     let reference = TextureRef { texture: 0, uv_set: 0, texture_from_uv: [Vec3::X, Vec3::Y] };
     let textured = Material { base_color_texture: Some(reference), ..Material::default() };
@@ -80,7 +80,7 @@ fn geometry() -> Geometry {
     }
 }
 
-/// Every image and pipeline of the raster takes part: two beauty passes with data, of growing size.
+/// Renders with every image and pipeline: two beauty passes with data, of growing size.
 fn draw_all(device: Arc<Device>) -> Result<Frame, RasterError> {
     let mut raster = VulkanRaster::on_device(device, &scene())?;
     let frame = FrameSize::new(16, 16);
@@ -92,8 +92,8 @@ fn draw_all(device: Arc<Device>) -> Result<Frame, RasterError> {
     raster.finish()
 }
 
-/// Every call fails once, the first, the second, and so on, until none is left: the error is `is_clean`, everything is
-/// destroyed, and the layers have nothing to say. Returns the number of calls.
+/// Makes every call fail once, the first, the second, and so on, until none is left: the error must be `is_clean`,
+/// everything must be destroyed, and the layers must report nothing. Returns the number of calls.
 fn fail_each_call<T>(
     (instance, messages): (&Arc<Instance>, &Messages),
     (fault, placement): (Fault, Placement),
@@ -116,7 +116,7 @@ fn fail_each_call<T>(
             vk::Result::ERROR_DEVICE_LOST => matches!(drawn, Err(RasterError::DeviceLost { .. })),
             _ => matches!(drawn, Err(RasterError::OutOfMemory { .. })),
         };
-        // The allocator asks again for less, and a raster that is dropped waits again.
+        // The allocator retries with smaller sizes, and a dropped rasteriser waits again.
         let may_recover = ["allocate_memory", "map_memory", "wait_for_fences"].contains(&failed) && drawn.is_ok();
         assert!(is_clean || may_recover, "{failed} failed: {:?}", drawn.err());
         after += 1;
@@ -157,7 +157,7 @@ fn a_wait_that_fails_leaves_the_commands_pending() {
     commands.copy_from_host(&buffer, &image, &WHOLE);
     commands.submit().unwrap();
     assert!(matches!(commands.wait(), Err(RasterError::OutOfMemory { .. })));
-    // It waits again: the pool is not reset under running commands.
+    // It waits again: the pool must not be reset while commands run.
     commands.begin().unwrap();
     assert_eq!(shim::heal(), Some("wait_for_fences"));
     drop((commands, image, buffer));
@@ -193,7 +193,7 @@ fn vertices_beyond_the_device_s_limit_are_refused() {
     assert!(draw_all(Device::new(instance, &candidate).unwrap()).is_ok());
 }
 
-/// Resamples a small plate, moved by half a pixel.
+/// Resamples a small plate, shifted by half a pixel.
 fn resample(mut remap: VulkanRemap) -> Result<Vec<Vec<f32>>, RasterError> {
     let frame = FrameSize::new(16, 16);
     let mut map = WarpMap::identity(frame, frame.window());
@@ -227,7 +227,7 @@ fn copied_and_mapped_images_make_the_same_frame() {
     assert_eq!(messages.take(), Vec::<String>::new());
 }
 
-/// An image of 4x4 texels, a buffer that holds as many, and commands.
+/// Returns an image of 4x4 texels, a buffer of the same size, and commands.
 fn copy_kit(device: &Arc<Device>) -> (Commands, Image, Buffer) {
     let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::SAMPLED;
     let wanted = ImageUse {
@@ -282,7 +282,7 @@ fn leaks_are_seen() {
     let messages = Messages::default();
     let Some(instance) = instance(&messages) else { return };
     let device = device(&instance);
-    // SAFETY: no preconditions; the fence is left behind on purpose.
+    // SAFETY: no preconditions; the fence is leaked on purpose.
     let _fence = unsafe { device.raw().create_fence(&vk::FenceCreateInfo::default(), None) }.unwrap();
     let requirements = vk::MemoryRequirements { size: 64, alignment: 16, memory_type_bits: u32::MAX };
     let wanted = gpu_allocator::vulkan::AllocationCreateDesc {

@@ -1,7 +1,7 @@
 //! A scene's textures on the device.
 //!
-//! In: decoded images, sampler settings. Out: images with all mip levels (the chains of the CPU raster, averaged in
-//! linear light; colour in sRGB formats, which the device decodes before it filters) and samplers.
+//! In: decoded images, sampler settings. Out: images with all mip levels (the chains of the CPU rasteriser, averaged in
+//! linear light; colour in sRGB formats, which the device decodes before filtering) and samplers.
 
 use super::commands::{Commands, Contents, Usage};
 use super::device::Device;
@@ -16,19 +16,19 @@ use std::sync::Arc;
 const STAGING: BufferUse =
     BufferUse { name: "texture upload", usage: vk::BufferUsageFlags::TRANSFER_SRC, location: MemoryLocation::CpuToGpu };
 
-/// Most taps along the long axis of a footprint, as in the CPU raster.
+/// Maximum number of taps along the long axis of a footprint, as in the CPU rasteriser.
 const MAX_ANISOTROPY: f32 = 16.0;
 
-/// A texel per channel: 255 each.
+/// Returns a single white texel.
 fn white() -> scene::Image {
     scene::Image { width: 1, height: 1, rgba: vec![255; 4], is_srgb: false }
 }
 
 /// Images and samplers of a scene.
 pub(super) struct Textures {
-    /// As the scene's images.
+    /// In the order of the scene's images.
     images: Vec<Image>,
-    /// As the scene's textures.
+    /// In the order of the scene's textures.
     samplers: Vec<Owned<vk::Sampler>>,
     /// Image of each of the scene's textures.
     image_of_texture: Vec<usize>,
@@ -57,7 +57,7 @@ impl Textures {
         })
     }
 
-    /// View and sampler of a scene's texture; white where there is none.
+    /// Returns view and sampler of a scene's texture; white if there is none.
     pub(super) fn get(&self, texture: Option<usize>) -> (vk::ImageView, vk::Sampler) {
         let found = texture.and_then(|texture| {
             let image = self.images.get(*self.image_of_texture.get(texture)?)?;
@@ -67,10 +67,10 @@ impl Textures {
     }
 }
 
-/// Makes an image with its levels and waits until it is filled.
+/// Creates an image with its levels and waits until it is uploaded.
 fn upload_image(device: &Arc<Device>, image: &scene::Image) -> Result<Image, RasterError> {
     let limit = device.facts().max_texture_side;
-    // Levels too large for the device are left out.
+    // Levels larger than the device's limit are skipped.
     let levels: Vec<Level> =
         mip_chain(image).into_iter().skip_while(|level| level.width.max(level.height) > limit).collect();
     let first = levels.first().ok_or(RasterError::Misuse("an image has no levels"))?;
@@ -85,7 +85,7 @@ fn upload_image(device: &Arc<Device>, image: &scene::Image) -> Result<Image, Ras
     let bytes: usize = levels.iter().map(|level| level.texels.len() * 4).sum();
     let mut staging = Buffer::new(device, STAGING, bytes as u64)?;
     let regions = fill(&mut staging, &levels);
-    // Made last, so dropped first: image and buffer stay until the copy is done, whatever fails.
+    // Declared last, so dropped first: image and buffer live until the copy is done, whatever fails.
     let mut commands = Commands::new(device, "texture upload")?;
     commands.begin()?;
     commands.prepare(&mut on_device, Usage::CopyTarget, Contents::Discard);
@@ -96,7 +96,7 @@ fn upload_image(device: &Arc<Device>, image: &scene::Image) -> Result<Image, Ras
     Ok(on_device)
 }
 
-/// Lays levels out one after the other.
+/// Writes levels consecutively; returns their level number, extent and offset.
 fn fill(staging: &mut Buffer, levels: &[Level]) -> Vec<(u32, vk::Extent2D, u64)> {
     let mut offset = 0;
     let place = |(index, level): (u32, &Level)| {
@@ -119,8 +119,8 @@ fn sampler(device: &Arc<Device>, texture: &scene::Texture) -> Result<Owned<vk::S
         Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
     };
-    // Without mip levels, a largest level of 0.25 still distinguishes minified from magnified, and rounds to level 0
-    // (Vulkan specification, VkSamplerCreateInfo, on OpenGL's filters).
+    // Without mipmapping, a maximum LOD of 0.25 still distinguishes minification from magnification, and rounds to
+    // level 0 (Vulkan specification, VkSamplerCreateInfo, on OpenGL's filters).
     let (between, max_lod) = match texture.mipmap {
         None => (vk::SamplerMipmapMode::NEAREST, 0.25),
         Some(Filter::Nearest) => (vk::SamplerMipmapMode::NEAREST, vk::LOD_CLAMP_NONE),
@@ -138,7 +138,7 @@ fn sampler(device: &Arc<Device>, texture: &scene::Texture) -> Result<Owned<vk::S
         .anisotropy_enable(anisotropy.is_some())
         .max_anisotropy(anisotropy.unwrap_or(1.0));
     Owned::new(device, ("vkCreateSampler", "sampler"), |raw| {
-        // SAFETY: anisotropy is on only where the feature is (VUID-VkSamplerCreateInfo-anisotropyEnable-01070).
+        // SAFETY: anisotropy is enabled only if the feature is (VUID-VkSamplerCreateInfo-anisotropyEnable-01070).
         unsafe { raw.create_sampler(&info, None) }
     })
 }

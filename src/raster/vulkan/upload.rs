@@ -1,7 +1,7 @@
 //! Uploads geometry to the device.
 //!
-//! In: a pass's [`Geometry`]. Out: a host-visible buffer for each pass in flight (vertices, clip positions, indices, viewer
-//! and lights), which grows and is used again.
+//! In: a pass's [`Geometry`]. Out: a host-visible buffer per pass in flight (vertices, clip positions, indices, viewer
+//! and lights), which grows and is reused.
 
 use super::commands::Commands;
 use super::descriptors::Descriptors;
@@ -27,7 +27,7 @@ const UPLOAD: BufferUse = BufferUse {
     location: MemoryLocation::CpuToGpu,
 };
 
-/// Head of `Pass` of geometry.wgsl; lights follow.
+/// The header of `Pass` in geometry.wgsl; lights follow.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct GpuPass {
@@ -37,7 +37,7 @@ struct GpuPass {
     padding: [u32; 2],
 }
 
-/// Commands of a pass with the buffer they read. Field order: the commands wait before the buffer goes.
+/// Commands of a pass with the buffer they read. Field order: the commands wait before the buffer is dropped.
 pub(super) struct UploadSlot {
     pub(super) commands: Commands,
     pub(super) pass_set: vk::DescriptorSet,
@@ -45,7 +45,7 @@ pub(super) struct UploadSlot {
     device: Arc<Device>,
 }
 
-/// Where the parts of a mesh begin in the buffer of its pass, bytes.
+/// Offsets of the parts of a mesh in the buffer of its pass, in bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshRange {
     pub(super) vertices: u64,
@@ -53,7 +53,7 @@ pub(super) struct MeshRange {
     pub(super) indices: u64,
 }
 
-/// Room that a buffer gets beyond what is asked for, at most: geometry differs a little from frame to frame.
+/// Maximum spare capacity of a buffer: geometry varies slightly from frame to frame.
 const SPARE_BYTES: u64 = 4 << 20;
 
 impl UploadSlot {
@@ -67,7 +67,7 @@ impl UploadSlot {
         Ok(Self { commands, pass_set, buffer: None, device: Arc::clone(device) })
     }
 
-    /// Waits until the slot is free and puts a pass into it.
+    /// Waits until the slot is free and uploads a pass into it.
     pub(super) fn fill(
         &mut self,
         geometry: &Geometry,
@@ -108,7 +108,7 @@ impl UploadSlot {
         Ok(mesh)
     }
 
-    /// The filled buffer.
+    /// Returns the filled buffer.
     pub(super) fn buffer(&self) -> Result<&Buffer, RasterError> {
         self.buffer.as_ref().ok_or(RasterError::Misuse("a pass was drawn before it was filled"))
     }
@@ -124,7 +124,7 @@ fn write_clip_positions(
     pairs.for_each(|(clip, vertex)| *clip = window_from_screen.clip_position(vertex, size));
 }
 
-/// Refuses what the device would read out of bounds, and what is beyond its limit.
+/// Rejects geometry with out-of-bounds indices, or beyond the device's limits.
 fn check(geometry: &Geometry, max_index: u32) -> Result<(), RasterError> {
     let vertices = geometry.vertices.len();
     let last = geometry.indices.par_iter().with_min_len(1 << 16).max().copied();

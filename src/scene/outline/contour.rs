@@ -1,18 +1,19 @@
 //! Closed contours of coverage by marching squares (Lorensen and Cline, "Marching Cubes", 1987, in the plane).
 //!
-//! In: [`Coverage`]. Out: loops of points, finer than a cell, that neither touch nor cross one another or themselves.
+//! In: [`Coverage`]. Out: loops of points with sub-cell precision, which neither touch nor cross one another or
+//! themselves.
 
 use super::coverage::Coverage;
 
-/// No point follows.
+/// Marks the absence of a next point.
 const NONE: u32 = u32::MAX;
 
-/// Points keep this share of a cell's side away from its corners, so that contours never meet in one.
+/// Points keep this fraction of a cell's side away from its corners, so that contours never meet in one.
 const MARGIN: f64 = 0.02;
 
-/// All contours; areas of outer ones are positive, of holes negative.
+/// Returns all contours; outer ones have positive area, holes negative.
 ///
-/// A contour crosses sides of the grid between neighbouring cells: side 2k leads from cell k to the right, 2k + 1 down.
+/// A contour crosses edges between neighbouring cells: edge 2k leads from cell k to the right, 2k + 1 downwards.
 pub(super) fn loops(coverage: &Coverage) -> Vec<Vec<[f64; 2]>> {
     let mut next = vec![NONE; 2 * coverage.values.len()];
     let [width, height] = coverage.size;
@@ -36,10 +37,10 @@ pub(super) fn loops(coverage: &Coverage) -> Vec<Vec<[f64; 2]>> {
     loops
 }
 
-/// Joins the sides that the contour crosses around the square whose upper left corner is cell `at`.
+/// Links the edges that the contour crosses around the square whose upper left corner is cell `at`.
 fn link(coverage: &Coverage, at: usize, next: &mut [u32]) {
     let width = coverage.size[0];
-    // Clockwise from the upper left; after each corner the side that leads on from it.
+    // Clockwise from the upper left; after each corner, the edge that starts there.
     let corners = [at, at + 1, at + width + 1, at + width];
     let sides = [2 * at, 2 * (at + 1) + 1, 2 * (at + width), 2 * at + 1];
     let values = corners.map(|corner| coverage.values[corner]);
@@ -47,7 +48,7 @@ fn link(coverage: &Coverage, at: usize, next: &mut [u32]) {
     let leaves = |k: usize| is_in[k] && !is_in[(k + 1) % 4];
     let enters = |k: usize| !is_in[k] && is_in[(k + 1) % 4];
     let is_saddle = is_in[0] == is_in[2] && is_in[1] == is_in[3] && is_in[0] != is_in[1];
-    // On a saddle the mean decides whether its inside is one piece.
+    // At a saddle, the mean decides whether the inside is connected.
     let is_split = is_saddle && values.iter().sum::<f32>() * 0.25 < coverage.edge;
     for from in (0..4).filter(|&k| leaves(k)) {
         let step = if is_split { 3 } else { 1 };
@@ -56,30 +57,30 @@ fn link(coverage: &Coverage, at: usize, next: &mut [u32]) {
     }
 }
 
-/// Where the contour crosses a side.
+/// Returns where the contour crosses an edge.
 fn crossing(coverage: &Coverage, side: usize) -> [f64; 2] {
     let (cell, is_down) = (side / 2, side % 2 == 1);
     let width = coverage.size[0];
     let other = if is_down { cell + width } else { cell + 1 };
     let [from, to] = [coverage.values[cell], coverage.values[other]].map(f64::from);
-    // Infinite coverage lies in the middle, like any that says nothing.
+    // Infinite coverage is placed in the middle, as no better position is known.
     let share = (f64::from(coverage.edge) - from) / (to - from);
     let share = if share.is_finite() { share.clamp(MARGIN, 1.0 - MARGIN) } else { 0.5 };
     let [x, y] = [(cell % width) as f64, (cell / width) as f64];
     if is_down { [x, y + share] } else { [x + share, y] }
 }
 
-/// Twice signed areas of triangles fanned out from the origin, halved: positive for outer contours.
+/// Returns the signed area, by the shoelace formula: positive for outer contours.
 pub(super) fn area(points: &[[f64; 2]]) -> f64 {
     0.5 * pairs(points).map(|([ax, ay], [bx, by])| ay * bx - ax * by).sum::<f64>()
 }
 
-/// Length of a closed contour.
+/// Returns the length of a closed contour.
 pub(super) fn length(points: &[[f64; 2]]) -> f64 {
     pairs(points).map(|([ax, ay], [bx, by])| (bx - ax).hypot(by - ay)).sum()
 }
 
-/// Each point of a loop with the one after it.
+/// Returns each point of a loop with the next one.
 pub(super) fn pairs(points: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }

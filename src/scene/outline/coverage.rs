@@ -1,30 +1,30 @@
-//! How much of a picture is where, coarse enough to be outlined fast.
+//! The coverage of a picture, coarse enough to be outlined fast.
 //!
-//! In: alpha of pixels. Out: a grid with a rim of nothing, spread by about a pixel.
+//! In: alpha of pixels. Out: a grid with an empty border, dilated by about a pixel.
 
 use crate::space::PixelRect;
 
 /// Pictures with longer sides are outlined by blocks of pixels.
 const MOST_CELLS: u32 = 1024;
 
-/// What is less covered is not outlined, unless nothing is more.
+/// Threshold of coverage below which nothing is outlined, unless all of the picture is below it.
 const EDGE: f32 = 0.1;
 
 /// Coverage on a grid of cells: pixels, or square blocks of them. Cell (i, j) has its centre at (i, j).
 pub(super) struct Coverage {
-    /// Cells across and down, with one empty cell around everything.
+    /// Cells across and down, including a border of one empty cell.
     pub(super) size: [usize; 2],
     /// #cells, rows from the top, not negative.
     pub(super) values: Vec<f32>,
-    /// What counts as inside.
+    /// Threshold of the inside.
     pub(super) edge: f32,
     window: PixelRect,
-    /// Pixels a cell, across and down.
+    /// Pixels per cell, across and down.
     block: u32,
 }
 
 impl Coverage {
-    /// Of the pixels of a window.
+    /// Computes the coverage of the pixels of a window.
     pub(super) fn of(window: PixelRect, alpha: &[f32]) -> Self {
         debug_assert_eq!(alpha.len(), window.area(), "one value a pixel");
         let block = window.width.max(window.height).div_ceil(MOST_CELLS).max(1);
@@ -37,24 +37,24 @@ impl Coverage {
                 *cell = cell.max(alpha);
             }
         }
-        // The greatest value of a block spreads by half a block; single pixels need help.
+        // The maximum over a block dilates by half a block; single pixels are dilated explicitly.
         let values = if block == 1 { spread(&values, width) } else { values };
         let most = values.iter().copied().fold(0.0, f32::max);
         Self { size: [width, height], values, edge: EDGE.min(0.5 * most), window, block }
     }
 
-    /// A place among the cells, in pixels of image space.
+    /// Converts a position in cells to pixels of image space.
     pub(super) fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let block = f64::from(self.block);
         let along = |cell: f64, start: i32, length: u32| {
-            // A block at the far side may be cut by it.
+            // The last block may be truncated by the far side.
             f64::from(start) + ((cell - 0.5) * block).clamp(0.0, f64::from(length))
         };
         [along(x, self.window.x, self.window.width), along(y, self.window.y, self.window.height)]
     }
 }
 
-/// The greatest value of each cell and its eight neighbours; the rim stays empty.
+/// Returns the maximum of each cell and its eight neighbours; the border stays empty.
 fn spread(values: &[f32], width: usize) -> Vec<f32> {
     let height = values.len() / width;
     let mut across = values.to_vec();

@@ -1,35 +1,35 @@
-//! Triangles inside outlines: constrained Delaunay triangulation (crate spade), refined after Ruppert, "A Delaunay
-//! Refinement Algorithm for Quality 2-Dimensional Mesh Generation", 1995.
+//! Triangulates the inside of outlines: constrained Delaunay triangulation (crate spade), refined after Ruppert, "A
+//! Delaunay Refinement Algorithm for Quality 2-Dimensional Mesh Generation", 1995.
 //!
-//! In: closed outlines and an edge length. Out: points and triangles in an order of their own, not the crate's.
+//! In: closed outlines and an edge length. Out: points and triangles, sorted independently of the crate's order.
 
 use super::contour::pairs;
 use super::simplify::distance_to_segment;
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation as _};
 use std::collections::BTreeMap;
 
-/// No angle is smaller, except where the outline itself has it, degrees.
+/// Minimum angle in degrees, except where the outline itself has smaller ones.
 const LEAST_ANGLE: f64 = 20.0;
 
-/// Inner points keep this share of an edge away from the outline.
+/// Inner points keep this fraction of an edge length away from the outline.
 const CLEARANCE: f64 = 0.6;
 
-/// Largest triangle, squares of an edge; equilateral ones have √3/4.
+/// Maximum area of a triangle in squared edge lengths; equilateral ones have √3/4.
 const LARGEST: f64 = 0.75;
 
-/// Refinement may add this many vertices to each that was there.
+/// Maximum number of vertices that refinement adds per existing vertex.
 const ADDED: usize = 3;
 
-/// A mesh of the plane.
+/// A triangulation in the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::scene) struct Triangulated {
     /// #vertices.
     pub(in crate::scene) points: Vec<[f64; 2]>,
-    /// Corners, counter-clockwise as seen in image space (y down).
+    /// Vertex indices, counter-clockwise as seen in image space (y down).
     pub(in crate::scene) triangles: Vec<[u32; 3]>,
 }
 
-/// Meshes what lies inside an odd number of outlines; `None` where they cross.
+/// Triangulates the points inside an odd number of outlines; `None` if outlines cross.
 pub(super) fn triangulate(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Option<Triangulated> {
     let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|points| divided(points, spacing)).collect();
     let mut points = Vec::new();
@@ -61,7 +61,7 @@ pub(super) fn triangulate(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Option<Tr
     Some(packed(&places, triangles))
 }
 
-/// Long segments cut into equal pieces of at most `spacing`.
+/// Splits long segments into equal pieces of at most `spacing`.
 fn divided(points: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
     let pieces = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| {
         let count = ((bx - ax).hypot(by - ay) / spacing).ceil().max(1.0);
@@ -73,7 +73,7 @@ fn divided(points: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
     pairs(points).flat_map(pieces).collect()
 }
 
-/// Points of a triangular lattice inside the outlines, clear of them.
+/// Returns the points of a triangular lattice inside the outlines, with clearance.
 fn inner_points(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Vec<Point2<f64>> {
     let all = || outlines.iter().flatten();
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| all().map(|point| point[axis]).fold(start, pick);
@@ -95,7 +95,7 @@ fn inner_points(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Vec<Point2<f64>> {
     points
 }
 
-/// Even-odd rule, and no segment nearer than `clearance`.
+/// Returns whether a point is inside by the even-odd rule, with no segment nearer than `clearance`.
 fn is_well_inside(segments: &[([f64; 2], [f64; 2])], at: [f64; 2], clearance: f64) -> bool {
     let mut is_inside = false;
     for &(a, b) in segments {
@@ -110,7 +110,7 @@ fn is_well_inside(segments: &[([f64; 2], [f64; 2])], at: [f64; 2], clearance: f6
     is_inside
 }
 
-/// Only the vertices that triangles use, in reading order; triangles sorted, the least corner first.
+/// Drops unused vertices and sorts the others in reading order; sorts triangles, smallest corner first.
 fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
     let mut used: Vec<usize> = triangles.iter().flatten().copied().collect();
     used.sort_by(|&a, &b| points[a][1].total_cmp(&points[b][1]).then(points[a][0].total_cmp(&points[b][0])));
@@ -122,7 +122,7 @@ fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
     Triangulated { points: used.into_iter().map(|vertex| points[vertex]).collect(), triangles: corners }
 }
 
-/// The same turn, from the least corner on.
+/// Rotates the corners so that the smallest comes first.
 fn least_first(mut corners: [u32; 3]) -> [u32; 3] {
     let least = corners.iter().zip(0..).min().map_or(0, |(_, place)| place);
     corners.rotate_left(least);

@@ -1,7 +1,7 @@
-//! A picture's alpha to triangles: its outline, holes and islands included, and a mesh inside it.
+//! Converts a picture's alpha to triangles: its outline, holes and islands included, and a mesh inside it.
 //!
-//! In: coverage of pixels. Out: points in pixels, y down, and triangles, counter-clockwise as seen; the same on every
-//! run. Nothing of the picture is cut off: the outline lies about a pixel outside.
+//! In: coverage of pixels. Out: points in pixels, y down, and triangles, counter-clockwise as seen; deterministic.
+//! Nothing of the picture is cut off: the outline lies about a pixel outside.
 
 mod contour;
 mod coverage;
@@ -13,39 +13,40 @@ pub(super) use mesh::Triangulated;
 use crate::space::PixelRect;
 use coverage::Coverage;
 
-/// Vertices that a mesh should have.
+/// Target number of vertices of a mesh.
 const WANTED_VERTICES: f64 = 400.0;
 
-/// A mesh with more is made anew with longer edges.
+/// A mesh with more vertices is rebuilt with longer edges.
 const MOST_VERTICES: usize = 700;
 
-/// Longer edges are tried so often; outlines of foam stay finer.
+/// Maximum number of rebuilds; intricate outlines may stay finer.
 const TRIES: usize = 8;
 
-/// By so much edges grow at each try.
+/// Growth of the edge length per rebuild.
 const GROWTH: f64 = 1.2;
 
-/// Edges are at least this long, cells of the coverage.
+/// Minimum edge length in cells of the coverage.
 const LEAST_SPACING: f64 = 1.0;
 
-/// An outline may leave the contour by this share of an edge, and by this many cells: the steps of pixels are not shape.
+/// Tolerance of an outline's simplification as a fraction of the edge length, and in cells: the staircase of pixels is
+/// not shape.
 const TOLERANCE: [f64; 2] = [0.04, 0.4];
 
-/// Holes that are smaller, in squares of an edge, are closed, and islands left out where larger ones are there.
+/// Smaller holes, in squared edge lengths, are closed, and smaller islands dropped if there are larger ones.
 const LEAST_AREA: f64 = 0.1;
 
 /// How a picture fills its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// Nothing of it is there.
+    /// It is completely transparent.
     Nothing,
-    /// All of it is.
+    /// It is completely opaque.
     Everything,
-    /// Something between.
+    /// Anything in between.
     Some,
 }
 
-/// What can be seen of a picture of `size` pixels.
+/// Classifies the alpha of a picture.
 pub(super) fn filling(alpha: &[f32]) -> Filling {
     let is_there = |alpha: &&f32| **alpha > 0.0;
     match alpha.iter().filter(is_there).count() {
@@ -55,7 +56,8 @@ pub(super) fn filling(alpha: &[f32]) -> Filling {
     }
 }
 
-/// A mesh of what can be seen of a picture; `alpha`: #pixels of the window, rows from the top, not 0 everywhere.
+/// Returns a mesh of the visible part of a picture; `alpha`: #pixels of the window, rows from the top, not 0
+/// everywhere.
 pub(super) fn triangulated(window: PixelRect, alpha: &[f32]) -> Triangulated {
     let coverage = Coverage::of(window, alpha);
     let loops = contour::loops(&coverage);
@@ -74,14 +76,14 @@ pub(super) fn triangulated(window: PixelRect, alpha: &[f32]) -> Triangulated {
     made
 }
 
-/// The edge length at which triangles of an area, and an outline of a length, have the wanted number of vertices:
-/// a / (√3/2 · s²) + l / 2s = n.
+/// Returns the edge length at which the triangles of an area, and an outline of a length, have the target number of
+/// vertices: a / (√3/2 · s²) + l / 2s = n.
 fn spacing(area: f64, length: f64) -> f64 {
     let half = length / (4.0 * WANTED_VERTICES);
     half + (half * half + area / (0.75_f64.sqrt() * WANTED_VERTICES)).sqrt()
 }
 
-/// The mesh at an edge length.
+/// Builds the mesh at an edge length.
 fn meshed(loops: &[Vec<[f64; 2]>], spacing: f64) -> Triangulated {
     let least = LEAST_AREA * spacing * spacing;
     let largest = loops.iter().map(|points| contour::area(points)).fold(0.0, f64::max);
@@ -91,7 +93,7 @@ fn meshed(loops: &[Vec<[f64; 2]>], spacing: f64) -> Triangulated {
     };
     let kept: Vec<&Vec<[f64; 2]>> = loops.iter().filter(is_kept).collect();
     let mut tolerance = (TOLERANCE[0] * spacing).max(TOLERANCE[1]);
-    // Outlines that run close together may cross when they are simplified; the contour itself never does.
+    // Nearby outlines may cross when they are simplified; the unsimplified contour never does.
     while tolerance > 0.05 {
         let simple: Vec<_> = kept.iter().map(|points| simplify::simplified(points, tolerance)).collect();
         if let Some(made) = mesh::triangulate(&simple, spacing) {

@@ -1,22 +1,22 @@
-//! Fewer points for a closed outline (Douglas and Peucker, "Algorithms for the reduction of the number of points
-//! required to represent a digitized line or its caricature", 1973).
+//! Simplifies closed outlines (Douglas and Peucker, "Algorithms for the reduction of the number of points required to
+//! represent a digitized line or its caricature", 1973).
 //!
-//! In: a loop and a tolerance. Out: some of its points, at least three.
+//! In: a loop and a tolerance. Out: a subset of its points, at least three.
 
 use super::contour;
 
-/// The points that are needed to stay within `tolerance` of the loop; small loops are kept finer.
+/// Returns the points needed to stay within `tolerance` of the loop; the tolerance is reduced for small loops.
 pub(super) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     if points.len() <= 3 {
         return points.to_vec();
     }
     let tolerance = tolerance.min(0.2 * contour::area(points).abs().sqrt());
     let count = points.len();
-    // The loop is cut at its first point and the one farthest from it.
+    // The loop is split at its first point and the one farthest from it.
     let far = farthest(1..count, |k| distance(points[0], points[k]));
     let mut is_kept = vec![false; count];
     (is_kept[0], is_kept[far]) = (true, true);
-    // The last stretch leads back to the first point.
+    // The last section leads back to the first point.
     let mut open = vec![[0, far], [far, count]];
     while let Some([from, to]) = open.pop() {
         let (a, b) = (points[from], points[to % count]);
@@ -37,7 +37,7 @@ pub(super) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     (0..count).filter(|&k| is_kept[k]).map(|k| points[k]).collect()
 }
 
-/// The first index with the greatest value.
+/// Returns the first index with the maximum value.
 fn farthest(mut range: impl Iterator<Item = usize>, value: impl Fn(usize) -> f64) -> usize {
     let first = range.next().expect("ranges of outlines hold a point");
     range.fold((first, value(first)), |best, k| if value(k) > best.1 { (k, value(k)) } else { best }).0
@@ -47,7 +47,7 @@ fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     (bx - ax).hypot(by - ay)
 }
 
-/// From a point to the nearest one between `a` and `b`.
+/// Returns the distance from a point to the segment between `a` and `b`.
 pub(super) fn distance_to_segment(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let [along, way] = [[b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]];
     let square = along[0] * along[0] + along[1] * along[1];

@@ -1,4 +1,4 @@
-//! Rules of `camera`, `hide` and `show`.
+//! Validates `camera`, `hide` and `show`.
 //!
 //! In: raw values. Out: a [`CameraRule`] whose keys are complete and of one kind, and a [`Visibility`].
 
@@ -6,11 +6,11 @@ use super::{Check, Kind};
 use crate::shot::raw::{RawCamera, RawCameraState, RawLookAt, RawOwnCamera};
 use crate::shot::{CameraAim, CameraKey, CameraLens, CameraRule, Ease, LookAt, OwnCamera, Visibility};
 
-/// Vertical field of view where none is given, degrees: a portrait lens.
+/// Default vertical field of view in degrees: a portrait lens.
 const DEFAULT_FOV_DEGREES: f64 = 30.0;
 
 impl Check<'_> {
-    /// The camera; `first_frame` is when the only key of a camera without keys is set.
+    /// Checks the camera; `first_frame`: the frame of the implicit key of a camera without keys.
     pub(super) fn camera(&mut self, raw: Option<RawCamera>, (first_frame, source): (i32, Kind)) -> CameraRule {
         match raw {
             None => CameraRule::Automatic,
@@ -51,7 +51,7 @@ impl Check<'_> {
         OwnCamera { keys }
     }
 
-    /// Faults values that exclude each other.
+    /// Reports values that are mutually exclusive.
     fn exclusive(&mut self, state: &RawCameraState, key: &str) {
         let is_turned = state.yaw.is_some() || state.pitch.is_some();
         if state.position.is_some() && state.distance.is_some() {
@@ -75,9 +75,9 @@ impl Check<'_> {
     }
 }
 
-/// A key's values, completed by those of the table.
+/// Returns a key's values, with the table's as defaults.
 fn merged(key: &RawCameraState, table: &RawCameraState) -> RawCameraState {
-    // Of values that exclude each other a key's replace both of the table.
+    // Of mutually exclusive values, a key's value replaces both of the table's.
     let is_placed = key.position.is_some() || key.distance.is_some();
     let has_lens = key.fov.is_some() || key.ortho.is_some();
     RawCameraState {

@@ -1,4 +1,4 @@
-//! Rules of `cuts`, `joins` and `island_radius` of a lattice.
+//! Validates `cuts`, `joins` and `island_radius` of a lattice.
 //!
 //! In: a raw lattice. Out: [`Connectivity`].
 

@@ -1,6 +1,6 @@
-//! Rules of shots whose scene is a drawing: pictures instead of a model.
+//! Validates shots that show pictures instead of a model.
 //!
-//! In: the raw key `image`. Out: paths, and the size of the frame where the shot does not say it.
+//! In: the raw key `image`. Out: paths, and the frame size if the shot does not set it.
 
 use super::Check;
 use crate::image::{PictureKind, SequencePath, picture_size};
@@ -8,11 +8,11 @@ use crate::shot::raw::{RawImage, RawLayer, RawShot, RawSpace};
 use crate::space::FrameSize;
 use std::path::{Path, PathBuf};
 
-/// The frame of shots that do not say it.
+/// Default frame size.
 const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
 
 impl Check<'_> {
-    /// The pictures' paths, resolved.
+    /// Returns the resolved paths of the pictures.
     pub(super) fn images(&mut self, raw: &RawImage) -> Vec<PathBuf> {
         let paths = raw.paths();
         for (index, (key, path)) in paths.iter().enumerate() {
@@ -30,7 +30,7 @@ impl Check<'_> {
         paths.iter().map(|(_, path)| self.folder().join(path)).collect()
     }
 
-    /// The frame: what the shot says, else the size of its first picture.
+    /// Returns the frame size: the shot's, else that of its first picture.
     pub(super) fn size(&mut self, raw: &RawShot, images: Option<&[PathBuf]>) -> FrameSize {
         let aspect = raw.pixel_aspect.unwrap_or(1.0);
         let framed = |[width, height]: [u32; 2]| FrameSize { width, height, pixel_aspect: aspect };
@@ -47,7 +47,7 @@ impl Check<'_> {
         }
     }
 
-    /// Refuses lattices in space where there is no space.
+    /// Rejects world-space lattices for pictures.
     pub(super) fn image_layer(&mut self, raw: &RawLayer, key: &str) {
         if raw.lattice.space == RawSpace::World {
             let hint = "remove it, or give a `scene` instead of pictures";

@@ -1,6 +1,6 @@
-//! Rules of `[[layer]]`: names, lattice, solver settings.
+//! Validates `[[layer]]`: names, lattice, solver settings.
 //!
-//! In: raw layers. Out: [`Layer`]s, step and strength of the shot applied.
+//! In: raw layers. Out: [`Layer`]s, with the shot's step and strength applied.
 
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
@@ -12,7 +12,7 @@ use crate::shot::{BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule}
 use crate::solve::{Minima, Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
-/// Whether a layer over a plate says no part of it.
+/// Returns whether a layer moves a whole plate, not a part of it.
 fn is_whole(layer: &RawLayer) -> bool {
     matches!(layer.matte, None | Some(RawMatte::Named(RawNamedMatte::None)))
 }
@@ -70,7 +70,7 @@ impl Check<'_> {
     fn lattice(&mut self, layer: &RawLayer, key: &str, shot: &LayerDefaults) -> LayerSpace {
         let raw = &layer.lattice;
         let default = match raw.space {
-            // The border of a whole picture is held: what is left inside is to move as freely as elsewhere.
+            // The border of a whole picture is fixed, so a finer grid gives the interior the usual freedom.
             RawSpace::Screen if shot.source == Kind::Frame && is_whole(layer) => [16, 16, 1],
             RawSpace::Screen => [10, 10, 1],
             RawSpace::World => [5, 5, 5],
@@ -84,7 +84,7 @@ impl Check<'_> {
         }
     }
 
-    /// Whether the program chooses the dims.
+    /// Returns whether the dims are chosen automatically.
     fn has_auto_dims(&mut self, raw: &RawLattice, has_handles: bool, key: &str) -> bool {
         let is_auto = matches!(raw.dims, Some(RawDims::Auto(RawAuto::Auto)));
         let faults = [
@@ -98,7 +98,7 @@ impl Check<'_> {
         is_auto
     }
 
-    /// Handles along x, y and z; 1 for an axis that is not there.
+    /// Returns the handle counts along x, y and z; 1 along an axis that the lattice lacks.
     fn dims(&mut self, raw: &RawLattice, key: &str, default: [usize; 3]) -> [usize; 3] {
         let axes = match raw.space {
             RawSpace::Screen => 2,
@@ -131,7 +131,7 @@ impl Check<'_> {
 
     fn screen_box(&mut self, raw: &RawLattice, key: &str, shot: &LayerDefaults) -> BoxRule {
         match &raw.bounds {
-            // Nothing moves in front of a plate that a box could follow.
+            // A plate has no moving geometry that a box could follow.
             RawBox::Follow if shot.source == Kind::Frame => BoxRule::Frame,
             RawBox::Follow => BoxRule::Follow,
             RawBox::Frame => BoxRule::Frame,
@@ -177,7 +177,7 @@ impl Check<'_> {
         WorldBoxRule::Fixed([lo, hi])
     }
 
-    /// The settings of a layer, with the topology of its lattice.
+    /// Returns the settings of a layer, with the topology of its lattice.
     fn branching(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) -> Settings {
         let settings =
             Settings { topology: raw.lattice.topology, ..self.settings(&raw.solve, &format!("{key}.solve")) };
@@ -219,7 +219,8 @@ impl Check<'_> {
             Some(RawPreset::Paper) => Settings::paper(),
             Some(RawPreset::Default) | None => Settings { temporal: Settings::TEMPORAL, ..Settings::default() },
         };
-        // Frames that are solved alone stay near each other. Over time, the first knot looks for the least minimum, and others follow it.
+        // Frames solved individually use the minimum that the rigid fit leads to, which varies continuously from frame
+        // to frame. In a solve over time, the first knot searches for the lowest minimum, and the others follow it.
         settings.minima = Minima::Nearest;
         settings.energy = raw.energy.unwrap_or(settings.energy);
         if let Some(regularizer) = raw.regularizer {

@@ -1,6 +1,6 @@
-//! Raw values to a checked [`Shot`]: every rule that relates keys to each other.
+//! Validates the raw values of a shot file: every rule that relates keys to each other.
 //!
-//! In: a [`Document`]. Out: a shot, or all faults of the file.
+//! In: a [`Document`]. Out: a [`Shot`], or all faults of the file.
 
 mod camera;
 mod connectivity;
@@ -21,15 +21,15 @@ use crate::space::FrameSize;
 use std::collections::HashSet;
 use toml::de::DeValue;
 
-/// The only version there is.
+/// The only supported version.
 const VERSION: &str = "1";
 
 /// Checks a document.
 ///
 /// # Errors
-/// [`ShotError`]: all faults that are independent of each other.
+/// [`ShotError`]: all independent faults.
 pub(super) fn shot(document: &Document) -> Result<Shot, ShotError> {
-    // Another version may have other keys: nothing else can be said about it.
+    // Another version may have other keys, so no further checks make sense.
     if let Some(fault) = version_fault(document) {
         return Err(fault);
     }
@@ -40,7 +40,7 @@ pub(super) fn shot(document: &Document) -> Result<Shot, ShotError> {
             check.finish().map_or(Ok(shot), Err)
         }
         Err(error) => {
-            // The schema says more about it, and in the user's words.
+            // The schema check gives more, and clearer, messages.
             let fallback = || syntax_error(document.text, document.path, &error);
             Err(check.finish().unwrap_or_else(fallback))
         }
@@ -59,14 +59,14 @@ fn version_fault(document: &Document) -> Option<ShotError> {
     }
 }
 
-/// A document and the faults found in it so far.
+/// A document, and the faults found so far.
 struct Check<'a> {
     document: &'a Document<'a>,
     faults: Vec<ShotError>,
 }
 
 impl Check<'_> {
-    /// Notes a fault; one a key and what is inside it, as the first is usually the cause of the next.
+    /// Records a fault; at most one per key and its contents, as the first usually causes the others.
     fn fault(&mut self, key: &str, what: impl Into<String>, hint: impl Into<String>) {
         let is_inside = |rest: &str| rest.is_empty() || rest.starts_with(['.', '[']);
         let is_named = |fault: &ShotError| match fault {
@@ -140,7 +140,7 @@ impl Check<'_> {
         [first, last]
     }
 
-    /// A key of the shot was told to be unknown that was probably meant to be one of these.
+    /// Returns whether an unknown key of the shot was probably meant to be one of these.
     fn has_unknown_key(&self, meant: &[&str]) -> bool {
         let table = self.document.root.get_ref().as_table();
         let known = schema::inlined()["properties"].as_object();
@@ -148,7 +148,7 @@ impl Check<'_> {
         table.zip(known).is_some_and(stands_for)
     }
 
-    /// Notes names that occur a second time.
+    /// Reports duplicate names.
     fn unique<'n>(&mut self, names: impl Iterator<Item = (String, &'n str)>, what: &str) {
         let mut seen = HashSet::new();
         for (key, name) in names {
@@ -159,26 +159,26 @@ impl Check<'_> {
     }
 }
 
-/// What layers take from the shot, and pins from their layer.
+/// The defaults that layers inherit from the shot, and pins from their layer.
 struct LayerDefaults {
     step: u32,
     strength: f64,
     first_frame: i32,
     size: FrameSize,
-    /// Where the layer's lattice lies.
+    /// The space of the layer's lattice.
     space: RawSpace,
-    /// What the shot's lattices are laid over.
+    /// The kind of geometry that the shot's lattices deform.
     source: Kind,
 }
 
-/// What lattices are laid over, and so what layers may name.
+/// The kind of geometry that lattices deform, which determines what layers may name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// Nodes of a scene.
     Scene,
-    /// Pictures: flat nodes.
+    /// Pictures, as flat nodes.
     Images,
-    /// The frame itself: no nodes.
+    /// The frame itself, without nodes.
     Frame,
 }
 

@@ -1,4 +1,4 @@
-//! Rules of `[output]`: a name that tells frames apart, channels once each.
+//! Validates `[output]`: a file name that distinguishes frames, no duplicate channels.
 //!
 //! In: the raw table and the frame range. Out: [`Output`].
 
@@ -14,7 +14,7 @@ impl Check<'_> {
         let shot_path = self.document.path;
         let folder = shot_path.parent().unwrap_or(Path::new(""));
         if let Some(path) = &raw.path {
-            // Warped PNG plates may stay PNG files.
+            // Warped PNG plates may be written as PNG files.
             let kinds =
                 if *source == Source::Frame { &[PictureKind::Exr, PictureKind::Png][..] } else { &[PictureKind::Exr] };
             self.output_path(path, frames, kinds);
@@ -59,8 +59,8 @@ impl Check<'_> {
     }
 }
 
-/// The channels of a shot that names none: all but mattes, whose 36 channels weigh more than all others together. Pictures
-/// have colour and ids only.
+/// Returns the default channels: all but mattes, whose 36 channels are larger than all others together. Pictures have
+/// colour and ids only.
 fn default_channels(source: &Source) -> Vec<ChannelGroup> {
     if let Source::Images(_) = source {
         vec![ChannelGroup::Beauty, ChannelGroup::Id]

@@ -1,4 +1,4 @@
-//! Rules of `[[layer.pin]]` and `[[layer.handle]]`: anchors, keys, units.
+//! Validates `[[layer.pin]]` and `[[layer.handle]]`: anchors, keys, units.
 //!
 //! In: raw pins and handles. Out: [`Pin`]s and [`HandleTrack`]s, each with at least one key.
 
@@ -8,10 +8,10 @@ use crate::shot::raw::{RawAnchor, RawHandle, RawOrder, RawOrderKey, RawPin, RawS
 use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, OrderKey, Pin, PinKey};
 use crate::space::{ScreenPoint, ScreenVector};
 
-/// Frame heights (or box sizes) beyond which a number was surely meant as pixels.
+/// Magnitude in frame heights (or box sizes) above which a number must have been meant as pixels.
 const LARGEST_COORDINATE: f64 = 32.0;
 
-/// How far barycentric weights may be from a sum of 1: they are often written by hand, with three digits.
+/// Allowed deviation of the sum of barycentric weights from 1: they are often written by hand with three digits.
 const BARYCENTRIC_TOLERANCE: f64 = 1e-3;
 
 impl Check<'_> {
@@ -88,7 +88,7 @@ impl Check<'_> {
         }
     }
 
-    /// Weights that sum to exactly 1 (but for rounding).
+    /// Returns the weights, normalised to sum to 1 (up to rounding).
     fn barycentric(&mut self, weights: [f64; 3], key: &str) -> [f64; 3] {
         let sum: f64 = weights.iter().sum();
         if (sum - 1.0).abs() > BARYCENTRIC_TOLERANCE {
@@ -193,14 +193,14 @@ impl Check<'_> {
         }
     }
 
-    /// Numbers that cannot be sizes of a lattice box.
+    /// Reports numbers that cannot be in lattice box sizes.
     pub(super) fn box_unit(&mut self, values: &[f64], key: &str) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let hint = format!("offsets in box sizes stay within {LARGEST_COORDINATE}; 1 is the whole box");
         self.fault(key, format!("{value} box sizes look like pixels"), hint);
     }
 
-    /// Numbers that cannot be frame heights.
+    /// Reports numbers that cannot be in frame heights.
     pub(super) fn screen_unit(&mut self, values: &[f64], key: &str, shot: &LayerDefaults) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let height = shot.size.height;
@@ -210,7 +210,7 @@ impl Check<'_> {
     }
 }
 
-/// A pin without keys holds its place.
+/// Returns the key of a pin without keys, which holds its position.
 fn resting_key(shot: &LayerDefaults) -> PinKey {
     let goal = match shot.space {
         RawSpace::Screen => Goal::Offset(ScreenVector::default()),

@@ -1,7 +1,7 @@
-//! Rules of places and rotations: how many numbers, in which unit, one kind a pin.
+//! Validates positions and rotations: the number of components, their unit, one kind per pin.
 //!
-//! In: raw keys, and whether the layer's lattice lies on the screen or in the scene. Out: [`Goal`]s, [`Rotation`]s,
-//! indices and offsets of handles.
+//! In: raw keys, and whether the layer's lattice is in screen or world space. Out: [`Goal`]s, [`Rotation`]s, indices
+//! and offsets of handles.
 
 use super::{Check, LayerDefaults};
 use crate::shot::raw::{RawHandle, RawPin, RawPinKey, RawRotation, RawSpace};
@@ -9,22 +9,22 @@ use crate::shot::{Goal, OffsetUnit, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
 use crate::spelling::counted;
 
-/// What to write where a screen layer was given three numbers.
+/// The suggestion for three numbers in a screen layer.
 const TO_WORLD: &str = "or move the lattice into the scene: lattice = { space = \"world\", dims = [5, 5, 5] }";
 
-/// What all keys of a pin have in common.
+/// The common properties of a pin's keys.
 pub(super) struct PinKind<'a> {
     pub(super) unit: OffsetUnit,
     pub(super) shot: &'a LayerDefaults,
     has_targets: bool,
-    /// Numbers a key.
+    /// Number of components of a position.
     axes: usize,
-    /// Angles a key, where any key has some.
+    /// Number of angles, if any key has a rotation.
     angles: Option<usize>,
 }
 
 impl<'a> PinKind<'a> {
-    /// The first key that says something decides.
+    /// Determines the properties from the first key that sets each.
     pub(super) fn of(raw: &RawPin, shot: &'a LayerDefaults) -> Self {
         let written = raw.keys.iter().find_map(|key| key.target.as_ref().or(key.offset.as_ref()));
         let silent = if shot.space == RawSpace::World { 3 } else { 2 };
@@ -46,7 +46,7 @@ const fn angles(rotation: RawRotation) -> usize {
 }
 
 impl Check<'_> {
-    /// Where a key sends its pin.
+    /// Returns the goal of a key.
     pub(super) fn goal(&mut self, raw: &RawPinKey, key: &str, kind: &PinKind) -> Goal {
         let kinds = "give all keys of a pin an `offset`, or all a `target`";
         match raw.target {
@@ -71,7 +71,7 @@ impl Check<'_> {
         }
     }
 
-    /// Number and size of the coordinates of an offset or target.
+    /// Checks number and magnitude of the components of an offset or target.
     fn place(&mut self, numbers: &[f64], key: &str, kind: &PinKind) {
         let is_offset = key.ends_with("offset");
         match (kind.shot.space, numbers.len()) {
@@ -95,7 +95,7 @@ impl Check<'_> {
         }
     }
 
-    /// The rotation a key holds, degrees.
+    /// Returns the rotation of a key in degrees.
     pub(super) fn rotation(&mut self, raw: Option<RawRotation>, key: &str, kind: &PinKind) -> Option<Rotation> {
         let raw = raw?;
         let key = format!("{key}.rotate");
@@ -112,7 +112,7 @@ impl Check<'_> {
         })
     }
 
-    /// The index of a handle; the layer is 0 on the screen.
+    /// Returns the index of a handle; the third component is 0 in screen space.
     pub(super) fn handle_index(
         &mut self,
         raw: &RawHandle,
@@ -140,7 +140,7 @@ impl Check<'_> {
         index
     }
 
-    /// The offset of a handle; its third number is 0 on the screen.
+    /// Returns the offset of a handle; the third component is 0 in screen space.
     pub(super) fn handle_offset(&mut self, raw: &[f64], key: &str, shot: &LayerDefaults) -> [f64; 3] {
         let key = format!("{key}.offset");
         let axes = shot.space.axes();
@@ -157,7 +157,7 @@ impl Check<'_> {
 }
 
 impl RawSpace {
-    /// Axes of a lattice.
+    /// Returns the number of axes of a lattice.
     pub(super) const fn axes(self) -> usize {
         match self {
             Self::Screen => 2,

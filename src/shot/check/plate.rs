@@ -1,6 +1,6 @@
-//! Rules of `plate`, `[warp]` and `matte`: what a shot that warps finished frames may ask for.
+//! Validates `plate`, `[warp]` and `matte`: the options of shots that warp finished frames.
 //!
-//! In: raw tables. Out: [`WarpSettings`], [`Matte`]s, paths, and what the shot's lattices are laid over.
+//! In: raw tables. Out: [`WarpSettings`], [`Matte`]s, paths, and the source that the shot's lattices deform.
 
 use super::{Check, Kind, LayerDefaults};
 use crate::image::{ImageError, SequencePath};
@@ -12,12 +12,12 @@ use crate::shot::raw::{
 };
 use std::path::{Path, PathBuf};
 
-/// What to write where a shot says neither what is seen nor what is warped.
+/// The suggestion for a shot without a scene, image or plate.
 const SOURCES: &str = "write for example `scene = \"scene.glb\"`, `image = \"girl.png\"` for a drawing, or `plate = \"beauty.####.exr\"` \
     for finished frames";
 
 impl Check<'_> {
-    /// What the lattices are laid over.
+    /// Returns the source that the lattices deform.
     pub(super) fn source(&mut self, raw: &RawShot) -> Source {
         let other = [("scene", raw.scene.is_some()), ("plate", raw.plate.is_some())];
         if let (Some(image), Some((other, _))) = (&raw.image, other.iter().find(|(_, is_given)| *is_given)) {
@@ -28,7 +28,7 @@ impl Check<'_> {
         match (&raw.scene, &raw.image, &raw.plate) {
             (_, Some(image), _) => return Source::Images(self.images(image)),
             (None, None, Some(_)) => return Source::Frame,
-            // A misspelt key was reported already, and it is the cause.
+            // A misspelt key, already reported, is the cause.
             (None, None, None) if !self.has_unknown_key(&["scene", "image"]) => {
                 self.fault("scene", "is missing", SOURCES);
             }
@@ -37,7 +37,7 @@ impl Check<'_> {
         Source::Scene(self.folder().join(raw.scene.as_deref().unwrap_or_default()))
     }
 
-    /// A path that may have a frame counter.
+    /// Returns a path that may contain a frame counter.
     pub(super) fn plate_path(&mut self, raw: &str, key: &str) -> PathBuf {
         if let Err(ImageError::Pattern { what, .. }) = SequencePath::parse(Path::new(raw)) {
             let (what, hint) = what.split_once("; ").unwrap_or((&what, "write for example beauty.####.exr"));
@@ -46,7 +46,7 @@ impl Check<'_> {
         self.folder().join(raw)
     }
 
-    /// How plates are warped.
+    /// Returns the settings of plate warps.
     pub(super) fn warp(&mut self, raw: &RawWarp, source: &Source) -> WarpSettings {
         let holes = match &raw.holes {
             RawHoles::Leave => Holes::Leave,
@@ -70,7 +70,7 @@ impl Check<'_> {
         }
     }
 
-    /// The part of a plate that a layer moves.
+    /// Returns the matte of the part of a plate that a layer moves.
     pub(super) fn matte(&mut self, raw: &RawMatte, key: &str, shot: &LayerDefaults) -> Option<Matte> {
         if shot.space == RawSpace::World {
             let what = "a plate is warped on the screen, this layer's lattice lies in the scene";
@@ -120,7 +120,7 @@ impl Check<'_> {
         }
     }
 
-    /// Refuses what a layer of a shot without a scene cannot have.
+    /// Rejects layer keys that require a scene.
     pub(super) fn plate_layer(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) {
         match shot.source {
             Kind::Scene => return,
@@ -147,7 +147,7 @@ impl Check<'_> {
     }
 }
 
-/// What a unit is, in pixels or sides of the frame.
+/// Returns the motion encoding and its unit: pixels or frame sizes.
 fn motion(raw: &RawMotion) -> (Option<MotionEncoding>, MotionUnit) {
     let (unit, scale) = match raw.unit {
         RawMotionUnit::Named(RawNamedUnit::Pixels) => ([1.0; 2], MotionUnit::Pixels),

@@ -1,4 +1,4 @@
-//! Rules of `nodes` and `select` of a layer.
+//! Validates `nodes` and `select` of a layer.
 //!
 //! In: raw tables. Out: a [`Selection`].
 
@@ -37,7 +37,7 @@ impl Check<'_> {
         }
     }
 
-    /// One layer at most takes the rest, and something else has to be named.
+    /// Checks that at most one layer takes the remaining nodes.
     pub(super) fn rest_layers(&mut self, layers: &[Layer]) {
         let mut rests = layers.iter().enumerate().filter(|(_, layer)| layer.selection.is_rest);
         let Some((_, first)) = rests.next() else { return };
@@ -48,7 +48,7 @@ impl Check<'_> {
     }
 }
 
-/// The patterns, and whether the layer takes what no other does.
+/// Returns the node patterns, and whether the layer takes the nodes that no other layer takes.
 pub(super) fn nodes(raw: Option<RawNodes>) -> (Vec<String>, bool) {
     match raw {
         None => (Vec::new(), false),

@@ -1,4 +1,4 @@
-//! Rules of `region` of a pin and of `[[layer.stiffness]]`: each says one thing, and says it whole.
+//! Validates `region` of a pin and `[[layer.stiffness]]`: each entry sets exactly one part, completely.
 //!
 //! In: raw tables. Out: [`PinRegion`]s and [`StiffnessRule`]s.
 

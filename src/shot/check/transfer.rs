@@ -1,4 +1,4 @@
-//! Rules of `transfer`: lattices from elsewhere instead of pins.
+//! Validates `transfer`: lattices from another file instead of pins.
 //!
 //! In: the raw table. Out: a [`Transfer`].
 
@@ -9,7 +9,7 @@ use crate::space::ScreenPoint;
 use std::path::Path;
 
 impl Check<'_> {
-    /// `layer` is the key of the layer.
+    /// Checks a transfer; `layer`: the key of its layer.
     pub(super) fn transfer(&mut self, raw: &RawTransfer, layer: &str, shot: &LayerDefaults) -> Transfer {
         for key in ["pin", "handle", "solve", "stiffness"].map(|other| format!("{layer}.{other}")) {
             if self.document.has(&key) {

@@ -1,15 +1,15 @@
-//! A pin as TOML text, table and inline table.
+//! A pin as TOML, as a table or an inline table.
 //!
-//! In: a name and an [`Anchor`]. Out: `[[layer.pin]]` with one key that leaves the point where it is.
+//! In: a name and an [`Anchor`]. Out: `[[layer.pin]]` with one key that holds the point at rest.
 
 use crate::shot::Anchor;
 use crate::spelling::escaped;
 use toml_edit::{Array, InlineTable, Item, Table, Value};
 
-/// Numbers of anchors are written with this many decimals: far below a pixel, free of binary noise.
+/// Decimals of the numbers in anchors: far below a pixel, without binary noise.
 const DECIMALS: i32 = 7;
 
-/// A pin as it stands in a shot file, ending with a newline: to print, or to paste below a layer.
+/// Formats a pin as in a shot file, ending with a newline: for printing, or pasting below a layer.
 ///
 /// ```
 /// use pinwarp::shot::{Anchor, edit};
@@ -24,23 +24,23 @@ pub fn pin_block(name: &str, anchor: &Anchor) -> String {
     format!("  [[layer.pin]]\n{}", pin.table("  "))
 }
 
-/// A pin about to be written.
+/// A pin to be written.
 pub(super) struct NewPin<'a> {
     pub(super) name: &'a str,
     pub(super) anchor: InlineTable,
     pub(super) keys: Array,
 }
 
-/// How numbers are written.
+/// The precision of written numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Digits {
-    /// As a person reads them: far below a pixel, free of binary noise.
+    /// Readable: far below a pixel, without binary noise.
     Few,
-    /// So that they come back bit for bit.
+    /// Lossless: they are read back bit for bit.
     All,
 }
 
-/// One key without offset.
+/// Returns keys that hold the rest position: a single one without offset.
 pub(super) fn resting(frame: i64) -> Array {
     let mut key = InlineTable::new();
     key.insert("frame", frame.into());
@@ -51,7 +51,7 @@ pub(super) fn resting(frame: i64) -> Array {
 }
 
 impl NewPin<'_> {
-    /// For `[[layer.pin]]`, each line indented.
+    /// Returns the pin for `[[layer.pin]]`, with every line indented.
     pub(super) fn table(&self, indent: &str) -> Table {
         let mut table = Table::new();
         table.decor_mut().set_prefix(format!("\n{indent}"));
@@ -66,7 +66,7 @@ impl NewPin<'_> {
         table
     }
 
-    /// For `pin = [ {..}, {..} ]`.
+    /// Returns the pin for `pin = [ {..}, {..} ]`.
     pub(super) fn inline(&self) -> InlineTable {
         self.entries().into_iter().collect()
     }
@@ -80,7 +80,7 @@ impl NewPin<'_> {
     }
 }
 
-/// A string on one line, whatever it holds: control characters, which could drive a terminal, are escaped.
+/// Returns a string on one line: control characters, which could affect a terminal, are escaped.
 fn one_line(text: &str) -> Value {
     if escaped(text) == text {
         return text.into();
@@ -94,7 +94,8 @@ fn one_line(text: &str) -> Value {
     quoted.parse().unwrap_or_else(|_| text.into())
 }
 
-/// `{ node = .., primitive = .., triangle = .., barycentric = [..], rest = [..] }` or `{ screen = [..], frame = .. }`.
+/// Returns `{ node = .., primitive = .., triangle = .., barycentric = [..], rest = [..] }` or `{ screen = [..], frame =
+/// .. }`.
 pub(super) fn anchor_table(anchor: &Anchor, digits: Digits) -> InlineTable {
     let mut table = InlineTable::new();
     match anchor {

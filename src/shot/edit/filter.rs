@@ -1,6 +1,6 @@
-//! How plates are resampled, put into the text of a shot.
+//! Sets the resampling filter of plates in the text of a shot.
 //!
-//! In: text, a filter. Out: the new text; everything else in it stays as it is, comments included.
+//! In: a text, a filter. Out: the new text; everything else is preserved, comments included.
 
 use super::fault;
 use super::layer::{replace, sub_table, word};
@@ -8,7 +8,7 @@ use super::text::EditableText;
 use crate::plate::Filter;
 use crate::shot::ShotError;
 
-/// Writes `warp.filter`.
+/// Sets `warp.filter`.
 ///
 /// ```
 /// use pinwarp::plate::Filter;
@@ -19,7 +19,7 @@ use crate::shot::ShotError;
 /// ```
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML, or `warp` is no table.
+/// [`ShotError::Edit`] if the text is not TOML, or `warp` is not a table.
 pub fn put_filter(text: &str, filter: Filter) -> Result<String, ShotError> {
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault("warp", &what, hint))?;
     let warp = sub_table(text.document.as_table_mut(), "warp");

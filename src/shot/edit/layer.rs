@@ -1,6 +1,6 @@
-//! A layer's lattice and keyed pins, put into the text of a shot.
+//! Writes a layer's lattice and keyed pins into the text of a shot.
 //!
-//! In: text, what is to be said. Out: the new text; what the edit does not speak of stays as it is, comments included.
+//! In: a text, the new values. Out: the new text; everything else is preserved, comments included.
 
 use super::block::{Digits, NewPin, anchor_table, numbers};
 use super::text::EditableText;
@@ -12,27 +12,27 @@ use std::collections::HashMap;
 use toml_edit::ser::ValueSerializer;
 use toml_edit::{Array, InlineTable, Item, TableLike, Value};
 
-/// What a layer shall say.
+/// The values to write to a layer.
 #[derive(Clone, Debug)]
 pub struct LayerEdit<'a> {
-    /// Handles across and up.
+    /// Number of handles across and up.
     pub dims: [usize; 2],
     /// Basis of the lattice.
     pub basis: Basis,
-    /// Its strength.
+    /// The layer's strength.
     pub strength: Factor,
-    /// Its smoothness.
+    /// The layer's smoothness.
     pub smoothness: Factor,
-    /// Its pins; others that it has stay.
+    /// The pins to write; other pins of the layer are kept.
     pub pins: &'a [KeyedPin<'a>],
 }
 
-/// A factor that a layer may have already.
+/// How to set a factor that the layer may have already.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Factor {
-    /// This, whatever it was.
+    /// Replaces it.
     Exactly(f64),
-    /// So many times what it was.
+    /// Multiplies it.
     Times(f64),
 }
 
@@ -50,16 +50,16 @@ impl Factor {
 pub struct KeyedPin<'a> {
     /// Its name in the layer.
     pub name: &'a str,
-    /// What it is attached to; `None`: a pin of that name is there, and stays attached as it is.
+    /// Its anchor; `None` keeps the anchor of the existing pin of that name.
     pub anchor: Option<Anchor>,
-    /// Keys on the screen, in frame heights.
+    /// Screen-space keys, in frame heights.
     pub keys: Vec<PinKey>,
 }
 
-/// Writes a layer's lattice and pins: into the layer of that name, `None`: the first (where there is none, one is made).
+/// Writes a lattice and pins into the layer named `layer`; `None`: the first, which is created if there is none.
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML, has no such layer, or is written in a way that cannot be edited.
+/// [`ShotError::Edit`] if the text is not TOML, has no such layer, or has a structure that cannot be edited.
 pub fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<String, ShotError> {
     let name = layer.unwrap_or("layer");
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
@@ -95,7 +95,7 @@ fn put_lattice(layer: &mut dyn TableLike, edit: &LayerEdit) -> Option<()> {
     Some(())
 }
 
-/// The table of that name, made where there is none; `None` where something else has the name.
+/// Returns the table of that name, created if missing; `None` if the name is taken by something else.
 pub(super) fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<&'a mut dyn TableLike> {
     if !table.contains_key(name) {
         table.insert(name, Item::Value(Value::InlineTable(InlineTable::new())));
@@ -103,12 +103,12 @@ pub(super) fn sub_table<'a>(table: &'a mut dyn TableLike, name: &str) -> Option<
     table.get_mut(name)?.as_table_like_mut()
 }
 
-/// The word that stands for a choice.
+/// Returns the TOML spelling of an enum variant.
 pub(super) fn word(choice: impl Serialize) -> Value {
     choice.serialize(ValueSerializer::new()).expect("choices are written as words")
 }
 
-/// A value in place of another; a comment behind it stays.
+/// Replaces a value, keeping the comment after it.
 pub(super) fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();
@@ -119,7 +119,7 @@ pub(super) fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// Sets a factor, which is 1 where it is not there; what is right already stays as it is written.
+/// Sets a factor, whose default is 1; a value that is already right keeps its spelling.
 fn scale(table: &mut dyn TableLike, key: &str, factor: Factor) {
     let number = |item: &Item| item.as_float().or_else(|| item.as_integer().map(|number| number as f64));
     let old = table.get(key).and_then(number).unwrap_or(1.0);
@@ -129,7 +129,7 @@ fn scale(table: &mut dyn TableLike, key: &str, factor: Factor) {
     }
 }
 
-/// Edits the pins that are there and appends the others; the list is gone through once, however many there are.
+/// Edits existing pins and appends new ones, in one pass over the list.
 fn put_pins(layer: &mut dyn TableLike, pins: &[KeyedPin]) -> Result<(), ShotError> {
     let Some(first) = pins.first() else { return Ok(()) };
     let not_tables = || fault(first.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
@@ -163,7 +163,7 @@ fn edit_keyed(table: &mut dyn TableLike, pin: &KeyedPin) {
     replace(table, "keys", keys_array(&pin.keys).into());
 }
 
-/// One key a line.
+/// Formats the keys, one per line.
 fn keys_array(keys: &[PinKey]) -> Array {
     let mut array = Array::new();
     for (index, key) in keys.iter().enumerate() {
@@ -197,7 +197,7 @@ pub(super) fn key_table(key: &PinKey) -> InlineTable {
     table
 }
 
-/// The word or curve of an ease; linear is not written.
+/// Sets the ease by name or curve; linear, the default, is omitted.
 pub(super) fn put_ease(table: &mut InlineTable, ease: Ease) {
     let value = match ease {
         Ease::Linear => return,

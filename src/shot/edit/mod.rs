@@ -1,6 +1,6 @@
-//! Puts pins into the text of a shot and leaves everything else in it as it is, byte for byte.
+//! Edits pins in the text of a shot and preserves everything else byte for byte.
 //!
-//! In: text and an [`Anchor`]. Out: the new text. The text need not be a valid shot, only TOML.
+//! In: a text and an [`Anchor`]. Out: the new text. The text must be TOML, but need not be a valid shot.
 
 mod block;
 mod filter;
@@ -22,8 +22,8 @@ use block::{Digits, NewPin, anchor_table, resting};
 use text::EditableText;
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
 
-/// Appends a pin, held at its place by one key without offset, to the layer named `layer` (`None`: the first; where
-/// there is none, one is made). A pin of that name that is there already only gets the new anchor.
+/// Appends a pin, held at rest by one key without offset, to the layer named `layer`; `None`: the first, which is
+/// created if there is none. If the layer has a pin of that name, only its anchor is replaced.
 ///
 /// ```
 /// use pinwarp::shot::{Anchor, edit};
@@ -37,7 +37,7 @@ use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value
 /// ```
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML, has no such layer, or `layer` or `pin` is no list of tables.
+/// [`ShotError::Edit`] if the text is not TOML, has no such layer, or if `layer` or `pin` is not a list of tables.
 pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> Result<String, ShotError> {
     let edit = |what: &str, hint: &str| fault(name, what, hint);
     if name.is_empty() {
@@ -67,7 +67,7 @@ fn no_tables() -> Item {
     Item::ArrayOfTables(ArrayOfTables::new())
 }
 
-/// The frame of the new pin's only key; any would do, as its value holds before and after.
+/// Returns the frame of the new pin's only key; its choice is arbitrary, as the value holds before and after.
 fn first_frame(shot: &Table) -> i64 {
     let frames = shot.get("frames").and_then(Item::as_table_like);
     frames.and_then(|frames| frames.get("first")).and_then(Item::as_integer).unwrap_or(1)
@@ -87,7 +87,7 @@ fn append_layer(layers: &mut Item) {
     }
 }
 
-/// The tables of a list, however it is written; `None` where it is no list of tables.
+/// Returns the tables of a list, inline or not; `None` if it is not a list of tables.
 fn tables(list: &mut Item) -> Option<Vec<&mut dyn TableLike>> {
     match list {
         Item::ArrayOfTables(tables) => Some(tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()),
@@ -98,7 +98,7 @@ fn tables(list: &mut Item) -> Option<Vec<&mut dyn TableLike>> {
     }
 }
 
-/// The name of a table of a list: its `name`, else that which a shot gives it.
+/// Returns the name of a table in a list: its `name`, else the default name in a shot.
 fn name_of(table: &dyn TableLike, kind: &str, index: usize) -> String {
     let given = table.get("name").and_then(Item::as_str);
     given.map_or_else(|| format!("{kind}{}", index + 1), str::to_owned)
@@ -106,7 +106,7 @@ fn name_of(table: &dyn TableLike, kind: &str, index: usize) -> String {
 
 type Remedy = (String, String);
 
-/// The table of that name, or the first.
+/// Returns the table of that name, or the first.
 fn find<'a>(list: &'a mut Item, name: Option<&str>, kind: &str) -> Result<&'a mut dyn TableLike, Remedy> {
     let not_tables = (format!("`{kind}` is not a list of tables"), format!("write [[{kind}]] as in docs/SHOT.md"));
     let tables = tables(list).ok_or(not_tables)?;
@@ -119,7 +119,7 @@ fn find<'a>(list: &'a mut Item, name: Option<&str>, kind: &str) -> Result<&'a mu
     index.and_then(|index| tables.into_iter().nth(index)).ok_or_else(missing)
 }
 
-/// `layer` has a list of pins.
+/// Writes a pin into a layer that has a list of pins.
 fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
     let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
     let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
@@ -131,7 +131,7 @@ fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
     is_appended.ok_or_else(not_tables)
 }
 
-/// Only the anchor changes; a comment behind it stays.
+/// Replaces the anchor, keeping the comment after it.
 fn replace_anchor(pin: &mut dyn TableLike, new: InlineTable) {
     match pin.get_mut("anchor") {
         Some(Item::Table(old)) => replace_entries(old, new),
@@ -147,7 +147,8 @@ fn replace_anchor(pin: &mut dyn TableLike, new: InlineTable) {
     }
 }
 
-/// For `[layer.pin.anchor]` and `anchor.node = ..`: the form stays, and so do comments at entries that both have.
+/// Replaces the entries of `[layer.pin.anchor]` or `anchor.node = ..`, keeping the form, and the comments at common
+/// entries.
 fn replace_entries(old: &mut dyn TableLike, new: InlineTable) {
     let gone: Vec<String> = old.iter().map(|(key, _)| key.to_owned()).filter(|key| !new.contains_key(key)).collect();
     for key in gone {
@@ -163,7 +164,7 @@ fn replace_entries(old: &mut dyn TableLike, new: InlineTable) {
     }
 }
 
-/// `None` where the list is none of tables.
+/// Appends a pin; `None` if the list is not a list of tables.
 fn append_pin(list: &mut Item, pin: &NewPin) -> Option<()> {
     match list {
         Item::ArrayOfTables(pins) => {

@@ -1,6 +1,7 @@
-//! One pin or handle changed in the text of a shot: keys, name, region, or all of it taken out.
+//! Edits one pin or handle in the text of a shot: keys, name, region, removal.
 //!
-//! In: text, names, what is to be said. Out: the new text. Keys whose frames stay keep their comments and the order of their entries.
+//! In: a text, names, new values. Out: the new text. Keys whose frames are kept preserve their comments and entry
+//! order.
 
 use super::block::{Digits, numbers};
 use super::layer::{key_table, replace};
@@ -9,7 +10,7 @@ use super::{fault, find, no_tables, tables};
 use crate::shot::{HandleKey, PinKey, PinRegion, ShotError};
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
 
-/// A pin by the names of its layer and its own.
+/// A pin, identified by the names of layer and pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PinName<'a> {
     /// Its layer.
@@ -18,7 +19,7 @@ pub struct PinName<'a> {
     pub pin: &'a str,
 }
 
-/// Writes the keys of a pin, in frame heights.
+/// Sets the keys of a pin, in frame heights.
 ///
 /// ```
 /// use pinwarp::shot::{Ease, Goal, PinKey, edit};
@@ -31,7 +32,7 @@ pub struct PinName<'a> {
 /// ```
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML or has no such pin.
+/// [`ShotError::Edit`] if the text is not TOML or has no such pin.
 pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| {
         let new: Vec<(f64, InlineTable)> = keys.iter().map(|key| (key.frame, key_table(key))).collect();
@@ -39,10 +40,10 @@ pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, Shot
     })
 }
 
-/// Gives a pin another name.
+/// Renames a pin.
 ///
 /// # Errors
-/// As [`put_keys`], and where the name is empty.
+/// As [`put_keys`], and if the name is empty.
 pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
     if name.trim().is_empty() {
         return Err(fault(at.pin, "the new name is empty", "give a name"));
@@ -50,7 +51,7 @@ pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotErr
     edit_pin(text, at, |pin| replace(pin, "name", name.into()))
 }
 
-/// Says what a pin takes along; `None`: its point alone.
+/// Sets the region that a pin carries; `None`: only its point.
 ///
 /// # Errors
 /// As [`put_keys`].
@@ -67,7 +68,7 @@ pub fn put_region(text: &str, at: PinName, region: Option<PinRegion>) -> Result<
     })
 }
 
-/// Takes a pin out.
+/// Removes a pin.
 ///
 /// # Errors
 /// As [`put_keys`].
@@ -81,7 +82,7 @@ pub fn remove_pin(text: &str, at: PinName) -> Result<String, ShotError> {
     })
 }
 
-/// Writes the keys of a handle; without keys it is taken out.
+/// Sets the keys of a handle; without keys the handle is removed.
 ///
 /// # Errors
 /// As [`put_keys`].
@@ -153,7 +154,7 @@ fn take_out(list: &mut Item, index: usize) {
     }
 }
 
-/// Where the new handle stands.
+/// Appends a handle and returns its place in the list.
 fn append_handle(list: &mut Item, index: &[usize]) -> Option<usize> {
     let place: Array = index.iter().map(|&place| place as i64).collect();
     match list {
@@ -193,7 +194,7 @@ fn frame(frame: f64) -> Value {
     if frame.fract() == 0.0 { (frame as i64).into() } else { frame.into() }
 }
 
-/// Makes `keys` say these, frame by frame: entries that stay keep their decoration.
+/// Updates `keys` to these, frame by frame; entries that are kept preserve their formatting.
 fn put_key_tables(table: &mut dyn TableLike, keys: &[(f64, InlineTable)]) {
     let is_list =
         table.get("keys").and_then(Item::as_array).is_some_and(|list| list.iter().all(Value::is_inline_table));
@@ -221,7 +222,8 @@ fn put_key_tables(table: &mut dyn TableLike, keys: &[(f64, InlineTable)]) {
             update(old, key);
         }
     }
-    // What stood last may now have a neighbour, and the other way round.
+    // The formatting of the last entry differs from that of the others, and entries may have become or ceased to be the
+    // last.
     let last = list.len().saturating_sub(1);
     for (place, key) in list.iter_mut().enumerate() {
         let suffix = key.decor().suffix().and_then(|suffix| suffix.as_str()).unwrap_or_default().to_owned();
@@ -231,7 +233,7 @@ fn put_key_tables(table: &mut dyn TableLike, keys: &[(f64, InlineTable)]) {
     }
 }
 
-/// A key on a line of its own, but for the first.
+/// Inserts a key on a line of its own, except for the first.
 fn insert(list: &mut Array, place: usize, key: InlineTable) {
     let beside = list.get(place.saturating_sub(1)).or_else(|| list.get(place)).filter(|_| place > 0);
     let prefix = beside.and_then(|key| key.decor().prefix()?.as_str()).filter(|prefix| prefix.contains('\n'));
@@ -248,7 +250,7 @@ fn insert(list: &mut Array, place: usize, key: InlineTable) {
     list.insert_formatted(place, Value::InlineTable(key).decorated(prefix, ""));
 }
 
-/// Values that stay keep their spelling.
+/// Updates the entries; equal values keep their spelling.
 fn update(old: &mut InlineTable, new: &InlineTable) {
     let gone: Vec<String> = old.iter().map(|(key, _)| key.to_owned()).filter(|key| !new.contains_key(key)).collect();
     for key in gone {
@@ -267,7 +269,7 @@ fn update(old: &mut InlineTable, new: &InlineTable) {
     }
 }
 
-/// Equal as numbers or text, however they are written.
+/// Returns whether two values are equal as numbers or text, regardless of spelling.
 fn means_same(a: &Value, b: &Value) -> bool {
     let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
     match (a, b) {

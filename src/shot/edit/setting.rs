@@ -1,6 +1,6 @@
-//! Single values of a shot or a layer, and the order of layers, put into the text of a shot.
+//! Edits single values of a shot or a layer, and the order of layers, in the text of a shot.
 //!
-//! In: text, where, what. Out: the new text; everything else in it stays as it is, comments included.
+//! In: a text, a key, a value. Out: the new text; everything else is preserved, comments included.
 
 use super::layer::{replace, sub_table};
 use super::pin::{PinName, edit_layer, edit_pin};
@@ -9,22 +9,22 @@ use super::{fault, find, no_tables, tables};
 use crate::shot::ShotError;
 use toml_edit::{Array, ArrayOfTables, Item, Table, TableLike, Value};
 
-/// A value as a shot writes it.
+/// A value in a shot file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Setting {
-    /// What holds where nothing is said: the key goes.
+    /// The default: the key is removed.
     Default,
     /// A number.
     Number(f64),
-    /// A whole number.
+    /// An integer.
     Whole(i64),
-    /// Words or a path.
+    /// A string or a path.
     Text(String),
-    /// Yes or no.
+    /// A boolean.
     Flag(bool),
-    /// Whole numbers in a row.
+    /// A list of integers.
     Wholes(Vec<i64>),
-    /// Words in a row.
+    /// A list of strings.
     Texts(Vec<String>),
 }
 
@@ -42,7 +42,7 @@ impl Setting {
     }
 }
 
-/// Sets a value of the shot: a key, or a key in a table, `["frames", "last"]`.
+/// Sets a value of the shot: a key, or a key in a table, such as `["frames", "last"]`.
 ///
 /// ```
 /// use pinwarp::shot::edit::{Setting, put_setting};
@@ -53,7 +53,7 @@ impl Setting {
 /// ```
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML, or something that is no table stands in the way.
+/// [`ShotError::Edit`] if the text is not TOML, or a parent of the key is not a table.
 pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     let name = key.join(".");
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(&name, &what, hint))?;
@@ -61,10 +61,10 @@ pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String
     Ok(text.finish())
 }
 
-/// Sets a value of a layer, as [`put_setting`].
+/// Sets a value of a layer, as [`put_setting`] does.
 ///
 /// # Errors
-/// As [`put_setting`], and where there is no such layer.
+/// As [`put_setting`], and if there is no such layer.
 pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
 }
@@ -82,7 +82,7 @@ pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Settin
 /// ```
 ///
 /// # Errors
-/// As [`put_setting`], and where there is no such pin.
+/// As [`put_setting`], and if there is no such pin.
 pub fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| match setting.value() {
         Some(value) => replace(pin, key, value),
@@ -90,7 +90,7 @@ pub fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) ->
     })
 }
 
-/// A number that a layer's table says; `None`: it says none.
+/// Returns a number in a layer's table; `None` if it is not set.
 #[must_use]
 pub fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {
     let mut text = EditableText::parse(text).ok()?;
@@ -115,10 +115,10 @@ fn put(table: &mut dyn TableLike, key: &[&str], setting: &Setting) -> Option<()>
     Some(())
 }
 
-/// Appends a layer of that name which moves those nodes.
+/// Appends a layer that moves these nodes.
 ///
 /// # Errors
-/// [`ShotError::Edit`] where the text is not TOML, or its layers are no list of tables.
+/// [`ShotError::Edit`] if the text is not TOML, or its layers are not a list of tables.
 pub fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, ShotError> {
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
     let layers = text.document.entry("layer").or_insert_with(no_tables);
@@ -138,15 +138,15 @@ pub fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, Sho
     Ok(text.finish())
 }
 
-/// Takes a layer out.
+/// Removes a layer.
 ///
 /// # Errors
-/// As [`add_layer`], and where there is no such layer.
+/// As [`add_layer`], and if there is no such layer.
 pub fn remove_layer(text: &str, name: &str) -> Result<String, ShotError> {
     reorder(text, name, |order, at| _ = order.remove(at))
 }
 
-/// Moves a layer to another place; later layers take what they name from those before.
+/// Moves a layer to another index; of nodes named by several layers, later layers take them from earlier ones.
 ///
 /// # Errors
 /// As [`remove_layer`].
@@ -173,7 +173,7 @@ fn reorder(text: &str, name: &str, change: impl FnOnce(&mut Vec<usize>, usize)) 
     match layers {
         Item::ArrayOfTables(layers) => {
             let mut old: Vec<Table> = layers.iter().cloned().collect();
-            // Tables are written by the place where they stood.
+            // Tables are written in the order of their original positions.
             let places: Vec<Option<isize>> = old.iter().map(Table::position).collect();
             let mut new = ArrayOfTables::new();
             for (place, &from) in order.iter().enumerate() {
@@ -192,7 +192,7 @@ fn reorder(text: &str, name: &str, change: impl FnOnce(&mut Vec<usize>, usize)) 
     Ok(text.finish())
 }
 
-/// A table and all below it, written at that place.
+/// Sets the position at which a table and everything below it is written.
 fn shift(table: &mut Table, place: Option<isize>) {
     table.set_position(place);
     for (_, item) in table.iter_mut() {

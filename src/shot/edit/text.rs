@@ -1,12 +1,13 @@
-//! Text to an editable document and back, where `toml_edit` alone would change bytes: line ends, a byte order mark.
+//! Converts text to an editable document and back, preserving what `toml_edit` alone would change: line endings, a byte
+//! order mark.
 //!
-//! In: any TOML. Out: the same text but for what was edited.
+//! In: any TOML. Out: the same text except for the edits.
 
 use toml_edit::{DocumentMut, Table};
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A document that goes back to its text.
+/// An editable document that can be converted back to its text.
 pub(super) struct EditableText {
     pub(super) document: DocumentMut,
     has_mark: bool,
@@ -14,8 +15,10 @@ pub(super) struct EditableText {
 }
 
 impl EditableText {
+    /// Parses a text.
+    ///
     /// # Errors
-    /// What is wrong and a remedy, where the text is not TOML or mixes line ends (which could not be kept).
+    /// The problem and a remedy, if the text is not TOML or mixes line endings (which could not be preserved).
     pub(super) fn parse(text: &str) -> Result<Self, (String, &'static str)> {
         let body = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let has_crlf = body.contains("\r\n");
@@ -42,7 +45,7 @@ fn not_toml(text: &str, error: &toml_edit::TomlError) -> (String, &'static str) 
     (what, "mend it first")
 }
 
-/// The white space before the header of a table.
+/// Returns the white space before a table's header.
 pub(super) fn indent_of(table: &Table) -> String {
     let prefix = table.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default();
     prefix.rsplit('\n').next().unwrap_or_default().to_owned()

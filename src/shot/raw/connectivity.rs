@@ -1,4 +1,4 @@
-//! What separates and joins the parts of a layer, as written.
+//! Cuts and joins between the parts of a layer, as written.
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
@@ -40,7 +40,7 @@ pub(in crate::shot) struct RawPartCut {
 }
 
 impl RawPartCut {
-    /// Its rules as those of `select`.
+    /// Returns its rules as those of `select`.
     pub(in crate::shot) fn select(&self) -> RawSelect {
         let Self { joints, materials, vertex_color, mask, .. } = self.clone();
         RawSelect { joints, materials, vertex_color, mask, feather: None }

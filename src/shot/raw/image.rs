@@ -16,7 +16,7 @@ pub(in crate::shot) enum RawImage {
 }
 
 impl RawImage {
-    /// The key and path of each.
+    /// Returns the key and path of each picture.
     pub(in crate::shot) fn paths(&self) -> Vec<(String, &str)> {
         match self {
             Self::One(path) => vec![("image".to_owned(), path)],

@@ -1,7 +1,7 @@
-//! The shot file as written: every key, its type, range and default, nothing related to anything else yet.
+//! The shot file as written: every key with its type, range and default, without relations between keys.
 //!
-//! In: TOML that [`super::structure`] compared with the schema of these types. Out: input of [`super::check`].
-//! The descriptions below are what the published schema says about each key.
+//! In: TOML that [`super::structure`] compared with the schema of these types. Out: input of [`super::check`]. The
+//! descriptions below are what the published schema says about each key.
 
 mod camera;
 mod connectivity;

@@ -1,50 +1,52 @@
-//! Actions: what the host asks an effect to do.
+//! Action names: what a host asks an effect to do.
 //!
-//! In: nothing. Out: the names; each says whether arguments come with it.
+//! In: nothing. Out: C strings; each documents its in and out arguments.
 
 names! {
-    /// First of all; no handle.
+    /// The first action, after the library is loaded; without a handle.
     LOAD = c"OfxActionLoad";
-    /// Last of all; no handle.
+    /// The last action, before the library is unloaded; without a handle.
     UNLOAD = c"OfxActionUnload";
-    /// Says what the effect can do. Also the first action of an overlay.
+    /// Describes the effect's capabilities. Also the first action of an overlay.
     DESCRIBE = c"OfxActionDescribe";
     /// Declares clips and parameters for one context (in: `image::CONTEXT`).
     DESCRIBE_IN_CONTEXT = c"OfxImageEffectActionDescribeInContext";
-    /// An instance (of an effect, of an overlay) begins.
+    /// Creates an instance of an effect or of an overlay.
     CREATE_INSTANCE = c"OfxActionCreateInstance";
-    /// An instance ends.
+    /// Destroys an instance.
     DESTROY_INSTANCE = c"OfxActionDestroyInstance";
-    /// A run of changes begins (in: reason).
+    /// Begins a series of changes (in: reason).
     BEGIN_INSTANCE_CHANGED = c"OfxActionBeginInstanceChanged";
-    /// A clip or a parameter changed (in: type, name, reason, time, render scale).
+    /// A clip or parameter changed (in: type, name, reason, time, render scale).
     INSTANCE_CHANGED = c"OfxActionInstanceChanged";
-    /// A run of changes ends (in: reason).
+    /// Ends a series of changes (in: reason).
     END_INSTANCE_CHANGED = c"OfxActionEndInstanceChanged";
-    /// Memory is short.
+    /// Memory is low: the effect should free its caches.
     PURGE_CACHES = c"OfxActionPurgeCaches";
-    /// The instance is about to be saved: parameters must hold all.
+    /// The instance is about to be saved: private data must be written to the parameters.
     SYNC_PRIVATE_DATA = c"OfxActionSyncPrivateData";
-    /// The first window on an instance opens.
+    /// The first editor window of an instance opens.
     BEGIN_INSTANCE_EDIT = c"OfxActionBeginInstanceEdit";
-    /// The last window on an instance closes.
+    /// The last editor window of an instance closes.
     END_INSTANCE_EDIT = c"OfxActionEndInstanceEdit";
-    /// Where the output has pixels (in: time, render scale; out: four doubles, canonical).
+    /// Computes the output's region of definition (in: time, render scale; out: four doubles, canonical).
     GET_REGION_OF_DEFINITION = c"OfxImageEffectActionGetRegionOfDefinition";
-    /// What of each clip is needed for a part of the output (in: time, render scale, that part; out: four doubles a clip).
+    /// Computes the region of each clip that a region of the output needs (in: time, render scale, region; out: four
+    /// doubles per clip).
     GET_REGIONS_OF_INTEREST = c"OfxImageEffectActionGetRegionsOfInterest";
-    /// The times at which there is output.
+    /// Computes the time range of the output.
     GET_TIME_DOMAIN = c"OfxImageEffectActionGetTimeDomain";
-    /// The frames of each clip that one frame needs.
+    /// Computes the frames of each clip needed to render one frame.
     GET_FRAMES_NEEDED = c"OfxImageEffectActionGetFramesNeeded";
-    /// Components, depth, premultiplication of the output (out).
+    /// Sets the output's components, bit depth and premultiplication (out).
     GET_CLIP_PREFERENCES = c"OfxImageEffectActionGetClipPreferences";
-    /// Whether a clip may be passed on as it is (in: time, field, window, scale; out: the clip's name, its time).
+    /// Asks whether a clip may be passed through unchanged (in: time, field, window, scale; out: the clip's name and
+    /// time).
     IS_IDENTITY = c"OfxImageEffectActionIsIdentity";
-    /// Draws a window of the output (in: time, field, window, scale).
+    /// Renders a window of the output (in: time, field, window, scale).
     RENDER = c"OfxImageEffectActionRender";
-    /// A run of renders begins.
+    /// Begins a sequence of renders.
     BEGIN_SEQUENCE_RENDER = c"OfxImageEffectActionBeginSequenceRender";
-    /// A run of renders ends.
+    /// Ends a sequence of renders.
     END_SEQUENCE_RENDER = c"OfxImageEffectActionEndSequenceRender";
 }

@@ -1,30 +1,30 @@
-//! Numbers of the Draw suite.
+//! Enumeration values of the Draw suite.
 //!
-//! In: nothing. Out: values of its enumerations.
+//! In: nothing. Out: integer constants.
 
 use std::ffi::c_int;
 
-/// Colour: what is behind an overlay.
+/// Colour: the overlay's background.
 pub const COLOUR_BACKGROUND: c_int = 0;
-/// Colour: what is being dragged.
+/// Colour: an element that is being dragged.
 pub const COLOUR_ACTIVE: c_int = 1;
-/// Colour: what is selected.
+/// Colour: a selected element.
 pub const COLOUR_SELECTED: c_int = 2;
-/// Colour: what is not.
+/// Colour: an element that is not selected.
 pub const COLOUR_DESELECTED: c_int = 3;
-/// Line: unbroken.
+/// Stipple: solid.
 pub const STIPPLE_SOLID: c_int = 0;
-/// Line: dashes.
+/// Stipple: dashed.
 pub const STIPPLE_DASH: c_int = 2;
-/// Figure: pairs of points.
+/// Primitive: separate lines, one per pair of points.
 pub const LINES: c_int = 0;
-/// Figure: points in a row.
+/// Primitive: an open polyline.
 pub const LINE_STRIP: c_int = 1;
-/// Figure: the same, closed.
+/// Primitive: a closed polyline.
 pub const LINE_LOOP: c_int = 2;
-/// Figure: a rectangle, by two corners.
+/// Primitive: a rectangle, given by two opposite corners.
 pub const RECTANGLE: c_int = 3;
-/// Figure: a filled polygon.
+/// Primitive: a filled polygon.
 pub const POLYGON: c_int = 4;
-/// Figure: an ellipse, by two corners of its box.
+/// Primitive: an ellipse, given by two opposite corners of its bounding box.
 pub const ELLIPSE: c_int = 5;

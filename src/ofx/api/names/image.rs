@@ -1,133 +1,133 @@
-//! Properties of effects, clips and images, and the values they take.
+//! Properties of effects, clips and images, and their values.
 //!
-//! In: nothing. Out: names; each says its type and number of values.
+//! In: nothing. Out: C strings; each documents its type and number of values.
 
 names! {
-    /// Clip name: the picture that is worked on.
+    /// Clip name: the input picture.
     SOURCE_CLIP = c"Source";
-    /// Clip name: the result.
+    /// Clip name: the output.
     OUTPUT_CLIP = c"Output";
-    /// String: the context of an instance, or of the description.
+    /// String: the context of an instance or of a description.
     CONTEXT = c"OfxImageEffectPropContext";
-    /// Strings, of an effect: contexts it works in.
+    /// Strings, of an effect: the contexts it supports.
     SUPPORTED_CONTEXTS = c"OfxImageEffectPropSupportedContexts";
-    /// Context: one picture in, one out.
+    /// Context: one input, one output.
     CONTEXT_FILTER = c"OfxImageEffectContextFilter";
     /// Context: any clips.
     CONTEXT_GENERAL = c"OfxImageEffectContextGeneral";
-    /// String, of an effect: its place in menus.
+    /// String, of an effect: its menu group.
     GROUPING = c"OfxImageEffectPluginPropGrouping";
-    /// Int, of an effect: at most one instance.
+    /// Int, of an effect: whether at most one instance may exist.
     SINGLE_INSTANCE = c"OfxImageEffectPluginPropSingleInstance";
-    /// Int: the host may share out one frame over threads.
+    /// Int: whether the host may split one frame over several threads.
     HOST_FRAME_THREADING = c"OfxImageEffectPluginPropHostFrameThreading";
-    /// String: how renders may run side by side.
+    /// String: the thread safety of renders.
     RENDER_THREAD_SAFETY = c"OfxImageEffectPluginRenderThreadSafety";
-    /// Value of [`RENDER_THREAD_SAFETY`]: one render at a time, of all instances.
+    /// Value of [`RENDER_THREAD_SAFETY`]: one render at a time over all instances.
     RENDER_UNSAFE = c"OfxImageEffectRenderUnsafe";
-    /// Value of [`RENDER_THREAD_SAFETY`]: one render at a time in an instance.
+    /// Value of [`RENDER_THREAD_SAFETY`]: one render at a time per instance.
     RENDER_INSTANCE_SAFE = c"OfxImageEffectRenderInstanceSafe";
-    /// Value of [`RENDER_THREAD_SAFETY`]: any number.
+    /// Value of [`RENDER_THREAD_SAFETY`]: any number of concurrent renders.
     RENDER_FULLY_SAFE = c"OfxImageEffectRenderFullySafe";
-    /// Int, of hosts, effects and clips: pieces of pictures are welcome.
+    /// Int, of hosts, effects and clips: whether tiles are supported.
     SUPPORTS_TILES = c"OfxImageEffectPropSupportsTiles";
-    /// Int, of hosts and effects: pictures of several sizes and origins are.
+    /// Int, of hosts and effects: whether images of different sizes and origins are supported.
     SUPPORTS_MULTI_RESOLUTION = c"OfxImageEffectPropSupportsMultiResolution";
-    /// Int, of hosts, effects and clips: other times than the current one are looked at.
+    /// Int, of hosts, effects and clips: whether frames at other times than the current one are accessed.
     TEMPORAL_CLIP_ACCESS = c"OfxImageEffectPropTemporalClipAccess";
-    /// Int: clips may differ in depth.
+    /// Int: whether clips may differ in bit depth.
     SUPPORTS_MULTIPLE_CLIP_DEPTHS = c"OfxImageEffectPropMultipleClipDepths";
-    /// Int: clips may differ in pixel aspect.
+    /// Int: whether clips may differ in pixel aspect ratio.
     SUPPORTS_MULTIPLE_CLIP_PARS = c"OfxImageEffectPropSupportsMultipleClipPARs";
-    /// Int, of an effect: render each field of fielded material, even where nothing moves.
+    /// Int, of an effect: whether each field of interlaced material is rendered, even where nothing moves.
     FIELD_RENDER_TWICE_ALWAYS = c"OfxImageEffectPluginPropFieldRenderTwiceAlways";
-    /// Strings: depths that hosts and effects know.
+    /// Strings: the bit depths that a host or effect supports.
     SUPPORTED_PIXEL_DEPTHS = c"OfxImageEffectPropSupportedPixelDepths";
-    /// Strings: components that hosts and clips know.
+    /// Strings: the components that a host or clip supports.
     SUPPORTED_COMPONENTS = c"OfxImageEffectPropSupportedComponents";
-    /// Strings, of an effect: parameters that the clip preferences depend on.
+    /// Strings, of an effect: the parameters that affect the clip preferences.
     CLIP_PREFERENCES_SLAVE_PARAM = c"OfxImageEffectPropClipPreferencesSlaveParam";
-    /// Int, of an effect's argument: the output varies with time by itself.
+    /// Int, of an action's out arguments: whether the output varies with time even if no parameter does.
     FRAME_VARYING = c"OfxImageEffectFrameVarying";
-    /// Int, of the host: there are overlays.
+    /// Int, of the host: whether it supports overlays.
     SUPPORTS_OVERLAYS = c"OfxImageEffectPropSupportsOverlays";
-    /// Pointer, of an effect: entry of its overlay, drawn with OpenGL.
+    /// Pointer, of an effect: entry point of its overlay, drawn with OpenGL.
     OVERLAY_INTERACT_V1 = c"OfxImageEffectPluginPropOverlayInteractV1";
-    /// Pointer, of an effect: entry of its overlay, drawn with the Draw suite.
+    /// Pointer, of an effect: entry point of its overlay, drawn with the Draw suite.
     OVERLAY_INTERACT_V2 = c"OfxImageEffectPluginPropOverlayInteractV2";
-    /// Int, of a clip: it may be left unconnected.
+    /// Int, of a clip: whether it may be left unconnected.
     CLIP_OPTIONAL = c"OfxImageClipPropOptional";
-    /// Int, of a clip: it is a mask.
+    /// Int, of a clip: whether it is a mask.
     CLIP_IS_MASK = c"OfxImageClipPropIsMask";
-    /// Int, of a clip: there is something at its other end.
+    /// Int, of a clip: whether it is connected.
     CLIP_CONNECTED = c"OfxImageClipPropConnected";
-    /// String, of a clip: how fields are taken out of it.
+    /// String, of a clip: how fields are extracted from it.
     CLIP_FIELD_EXTRACTION = c"OfxImageClipPropFieldExtraction";
     /// String, of a clip: which field comes first.
     CLIP_FIELD_ORDER = c"OfxImageClipPropFieldOrder";
-    /// String, of clips and images: depth of a value.
+    /// String, of clips and images: bit depth of a component.
     PIXEL_DEPTH = c"OfxImageEffectPropPixelDepth";
-    /// String, of clips and images: what a pixel holds.
+    /// String, of clips and images: the components of a pixel.
     COMPONENTS = c"OfxImageEffectPropComponents";
-    /// String, of clips and images: how colour and alpha go together.
+    /// String, of clips and images: the premultiplication state.
     PREMULTIPLICATION = c"OfxImageEffectPropPreMultiplication";
-    /// Double, of clips and images: width of a pixel / its height.
+    /// Double, of clips and images: pixel aspect ratio, width / height.
     PIXEL_ASPECT = c"OfxImagePropPixelAspectRatio";
-    /// Double: frames a second.
+    /// Double: frames per second.
     FRAME_RATE = c"OfxImageEffectPropFrameRate";
     /// Doubles (2), of a clip: first and last frame.
     FRAME_RANGE = c"OfxImageEffectPropFrameRange";
-    /// Doubles (2): pixels rendered per pixel at full size.
+    /// Doubles (2): rendered pixels per pixel at full size.
     RENDER_SCALE = c"OfxImageEffectPropRenderScale";
-    /// Ints (4): the pixels to draw.
+    /// Ints (4): the pixels to render.
     RENDER_WINDOW = c"OfxImageEffectPropRenderWindow";
-    /// String: the field to draw.
+    /// String: the field to render.
     FIELD_TO_RENDER = c"OfxImageEffectPropFieldToRender";
-    /// Doubles (4), canonical: where there is output.
+    /// Doubles (4), canonical: the region of definition.
     REGION_OF_DEFINITION = c"OfxImageEffectPropRegionOfDefinition";
-    /// Doubles (4), canonical: what is asked for.
+    /// Doubles (4), canonical: the requested region.
     REGION_OF_INTEREST = c"OfxImageEffectPropRegionOfInterest";
-    /// Beginning of the names, one a clip, of doubles (4): what is needed of it.
+    /// Prefix, completed by a clip's name; doubles (4): its region of interest.
     CLIP_ROI_PREFIX = c"OfxImageClipPropRoI_";
-    /// Beginning of the names, one a clip, of a string: its components.
+    /// Prefix, completed by a clip's name; string: its components.
     CLIP_COMPONENTS_PREFIX = c"OfxImageClipPropComponents_";
-    /// Beginning of the names, one a clip, of a string: its depth.
+    /// Prefix, completed by a clip's name; string: its bit depth.
     CLIP_DEPTH_PREFIX = c"OfxImageClipPropDepth_";
-    /// Beginning of the names, one a clip, of a double: its pixel aspect.
+    /// Prefix, completed by a clip's name; double: its pixel aspect ratio.
     CLIP_PAR_PREFIX = c"OfxImageClipPropPAR_";
-    /// Doubles (2), of an instance, canonical: the project's picture.
+    /// Doubles (2), of an instance, canonical: size of the project's picture.
     PROJECT_SIZE = c"OfxImageEffectPropProjectSize";
-    /// Doubles (2), of an instance, canonical: lower left corner of that picture.
+    /// Doubles (2), of an instance, canonical: lower left corner of the project's picture.
     PROJECT_OFFSET = c"OfxImageEffectPropProjectOffset";
     /// Doubles (2), of an instance, canonical: upper right corner of the project's canvas.
     PROJECT_EXTENT = c"OfxImageEffectPropProjectExtent";
-    /// Double, of an instance: pixel aspect of the project.
+    /// Double, of an instance: pixel aspect ratio of the project.
     PROJECT_PIXEL_ASPECT = c"OfxImageEffectPropPixelAspectRatio";
-    /// Double, of an instance: how many frames it lasts.
+    /// Double, of an instance: its duration in frames.
     EFFECT_DURATION = c"OfxImageEffectInstancePropEffectDuration";
-    /// Pointer, of an image: the pixel at its lower left corner.
+    /// Pointer, of an image: its lower left pixel.
     DATA = c"OfxImagePropData";
-    /// Ints (4), of an image: its pixels.
+    /// Ints (4), of an image: the pixels it holds.
     BOUNDS = c"OfxImagePropBounds";
-    /// Ints (4), of an image: the pixels it could have.
+    /// Ints (4), of an image: its region of definition in pixels.
     IMAGE_REGION_OF_DEFINITION = c"OfxImagePropRegionOfDefinition";
-    /// Int, of an image: bytes from a row to the next above; may be negative.
+    /// Int, of an image: bytes from a row to the next one above; may be negative.
     ROW_BYTES = c"OfxImagePropRowBytes";
-    /// String, of an image: its fields.
+    /// String, of an image: the fields it holds.
     FIELD = c"OfxImagePropField";
-    /// String, of an image: unlike that of any other.
+    /// String, of an image: a unique identifier.
     UNIQUE_IDENTIFIER = c"OfxImagePropUniqueIdentifier";
-    /// Depth: nothing is connected.
+    /// Bit depth: the clip is unconnected.
     DEPTH_NONE = c"OfxBitDepthNone";
-    /// Depth: 8 bits.
+    /// Bit depth: 8-bit unsigned integers.
     DEPTH_BYTE = c"OfxBitDepthByte";
-    /// Depth: 16 bits.
+    /// Bit depth: 16-bit unsigned integers.
     DEPTH_SHORT = c"OfxBitDepthShort";
-    /// Depth: 16-bit floats.
+    /// Bit depth: 16-bit floats.
     DEPTH_HALF = c"OfxBitDepthHalf";
-    /// Depth: 32-bit floats.
+    /// Bit depth: 32-bit floats.
     DEPTH_FLOAT = c"OfxBitDepthFloat";
-    /// Components: nothing is connected.
+    /// Components: the clip is unconnected.
     COMPONENT_NONE = c"OfxImageComponentNone";
     /// Components: red, green, blue, alpha.
     COMPONENT_RGBA = c"OfxImageComponentRGBA";
@@ -135,22 +135,22 @@ names! {
     COMPONENT_RGB = c"OfxImageComponentRGB";
     /// Components: alpha.
     COMPONENT_ALPHA = c"OfxImageComponentAlpha";
-    /// Premultiplication: there is no alpha to speak of.
+    /// Premultiplication: opaque, alpha is ignored.
     OPAQUE = c"OfxImageOpaque";
-    /// Premultiplication: colour is multiplied by alpha.
+    /// Premultiplication: colour is premultiplied by alpha.
     PREMULTIPLIED = c"OfxImageAlphaPremultiplied";
-    /// Premultiplication: it is not.
+    /// Premultiplication: colour is straight.
     UNPREMULTIPLIED = c"OfxImageAlphaUnPremultiplied";
-    /// Field: whole frames.
+    /// Field: none, whole frames.
     FIELD_NONE = c"OfxFieldNone";
-    /// Field: rows 0, 2, 4.
+    /// Field: lower, rows 0, 2, 4.
     FIELD_LOWER = c"OfxFieldLower";
-    /// Field: rows 1, 3, 5.
+    /// Field: upper, rows 1, 3, 5.
     FIELD_UPPER = c"OfxFieldUpper";
     /// Field: both, interlaced.
     FIELD_BOTH = c"OfxFieldBoth";
-    /// Field extraction: one field, at half the height.
+    /// Field extraction: a single field, at half the height.
     FIELD_SINGLE = c"OfxFieldSingle";
-    /// Field extraction: one field, each row twice.
+    /// Field extraction: a single field, each row doubled.
     FIELD_DOUBLED = c"OfxFieldDoubled";
 }

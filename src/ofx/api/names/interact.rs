@@ -1,43 +1,43 @@
 //! Actions and properties of overlays.
 //!
-//! In: nothing. Out: names; each says its type and number of values.
+//! In: nothing. Out: C strings; each documents its type and number of values.
 
 names! {
-    /// Draws (in: effect, pixel scale, time, render scale, perhaps a draw context).
+    /// Draws the overlay (in: effect, pixel scale, time, render scale, optionally a draw context).
     DRAW = c"OfxInteractActionDraw";
-    /// The pen moved, up or down (in: as for drawing, and where it is).
+    /// The pen moved, pressed or not (in: as for drawing, and its position).
     PEN_MOTION = c"OfxInteractActionPenMotion";
-    /// The pen went down.
+    /// The pen was pressed.
     PEN_DOWN = c"OfxInteractActionPenDown";
-    /// The pen went up.
+    /// The pen was released.
     PEN_UP = c"OfxInteractActionPenUp";
-    /// A key went down (in: effect, key, time, render scale).
+    /// A key was pressed (in: effect, key, time, render scale).
     KEY_DOWN = c"OfxInteractActionKeyDown";
-    /// A key went up.
+    /// A key was released.
     KEY_UP = c"OfxInteractActionKeyUp";
-    /// A key is held.
+    /// A key repeats while it is held.
     KEY_REPEAT = c"OfxInteractActionKeyRepeat";
-    /// The overlay is listened to.
+    /// The overlay gained input focus.
     GAIN_FOCUS = c"OfxInteractActionGainFocus";
-    /// It no longer is.
+    /// The overlay lost input focus.
     LOSE_FOCUS = c"OfxInteractActionLoseFocus";
-    /// Strings, of an overlay: parameters whose changes call for drawing.
+    /// Strings, of an overlay: the parameters whose changes trigger a redraw.
     SLAVE_TO_PARAM = c"OfxInteractPropSlaveToParam";
-    /// Doubles (2): canonical size of a pixel of the screen.
+    /// Doubles (2): canonical size of a screen pixel.
     PIXEL_SCALE = c"OfxInteractPropPixelScale";
-    /// Doubles (3): colour behind the picture.
+    /// Doubles (3): the viewer's background colour.
     BACKGROUND_COLOUR = c"OfxInteractPropBackgroundColour";
-    /// Doubles (3): colour that the host suggests for overlays.
+    /// Doubles (3): the colour that the host suggests for overlays.
     SUGGESTED_COLOUR = c"OfxInteractPropSuggestedColour";
-    /// Doubles (2): the pen, canonical.
+    /// Doubles (2): the pen's position, canonical.
     PEN_POSITION = c"OfxInteractPropPenPosition";
-    /// Double: how hard it is pressed, 0 to 1.
+    /// Double: the pen's pressure, 0 to 1.
     PEN_PRESSURE = c"OfxInteractPropPenPressure";
-    /// Pointer, in the draw action: where the Draw suite draws.
+    /// Pointer, of the draw action: the context of the Draw suite.
     DRAW_CONTEXT = c"OfxInteractPropDrawContext";
-    /// Int: the key (spelled so in the API), as X11 counts keys.
+    /// Int: the key as an X11 keysym (the API spells the name so).
     KEY_SYM = c"kOfxPropKeySym";
-    /// String: the key as text (spelled so in the API).
+    /// String: the key as text (the API spells the name so).
     KEY_STRING = c"kOfxPropKeyString";
 }
 

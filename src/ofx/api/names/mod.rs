@@ -1,8 +1,8 @@
-//! The strings of the API: suites, actions, properties and the values that properties take.
+//! The strings of the API: suites, actions, properties and property values.
 //!
-//! In: nothing. Out: C strings, exactly as hosts spell them, oddities included.
+//! In: nothing. Out: C strings, exactly as hosts spell them, irregularities included.
 
-/// Declares C strings with a line on what each is for.
+/// Declares documented C string constants.
 macro_rules! names {
     ($($(#[$doc:meta])* $name:ident = $text:literal;)*) => {$(
         $(#[$doc])*
@@ -18,30 +18,30 @@ pub mod param;
 pub mod prop;
 
 names! {
-    /// The API of image effects, in `Plugin::api`.
+    /// The image effect API, as in `Plugin::api`.
     IMAGE_EFFECT_API = c"OfxImageEffectPluginAPI";
-    /// Suite of properties.
+    /// The Property suite.
     PROPERTY_SUITE = c"OfxPropertySuite";
-    /// Suite of effects, clips and images.
+    /// The Image Effect suite: effects, clips and images.
     IMAGE_EFFECT_SUITE = c"OfxImageEffectSuite";
-    /// Suite of parameters.
+    /// The Parameter suite.
     PARAMETER_SUITE = c"OfxParameterSuite";
-    /// Suite of messages.
+    /// The Message suite.
     MESSAGE_SUITE = c"OfxMessageSuite";
-    /// Suite of memory.
+    /// The Memory suite.
     MEMORY_SUITE = c"OfxMemorySuite";
-    /// Suite of threads.
+    /// The Multi Thread suite.
     MULTI_THREAD_SUITE = c"OfxMultiThreadSuite";
-    /// Suite of overlays.
+    /// The Interact suite: overlays.
     INTERACT_SUITE = c"OfxInteractSuite";
-    /// Suite of drawing.
+    /// The Draw suite.
     DRAW_SUITE = c"OfxDrawSuite";
-    /// Kind of message: an error that the user can mend.
+    /// Message type: an error that the user can fix.
     MESSAGE_ERROR = c"OfxMessageError";
-    /// Kind of message: it works, though not as well as it might.
+    /// Message type: a warning.
     MESSAGE_WARNING = c"OfxMessageWarning";
-    /// Kind of message: plain news.
+    /// Message type: information.
     MESSAGE_MESSAGE = c"OfxMessageMessage";
-    /// Kind of message: for the log only.
+    /// Message type: written to the log only.
     MESSAGE_LOG = c"OfxMessageLog";
 }

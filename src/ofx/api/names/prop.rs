@@ -1,43 +1,43 @@
-//! Properties of no kind in particular, and the values they take.
+//! General properties, and their values.
 //!
-//! In: nothing. Out: names; each says its type and number of values.
+//! In: nothing. Out: C strings; each documents its type and number of values.
 
 names! {
-    /// String: what is behind a handle.
+    /// String: the type of the object behind a handle.
     TYPE = c"OfxPropType";
     /// String: the name of a host, clip or parameter.
     NAME = c"OfxPropName";
-    /// String: what the user reads.
+    /// String: the label shown to the user.
     LABEL = c"OfxPropLabel";
-    /// String: the same, for little room.
+    /// String: a shorter label, for narrow displays.
     SHORT_LABEL = c"OfxPropShortLabel";
-    /// String: the same, for much room.
+    /// String: a longer label, for wide displays.
     LONG_LABEL = c"OfxPropLongLabel";
-    /// Ints: a version, most significant first.
+    /// Ints: a version number, most significant component first.
     VERSION = c"OfxPropVersion";
-    /// String: a version to read.
+    /// String: a human-readable version.
     VERSION_LABEL = c"OfxPropVersionLabel";
-    /// Ints, of the host: the version of the API; absent: 1.0.
+    /// Ints, of the host: the API version; absent in hosts of API 1.0.
     API_VERSION = c"OfxPropAPIVersion";
-    /// String: what the plugin is for.
+    /// String: a description of the plugin.
     PLUGIN_DESCRIPTION = c"OfxPropPluginDescription";
-    /// String, of an effect: the bundle.
+    /// String, of an effect: the path of its bundle.
     PLUGIN_FILE_PATH = c"OfxPluginPropFilePath";
-    /// Pointer, of an instance: whatever the plugin keeps.
+    /// Pointer, of an instance: the plugin's private data.
     INSTANCE_DATA = c"OfxPropInstanceData";
     /// Int: whether there is a user interface.
     IS_INTERACTIVE = c"OfxPropIsInteractive";
     /// Double: a time, in frames.
     TIME = c"OfxPropTime";
-    /// String: why something changed.
+    /// String: the reason for a change.
     CHANGE_REASON = c"OfxPropChangeReason";
-    /// Pointer, of an overlay: its effect.
+    /// Pointer, of an overlay: its effect instance.
     EFFECT_INSTANCE = c"OfxPropEffectInstance";
-    /// Value of [`CHANGE_REASON`]: the user did it.
+    /// Value of [`CHANGE_REASON`]: edited by the user.
     CHANGE_USER_EDITED = c"OfxChangeUserEdited";
-    /// Value of [`CHANGE_REASON`]: the plugin did it.
+    /// Value of [`CHANGE_REASON`]: edited by the plugin.
     CHANGE_PLUGIN_EDITED = c"OfxChangePluginEdited";
-    /// Value of [`CHANGE_REASON`]: the time moved on.
+    /// Value of [`CHANGE_REASON`]: the current time changed.
     CHANGE_TIME = c"OfxChangeTime";
     /// Value of [`TYPE`]: a host.
     TYPE_IMAGE_EFFECT_HOST = c"OfxTypeImageEffectHost";

@@ -1,4 +1,5 @@
-//! The shading functions against integrals and closed forms: energy, normalisation, windows, hostile normals.
+//! Tests of the shading functions against integrals and closed forms: energy, normalisation, attenuation, extreme
+//! normals.
 
 use super::*;
 
@@ -15,7 +16,7 @@ fn surface(metallic: f32, roughness: f32, to_viewer: Vec3) -> Surface {
     }
 }
 
-/// Directions of a midpoint grid over the hemisphere around y, with their solid angles.
+/// Returns directions of a midpoint grid over the hemisphere around y, with their solid angles.
 fn hemisphere(steps: u32) -> impl Iterator<Item = (Vec3, f32)> {
     let cell = 2.0 * PI / (steps * 4 * steps) as f32;
     (0..steps * 4 * steps).map(move |k| {
@@ -77,7 +78,7 @@ fn a_white_matte_floor_under_one_lux_shows_one_over_pi() {
     };
     let surface = surface(0.0, 1.0, Vec3::new(1.0, 0.5, 0.0));
     let matte = light_surface(&surface, &Light::from(&light)).x;
-    // 0.96 / pi of the matte layer and a little gloss.
+    // 0.96 / pi of the diffuse layer, and a little specular reflection.
     assert!((matte - 0.96 / PI).abs() < 0.02, "{matte}");
 }
 
