@@ -18,9 +18,9 @@ const VISIBLE_PX: f64 = 2.0;
 /// The warp may jerk this many times as much as what it follows: far from the pins it swings farther than they move.
 const AMPLIFIED: f64 = 6.0;
 
-/// In steps of half the length a smooth motion has an eighth of the jerk, a kink in it a half and a jump all of it: above this part
-/// it is none.
-const ROUGH: f64 = 0.25;
+/// In steps of half the length a smooth motion has an eighth of the jerk, one whose curvature jumps, as at the knots of a trajectory, a quarter,
+/// a kink a half and a jump all of it. A motion is rough above this fraction.
+const ROUGH: f64 = 0.35;
 
 /// Steps in which a motion is looked at before it counts as rough, frames: what buckles is smooth, but within a part of a frame.
 const HALVINGS: [f64; 3] = [0.5, 0.25, 0.125];

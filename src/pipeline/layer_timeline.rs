@@ -11,6 +11,9 @@ use crate::screen::primitive;
 use crate::shot::{Layer, LayerSpace, PinTargets};
 use crate::solve::{ModelPoint, Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
 
+/// Models of so many triangles are posed and sampled one at a time.
+const HEAVY: usize = 250_000;
+
 /// Time of the first knot of a layer. Drawings on twos change half a frame from the middles of exposures, which are their knots.
 pub(super) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
     let first = f64::from(prepared.shot.solve_range[0]);
@@ -121,6 +124,10 @@ impl Timeline<2> for LayerTimeline<'_> {
             }
             LayerSpace::World { .. } => usize::MAX,
         }
+    }
+
+    fn is_light(&self) -> bool {
+        self.triangle_count() < HEAVY
     }
 
     fn progress(&self, done: usize, of: usize) {

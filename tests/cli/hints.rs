@@ -89,7 +89,12 @@ fn folding(offset: &str) -> Bench {
     };
     let pins = [pin(0.6, "[0.0, 0.0]"), pin(1.2, "[0.0, 0.0]"), pin(0.9, offset)].concat();
     let scene = Tiny::of(vec![grid("Quad", [-0.4, -0.4, 0.4, 0.4], 8)]);
-    Bench::with(&scene.json(), &format!("{HEAD}{pins}{OUTPUT}").replace("dims = [4, 4]", "dims = [8, 8]"))
+    Bench::with(
+        &scene.json(),
+        &format!("{HEAD}{pins}{OUTPUT}")
+            .replace("dims = [4, 4]", "dims = [8, 8]")
+            .replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0 }"),
+    )
 }
 
 #[test]

@@ -25,6 +25,8 @@ fn rendered(strength: f64) -> (Frame, [usize; 2]) {
     let mut shot = Shot::read(&path()).expect("a right shot");
     shot.output.path = folder.path().join("f.####.exr");
     shot.layers[0].strength = strength;
+    // A host solves each frame alone.
+    shot.layers[0].settings.temporal = 0.0;
     let prepared = PreparedShot::new(shot).expect("the picture is there");
     let options = RenderOptions { frames: vec![FRAME], device: DeviceChoice::Cpu, ..RenderOptions::default() };
     let summary = pinwarp::pipeline::render(&prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");

@@ -117,7 +117,9 @@ fn edits_in_metres_do_not_care_for_the_camera_and_dragged_ones_do() {
     // A tenth of a metre nearer a frame.
     tiny.camera_velocity = [1.0, 0.5, -2.4];
     let handles = |keys: &str, frame: f64| {
-        let studio = Studio::tiny(&tiny, &world_layer(&(pin(keys) + &far_pins(["", ""]))));
+        let mut studio = Studio::tiny(&tiny, &world_layer(&(pin(keys) + &far_pins(["", ""]))));
+        // Over time, what a knot starts from differs in the last digits.
+        studio.shot.layers[0].settings.temporal = 0.0;
         solved(&studio.prepared().sample_at(frame).expect("the frame is solved")).lattice.lattice.handles.clone()
     };
     let in_metres = "{ frame = 1, offset = [0.2, 0.1, 0.3] }";

@@ -1,4 +1,4 @@
-//! Factorisations of the normal matrix: banded or dense Cholesky, with a low-rank correction, or LU. Crate faer.
+//! Factorisations of the normal matrix: banded, dense or sparse Cholesky, with a low-rank correction, or LU. Crate faer.
 //!
 //! In: a symmetric matrix. Out: its solutions.
 
@@ -6,6 +6,7 @@ use super::band_storage::stride;
 use super::cholesky::Cholesky;
 use super::normal_matrix::{NormalMatrix, SMALL};
 use super::small_matrix::{SquareMatrix, identity, symmetric_eigen};
+use super::sparse::SparseFactor;
 use crate::solve::cancel::Cancel;
 use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Mat, Side};
@@ -23,6 +24,8 @@ pub(crate) enum Factorization {
     Cholesky(Cholesky),
     /// L Lᵀ − U Uᵀ.
     Corrected(Corrected),
+    /// P L Lᵀ Pᵀ, for wide bands with few entries.
+    Sparse(SparseFactor),
     /// For matrices that negative cotangents make indefinite.
     Lu(Box<PartialPivLu<f64>>),
 }
@@ -49,6 +52,10 @@ impl Factorization {
         if let Some(corrected) = Corrected::new(&normal, cancel) {
             return Some(Self::Corrected(corrected));
         }
+        if let Some(entries) = SparseFactor::entries(&normal) {
+            drop(normal);
+            return SparseFactor::of(&entries).map(Self::Sparse);
+        }
         let is_large = normal.size > MAX_UNPOLLED;
         if (normal.is_banded_enough() || normal.size <= CACHED || is_large) && normal.downdates.is_empty() {
             return Cholesky::new(normal.band, normal.columns, cancel).map(Self::Cholesky);
@@ -65,7 +72,7 @@ impl Factorization {
     pub(crate) fn into_buffer(self) -> Vec<f64> {
         match self {
             Self::Cholesky(cholesky) => cholesky.into_buffer(),
-            Self::Corrected(_) | Self::Lu(_) => Vec::new(),
+            Self::Corrected(_) | Self::Sparse(_) | Self::Lu(_) => Vec::new(),
         }
     }
 
@@ -74,6 +81,7 @@ impl Factorization {
         match self {
             Self::Cholesky(cholesky) => cholesky.solve(x),
             Self::Corrected(corrected) => corrected.solve(x),
+            Self::Sparse(sparse) => sparse.solve(x),
             Self::Lu(lu) => {
                 let solved = lu.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
                 for (row, values) in x.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Linear algebra of the solver: small matrices, banded and dense factorisations, symmetric products, vector registers.
+//! Linear algebra of the solver: small matrices, banded, dense and sparse factorisations, symmetric products, vector registers.
 //!
 //! In: numbers. Out: numbers. Independent of lattices.
 
@@ -10,4 +10,5 @@ pub(super) mod normal_matrix;
 pub(super) mod pseudo_inverse;
 pub(super) mod simd;
 pub(super) mod small_matrix;
+pub(super) mod sparse;
 pub(super) mod syrk;

@@ -5,10 +5,10 @@
 //!
 //! In: shape and pins (each on its nearest vertex). Out: moved vertices, #vertices.
 
-use super::sparse::SparseFactor;
 use crate::solve::energy::{HalfEdges, edges};
 use crate::solve::error::SolveError;
 use crate::solve::linalg::small_matrix::{apply, best_rotation, dot, minus};
+use crate::solve::linalg::sparse::SparseFactor;
 use crate::solve::problem::{PointPin, Shape};
 use crate::solve::settings::EdgeWeights;
 

@@ -7,7 +7,6 @@ mod hsu;
 mod inverse;
 mod lp_ffd;
 mod mls;
-mod sparse;
 
 pub use arap::Arap;
 pub use hsu::Hsu;

@@ -28,7 +28,7 @@ const ROUNDS: usize = 30;
 /// A knot whose points move less than this part of the box diagonal does not disturb its neighbours.
 const TOLERANCE: f64 = 2e-5;
 
-/// An interval holds a proximal term of at least four times its weight; this much of it has to make the energy convex.
+/// An interval holds a proximal term of at least eight times its weight; this much of it has to make the energy convex.
 const CONVEX_SHARE: f64 = 2.0;
 
 /// A weight is at least this part of its neighbours'.
@@ -197,8 +197,7 @@ impl<'a, const D: usize> Chain<'a, D> {
                 if std::mem::take(&mut is_stale[index]) && self.relax(index)? > self.tolerance {
                     is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
                     is_stale[index] = false;
-                    // Curves through the knots reach one interval farther.
-                    self.is_continuous[index.saturating_sub(2)..(index + 2).min(count - 1)].fill(false);
+                    self.is_continuous[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
                 }
             }
             if !is_stale.contains(&true) {
@@ -360,11 +359,8 @@ impl<const D: usize> Between<'_, D> {
         let times = [index, index + 1].map(|knot| self.coupling.knot_time(self.taken + knot));
         let probe = |part: f64| (self.probe)(times[0] + part * (times[1] - times[0]));
         let tolerance = EVEN * self.coupling.least_speed;
-        let beside =
-            |at: Option<usize>| Some(self.knots.get(at?)?.as_ref()?).filter(|beside| beside.drawing == knot.drawing);
-        let around = [beside(index.checked_sub(1)), Some(knot), Some(next), beside(Some(index + 2))];
-        let states = around.map(|knot| knot.map(|knot| &knot.displacement));
-        let mut interval = Interval::new(states, &probe, tolerance, if is_convex { 0 } else { LEAST_DEPTH });
+        let ends = [&knot.displacement, &next.displacement];
+        let mut interval = Interval::new(ends, &probe, tolerance, if is_convex { 0 } else { LEAST_DEPTH });
         let mut doubled = (0..DOUBLINGS).map(|times| initial * 2_f64.powi(times));
         doubled.find(|&weight| interval.is_continuous(weight)).unwrap_or(initial)
     }

@@ -7,6 +7,7 @@
 
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
+use super::weight_between;
 use crate::solve::cancel::Cancel;
 
 /// Times are halved this often, whatever is found, where nothing speaks against a jump: one of all points could lie in the middle.
@@ -17,8 +18,7 @@ const MOST_DEPTH: u32 = 11;
 
 /// The motion between two knots.
 pub(crate) struct Interval<'a, const D: usize> {
-    /// The knots at its ends, between those beside them.
-    knots: [Option<&'a Displacement<D>>; 4],
+    ends: [&'a Displacement<D>; 2],
     /// The problem at a part of the interval, 0 to 1, without a state; `None` where there is none.
     probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
     /// The problems at the times asked for so far, by their part of the interval.
@@ -31,18 +31,18 @@ pub(crate) struct Interval<'a, const D: usize> {
 
 impl<'a, const D: usize> Interval<'a, D> {
     pub(crate) fn new(
-        knots: [Option<&'a Displacement<D>>; 4],
+        ends: [&'a Displacement<D>; 2],
         probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
         tolerance: f64,
         least_depth: u32,
     ) -> Self {
-        Self { knots, probe, probed: Vec::new(), tolerance, least_depth }
+        Self { ends, probe, probed: Vec::new(), tolerance, least_depth }
     }
 
     /// No jump is found between the knots with this weight.
     pub(crate) fn is_continuous(&mut self, weight: f64) -> bool {
-        let [_, Some(from), Some(to), _] = self.knots else { return true };
-        self.is_even([0.0, 1.0], &[from.clone(), to.clone()], weight, 0)
+        let ends = self.ends.map(Clone::clone);
+        self.is_even([0.0, 1.0], &ends, weight, 0)
     }
 
     /// The motion between two times is even, or becomes so where they are halved.
@@ -81,9 +81,9 @@ impl<'a, const D: usize> Interval<'a, D> {
             }
         };
         let knot = self.probed[place].1.as_mut()?;
-        let drawn_to = Displacement::on_curve(self.knots, part)?;
+        let drawn_to = self.ends[0].interpolated(self.ends[1], part);
         knot.start_from(&drawn_to);
-        let weight = weight / (part * (1.0 - part));
+        let weight = weight_between(weight, part);
         knot.solve_near((&drawn_to.points, weight), Descent::Cold, &Cancel::never()).ok()?;
         Some(knot.displacement.clone())
     }

@@ -80,8 +80,9 @@ impl<const D: usize> Trajectory<D> {
         };
         // Where a problem cannot be made between two knots, its own frame says why.
         let probe = |time: f64| knot_at(time).ok().flatten();
-        let build =
-            |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> { range.into_par_iter().map(build).collect() };
+        let build = |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> {
+            if timeline.is_light() { range.into_par_iter().map(build).collect() } else { range.map(build).collect() }
+        };
         let window = timeline.window().max(LEAST_WINDOW);
         let mut end = window.min(count);
         let mut chain = Chain::new(build(0..end)?, &probe, &coupling, cancel);
@@ -148,8 +149,8 @@ impl<const D: usize> Trajectory<D> {
         }
     }
 
-    /// What draws a time. Between two knots: E(x) + ω/(s (1 − s)) ‖d − c(s)‖², s the part of the interval that has passed, c a curve through
-    /// the knots. Before the first knot, after the last,
+    /// What draws a time. Between two knots: ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), s the part of the interval that
+    /// has passed; twice that is, up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 − s) d_k − s d_{k+1}‖². Before the first knot, after the last,
     /// beside a gap, and where the other neighbour shows another drawing, one knot alone draws, the less the farther it is.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
         let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
@@ -167,9 +168,7 @@ impl<const D: usize> Trajectory<D> {
         match pair {
             (Some(from), Some(to)) => {
                 let s = place - before;
-                let weight = self.weights[before as usize] / (s * (1.0 - s));
-                let curve = Displacement::on_curve([state(before - 1.0), Some(from), Some(to), state(after + 1.0)], s);
-                curve.map_or(Neighbourhood::Alone, |on_curve| Neighbourhood::Near(on_curve, weight))
+                Neighbourhood::Near(from.interpolated(to, s), weight_between(self.weights[before as usize], s))
             }
             (Some(only), None) => Neighbourhood::Near(only.clone(), self.weight / (place - before)),
             (None, Some(only)) => Neighbourhood::Near(only.clone(), self.weight / (after - place)),
@@ -198,6 +197,12 @@ impl<const D: usize> Trajectory<D> {
     fn state(&self, knot: f64) -> Option<&Displacement<D>> {
         if knot < 0.0 { None } else { self.states.get(knot as usize)?.as_ref() }
     }
+}
+
+/// The weight of the square between two knots. Each interval has half of the energy of a time, as in the trapezoidal rule: the motion has no
+/// kinks at knots.
+fn weight_between(weight: f64, s: f64) -> f64 {
+    2.0 * weight / (s * (1.0 - s))
 }
 
 /// What draws a time.

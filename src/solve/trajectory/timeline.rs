@@ -44,6 +44,11 @@ pub trait Timeline<const D: usize> {
         usize::MAX
     }
 
+    /// Knots are made on all cores at once; false where that would take too much memory.
+    fn is_light(&self) -> bool {
+        true
+    }
+
     /// Hears how far a [`Trajectory`](super::Trajectory) has been solved: parts done, of all. Of no consequence for the result.
     fn progress(&self, _done: usize, _of: usize) {}
 }
