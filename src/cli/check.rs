@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// Explains the jerk figures.
-const JERK_IN_WORDS: &str = "jerk: how much the acceleration of a point changes from frame to frame, in pixels a frame \
-    cubed. It is 0 in steady motion, and high where a motion starts, stops, turns fast or flickers. The warp is warned of where it \
-    jerks by more than 2 px and more than 6 times as much as the model and the keys that it follows, and is no smooth motion.";
+const JERK_IN_WORDS: &str = "jerk: how much the acceleration of a point changes from frame to frame, in pixels per frame \
+    cubed. It is 0 in steady motion, and high where a motion starts, stops, turns fast or flickers. A warning is given if the warp \
+    is not smooth and jerks by more than 2 px and more than 6 times as much as the model and the keys that it follows.";
 
 /// The worst figures of a layer over all frames.
 #[derive(Default)]
@@ -39,8 +39,8 @@ impl Peaks {
         let jerk = self.jerk.as_ref().map(jerk).unwrap_or_default();
         // No iterations are counted per frame for layers solved over time, as their solve precedes the frames.
         match self.iterations {
-            0 => format!("its frames are solved together{jerk}"),
-            most => format!("solved in at most {} a frame{jerk}", counted(most, "iteration", "iterations")),
+            0 => format!("its frames are solved jointly{jerk}"),
+            most => format!("solved in at most {} per frame{jerk}", counted(most, "iteration", "iterations")),
         }
     }
 }

@@ -24,6 +24,6 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
 fn line(device: &DeviceInfo) -> String {
     let gib = device.memory_bytes as f64 / f64::from(1 << 30);
     let DeviceInfo { index, name, kind, driver, api_version, .. } = device;
-    let fault = device.unusable.as_ref().map_or_else(String::new, |fault| format!("; CANNOT DRAW: {fault}"));
+    let fault = device.unusable.as_ref().map_or_else(String::new, |fault| format!("; UNUSABLE: {fault}"));
     format!("{index}    {name} ({kind}, {driver}, Vulkan {api_version}, {gib:.1} GiB){fault}")
 }

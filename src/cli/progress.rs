@@ -298,8 +298,8 @@ fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl 
     let holes = format!("{empty}; fill holes by --clean or `holes`");
     let contained = counted(
         contained_samples,
-        "sample is no finite number and was contained",
-        "samples are no finite numbers and were contained",
+        "sample was not finite and was replaced",
+        "samples were not finite and were replaced",
     );
     [(hole_pixels, holes), (contained_samples, contained)]
         .into_iter()

@@ -63,7 +63,7 @@ fn without_shot(args: &WarpArgs) -> anyhow::Result<PlateWarp<'static>> {
             Ok(PlateWarp::Lattices { file, strength: args.strength, matte: args.matte.clone() })
         }
         (None, Some(maps)) => Ok(PlateWarp::Maps(maps.clone())),
-        (None, None) => bail!("nothing says how to warp; give --shot, --lattice or --stmap"),
+        (None, None) => bail!("no warp is given; use --shot, --lattice or --stmap"),
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Document, EditError};
 use crate::image::{PictureKind, SequencePath, picture_size};
 use crate::pipeline::{NewShot, new_shot, path_between};
 use crate::scene::FileAccess;
-use crate::shot::template::{self, Subject};
+use crate::shot::template;
 use std::path::{Path, PathBuf};
 
 /// Opens a file for editing.
@@ -27,11 +27,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     if PictureKind::of(path).is_some() && !path.is_file() {
         return plates(path, &beside);
     }
-    let NewShot { mut facts, .. } = new_shot(path, access)?;
-    if facts.subject == Subject::Character {
-        // A branching lattice of a character takes a second per frame, too long while pins are dragged; the panel of layers offers it.
-        facts.subject = Subject::Scene;
-    }
+    let NewShot { facts, .. } = new_shot(path, access)?;
     let seen = path_between(path.parent().unwrap_or(Path::new("")), path)?;
     let name = seen.to_str().ok_or_else(|| EditError::Unusable {
         what: format!("{}: the name is not valid Unicode", path.display()),

@@ -16,7 +16,7 @@ pub enum ExportError {
         source: std::io::Error,
     },
     /// The file is not valid JSON of the expected form.
-    #[error("{path} is no lattice file: {source}; lattice files are written by `pinwarp export --to lattice-json`")]
+    #[error("{path} is not a lattice file: {source}; lattice files are written by `pinwarp export --to lattice-json`")]
     Json {
         /// Path of the file.
         path: PathBuf,

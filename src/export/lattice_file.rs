@@ -161,7 +161,7 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
     for (index, layer) in raw.layers.into_iter().enumerate() {
         let key = format!("layers[{index}]");
         if layers.iter().any(|other| other.name == layer.name) {
-            return Err(fault(format!("{key}.name"), format!("'{}' is there already", layer.name), "rename one"));
+            return Err(fault(format!("{key}.name"), format!("duplicate name '{}'", layer.name), "rename one"));
         }
         let track = match layer.space {
             RawSpace::Screen => Track::Screen(lattices(&layer, &key)?),
@@ -204,7 +204,7 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
         let handles = handles.map(|(k, handle)| point(handle, || format!("{key}.handles[{k}]")));
         let lattice = Lattice { grid, handles: handles.collect::<Result<_, _>>()? };
         if found.insert(frame.frame, lattice).is_some() {
-            return Err(fault(key, format!("frame {} is there already", frame.frame), "remove one of the two"));
+            return Err(fault(key, format!("duplicate frame {}", frame.frame), "remove one of the two"));
         }
     }
     Ok(found)
@@ -217,7 +217,7 @@ fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Faul
     let frames = placed.map(|(number, frame, [x, y, z, origin])| {
         let key = || format!("{key}.frames[{number}].placement");
         if raw.space == RawSpace::Screen {
-            return Err(fault(key(), "stands in a track of the screen".to_owned(), "remove it"));
+            return Err(fault(key(), "is only allowed in scene-space tracks".to_owned(), "remove it"));
         }
         let placement = BoxFrame::new(DMat3::from_cols_array_2d(&[x, y, z]), origin.into());
         let hint = "give three perpendicular axes of length 1, right-handed, and an origin";
@@ -232,12 +232,12 @@ fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, L
     for (number, frame) in raw.frames.iter().enumerate() {
         let key = |own: &str| format!("{key}.frames[{number}].{own}");
         if let Some(angle) = frame.angle.filter(|angle| *angle != 0.0) {
-            return Err(fault(key("angle"), format!("is {angle}"), "this program knows no boxes that are turned"));
+            return Err(fault(key("angle"), format!("is {angle}"), "rotated boxes are not supported"));
         }
         let Some(branches) = &frame.branches else { continue };
         if is_plain || raw.space == RawSpace::World {
-            let hint = "lattices of the screen branch, in files of version 2";
-            return Err(fault(key("branches"), "stands in a plain lattice", hint));
+            let hint = "only screen lattices in files of version 2 can branch";
+            return Err(fault(key("branches"), "is not allowed here", hint));
         }
         found.insert(frame.frame, checked_branches(branches, frame.handles.len(), key)?);
     }
@@ -372,7 +372,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).expect("read");
         assert_eq!(LatticeFile::read(&path).expect("read"), file);
         let changes = [
-            ("\"pinwarp_lattice\":2", "\"pinwarp_lattice\":1", "layers[0].frames[1].branches: stands in a plain"),
+            ("\"pinwarp_lattice\":2", "\"pinwarp_lattice\":1", "layers[0].frames[1].branches: is not allowed here"),
             ("[[0,0.0,", "[[16,0.0,", "branches.list[0].handles: has handle 16"),
             ("[1,3,4,2]", "[1,3,5,2]", "branches.list[1].region[0]"),
             ("[1,3,4,2]", "[1,3]", "branches.list[1].region[0]"),
@@ -404,7 +404,7 @@ mod tests {
             ("\"pinwarp_lattice\":1", "\"pinwarp_lattice\":7", "version"),
             ("\"dims\":[4,4]", "\"dims\":[4,5]", "layers[0].frames[0].handles: 16 handles"),
             ("\"dims\":[4,4]", "\"dims\":[4]", "layers[0].dims"),
-            ("\"frame\":3", "\"frame\":1", "frame 1 is there already"),
+            ("\"frame\":3", "\"frame\":1", "duplicate frame 1"),
             ("\"frame\":3", "\"frame\":2147483647", "layers[0].frames[1].frame: is 2147483647"),
             ("\"frame\":-2", "\"frame\":-1000001", "layers[1].frames[0].frame"),
             ("\"name\":\"head\"", "\"name\":\"body\"", "layers[1].name"),

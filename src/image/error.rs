@@ -102,7 +102,7 @@ fn remedy(kind: ErrorKind) -> &'static str {
         ErrorKind::ReadOnlyFilesystem => "; the disk is mounted read-only, choose another output folder",
         ErrorKind::NotFound => "; check the path for typing errors",
         ErrorKind::NotADirectory => "; a part of the path is a file, not a folder",
-        ErrorKind::IsADirectory => "; a folder of that name is in the way",
+        ErrorKind::IsADirectory => "; a folder of that name exists",
         ErrorKind::InvalidFilename => "; choose a shorter or simpler name",
         _ => "",
     }

@@ -76,7 +76,7 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
             return Err(format!("channel '{name}' has {found} for {}", counted(window.area(), "pixel", "pixels")));
         }
         if name.is_empty() || name.len() > 255 || name.bytes().any(|byte| byte == 0) {
-            return Err(format!("'{name}' is no channel name; use 1 to 255 characters"));
+            return Err(format!("'{name}' is not a valid channel name; use 1 to 255 characters"));
         }
         if !names.insert(name) {
             return Err(format!("two channels are called '{name}'"));

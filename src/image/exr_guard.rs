@@ -97,7 +97,7 @@ pub(super) fn check_promise(path: &Path, bytes: u128, ratio: u128) -> Result<(),
     if bytes <= SMALL + ratio * u128::from(length) {
         return Ok(());
     }
-    let what = format!("its head promises {} MB of pixels, more than {length} bytes can hold", bytes / 1_000_000);
+    let what = format!("its header declares {} MB of pixels, more than {length} bytes can contain", bytes / 1_000_000);
     Err(ImageError::damaged(path, what))
 }
 
@@ -124,7 +124,7 @@ fn check_dwa(path: &Path, headers: &[Header]) -> Result<(), ImageError> {
             is_stored_raw(header) == Some(bytes.len()) || are_dwa_sizes_sane(header, bytes)
         };
         if headers.get(chunk.layer_index).is_some_and(|header| is_dwa(header) && !is_sane(header)) {
-            return Err(ImageError::damaged(path, "a DWA chunk promises more than its block can hold"));
+            return Err(ImageError::damaged(path, "a DWA chunk declares more data than its block can hold"));
         }
     }
     Ok(())

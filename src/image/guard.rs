@@ -72,7 +72,7 @@ impl Inputs {
         if is_input {
             return Err(ImageError::Refused {
                 path: output.to_owned(),
-                what: "is read by this job and would be written over".to_owned(),
+                what: "is an input of this job and would be overwritten".to_owned(),
                 hint: "give another output path (-o)".to_owned(),
             });
         }

@@ -219,7 +219,7 @@ fn find_counter(name: &str) -> Result<Option<(usize, usize, usize)>, String> {
     let width = if number.is_empty() { Some(1) } else { number.parse().ok().filter(|&width| width <= LONGEST_COUNTER) };
     match width.filter(|_| is_printf) {
         Some(width) => Ok(Some((start, start + digits + 2, width))),
-        None => Err(format!("has '%{number}' in its name, which is no frame counter; write #### or %04d")),
+        None => Err(format!("has '%{number}' in its name, which is not a frame counter; write #### or %04d")),
     }
 }
 

@@ -131,7 +131,7 @@ impl Controls {
             return fault(what, "give 2 to 64 an axis, with B-splines 4 to 64");
         }
         if !self.strength.is_finite() {
-            return fault(format!("a strength of {} is no number", self.strength), "give 1, or 0 for no warp");
+            return fault(format!("strength {} is not finite", self.strength), "give 1, or 0 for no warp");
         }
         for (index, pin) in self.pins.iter().enumerate() {
             let places = [pin.rest.0, pin.target.0];
@@ -139,13 +139,13 @@ impl Controls {
                 return Err(LiveError::FarPin { pin: index, rest: pin.rest, target: pin.target });
             }
             if !has_sane_region(pin) {
-                let what = format!("pin {} has a weight or a neighbourhood that is out of range", index + 1);
+                let what = format!("pin {} has a weight or a region that is out of range", index + 1);
                 return fault(what, "keep weight and rigidity within 0 to 1, stiffness within 0.001 to 1000");
             }
             if pin.rotation.is_some_and(|angle| !angle.is_finite())
                 || pin.scale.is_some_and(|scale| !(scale > 0.0 && scale.is_finite()))
             {
-                let what = format!("pin {} holds a rotation or scale that is none", index + 1);
+                let what = format!("pin {} has an invalid rotation or scale", index + 1);
                 return fault(what, "give a finite angle, and a scale above 0");
             }
         }

@@ -98,7 +98,7 @@ pub enum LiveError {
         /// Those of the source.
         wanted: usize,
     },
-    /// The host gave the picture up.
-    #[error("the picture was given up")]
+    /// The host cancelled the render.
+    #[error("the render was cancelled")]
     Aborted,
 }

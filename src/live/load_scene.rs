@@ -60,7 +60,7 @@ fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
     let Some(name) = &shape.layer else {
         let hint = "add a [[layer]] whose lattice lies on the screen".to_owned();
         let first = shot.layers.iter().position(|layer| is_of_screen(layer) && layer.transfer.is_none());
-        return first.ok_or_else(|| fault("no layer of the screen takes pins".into(), hint));
+        return first.ok_or_else(|| fault("no screen-space layer accepts pins".into(), hint));
     };
     let Some(index) = shot.layers.iter().position(|layer| layer.name == *name) else {
         let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();
@@ -72,7 +72,7 @@ fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
     }
     if !is_of_screen(&shot.layers[index]) {
         let hint = "name a layer of the screen".to_owned();
-        return Err(fault(format!("the lattice of layer '{name}' lies in the scene: it cannot warp pictures"), hint));
+        return Err(fault(format!("the lattice of layer '{name}' is in scene space: it cannot warp pictures"), hint));
     }
     Ok(index)
 }

@@ -43,13 +43,13 @@ impl Warp {
             Warning::Text(text) => Notice { subject: text.clone(), text: text.clone() },
             Warning::BorderGivesWay { pin, by } => {
                 let (name, by) = (self.name_of(*pin, wording), pixels(by * wording.pixels));
-                let text = format!("pin {name} is dragged to the border or past it, which gives way there by {by}");
+                let text = format!("pin {name} is dragged to the border or past it; the border moves by {by} there");
                 Notice { subject: format!("border at pin {name}"), text }
             }
             Warning::OffModel { pin, at, frame } => {
                 let (name, at) = ((wording.pin)(*pin), (wording.place)(*at));
                 let text = format!(
-                    "pin {name} lies beside the model, at {at} in frame {frame}, and stays fixed on the screen; move it onto the model"
+                    "pin {name} is off the model, at {at} in frame {frame}, and stays fixed on the screen; move it onto the model"
                 );
                 Notice { subject: format!("pin {name} off the model"), text }
             }
@@ -73,9 +73,7 @@ impl Warp {
             let reason = worst.reason.words(|pin| self.name_of(pin, wording));
             let text = match (worst.reason, names.len()) {
                 (ResidualReason::Guard, _) => {
-                    format!(
-                        "pins stop before the picture folds over: pin {who} gives way and is {by} short of its target"
-                    )
+                    format!("pins stop before the picture folds: pin {who} stops {by} short of its target")
                 }
                 (_, 1) => format!("pin {who} misses its target by {by}: {reason}"),
                 (_, _) => {
@@ -87,9 +85,8 @@ impl Warp {
         }
         if report.folded_model_cells > 0 {
             let cells = counted(report.folded_model_cells, "cell of the lattice folds", "cells of the lattice fold");
-            let text = format!(
-                "{cells} over, so parts of the picture cover each other; move pins apart, or let them stop before folds"
-            );
+            let text =
+                format!("{cells} over, so parts of the picture overlap; move pins apart, or enable the fold guard");
             notices.push(Notice { subject: "folds".into(), text });
         }
         notices

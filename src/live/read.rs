@@ -36,10 +36,10 @@ impl ShotFile {
         let mut told = vec![format!("read {} of layer {}", counted(count.min(most), "pin", "pins"), self.layer)];
         if count > most {
             let more = counted(count - most, "more is", "more are");
-            told.push(format!("{more} left out: there is room for {most}"));
+            told.push(format!("{more} skipped: at most {most} fit"));
         }
         if self.tracks.iter().any(|track| track.keys.len() > 1) {
-            told.push("between keys the host's own curves hold".to_owned());
+            told.push("between keys, the host's interpolation applies".to_owned());
         }
         told.extend(self.warnings.iter().cloned());
         told.join("; ")
@@ -204,14 +204,15 @@ impl Reader<'_> {
         let own = self.prepared.anchors_of(self.index)[number];
         match (own, cast) {
             _ if rest.presence <= 0.0 => {
-                doubts.push(told(format!("is behind the camera in frame {frame}: place pins in another")))
+                doubts.push(told(format!("is behind the camera in frame {frame}: place pins in another frame")))
             }
             (
                 PinAnchor::Surface { part, corners, .. },
                 Some(PinAnchor::Surface { part: other, corners: found, .. }),
             ) if part == *other && corners.iter().any(|corner| found.contains(corner)) => {}
             (PinAnchor::Surface { .. }, _) => {
-                doubts.push(told(format!("is hidden in frame {frame}: placed there it would stick to something else")));
+                doubts
+                    .push(told(format!("is hidden in frame {frame}: placed there, it would stick to another surface")));
             }
             (PinAnchor::Screen(_), Some(_)) if self.prepared.shot.scene().is_some() => {
                 doubts.push(told("is fixed on the screen in the file: here it sticks to the model".into()));
@@ -219,10 +220,10 @@ impl Reader<'_> {
             (PinAnchor::Screen(_), _) => {}
         }
         if pin.unit == OffsetUnit::Box || matches!(pin.keys.first().map(|key| key.goal), Some(Goal::Target(_))) {
-            doubts.push(told("has goals that follow the box or the screen: they are exact at its keys only".into()));
+            doubts.push(told("has goals relative to the box or the screen: they are exact only at its keys".into()));
         }
         if pin.region.is_some() && pin.unit == OffsetUnit::Box {
-            doubts.push(told("takes a region along that is measured by the box: only the file says that".into()));
+            doubts.push(told("has a region measured relative to the box, which only the file can express".into()));
         }
         doubts
     }

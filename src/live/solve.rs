@@ -232,7 +232,7 @@ impl Task<'_> {
 
     fn solve(&self, ready: &PreparedSolver, key: Key, cancel: &Cancel) -> Result<Warp, LiveError> {
         let Some(layer_solver) = &ready.solver else {
-            return Ok(Warp::nothing("nothing of the model is in reach of the frame: nothing is warped", key));
+            return Ok(Warp::nothing("no part of the model is visible in the frame: nothing is warped", key));
         };
         let layer = self.layer(Goals::Reached);
         let path = layer.pin_path(self.frames(), self.key_frame());

@@ -73,7 +73,7 @@ pub fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageErr
     if !path.exists() || read_any_head(path).is_ok_and(|head| is_own_stmap(&head)) {
         return Ok(());
     }
-    let what = "it is there already and no STMap of this program; move it, or write elsewhere".to_owned();
+    let what = "it exists and is not an STMap written by this program; move it, or choose another path".to_owned();
     Err(ImageError::Frame { path: path.to_owned(), what })
 }
 

@@ -109,7 +109,7 @@ impl WriteShot<'_> {
         } else {
             return Ok(());
         };
-        let hint = format!("write another file beside {}", base.display());
+        let hint = format!("write to another file in the folder of {}", base.display());
         Err(LiveError::Layer { path: self.path.to_owned(), what: what.into(), hint })
     }
 
@@ -165,7 +165,7 @@ impl WriteShot<'_> {
             None => Ok(own),
             Some((name, _)) => Err(LiveError::Layer {
                 path: path.to_owned(),
-                what: format!("it has a pin '{name}' that would act beside the new ones"),
+                what: format!("it has a pin '{name}' that would act in addition to the new ones"),
                 hint: "read the shot first, remove the pin, or write another file".into(),
             }),
         }

@@ -26,9 +26,7 @@ const WITHOUT_EFFECT: [&str; 8] =
 pub(super) fn describe(call: Call) -> Result<Status, Fault> {
     let props = call.effect.props();
     let (label, about) = match call.kind {
-        PluginKind::PinWarp => {
-            (c"PinWarp", c"Warps the picture softly with pins: the lattice bends, the local look survives.")
-        }
+        PluginKind::PinWarp => (c"PinWarp", c"Warps the picture smoothly with pins and preserves local detail."),
         PluginKind::StMap => {
             (c"PinWarp ST", c"The STMap of a PinWarp with the same parameters, for other channels and nodes.")
         }

@@ -23,7 +23,7 @@ pub(super) enum Fault {
     #[error("{0} is empty; name a file to write")]
     NoPath(&'static str),
     /// An invalid name pattern for STMaps.
-    #[error("{0} is no name of a file: leave out folders, the number and its signs")]
+    #[error("{0} is not a valid file name: omit folders, frame number and placeholders")]
     BadName(String),
     /// A pin implausibly far from the picture.
     #[error("pin {number} lies at {}, {} px and goes to {}, {} px, far outside the picture; bring it back", ends[0][0], ends[0][1], ends[1][0], ends[1][1])]
@@ -48,10 +48,10 @@ pub(super) enum Fault {
         source: OverBudget,
     },
     /// The user's limit is invalid.
-    #[error("{0}; correct it and start the host anew")]
+    #[error("{0}; correct it and restart the host")]
     Limit(String),
     /// A panic.
-    #[error("pinwarp stumbled over a fault of its own: {0}; please report this with your project")]
+    #[error("internal error in pinwarp: {0}; please report it with your project")]
     Panic(String),
     /// The host no longer needs the result.
     #[error("stopped by the host")]

@@ -68,17 +68,6 @@ fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
     })
 }
 
-/// A larger scene is solved by a plain lattice, unless its author asks for another.
-const MAX_CHARACTER_TRIANGLES: usize = 200_000;
-
-/// Whether a scene has skinned meshes, and nothing that a branching lattice does not take: lines, or very many triangles.
-fn is_character(scene: &Scene) -> bool {
-    let primitives = || scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    !scene.skins.is_empty()
-        && primitives().all(|primitive| primitive.lines.is_empty())
-        && primitives().map(|primitive| primitive.triangles.len()).sum::<usize>() <= MAX_CHARACTER_TRIANGLES
-}
-
 /// What the template says about a scene.
 fn scene_facts(scene: &Scene) -> TemplateFacts {
     let names = |of: fn(&scene::Node) -> bool| {
@@ -90,7 +79,7 @@ fn scene_facts(scene: &Scene) -> TemplateFacts {
         .first()
         .map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round().min(MAX_FRAME) as i32 + 1);
     TemplateFacts {
-        subject: if is_character(scene) { Subject::Character } else { Subject::Scene },
+        subject: Subject::Scene,
         has_camera: !cameras.is_empty(),
         cameras,
         clips: scene

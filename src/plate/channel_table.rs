@@ -141,14 +141,16 @@ impl<'a> ChannelTable<'a> {
         }
         report.warnings.extend(guessed.into_iter().map(|((_, treatment), names)| {
             format!(
-                "nothing says what {} holds: {treatment}; if that is wrong, name it under [[warp.channels]]",
+                "the contents of {} are unknown: {treatment}; if that is wrong, set them under [[warp.channels]]",
                 names.join(", ")
             )
         }));
         let is_disparity = |entry: &&ChannelEntry| entry.name.full.to_lowercase().starts_with("disparity");
         if let Some(entry) = self.entries.iter().find(is_disparity) {
             let name = &entry.name.full;
-            report.warnings.push(format!("{name}: values stay, though the warp changes the disparity of the views"));
+            report
+                .warnings
+                .push(format!("{name}: values are kept, although the warp changes the disparity between the views"));
         }
     }
 }

@@ -65,10 +65,13 @@ pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Semantic)]) -> (V
     let left_out = [
         words(
             passes.into_iter().flat_map(Layer::names),
-            "the picture holds them; call them color in [[warp.channels]] to paint them too",
+            "already contained in the picture; mark them as color in [[warp.channels]] to include them",
         ),
         words(data, "no colour"),
-        words(others.iter().filter_map(|layer| layer.view().map(str::to_owned)), "other views than the first"),
+        words(
+            others.iter().filter_map(|layer| layer.view().map(str::to_owned)),
+            "belong to views other than the first",
+        ),
     ];
     let layers = painted.into_iter().map(|layer| layer.colors(&table)).collect();
     (layers, left_out.into_iter().flatten().collect())

@@ -95,11 +95,11 @@ fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut P
     let missing = group.entries.iter().filter(|entry| filling.find(entry).is_none());
     let names: Vec<&str> = missing.map(|entry| entry.name.full.as_str()).collect();
     if !names.is_empty() {
-        report.warnings.push(format!("what fills the holes has no {}: they stay empty there", names.join(", ")));
+        report.warnings.push(format!("the fill plate has no {}: holes in these channels stay empty", names.join(", ")));
     }
     let is_ours = filling.plate().is_own_render() && !compositor.table.plate.is_own_render();
     if is_ours && group.of(&[Semantic::Normal]).into_iter().any(|entry| filling.find(entry).is_some()) {
-        report.warnings.push("normals that fill the holes lie in scene space, y up, as the scene has them".into());
+        report.warnings.push("normals that fill the holes are in scene space (y up), as stored in the scene".into());
     }
 }
 

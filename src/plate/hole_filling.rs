@@ -29,7 +29,7 @@ impl<'a> HoleFilling<'a> {
         let sizes = [plate, fill].map(|plate| [plate.display.width, plate.display.height]);
         let refusal = (sizes[0] != sizes[1]).then(|| {
             format!(
-                "what should fill the holes shows {:?} pixels, the plate {:?}: holes stay empty; use pictures of one size",
+                "the fill plate is {:?} pixels, the plate {:?}: holes stay empty; use pictures of the same size",
                 sizes[1], sizes[0]
             )
         });

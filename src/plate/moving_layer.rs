@@ -66,11 +66,11 @@ impl MovingLayer<'_> {
         let pixels = counted(pixels, "pixel", "pixels");
         let remedy = match (self.direction, self.matte) {
             (Direction::Backward, _) => "which cannot be undone there",
-            (Direction::Forward, Some(_)) => "move its pins less far, or hold what folds with more pins",
+            (Direction::Forward, Some(_)) => "move its pins less, or hold the folded region with more pins",
             (Direction::Forward, None) => {
-                "move its pins less far, hold what folds with more pins, or give the layer a matte of what it moves"
+                "move its pins less, hold the folded region with more pins, or give the layer a matte of what it moves"
             }
         };
-        format!("{subject}: the picture lies over itself in {pixels}; {remedy}")
+        format!("{subject}: the picture overlaps itself in {pixels}; {remedy}")
     }
 }

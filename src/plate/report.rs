@@ -63,7 +63,7 @@ pub enum PlateError {
         hint: String,
     },
     /// A layer's matte selects names that are in no Cryptomatte of the plate.
-    #[error("layer \"{layer}\": no Cryptomatte of the plate knows {wanted}; {hint}")]
+    #[error("layer \"{layer}\": no Cryptomatte of the plate contains {wanted}; {hint}")]
     NoCryptomatte {
         /// Name of the layer.
         layer: String,
@@ -83,20 +83,20 @@ pub enum PlateError {
         plate: [u32; 2],
     },
     /// A picture used as an STMap has no pair of channels for it.
-    #[error("the picture holds no STMap: it has the channels {found}; write u and v as R and G, 32-bit float")]
+    #[error("the picture is not an STMap: its channels are {found}; write u and v as R and G, 32-bit float")]
     NoStMap {
         /// The available channels.
         found: String,
     },
     /// The channels of an STMap are integers.
-    #[error("channel \"{channel}\" of the STMap holds whole numbers; write shares of the frame as 32-bit float")]
+    #[error("channel \"{channel}\" of the STMap is stored as integers; write fractions of the frame as 32-bit float")]
     StMapOfIntegers {
         /// Name of the channel.
         channel: String,
     },
     /// The values of an STMap are not fractions of the frame.
     #[error(
-        "channel \"{channel}\" of the STMap holds {found}, which is no share of a frame; divide pixels by the display \
+        "channel \"{channel}\" of the STMap holds {found}, which is not a fraction of the frame; divide pixels by the display \
          window, {frame:?}: u = (x + 0.5)/width, v = 1 - (y + 0.5)/height"
     )]
     StMapInPixels {

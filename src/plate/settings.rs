@@ -57,14 +57,14 @@ pub enum Filter {
     Nearest,
 }
 
-/// What becomes of normals.
+/// Treatment of normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum NormalMode {
     /// They stay those of the unwarped surface, so relighting matches the picture.
     #[default]
     Keep,
-    /// They turn in the view plane as the lattice turns.
+    /// Rotated in the view plane with the lattice.
     Rotate,
 }
 

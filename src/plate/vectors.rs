@@ -102,11 +102,11 @@ fn rotate_normals(
     let plate = compositor.table.plate;
     for layer in layers(&group.of(&[Semantic::Normal])) {
         let Some(pair) = pair(&layer) else {
-            report.warnings.push(format!("{}: not turned, since x and y are not both there", names(&layer)));
+            report.warnings.push(format!("{}: not rotated, because x or y is missing", names(&layer)));
             continue;
         };
         if plate.is_own_render() {
-            report.warnings.push(format!("{}: not turned, since they lie in scene space", names(&layer)));
+            report.warnings.push(format!("{}: not rotated, because they are in scene space", names(&layer)));
             continue;
         }
         let [Some(mut xs), Some(mut ys)] = pair.map(|entry| planes.remove(&entry.index)) else { continue };
@@ -127,12 +127,12 @@ impl Unknown {
     fn in_words(&self, layer: &[&ChannelEntry]) -> String {
         let names = names(layer);
         match self {
-            Self::Pair => format!("{names}: kept as they are, since motion needs two components, u and v"),
+            Self::Pair => format!("{names}: left unchanged, because motion needs two components, u and v"),
             Self::Encoding => format!(
-                "{names}: motion vectors keep their values, since nothing says how they are stored; say so with `motion` under [warp]"
+                "{names}: motion vectors left unchanged, because their encoding is unknown; set `motion` under [warp]"
             ),
             Self::Time => {
-                format!("{names}: motion vectors keep their values, since a map does not tell of other frames")
+                format!("{names}: motion vectors left unchanged, because a map has no data for other frames")
             }
         }
     }

@@ -52,7 +52,7 @@ pub fn check_plate(
     let names = || table.entries.iter().map(|entry| entry.name.full.as_str());
     let note = |pattern: String| {
         let hint = spelling::hint(&pattern, names());
-        format!("[[warp.channels]]: no channel of the plate fits '{pattern}'; {hint}")
+        format!("[[warp.channels]]: no channel of the plate matches '{pattern}'; {hint}")
     };
     Ok(table.unmatched_patterns(&settings.semantics).into_iter().map(note).collect())
 }
@@ -158,7 +158,7 @@ impl Warper {
         assign_map(&mut composites, 0, &Arc::new(map.clone()));
         let mut report = PlateReport::default();
         if composites.iter().any(|composite| composite.source.intersection(map.window) != composite.source) {
-            let what = "the map does not reach as far as the plate: what lies outside it is left out";
+            let what = "the map does not cover the whole plate: pixels outside it are dropped";
             report.warnings.push(format!("{what}; make the map with the plate's overscan"));
         }
         let compositor =

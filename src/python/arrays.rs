@@ -70,7 +70,7 @@ fn any_table<'py>(
         let given = described(values);
         Failure::argument(
             key,
-            format!("is {given}, no table of numbers"),
+            format!("is {given}, not a table of numbers"),
             format!("give an array of the shape {wanted}"),
         )
     })

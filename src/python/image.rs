@@ -151,7 +151,7 @@ fn plate_of_channels(channels: &Bound<'_, PyDict>) -> Result<(Plate, Form), Fail
     let (mut planes, mut depths) = (Vec::new(), Vec::new());
     for (name, values) in channels {
         let name: String = name.extract().map_err(|_| {
-            Failure::argument("image", "has a channel whose name is no text", "name channels as EXR files do")
+            Failure::argument("image", "has a channel whose name is not a string", "name channels as EXR files do")
         })?;
         let key = format!("image[{name:?}]");
         let (size, samples, depth) = plane(&values, &key)?;

@@ -160,7 +160,7 @@ pub trait Raster {
 }
 
 /// The message for a second data pass in a frame.
-const SECOND_DATA_PASS: &str = "a frame's data come from one pass, and it has been drawn";
+const SECOND_DATA_PASS: &str = "a frame has only one data pass, and it has already been drawn";
 
 /// The kind of rasteriser that drew a frame; frames of one class have the same bytes on one driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -108,7 +108,9 @@ impl File {
             ComponentType::U8 => Ok(source.decode(|[b]: [u8; 1]| u32::from(b))),
             ComponentType::U16 => Ok(source.decode(|b| u32::from(u16::from_le_bytes(b)))),
             ComponentType::U32 => Ok(source.decode(u32::from_le_bytes)),
-            other => Err(self.invalid(format!("{what}: its accessor holds {other:?} where unsigned integers belong"))),
+            other => {
+                Err(self.invalid(format!("{what}: its accessor holds {other:?} where unsigned integers are expected")))
+            }
         }
     }
 
@@ -136,7 +138,7 @@ impl File {
             return Err(fault("has an unknown type or componentType"));
         };
         if !types.contains(&kind) {
-            return Err(fault(&format!("is a {kind:?} where {types:?} belongs")));
+            return Err(fault(&format!("is a {kind:?} where {types:?} is expected")));
         }
         let (component, width) = (component.0, kind.multiplicity());
         let count = usize::try_from(accessor.count.0).map_err(|_| fault("announces too many elements"))?;

@@ -84,7 +84,7 @@ impl Loader<'_> {
         };
         let (Some(node), Checked::Valid(property)) = (*node, channel.target.path) else { return Ok(None) };
         if !self.taken.insert((node, property as u8)) {
-            self.warnings.push(format!("{label}: its {property:?} is moved twice, the second is ignored"));
+            self.warnings.push(format!("{label}: its {property:?} is animated twice; the second track is ignored"));
             return Ok(None);
         }
         let Some(sampler) = self.animation.samplers.get(channel.sampler.value()) else {

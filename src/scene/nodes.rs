@@ -63,7 +63,7 @@ pub(super) fn tree(file: &File) -> Result<Tree, SceneError> {
     let mut pending: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
     while let Some((index, parent)) = pending.pop() {
         if tree.scene_from_file[index].is_some() {
-            return Err(file.invalid(format!("node \"{}\" stands in the scene twice", name(file, index))));
+            return Err(file.invalid(format!("node \"{}\" occurs twice in the scene", name(file, index))));
         }
         let place = tree.file_from_scene.len();
         tree.scene_from_file[index] = Some(place);

@@ -33,8 +33,6 @@ pub struct TemplateFacts {
 pub enum Subject {
     /// A glTF scene.
     Scene,
-    /// A glTF scene with a skin: a character, whose limbs cross on the screen.
-    Character,
     /// A picture.
     Image,
 }
@@ -58,7 +56,7 @@ const LISTED_NAMES: usize = 12;
 #[must_use]
 pub fn write(scene_file: &str, facts: &TemplateFacts) -> String {
     let (head, output) = match facts.subject {
-        Subject::Scene | Subject::Character => (head(scene_file, facts), OUTPUT),
+        Subject::Scene => (head(scene_file, facts), OUTPUT),
         Subject::Image => (image_head(scene_file, facts), IMAGE_OUTPUT),
     };
     [head, layer(facts), output.to_owned()].join("\n")
@@ -182,7 +180,6 @@ fn layer(facts: &TemplateFacts) -> String {
     let (lattice, region, handle) = match facts.subject {
         Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
         // Handle indices have as many numbers as dims, which an automatic lattice does not have.
-        Subject::Character => (CHARACTER_LATTICE, REGION, ""),
         Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
     format!(
@@ -226,15 +223,6 @@ fn pin_key(frame: f64) -> String {
 const SCENE_LATTICE: &str = "lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ## Limbs that cross on the screen, or hang close to something else, move apart with
 ## lattice = { dims = \"auto\", topology = \"branching\" }
-## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
-## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
-";
-
-/// The lattice options of a character.
-const CHARACTER_LATTICE: &str = "## Limbs that cross on the screen, or hang close to something else, move apart; dims fit the thinnest parts.
-lattice = { dims = \"auto\", topology = \"branching\" }
-## One piece, solved faster, whose limbs pull at what is near them on the screen:
-## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
 ## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
 ";

@@ -5,7 +5,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::path::Path;
 
-const READ: &[&str] = &["is read by this job and would be written over", "-o"];
+const READ: &[&str] = &["is an input of this job and would be overwritten", "-o"];
 const THERE: &[&str] = &["--overwrite"];
 const SPECIAL: &[&str] = &["is a device, pipe or socket, not a regular file"];
 

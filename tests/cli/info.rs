@@ -75,7 +75,7 @@ fn shots_and_lattices_are_summed_up() {
 fn what_cannot_be_listed_is_refused() {
     let bench = Bench::new();
     bench.write("a.psd", b"8BPS");
-    bench.run("info a.psd").says(2, &["no file that info knows"]);
+    bench.run("info a.psd").says(2, &["is not a supported file"]);
     bench.run("info gone.glb").says(2, &["gone.glb"]);
     bench.run("info gone.exr").says(2, &["gone.exr"]);
 }

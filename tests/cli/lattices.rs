@@ -82,7 +82,7 @@ fn a_resized_lattice_keeps_the_edit() {
     bench.run("resize a.json --dims 5,6,7 -o c.json").says(2, &["layer 'all'", "3 numbers", "2 axes"]);
     bench.run("resize a.json --dims 3,6 -o c.json").says(2, &["4 to 64", "dims"]);
     bench.run("resize a.json --dims 5,6 -o b.json").says(2, &["b.json exists already", "--overwrite"]);
-    bench.run("resize shot.toml --dims 5,6 -o c.json").says(2, &["shot.toml is no lattice file"]);
+    bench.run("resize shot.toml --dims 5,6 -o c.json").says(2, &["shot.toml is not a lattice file"]);
     bench.run("resize a.json --dims 5,6 --basis cubic -o c.json").says(2, &["bspline, bernstein"]);
 }
 

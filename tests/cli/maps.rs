@@ -263,7 +263,7 @@ fn folds_hide_nothing_of_the_model_in_plates_and_in_maps() {
     bench.run("render still.toml -o still.####.exr --device cpu").says(0, &[]);
     bench.run("warp still.####.exr --shot shot.toml -o warped.####.exr").says(0, &["frame 1", "layer \"all\" folds"]);
     let maps = "export shot.toml --to stmap -o st.####.exr";
-    bench.run(maps).says(0, &["warning: frame 1", "layer \"all\"", "pixels", "pins less far"]);
+    bench.run(maps).says(0, &["warning: frame 1", "layer \"all\"", "pixels", "pins less"]);
     bench.run("warp still.####.exr --stmap st.####.exr -o mapped.####.exr").says(0, &[]);
     let real = read(&bench, "real.0001.exr");
     let covered = pixels().filter(|&pixel| at(&real, "A", pixel) > 0.5).count();

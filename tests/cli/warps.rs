@@ -137,7 +137,7 @@ fn stmaps_that_are_none_are_named() {
     let channels = stmap.parts[0].channels[3..].to_vec();
     let blind = stmap.with_parts(vec![stmap.parts[0].with_channels(stmap.parts[0].data_window, channels)]);
     write_plate(&bench.path("m.exr"), &blind).expect("written");
-    let says = ["m.exr: the picture holds no STMap: it has the channels A, depth.Z, id.object"];
+    let says = ["m.exr: the picture is not an STMap: its channels are A, depth.Z, id.object"];
     bench.run("warp in/b.####.exr --stmap m.exr -o out/w.####.exr").says(2, &says);
 }
 
@@ -215,11 +215,11 @@ fn what_cannot_be_warped_is_refused() {
         ("warp in/b.####.exr --lattice nowhere.json -o a.####.exr", &["cannot read nowhere.json"]),
         (
             "warp in/b.####.exr --shot shot.toml -o in/b.####.exr --overwrite",
-            &["is read by this job and would be written over", "-o"],
+            &["is an input of this job and would be overwritten", "-o"],
         ),
         (
             "warp in/b.####.exr --shot shot.toml -o in/../in/b.%04d.exr",
-            &["is read by this job and would be written over"],
+            &["is an input of this job and would be overwritten"],
         ),
         ("warp in/b.####.exr --shot shot.toml -o w.exr", &["no frame counter for 2 frames", "w.####.exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.png", &["cannot hold the channels", ".exr"]),
@@ -313,7 +313,7 @@ fn what_is_misspelt_is_refused_at_once() {
 fn channels_that_fit_nothing_are_told() {
     let channels = "[warp]\nchannels = [{ name = \"deep.Z\", meaning = \"data\" }]\n[output]";
     let bench = bench(&SHOT.replace("[output]", channels));
-    let says = ["note: [[warp.channels]]: no channel of the plate fits 'deep.Z'", "depth.Z"];
+    let says = ["note: [[warp.channels]]: no channel of the plate matches 'deep.Z'", "depth.Z"];
     bench.run("warp --shot shot.toml").says(0, &says);
 }
 

@@ -179,5 +179,5 @@ fn a_faulty_edit_is_told_and_changes_nothing() {
     assert!(session.message().is_some_and(|text| text.contains("last")), "{:?}", session.message());
     assert_eq!(session.document().text(), SHOT);
     session.delete_pins();
-    assert_eq!(session.message(), Some("No pin is chosen: click one first."));
+    assert_eq!(session.message(), Some("No pin is selected: click one first."));
 }

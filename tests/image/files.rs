@@ -113,7 +113,7 @@ fn malformed_frames_are_named() {
         ("no channels", with_channels(Vec::new())),
         ("two channels are called 'R'", with_channels(vec![channel("R", 2257), channel("R", 2257)])),
         ("1 sample for 2257 pixels", with_channels(vec![channel("S", 1)])),
-        ("no channel name", with_channels(vec![channel("", 2257)])),
+        ("not a valid channel name", with_channels(vec![channel("", 2257)])),
         ("no pixels", Frame { display: rect(0, 0, 0, 5), ..good.clone() }),
         ("pixel aspect", Frame { pixel_aspect: f64::NAN, ..good.clone() }),
         ("too far out", Frame { data_window: rect(i32::MIN, 0, 61, 37), ..good.clone() }),

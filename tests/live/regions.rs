@@ -57,7 +57,7 @@ fn stmaps_are_written_over_stmaps_alone() {
     let render = Frame::blank(WIDE.window(), WIDE.window(), &["R", "G", "B", "A"].map(|name| (name, Storage::Half)));
     pinwarp::image::write_exr(&path, &render, &told, Compression::Zip).expect("written");
     let refused = save_stmap(&warp, WIDE, file, &guard).expect_err("a render");
-    assert!(refused.to_string().contains("no STMap of this program"), "{refused}");
+    assert!(refused.to_string().contains("not an STMap written by this program"), "{refused}");
     std::fs::write(&path, b"my notes").expect("written");
     save_stmap(&warp, WIDE, file, &guard).expect_err("notes");
     assert_eq!(std::fs::read(&path).expect("there"), b"my notes");

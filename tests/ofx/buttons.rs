@@ -127,13 +127,13 @@ fn buttons_write_over_no_input_and_nothing_special() {
     let before = names(folder.path());
     let kept = ["drawing.0001.exr", "shot.toml"].map(|name| std::fs::read(path(name)).expect("there"));
     for (button, id, target, why) in [
-        ("writeStmaps", "stmapPath", "drawing.####.exr", "read by this job"),
-        ("writeStmaps", "stmapPath", "other.####.exr", "read by this job"),
-        ("writeStmaps", "stmapPath", "link.####.exr", "read by this job"),
+        ("writeStmaps", "stmapPath", "drawing.####.exr", "an input of this job"),
+        ("writeStmaps", "stmapPath", "other.####.exr", "an input of this job"),
+        ("writeStmaps", "stmapPath", "link.####.exr", "an input of this job"),
         ("writeStmaps", "stmapPath", "pipe.####.exr", "not a regular file"),
-        ("writeShot", "writePath", "drawing.0001.exr", "read by this job"),
+        ("writeShot", "writePath", "drawing.0001.exr", "an input of this job"),
         ("writeShot", "writePath", "shot.toml", "the shot that is read"),
-        ("writeShot", "writePath", "link.toml", "read by this job"),
+        ("writeShot", "writePath", "link.toml", "an input of this job"),
         ("writeShot", "writePath", "pipe.toml", "not a regular file"),
     ] {
         host.set(node, id, path(target).to_str().expect("plain letters"));

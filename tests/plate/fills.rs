@@ -63,7 +63,7 @@ fn our_vectors_take_the_units_and_signs_of_the_plate() {
     let (moved, report) = filled(&of_frame, &ours, Some([24.0, -16.0]));
     let found = ["forward.u", "forward.v"].map(|name| samples(&moved, name)[HOLE]);
     assert!((found[0] - 3.0 / 24.0).abs() < 1e-6 && (found[1] + 1.0 / 16.0).abs() < 1e-6, "{found:?}");
-    assert_eq!(report.warnings, ["what fills the holes has no mask.A: they stay empty there"]);
+    assert_eq!(report.warnings, ["the fill plate has no mask.A: holes in these channels stay empty"]);
     let mut blenders = pair(["Vector.X", "Vector.Y"], [0.0, 0.0]);
     blenders.extend(pair(["Vector.Z", "Vector.W"], [0.0, 0.0]));
     let moved = filled(&room(blenders), &ours, None).0;

@@ -99,7 +99,7 @@ fn stmaps_of_others_are_contained_or_refused_with_a_hint() {
     let refused = map_of_stmap(&stmap).expect_err("no pair");
     assert_eq!(refused, PlateError::NoStMap { found: "depth.Z, G, B, A".into() });
     stmap.channels[0] = Channel { name: "R".into(), storage: Storage::Uint, ..stmap.channels[0].clone() };
-    let refused = map_of_stmap(&stmap).expect_err("whole numbers");
+    let refused = map_of_stmap(&stmap).expect_err("integers");
     assert_eq!(refused, PlateError::StMapOfIntegers { channel: "R".into() });
 }
 

@@ -45,7 +45,7 @@ def test_pictures(image, what):
         ([[0.5, 0.5, 0.6]], "pins", "(1, 3)"),
         ([0.5, 0.5, 0.6, 0.5], "pins", "shape (N, 4)"),
         ("nose", "pins", "of the type str"),
-        ([["a", "b", "c", "d"]], "pins", "no table of numbers"),
+        ([["a", "b", "c", "d"]], "pins", "not a table of numbers"),
     ],
 )
 def test_pins(pins, key, what):

@@ -126,7 +126,7 @@ fn foreign_and_repeated_channels_are_ignored_with_a_warning() {
     doc.json["extensionsUsed"] = json!(["KHR_animation_pointer"]);
     let scene = doc.scene();
     assert_eq!(scene.clips[0].tracks.len(), 1);
-    for part in ["KHR_animation_pointer", "2 of 4 channels", "moved twice"] {
+    for part in ["KHR_animation_pointer", "2 of 4 channels", "animated twice"] {
         assert!(scene.warnings.iter().any(|warning| warning.contains(part)), "{part}: {:?}", scene.warnings);
     }
 }

@@ -201,7 +201,7 @@ fn cycles_and_second_parents_are_refused() {
     assert!(doc.fault().contains("node \"C\" is a child twice"));
     doc.json["nodes"] = json!([{ "children": [1] }, { "name": "B" }]);
     doc.json["scenes"] = json!([{ "nodes": [0, 1] }]);
-    assert!(doc.fault().contains("node \"B\" stands in the scene twice"));
+    assert!(doc.fault().contains("node \"B\" occurs twice in the scene"));
 }
 
 #[test]

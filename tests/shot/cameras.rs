@@ -68,7 +68,7 @@ fn impossible_cameras_are_refused_with_line_and_remedy() {
         ("camera = { keys = [{ frame = 1, yew = 3 }] }", &["camera.keys[0].yew", "did you mean `yaw`?"]),
         ("camera = 7", &["camera"]),
         ("camera = ''", &["camera", "is empty"]),
-        ("fov = 30", &["it belongs into camera"]),
+        ("fov = 30", &["it belongs in camera"]),
         ("hide = 'Sword'", &["hide", "list"]),
         ("hide = ['']", &["hide[0]", "is empty"]),
         ("hid = ['A']", &["did you mean `hide`?"]),

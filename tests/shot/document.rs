@@ -99,17 +99,6 @@ fn the_examples_of_the_template_work_when_uncommented() {
 }
 
 #[test]
-fn the_template_of_a_character_keeps_its_limbs_apart() {
-    let character = TemplateFacts { subject: Subject::Character, ..facts() };
-    let text = template::write("a.glb", &character);
-    for text in [uncommented(&text), text] {
-        let shot = parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        assert_eq!(shot.layers[0].settings.topology, pinwarp::solve::Topology::Branching);
-        assert!(shot.layers[0].has_auto_dims);
-    }
-}
-
-#[test]
 fn the_template_suits_a_bare_scene_of_one_frame() {
     let bare = TemplateFacts {
         subject: Subject::Scene,

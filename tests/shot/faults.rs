@@ -42,7 +42,7 @@ fn keys_and_types() {
     check(&[
         case(["camera =", "kamera ="], (3, "kamera"), &["did you mean `camera`?", "keys here: camera, environment"]),
         case(["camera =", "zzz ="], (3, "zzz"), &["not a key of a shot", "remove it", "keys here: camera"]),
-        case(["camera =", "clip ="], (3, "clip"), &["belongs into frames"]),
+        case(["camera =", "clip ="], (3, "clip"), &["belongs in frames"]),
         case(["camera = \"ShotCam\"", "\"a b\" = 1"], (3, "\"a b\""), &["not a key"]),
         case(["unit =", "uint ="], (26, "layer[0].pin[1].uint"), &["did you mean `unit`?"]),
         case(["ease = {", "eas = {"], (30, "layer[0].handle[0].keys[1].eas"), &["did you mean `ease`?"]),
@@ -123,7 +123,7 @@ fn layers() {
         case(
             ["energy = \"edge\", regularizer = \"rest\", weights", "preset = \"paper\", weights"],
             (14, "layer[0].solve.weights"),
-            &["a preset decides this already", "remove `preset` or `weights`"],
+            &["is already set by the preset", "remove `preset` or `weights`"],
         ),
         case(
             ["index = [9, 4]", "index = [9, 8]"],
@@ -163,7 +163,7 @@ fn stiff_parts() {
             (19, "layer[0].pin[0].region.rigidity"),
             &["from 0 to 1"],
         ),
-        case(["name   = \"spout\"", "rigidity = 1"], (19, "layer[0].pin[0].rigidity"), &["it belongs into region"]),
+        case(["name   = \"spout\"", "rigidity = 1"], (19, "layer[0].pin[0].rigidity"), &["it belongs in region"]),
     ]);
 }
 

@@ -51,7 +51,7 @@ fn a_second_data_pass_is_refused_on_every_raster() {
             raster.start(&Target { beauty_passes: 2, ..target(60, 40) }).unwrap();
             raster.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: first }).unwrap();
             let again = raster.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: second });
-            assert!(again.unwrap_err().to_string().contains("data come from one pass"));
+            assert!(again.unwrap_err().to_string().contains("only one data pass"));
         }
     }
 }

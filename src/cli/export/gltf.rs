@@ -35,7 +35,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         NodeMotion::Keys { shift_secs } if shift_secs > 0.0 => {
             writeln!(io::stdout(), "note: its clip starts {shift_secs:.3} s later than the scene's")?;
         }
-        NodeMotion::Sampled(_) => writeln!(io::stdout(), "note: the clip loops, so its nodes have a key a frame")?,
+        NodeMotion::Sampled(_) => writeln!(io::stdout(), "note: the clip loops, so its nodes have one key per frame")?,
         NodeMotion::Keys { .. } => {}
     }
     for layer in layers {

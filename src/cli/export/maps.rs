@@ -249,7 +249,7 @@ impl Maps {
             "a map shows one part only; move pins less far, hold what folds with more pins, or export one layer (--layer)"
         };
         (!map.folded_pixels.is_empty())
-            .then(|| format!("frame {frame}: the warp of {layers} lays the picture over itself in {pixels}: {remedy}"))
+            .then(|| format!("frame {frame}: the warp of {layers} folds over {pixels}: {remedy}"))
     }
 }
 
@@ -288,7 +288,8 @@ fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::
         }
     }
     for layer in lattices.layers.iter().filter(|layer| screen(layer).is_none()) {
-        let why = "is warped in the scene, which no map of the screen can tell; render it, or export gltf or blender";
+        let why =
+            "is warped in the scene, which no screen-space map can represent; render it, or export gltf or blender";
         writeln!(io::stderr(), "note: layer '{}' {why}", layer.name)?;
     }
     lattices.layers.retain(|layer| screen(layer).is_some());

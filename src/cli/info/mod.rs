@@ -20,7 +20,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<Outcome> {
         Some(FileKind::Shot) => print(args, &brief::ShotInfo::read(&args.file)?),
         Some(FileKind::Json) => print(args, &brief::LatticeInfo::read(&args.file)?),
         _ => bail!(
-            "{} is no file that info knows; give a scene (.glb, .gltf), a picture (.exr, .png, .jpg), a shot (.toml) or \
+            "{} is not a supported file; give a scene (.glb, .gltf), a picture (.exr, .png, .jpg), a shot (.toml) or \
              lattices (.json)",
             args.file.display()
         ),

@@ -11,7 +11,7 @@ impl Session {
     /// Copies the selected keys.
     pub fn copy_keys(&mut self) {
         if self.selection.keys.is_empty() {
-            return self.say("No key is chosen: click one in the timeline first.");
+            return self.say("No key is selected: click one in the timeline first.");
         }
         let shot = self.document.shot();
         let mut pins: Vec<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();

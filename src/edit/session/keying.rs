@@ -72,7 +72,7 @@ impl Session {
         };
         let keys: Vec<_> = self.selection.pins.iter().filter_map(key).collect();
         if keys.is_empty() {
-            return self.say("No pin is chosen: click one first.");
+            return self.say("No pin is selected: click one first.");
         }
         self.write_keys("Insert key", &keys, None);
     }

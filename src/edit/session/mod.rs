@@ -267,7 +267,7 @@ impl Session {
             Reply::ShotWritten => self.is_written = true,
             Reply::SceneWritten => {
                 self.reload();
-                self.say("The scene changed on disk: it was read again.");
+                self.say("The scene changed on disk and was reloaded.");
             }
         }
     }
@@ -427,8 +427,8 @@ impl Session {
     /// Redoes the change undone last.
     pub fn redo(&mut self) {
         match self.document.redo() {
-            Some(label) => self.went("Done again", &label),
-            None => self.say("There is nothing to do again."),
+            Some(label) => self.went("Redone", &label),
+            None => self.say("Nothing to redo."),
         }
     }
 

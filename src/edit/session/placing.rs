@@ -81,7 +81,7 @@ impl Session {
         let mut text = Ok(self.document.text().to_owned());
         let names = self.chosen_names();
         if names.is_empty() {
-            return self.say("No pin is chosen: click one first.");
+            return self.say("No pin is selected: click one first.");
         }
         for (layer, pin) in &names {
             text = text.and_then(|text| remove_pin(&text, PinName { layer, pin }));
@@ -126,7 +126,7 @@ impl Session {
     /// Mutes or unmutes pins; all take the new state of the first.
     pub fn toggle_pin_mute(&mut self, pins: &[[usize; 2]]) {
         let pin = |at: &[usize; 2]| self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
-        let Some(first) = pins.first().and_then(pin) else { return self.say("No pin is chosen: click one first.") };
+        let Some(first) = pins.first().and_then(pin) else { return self.say("No pin is selected: click one first.") };
         let (setting, label) = match first.is_muted {
             true => (Setting::Default, "Unmute"),
             false => (Setting::Flag(true), "Mute"),

@@ -189,7 +189,7 @@ impl Session {
         let layers = &self.document.shot().layers;
         let is_alone = |at: [usize; 2]| layers.get(at[0]).is_some_and(|layer| layer.pins.len() == 1);
         if self.selection.single_pin().is_some_and(is_alone) {
-            self.say("One pin moves the whole layer: click where the model shall stay, and drag again.");
+            self.say("One pin moves the whole layer: click where the model should stay, and drag again.");
         }
     }
 

@@ -111,7 +111,7 @@ impl CurveView {
         let painter = ui.painter_at(rect);
         grid(&painter, plot, axis, ui.visuals().weak_text_color());
         if curves.is_empty() {
-            let words = "No chosen pin has such numbers: click one in the picture.";
+            let words = "The selected pins have no such channel: click one in the picture.";
             let weak = ui.visuals().weak_text_color();
             painter.text(plot.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), weak);
         }

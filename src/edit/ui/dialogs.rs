@@ -1,4 +1,4 @@
-//! Dialogs: shortcuts, render progress, external file changes, unsaved work.
+//! Modal windows: shortcuts, render progress, external file changes, unsaved work.
 
 use crate::edit::{Action, RunState, Session, Shortcuts};
 use eframe::egui::{self, Align2, Grid, Key, Modal, RichText, ScrollArea, vec2};

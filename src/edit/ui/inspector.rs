@@ -156,7 +156,7 @@ fn held_or_free(
 ) -> bool {
     let row = ui.horizontal(|ui| {
         let is_changed = ui.add(number).accessible(name).changed();
-        let hint = "The pin holds none of it: the shape turns and grows as it likes";
+        let hint = "Unconstrained: the pin leaves rotation and scale free";
         let is_freed = !is_free && ui.small_button("free").on_hover_text(hint).clicked();
         (is_changed, is_freed)
     });

@@ -49,7 +49,7 @@ impl Options {
 /// Splits `x86_64-unknown-linux-gnu.2.28` into triple and glibc version.
 fn target(value: &str) -> anyhow::Result<(String, Option<[u32; 2]>)> {
     let Some((triple, version)) = value.split_once('.') else { return Ok((value.to_owned(), None)) };
-    let glibc = elf::version(version).with_context(|| format!("{version} is no version of glibc, as 2.28 is"))?;
+    let glibc = elf::version(version).with_context(|| format!("{version} is not a glibc version such as 2.28"))?;
     Ok((triple.to_owned(), Some(glibc)))
 }
 

@@ -119,7 +119,7 @@ fn sampler(device: &Arc<Device>, texture: &scene::Texture) -> Result<Owned<vk::S
         Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
     };
-    // Without mipmapping, a maximum LOD of 0.25 still distinguishes minification from magnification, and rounds to
+    // Without mipmapping, a maximum level of 0.25 still distinguishes minification from magnification, and rounds to
     // level 0 (Vulkan specification, VkSamplerCreateInfo, on OpenGL's filters).
     let (between, max_lod) = match texture.mipmap {
         None => (vk::SamplerMipmapMode::NEAREST, 0.25),

@@ -211,7 +211,7 @@ impl Check<'_> {
         ];
         if raw.preset.is_some() {
             for (part, _) in parts.iter().filter(|(_, is_given)| *is_given) {
-                let what = "a preset decides this already";
+                let what = "is already set by the preset";
                 self.fault(&format!("{key}.{part}"), what, format!("remove `preset` or `{part}`"));
             }
         }

@@ -22,7 +22,7 @@ impl Check<'_> {
         let other = [("scene", raw.scene.is_some()), ("plate", raw.plate.is_some())];
         if let (Some(image), Some((other, _))) = (&raw.image, other.iter().find(|(_, is_given)| *is_given)) {
             let hint = format!("keep one of `image` and `{other}`");
-            self.fault("image", format!("stands beside `{other}`: is it a drawing or not?"), hint);
+            self.fault("image", format!("excludes `{other}`"), hint);
             return Source::Images(self.images(image));
         }
         match (&raw.scene, &raw.image, &raw.plate) {

@@ -101,7 +101,7 @@ pub fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {
 }
 
 fn not_table(name: &str) -> ShotError {
-    fault(name, "something that is no table stands in the way", "write it as in docs/SHOT.md")
+    fault(name, "a parent key is not a table", "write it as in docs/SHOT.md")
 }
 
 fn put(table: &mut dyn TableLike, key: &[&str], setting: &Setting) -> Option<()> {

@@ -13,7 +13,7 @@ use serde::Deserialize;
 pub(in crate::shot) struct RawWarp {
     /// How colour is resampled.
     pub(in crate::shot) filter: Filter,
-    /// What becomes of normals.
+    /// Treatment of normals.
     pub(in crate::shot) normals: NormalMode,
     /// What fills places that the warp uncovers.
     pub(in crate::shot) holes: RawHoles,

@@ -34,6 +34,9 @@ const CONVEX_SHARE: f64 = 2.0;
 /// A weight is at least this part of its neighbours'.
 const TAPER: f64 = 0.5;
 
+/// Finer lattices are not searched for jumps between knots: a single solve takes a good part of a second, and an interval may need a hundred.
+const MAX_SEARCHED_HANDLES: usize = 1500;
+
 /// Motion whose speed changes by less than this from knot to knot, in least speeds, is steady.
 const STEADY: f64 = 2.0;
 
@@ -256,8 +259,12 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The weights of all intervals, each doubled until no jump is found between its knots.
+    /// The weights of all intervals, each doubled until no jump is found between its knots; as they are where the lattice is too fine to search.
     fn continuous_weights(&mut self) -> Vec<f64> {
+        let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
+        if handles.max().is_some_and(|count| count > MAX_SEARCHED_HANDLES) {
+            return self.weights.clone();
+        }
         let (knots, weights, is_known) = (&self.knots, &self.weights, &self.is_continuous);
         // First the states themselves, once for both intervals beside a knot.
         let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {

@@ -7,7 +7,6 @@
 
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
-use super::weight_between;
 use crate::solve::cancel::Cancel;
 
 /// Times are halved this often, whatever is found, where nothing speaks against a jump: one of all points could lie in the middle.
@@ -15,6 +14,12 @@ pub(crate) const LEAST_DEPTH: u32 = 2;
 
 /// Times are halved this often at most; what is not even then is a jump.
 const MOST_DEPTH: u32 = 11;
+
+/// The weight of the square between two knots. Each interval has half of the energy of a time, as in the trapezoidal rule: the motion has no
+/// kinks at knots.
+pub(super) fn weight_between(weight: f64, s: f64) -> f64 {
+    2.0 * weight / (s * (1.0 - s))
+}
 
 /// The motion between two knots.
 pub(crate) struct Interval<'a, const D: usize> {

@@ -20,6 +20,7 @@ use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
 use chain::Chain;
+use continuity::weight_between;
 use displacement::Displacement;
 use knot::{Descent, Knot};
 use rayon::prelude::*;
@@ -197,12 +198,6 @@ impl<const D: usize> Trajectory<D> {
     fn state(&self, knot: f64) -> Option<&Displacement<D>> {
         if knot < 0.0 { None } else { self.states.get(knot as usize)?.as_ref() }
     }
-}
-
-/// The weight of the square between two knots. Each interval has half of the energy of a time, as in the trapezoidal rule: the motion has no
-/// kinks at knots.
-fn weight_between(weight: f64, s: f64) -> f64 {
-    2.0 * weight / (s * (1.0 - s))
 }
 
 /// What draws a time.
