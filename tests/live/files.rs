@@ -123,7 +123,7 @@ fn a_file_that_is_there_keeps_what_it_says() {
     let original = std::fs::read_to_string(&base).expect("there");
     for path in [base.clone(), source] {
         let fault = write_shot(&WriteShot { path: &path, tracks: &read.tracks, ..job }).expect_err("the wrong place");
-        assert!(fault.to_string().contains("beside"), "{fault}");
+        assert!(fault.to_string().contains("in the folder of"), "{fault}");
     }
     assert_eq!(original, std::fs::read_to_string(&base).expect("there"), "what is read is never written");
 }

@@ -225,7 +225,7 @@ fn a_matte_that_the_plate_lacks_is_named() {
     );
     let none = refused(Matte::Cryptomatte { layer: None, names: vec!["Teapot".into()] });
     assert!(matches!(none, PlateError::NoCryptomatte { .. }), "{none}");
-    assert!(none.to_string().contains("knows Teapot"), "{none}");
+    assert!(none.to_string().contains("contains Teapot"), "{none}");
 }
 
 #[test]
