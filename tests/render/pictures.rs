@@ -180,7 +180,9 @@ fn of_a_render_only_the_picture_is_painted() {
     };
     let (names, notes) = nodes("image = \"girl.exr\"\n");
     assert_eq!(names, ["girl", "camera"]);
-    for told in ["girl.exr: albedo, hair (the picture holds them", "N, P, Z (no colour)", "right (other views"] {
+    for told in
+        ["girl.exr: albedo, hair (already contained in the picture", "N, P, Z (no colour)", "right (belong to views"]
+    {
         assert!(notes.contains(told), "{told}: {notes}");
     }
     let (frame, _) = wall.render(wall.shot("image = \"girl.exr\"\n"));
@@ -190,7 +192,7 @@ fn of_a_render_only_the_picture_is_painted() {
     // The shot knows better.
     let (names, notes) = nodes("image = \"girl.exr\"\n[[warp.channels]]\nname = \"hair.*\"\nmeaning = \"color\"\n");
     assert_eq!(names, ["girl", "hair", "camera"]);
-    assert!(notes.contains(": albedo (the picture holds them"), "{notes}");
+    assert!(notes.contains(": albedo (already contained in the picture"), "{notes}");
 }
 
 #[test]

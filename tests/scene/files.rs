@@ -114,7 +114,7 @@ fn damaged_geometry_is_refused_by_name() {
     assert!(stride.fault().contains("stride 8"));
     let mut kind = Doc::triangle();
     kind.json["accessors"][0]["type"] = json!("VEC2");
-    assert!(kind.fault().contains("is a Vec2 where [Vec3] belongs"));
+    assert!(kind.fault().contains("is a Vec2 where [Vec3] is expected"));
     let mut uneven = Doc::square();
     uneven.attribute("TEXCOORD_0", "VEC2", &[0.0; 6]);
     assert!(uneven.fault().contains("TexCoords(0) has 3 elements for 4 vertices"));
