@@ -7,6 +7,7 @@
 mod assets;
 mod damage;
 mod kinds;
+mod readers;
 
 use damage::{Dice, damaged};
 use kinds::Kind;
@@ -159,6 +160,33 @@ survives!(
     glb_files,
     gltf_files
 );
+
+/// Files on which coverage-guided fuzzing (`.ci/fuzz`) found a fault that has been fixed, in a folder for each target.
+#[test]
+fn cases_found_before_are_survived() {
+    let readers: [(&str, &str, fn(&Path) -> bool); 7] = [
+        ("shot", "toml", readers::read_shot),
+        ("lattice", "json", readers::read_lattice),
+        ("landmarks", "json", readers::read_pairs),
+        ("problem", "json", readers::read_problem),
+        ("exr", "exr", readers::read_image),
+        ("picture", "png", readers::read_image),
+        ("scene", "glb", readers::read_scene),
+    ];
+    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/found");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut count = 0;
+    for (target, ending, read) in readers {
+        for case in std::fs::read_dir(found.join(target)).into_iter().flatten() {
+            let case = case.expect("readable").path();
+            let copy = folder.path().join(format!("case.{ending}"));
+            std::fs::copy(&case, &copy).expect("both are files");
+            eprintln!("{}: {}", case.display(), if read(&copy) { "accepted" } else { "refused" });
+            count += 1;
+        }
+    }
+    eprintln!("{count} cases");
+}
 
 /// A kind whose reader does not like a letter.
 fn stumbling(read: fn(&Path) -> bool) -> Kind {
