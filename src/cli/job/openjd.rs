@@ -70,7 +70,7 @@ fn prepare(plan: &Plan) -> Vec<String> {
     with_shot_as_parameter(plan, &plan.bake).into_iter().chain(more).collect()
 }
 
-/// Every file is read completely.
+/// Returns the arguments of the report, which reads every file completely.
 fn report(plan: &Plan) -> Vec<String> {
     let more = ["--frames", "{{Param.Frames}}", "--verify"].map(str::to_owned);
     with_shot_as_parameter(plan, &plan.report).into_iter().chain(more).collect()
@@ -100,7 +100,7 @@ fn step(name: &str, after: &[&str], action: Value) -> Value {
     step
 }
 
-/// A cancelled task finishes its frames in flight.
+/// Returns the action that runs the program. A cancelled task finishes its frames in flight.
 fn action(arguments: &[String]) -> Value {
     json!({
         "command": "{{Param.Program}}",
