@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Number of knots per frame.
 const KNOTS_PER_FRAME: u32 = 1;
 
-/// Speed that needs no cause in the input: one pixel per frame at 1080 lines, in frame heights.
+/// Speed that never counts as a jump, even if pins and model are at rest: one pixel per frame at 1080 lines, in frame heights.
 const LEAST_SPEED: f64 = 1.0 / 1080.0;
 
 impl PreparedShot {

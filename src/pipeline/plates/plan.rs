@@ -218,7 +218,8 @@ fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineEr
     Ok(())
 }
 
-/// Refuses to undo warps with mattes, because what lay behind the moved layers is not in the plate.
+/// Refuses to undo what has no inverse: branching lattices, STMaps, and warps with mattes, because what lay behind the moved
+/// layers is not in the plate.
 fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     if let (PlateWarp::Shot(prepared), WarpDirection::Inverse) = (&job.warp, job.direction) {
         check_plain(prepared, "a warp that is undone")?;

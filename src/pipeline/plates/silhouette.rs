@@ -83,7 +83,8 @@ impl<'a> Silhouette<'a> {
     }
 }
 
-/// Converts a render to coverage: parts that layers move count fully, all others with [`UNCLAIMED`].
+/// Converts a render to coverage: parts that layers move count fully, all others with [`UNCLAIMED`]; given a layer, only its
+/// own parts count.
 fn of_render(drawn: &Frame, size: FrameSize, layer: Option<usize>) -> Option<Coverage> {
     let ids = drawn.channel("id.layer")?;
     let share = |(alpha, id): (&f32, &f32)| {
