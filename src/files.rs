@@ -1,24 +1,24 @@
-//! Files that are read whole: regular ones only, up to a limit.
+//! Reads whole files, with checks: regular files only, up to a size limit.
 //!
-//! In: a path and the most bytes that make sense. Out: text; or an error before anything is waited for or taken into memory.
+//! In: a path and the maximum number of bytes. Out: the text, or an error before the reader blocks or allocates memory.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
-/// Most bytes of a shot file: a hundred thousand keys take ten million.
+/// Maximum size of a shot file, bytes; a hundred thousand keys take ten million.
 pub(crate) const SHOT_BYTES: u64 = 64 << 20;
 
-/// Most bytes of tables that people and programs write: landmarks, manifests.
+/// Maximum size of tables written by people and programs (landmarks, manifests), bytes.
 pub(crate) const TABLE_BYTES: u64 = 256 << 20;
 
-/// Most bytes of lattices and problems.
+/// Maximum size of lattice files and problem files, bytes.
 pub(crate) const LATTICE_BYTES: u64 = 4 << 30;
 
-/// Reads a text.
+/// Reads a text file.
 ///
 /// # Errors
-/// [`Error`] where the path is a pipe, device or socket, the file is longer than `most_bytes`, or is not UTF-8.
+/// Returns [`Error`] if the path is a pipe, device or socket, or if the file is longer than `most_bytes` or not UTF-8.
 pub(crate) fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     check_regular(path)?;
     let file = File::open(path)?;
@@ -31,10 +31,10 @@ pub(crate) fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     Err(Error::new(ErrorKind::FileTooLarge, format!("the file has {length} MB, at most {most} MB are read")))
 }
 
-/// Refuses pipes, devices and sockets, which may keep a reader waiting for ever. Everything else is left to the reader.
+/// Refuses pipes, devices and sockets, which could block a reader indefinitely; all other problems are left to the reader.
 ///
 /// # Errors
-/// [`Error`] that says so.
+/// Returns [`Error`] of kind `InvalidInput` if the path is a pipe, device or socket.
 pub(crate) fn check_regular(path: &Path) -> Result<()> {
     match path.metadata() {
         Ok(there) if !there.is_file() && !there.is_dir() => {

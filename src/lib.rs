@@ -1,6 +1,6 @@
 //! pinwarp warps animated glTF scenes and finished frames with pins placed on the screen.
 //!
-//! The stages stand in data-flow order; each is a function from plain data to plain data:
+//! The stages are listed in data-flow order; each is a function from plain data to plain data:
 //!
 //! ```text
 //! scene.glb ─scene─▶ Scene ─pose─▶ Pose ─screen─▶ ScreenMesh ─lattice─▶ Embedding ─┐
@@ -13,7 +13,7 @@
 //! The method is lp-FFD: Fukusato, Maejima and Igarashi, "Locality-Preserving Free-Form
 //! Deformation", 2024, <https://arxiv.org/abs/2405.07450>. `docs/METHOD.md` maps its equations to files.
 
-// Tests may; the program states its invariants or returns errors.
+// Tests may panic; the program returns errors, or states the violated invariant with `expect`.
 #![deny(clippy::panic, clippy::unwrap_used)]
 
 pub mod space;

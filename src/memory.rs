@@ -1,7 +1,8 @@
-//! The memory budget: what decoded pictures, scenes and frames may take together.
+//! Memory budget of the process: the bytes that decoded pictures, scenes and frames may occupy together.
 //!
-//! In: a limit, the bytes that a step will hold at once. Out: leave to take them, or [`OverBudget`], before anything is decoded.
-//! Systems grant memory that they do not have and then end the whole program, so asking the allocator is no answer.
+//! In: a limit, and the bytes that a step will hold at once. Out: a [`Reservation`], or [`OverBudget`] before anything
+//! is decoded. Allocation failures cannot be used instead, because operating systems overcommit memory and then kill
+//! the process.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,51 +10,51 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Share of the system's memory that is used unless a limit is set, in percent.
+/// Default limit, in percent of the system's memory.
 const DEFAULT_PERCENT: f64 = 75.0;
 
-/// How long a thread that waits for memory sleeps before it asks whether that is still wanted.
+/// Time that a thread waiting for memory sleeps before it polls for cancellation.
 const NAP: Duration = Duration::from_millis(10);
 
-/// The limit in bytes; 0: not set.
+/// The limit in bytes; 0 if not set.
 static LIMIT: AtomicU64 = AtomicU64::new(0);
-/// What the default share comes to.
+/// The default limit in bytes.
 static DEFAULT: LazyLock<u64> = LazyLock::new(|| MemoryLimit::Percent(DEFAULT_PERCENT).bytes());
-/// Bytes of all [`Reservation`]s.
+/// Sum of all [`Reservation`]s, bytes.
 static RESERVED: Mutex<u64> = Mutex::new(0);
-/// Told when a reservation ends.
+/// Notified when a reservation is dropped.
 static RELEASED: Condvar = Condvar::new();
 
-/// A limit as users write it: `8G`, `512M`, `50%`.
+/// A memory limit as written by users: `8G`, `512M`, `50%`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MemoryLimit {
-    /// Bytes.
+    /// An absolute limit in bytes.
     Bytes(u64),
-    /// Percent of the memory that the system has, or that its container may use.
+    /// Percent of the memory of the system, or of the part that its container may use.
     Percent(f64),
 }
 
-/// Something that needs more memory than there may be used.
+/// The error for a step that needs more memory than the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverBudget {
-    /// Bytes that are needed.
+    /// Bytes needed.
     pub needed: u128,
-    /// Bytes that may be used.
+    /// Bytes allowed.
     pub limit: u64,
 }
 
-/// Bytes that are in use until this is dropped.
+/// Bytes that count as in use until this value is dropped.
 #[derive(Debug)]
 pub struct Reservation {
     bytes: u64,
 }
 
-/// Sets the limit of this process. It counts from the next picture on.
+/// Sets the limit of this process, which applies from the next check or reservation on.
 pub fn set_limit(limit: MemoryLimit) {
     LIMIT.store(limit.bytes().max(1), Ordering::Relaxed);
 }
 
-/// The limit of this process, bytes: what was set, else three quarters of what the system has.
+/// Returns the limit of this process in bytes: the one set, or else three quarters of the system's memory.
 #[must_use]
 pub fn limit() -> u64 {
     match LIMIT.load(Ordering::Relaxed) {
@@ -62,25 +63,25 @@ pub fn limit() -> u64 {
     }
 }
 
-/// Whether so many bytes may be held at once.
+/// Checks that the given number of bytes may be held at once.
 ///
 /// # Errors
-/// [`OverBudget`] where they are more than the limit.
+/// Returns [`OverBudget`] if it exceeds the limit.
 pub fn check(bytes: u128) -> Result<(), OverBudget> {
     let limit = limit();
     if bytes <= u128::from(limit) { Ok(()) } else { Err(OverBudget { needed: bytes, limit }) }
 }
 
-/// Reserves bytes, and waits until other reservations leave room for them. A thread holds one reservation at a time.
+/// Reserves bytes, waiting until other reservations leave enough room. A thread must hold at most one reservation at a time.
 ///
 /// # Errors
-/// [`OverBudget`] where they are more than the limit, however long one waits.
+/// Returns [`OverBudget`] if the bytes exceed the limit, so that no wait could help.
 pub fn reserve(bytes: u128) -> Result<Reservation, OverBudget> {
     Ok(reserve_until(bytes, &|| false)?.expect("nothing gives it up"))
 }
 
-/// As [`reserve`]; while it waits, `stop` is asked every few milliseconds whether the bytes are still wanted, by the thread
-/// that called. `None`: they are not.
+/// Reserves bytes as [`reserve`] does, and returns `None` if `stop` returns true while it waits. The calling thread
+/// polls `stop` every few milliseconds.
 ///
 /// # Errors
 /// As [`reserve`].
@@ -108,7 +109,7 @@ impl Drop for Reservation {
 }
 
 impl MemoryLimit {
-    /// In bytes, of this system; no limit where its memory is not known.
+    /// Converts the limit to bytes on this system; `u64::MAX` for a percentage if the system's memory is unknown.
     #[must_use]
     pub fn bytes(self) -> u64 {
         match self {
@@ -155,7 +156,7 @@ impl fmt::Display for OverBudget {
 
 impl std::error::Error for OverBudget {}
 
-/// Memory of this system in bytes, or what its container may use of it.
+/// Returns the memory of this system in bytes, or the limit of its container if that is lower.
 fn system_bytes() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let total = read("/proc/meminfo").and_then(|text| total_of_meminfo(&text));
@@ -197,13 +198,13 @@ mod tests {
     #[test]
     fn what_is_too_large_is_refused_and_what_fits_is_given_back() {
         assert!(matches!(check(u128::MAX), Err(OverBudget { needed: u128::MAX, .. })));
-        // More than half of the budget twice, one after the other: the second waits for the first.
+        // Two reservations of more than half the budget each: the second waits for the first.
         let most = u128::from(limit() / 2 + 1);
         let first = reserve(most).expect("it fits");
         let second = std::thread::spawn(move || reserve(most).map(drop));
         drop(first);
         second.join().expect("no panic").expect("it fits when the first has ended");
-        // And one that is no longer wanted does not wait for ever.
+        // A reservation that is cancelled stops waiting.
         let _first = reserve(most).expect("it fits");
         let asked = std::cell::Cell::new(0);
         let stop = || asked.replace(asked.get() + 1) == 2;

@@ -1,17 +1,18 @@
-//! Runs the stages over a frame range: overlap, progress, cancel, per-frame errors.
+//! Runs all stages for a shot over a range of frames: concurrent threads, progress events, cancellation, and errors per frame.
 //!
-//! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s on the way, a [`Summary`].
+//! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s during the run, and a [`Summary`].
 //!
 //! ```text
-//! once a shot    Shot ─prepare─▶ PreparedShot: scene, layer assignment, pin anchors, camera, clip
-//! once a time    PreparedShot ─evaluate─▶ TimeSample: pose ─▶ world layers ─▶ projection ─▶ screen layers
-//! once a layer   shape, pins ─factor─▶ Solver ─solve─▶ lattice         (the same on the screen and in the scene)
-//! once a frame   TimeSamples ─geometry thread─▶ passes ─draw─▶ Frame ─write─▶ files
+//! once per shot   Shot ─prepare─▶ PreparedShot: scene, layer assignment, pin anchors, camera, clip
+//! once per time   PreparedShot ─evaluate─▶ TimeSample: pose ─▶ world layers ─▶ projection ─▶ screen layers
+//! once per layer  shape, pins ─factor─▶ Solver ─solve─▶ lattice         (the same for screen and world layers)
+//! once per frame  TimeSamples ─geometry thread─▶ passes ─draw─▶ Frame ─write─▶ files
 //! ```
 //!
-//! Frame N is a function of the shot and N alone; what is kept between frames is only what would be computed again.
+//! Frame N depends on the shot and on N alone: the caches that frames share hold only values that recomputation would
+//! reproduce bit for bit.
 
-// Once a shot.
+// Run once per shot.
 mod anchors;
 mod auto_dims;
 mod branch_lattices;
@@ -31,7 +32,7 @@ mod transfer;
 mod transferred_branches;
 mod visibility;
 
-// Once a time.
+// Run once per time.
 mod evaluate;
 mod followed_box;
 mod frame_cache;
@@ -57,7 +58,7 @@ mod whole_layer;
 mod world_layer;
 mod world_timeline;
 
-// Once a frame.
+// Run once per frame.
 mod draw;
 mod geometry_thread;
 mod jerk;
@@ -69,7 +70,7 @@ mod report;
 mod shared_cells;
 mod write;
 
-// Runs over frames: of a scene, of pictures, of plates.
+// Run over a range of frames: of a scene, of pictures, of plates.
 mod branches;
 mod contents;
 mod error;
@@ -86,14 +87,14 @@ mod run_lock;
 mod sequence_report;
 mod solve_ahead;
 
-// For editors.
+// Used by editors.
 mod layer_marks;
 mod new_shot;
 mod open_shot;
 mod picked_point;
 mod still;
 
-// For other programs.
+// Used by exports and other programs.
 mod bake;
 mod lattice_objects;
 mod lattice_tracks;

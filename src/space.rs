@@ -1,4 +1,4 @@
-//! The spaces of the program, one type each, so that a point of one cannot be passed for another.
+//! The coordinate spaces of the program, with one type each, so that a point of one space cannot be passed for another.
 //!
 //! ```text
 //! scene  right-handed, y up, metres             ScenePoint, SceneVector   f32
@@ -17,19 +17,19 @@ use glam::{DVec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Sub};
 
-/// A point of scene space (glTF's: right-handed, y up, metres).
+/// A point in scene space (that of glTF: right-handed, y up, metres).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct ScenePoint(pub Vec3);
 
-/// A direction or displacement of scene space.
+/// A direction or displacement in scene space, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct SceneVector(pub Vec3);
 
-/// A point of screen space: x right, y up, unit = frame height, origin at the lower left of the display window.
+/// A point in screen space: x right, y up, unit = frame height, origin at the lower left of the display window.
 ///
-/// A point is not a vector, and a screen point is not an image point:
+/// Points and vectors are separate types, and so are screen points and image points:
 /// ```compile_fail
 /// use pinwarp::space::{ImagePoint, ScreenPoint};
 /// let wrong: ScreenPoint = ImagePoint::new(3.0, 4.0);
@@ -42,18 +42,18 @@ pub struct SceneVector(pub Vec3);
 #[repr(transparent)]
 pub struct ScreenPoint(pub DVec2);
 
-/// A displacement of screen space, in frame heights, y up.
+/// A displacement in screen space, in frame heights, y up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(transparent)]
 pub struct ScreenVector(pub DVec2);
 
-/// A point of image space: pixels, y down, origin at the upper left corner of the display window.
+/// A point in image space: pixels, y down, origin at the upper left corner of the display window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct ImagePoint(pub DVec2);
 
 impl ScreenPoint {
-    /// The point (x, y), in frame heights.
+    /// Creates the point (x, y), in frame heights.
     #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self(DVec2::new(x, y))
@@ -61,7 +61,7 @@ impl ScreenPoint {
 }
 
 impl ScreenVector {
-    /// The displacement (x, y), in frame heights.
+    /// Creates the displacement (x, y), in frame heights.
     #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self(DVec2::new(x, y))
@@ -69,7 +69,7 @@ impl ScreenVector {
 }
 
 impl ImagePoint {
-    /// The point (x, y), in pixels, y down.
+    /// Creates the point (x, y), in pixels, y down.
     #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self(DVec2::new(x, y))
@@ -92,7 +92,7 @@ impl Add<ScreenVector> for ScreenPoint {
     }
 }
 
-/// An axis-aligned box of screen space; `min` is its lower left corner.
+/// An axis-aligned box in screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScreenBox {
     /// Lower left corner.
@@ -102,75 +102,75 @@ pub struct ScreenBox {
 }
 
 impl ScreenBox {
-    /// The box with the given corners, in frame heights.
+    /// Creates the box with the given corners, in frame heights.
     #[must_use]
     pub const fn new(min: ScreenPoint, max: ScreenPoint) -> Self {
         Self { min, max }
     }
 
-    /// The smallest box around `points`; `None` where there are none.
+    /// Returns the bounding box of `points`; `None` if there are none.
     pub fn around(points: impl IntoIterator<Item = ScreenPoint>) -> Option<Self> {
         points.into_iter().map(|point| Self::new(point, point)).reduce(Self::union)
     }
 
-    /// The smallest box that holds both.
+    /// Returns the smallest box that contains both boxes.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self::new(ScreenPoint(self.min.0.min(other.min.0)), ScreenPoint(self.max.0.max(other.max.0)))
     }
 
-    /// Width and height, in frame heights.
+    /// Returns width and height, in frame heights.
     #[must_use]
     pub fn size(self) -> DVec2 {
         self.max.0 - self.min.0
     }
 
-    /// The middle of the box.
+    /// Returns the centre of the box.
     #[must_use]
     pub fn center(self) -> ScreenPoint {
         ScreenPoint((self.min.0 + self.max.0) * 0.5)
     }
 
-    /// Length of the diagonal, in frame heights: the scale of the solver's tolerances.
+    /// Returns the length of the diagonal in frame heights, to which the solver's tolerances are relative.
     #[must_use]
     pub fn diagonal(self) -> f64 {
         self.size().length()
     }
 }
 
-/// The display window in pixels: what screen space is measured against.
+/// The display window: its size in pixels, which defines screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameSize {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
     /// Width of a pixel divided by its height.
     pub pixel_aspect: f64,
 }
 
 impl FrameSize {
-    /// A frame of square pixels.
+    /// Creates a frame with square pixels.
     #[must_use]
     pub const fn new(width: u32, height: u32) -> Self {
         Self { width, height, pixel_aspect: 1.0 }
     }
 
-    /// A scaled frame: whole pixels, at least one on a side.
+    /// Scales the frame, rounding each side to whole pixels, at least one.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         let scaled = |length: u32| ((f64::from(length) * factor).round() as u32).max(1);
         Self { width: scaled(self.width), height: scaled(self.height), ..self }
     }
 
-    /// Width of the frame in frame heights (1.778 for a 16:9 frame).
+    /// Returns the width of the frame in frame heights (1.778 for a 16:9 frame).
     #[must_use]
     pub fn aspect(self) -> f64 {
         f64::from(self.width) * self.pixel_aspect / f64::from(self.height)
     }
 
-    /// Is this a picture of a shape `aspect` wide to 1 high, a scaled one perhaps? A side that was rounded to whole pixels
-    /// may be half a pixel off.
+    /// Whether this frame has the aspect ratio `aspect` (width / height), allowing for half a pixel of rounding on each
+    /// side, as in a scaled picture.
     ///
     /// ```
     /// use pinwarp::space::FrameSize;
@@ -184,7 +184,7 @@ impl FrameSize {
         (self.aspect() - aspect).abs() <= slack + 1e-6
     }
 
-    /// Where a screen point lies in the image. The one y-flip of the program.
+    /// Converts a screen point to image space. This and its inverse hold the only y-flip of the program.
     ///
     /// ```
     /// use pinwarp::space::{FrameSize, ImagePoint, ScreenPoint};
@@ -197,21 +197,21 @@ impl FrameSize {
         ImagePoint::new(point.0.x * height / self.pixel_aspect, (1.0 - point.0.y) * height)
     }
 
-    /// Where an image point lies on the screen; the inverse of [`Self::image_from_screen`].
+    /// Converts an image point to screen space; the inverse of [`Self::image_from_screen`].
     #[must_use]
     pub fn screen_from_image(self, point: ImagePoint) -> ScreenPoint {
         let height = f64::from(self.height);
         ScreenPoint::new(point.0.x * self.pixel_aspect / height, 1.0 - point.0.y / height)
     }
 
-    /// A screen displacement in pixels, x right and **y up** (the convention of motion channels).
+    /// Converts a screen displacement to pixels, x right and **y up** (the convention of motion channels).
     #[must_use]
     pub fn pixels_from_screen(self, vector: ScreenVector) -> DVec2 {
         let height = f64::from(self.height);
         DVec2::new(vector.0.x * height / self.pixel_aspect, vector.0.y * height)
     }
 
-    /// All pixels of the frame.
+    /// Returns the window that covers all pixels of the frame.
     #[must_use]
     pub const fn window(self) -> PixelRect {
         PixelRect { x: 0, y: 0, width: self.width, height: self.height }

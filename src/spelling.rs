@@ -1,22 +1,21 @@
-//! Names as people write them: patterns with `*` and `?`, and the right spelling that a wrong one comes nearest to; numbers
-//! of things.
+//! Handles names and counts as people write them: patterns with `*` and `?`, suggestions for misspelt names, plurals, ranges.
 //!
-//! In: names, numbers. Out: whether they fit; words for messages.
+//! In: names and numbers. Out: whether they match; phrases for messages.
 
 use std::borrow::Cow;
 use std::fmt::Display;
 
-/// Names listed in a hint, at most.
+/// Maximum number of names listed in a hint.
 const LISTED: usize = 12;
 
-/// The nearest of the right spellings, if it is near enough to be meant.
+/// Returns the valid spelling nearest to a wrong one (Jaro-Winkler similarity, ignoring case), if it is near enough.
 pub(crate) fn nearest<'a>(wrong: &str, right: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let closeness = |name: &str| strsim::jaro_winkler(&wrong.to_lowercase(), &name.to_lowercase());
     let best = right.map(|name| (closeness(name), name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > 0.75).then_some(best.1)
 }
 
-/// How to fix a wrong name: the nearest right one, or what there is.
+/// Suggests how to correct a wrong name: the nearest valid one, or a list of all.
 pub(crate) fn hint<'a>(wrong: &str, right: impl Iterator<Item = &'a str> + Clone) -> String {
     if let Some(name) = nearest(wrong, right.clone()) {
         return format!("did you mean \"{name}\"?");
@@ -24,7 +23,7 @@ pub(crate) fn hint<'a>(wrong: &str, right: impl Iterator<Item = &'a str> + Clone
     list(right)
 }
 
-/// What there is, in words; long lists are cut.
+/// Lists names for a message, at most [`LISTED`] of them.
 pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
     let shown: Vec<&str> = names.clone().take(LISTED).collect();
     let more = names.count().saturating_sub(shown.len());
@@ -35,8 +34,8 @@ pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str> + Clone) -> String {
     }
 }
 
-/// Text from a file as messages show it: control characters, which could drive a terminal, and invisible marks that turn
-/// the direction of writing are escaped, line breaks too.
+/// Escapes text from a file for messages: control characters, which could drive a terminal, line breaks, and invisible
+/// marks that change the direction of writing.
 pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
     let is_harmful = |letter: char| {
         letter.is_control()
@@ -52,16 +51,16 @@ pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escape).collect())
 }
 
-/// So many of something: `1 frame`, `2 frames`. A verb may go with the words.
+/// Formats a count with its noun: `1 frame`, `2 frames`. The noun may be followed by a verb.
 pub(crate) fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     let words = if count == N::from(1) { one } else { many };
     format!("{count} {words}")
 }
 
-/// Ranges shown in a message; more are left out.
+/// Maximum number of ranges in a message.
 const SHOWN_RANGES: usize = 8;
 
-/// Frames in words: `1 to 4, 7`.
+/// Formats frame numbers as ranges: `1 to 4, 7`.
 pub(crate) fn ranges(frames: &[i32]) -> String {
     let mut sorted = frames.to_vec();
     sorted.sort_unstable();
@@ -79,9 +78,9 @@ pub(crate) fn ranges(frames: &[i32]) -> String {
     words.join(", ")
 }
 
-/// Whether a name fits a pattern: `*` stands for any characters, `?` for one.
+/// Whether a name matches a pattern in which `*` stands for any characters and `?` for one.
 ///
-/// In linear space: on a mismatch the last star takes one more character.
+/// On a mismatch, the last star takes one more character, so the search needs no recursion.
 pub(crate) fn fits(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
     let (mut p, mut n) = (0, 0);

@@ -1,4 +1,4 @@
-//! All command-line arguments; help, manual pages and completions are generated from these definitions.
+//! The arguments of all commands. The help, the manual pages and the shell completions are generated from these definitions.
 //!
 //! In: the words of the command line. Out: one struct of plain values per command.
 
@@ -15,120 +15,122 @@ use clap::{ArgAction, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
 
-/// Warps animated glTF scenes with pins placed on the screen, and writes EXR sequences.
+/// Warp animated glTF scenes with pins placed on the screen, and write EXR sequences.
 #[derive(Debug, Parser)]
 #[command(name = "pinwarp", version, propagate_version = true, after_help = EXIT_CODES)]
 pub struct Args {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub(super) command: Command,
 
-    /// Print more: -v what is done, -vv every detail.
+    /// Print more messages: -v for information, -vv for all details.
     #[arg(short, long, action = ArgAction::Count, global = true)]
     pub(super) verbose: u8,
 
-    /// Memory that pictures and frames may take together: 8G, 512M or a share of what the system has, 50% [default: 75%].
-    /// A frame that needs more fails; the others go on.
+    /// Limit the memory for scenes, pictures and frames: 8G, 512M, or a percentage of the system's memory such as 50% [default:
+    /// 75%]. A frame that needs more fails; the other frames continue.
     #[arg(long, value_name = "SIZE", global = true)]
     pub(super) max_memory: Option<MemoryLimit>,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 all good, 1 some frames failed, 2 bad input or usage.";
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 some frames failed, 2 bad input or usage.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Render a shot into an EXR sequence.
+    /// Render a shot to an EXR sequence.
     #[command(
         after_long_help = "Examples:\n  pinwarp render shot.toml --frames 1 --preview --overlay\n  pinwarp render shot.toml --resume --json"
     )]
     Render(RenderArgs),
-    /// Warp finished frames of any renderer: all their channels, by their meaning.
+    /// Warp finished frames from any renderer, treating every channel according to its meaning.
     #[command(
         after_long_help = "Examples:\n  pinwarp warp beauty.####.exr --shot shot.toml -o warped.####.exr\n  pinwarp warp frame.png --lattice arm.lattice.json -o bent.png"
     )]
     Warp(Box<WarpArgs>),
-    /// Solve layers over time ahead of their frames, for farms.
+    /// Solve layers with a temporal weight before rendering, for render farms.
     #[command(
         after_long_help = "Examples:\n  pinwarp bake shot.toml\n  pinwarp bake shot.toml -o /farm/out/frame.####.exr --json"
     )]
     Bake(BakeArgs),
-    /// Write a commented, working shot file for a scene or a picture.
+    /// Write a commented, ready-to-render shot file for a scene or a picture.
     #[command(
         after_long_help = "Examples:\n  pinwarp new character.glb -o shot.toml\n  pinwarp new drawing.png -o shot.toml"
     )]
     New(NewArgs),
-    /// Report everything a render would fail on or warn of, without rendering.
+    /// Report all errors and warnings that a render would give, without rendering.
     #[command(after_long_help = "Examples:\n  pinwarp check shot.toml\n  pinwarp check shot.toml --frames 1-48x4")]
     Check(CheckArgs),
-    /// Open a window in which pins are placed and dragged.
+    /// Open the editor window, in which you place and drag pins.
     #[cfg(feature = "editor")]
     #[command(
         after_long_help = "Examples:\n  pinwarp edit\n  pinwarp edit character.glb\n  pinwarp edit shot.toml --frame 12 --screenshot editor.png"
     )]
     Edit(EditArgs),
-    /// Cast a screen point onto the model and print a ready pin.
+    /// Find the surface point under a screen point and print it as a pin.
     #[command(
         after_long_help = "Examples:\n  pinwarp pick shot.toml --at-px 960,540\n  pinwarp pick shot.toml --at 0.9,0.5 --write nose --layer head"
     )]
     Pick(PickArgs),
-    /// Tell the state of finished frames: missing and damaged ones, the worst figures; exit code 1 over limits.
+    /// Report missing and damaged frames and the worst quality figures of finished frames.
+    ///
+    /// The exit code is 1 if frames are missing, damaged or made from different states of the shot, or if a figure exceeds a limit.
     #[command(
         after_long_help = "Examples:\n  pinwarp report out/ --sheet sheet.png\n  pinwarp report shot.toml --verify --max-pin-error 0.5 --max-folds 0"
     )]
     Report(ReportArgs),
-    /// Write a job for a render farm: an Open Job Description template, or a script for Slurm.
+    /// Write a render farm job: an Open Job Description template or a Slurm script.
     #[command(
         after_long_help = "Examples:\n  pinwarp job shot.toml\n  pinwarp job shot.toml --to slurm --chunk 8 -- --device cpu"
     )]
     Job(JobArgs),
-    /// Solve a bare lattice problem (JSON in, JSON out).
+    /// Solve a stand-alone lattice problem (JSON in, JSON out).
     #[command(after_long_help = "Examples:\n  pinwarp solve problem.json -o result.json")]
     Solve(SolveArgs),
-    /// Deform a problem or a shot's layer with several methods, side by side.
+    /// Compare several deformation methods on a problem or on a layer of a shot.
     #[command(after_long_help = "Examples:\n  pinwarp compare shot.toml --frame 12 -o sheet.png")]
     Compare(CompareArgs),
-    /// Write the warp of a shot for other shots and programs.
+    /// Export the warp of a shot for other shots and programs.
     #[command(
         after_long_help = "Examples:\n  pinwarp export shot.toml --to nuke -o comp/shot.nk\n  pinwarp export shot.toml --to stmap -o maps/m.####.exr --resume"
     )]
     Export(ExportArgs),
-    /// Find the lattice that carries landmarks of one picture or pose onto those of another.
+    /// Fit a lattice that maps landmarks of one picture or pose to those of another.
     #[command(
         after_long_help = "Examples:\n  pinwarp fit drawing.png render.png --pairs pairs.csv -o drawing.lattice.json"
     )]
     Fit(FitArgs),
-    /// Lay the solved lattices of one shot over a picture, another model or another shot, and render it.
+    /// Apply the solved lattices of one shot to a picture, a scene or another shot, and render it.
     #[command(
         after_long_help = "Examples:\n  pinwarp transfer --lattice arm.lattice.json --onto other.png -o out.####.exr"
     )]
     Transfer(TransferArgs),
-    /// Give the lattices of a file other dims or another basis, and keep the edit.
+    /// Convert the lattices of a file to another number of handles or another basis, with nearly the same deformation.
     #[command(after_long_help = "Examples:\n  pinwarp resize arm.lattice.json --dims 20,20 -o fine.lattice.json")]
     Resize(ResizeArgs),
-    /// List what a file holds: nodes, clips and cameras of a scene, channels of a picture, layers of a shot.
+    /// Describe a file: nodes, clips and cameras of a scene, channels of a picture, layers of a shot or lattice file.
     #[command(after_long_help = "Examples:\n  pinwarp info character.glb\n  pinwarp info beauty.0001.exr --json")]
     Info(InfoArgs),
-    /// List what can draw.
+    /// List the rendering devices.
     #[command(
-        after_long_help = "Choose one by its number or a part of its name:\n  pinwarp render shot.toml --device 0\n  pinwarp render shot.toml --device cpu"
+        after_long_help = "Choose a device by its index or part of its name:\n  pinwarp render shot.toml --device 0\n  pinwarp render shot.toml --device cpu"
     )]
     Devices,
-    /// Print completions for a shell.
+    /// Print a completion script for a shell.
     #[command(
         after_long_help = "Examples:\n  pinwarp completions bash > ~/.local/share/bash-completion/completions/pinwarp"
     )]
     Completions {
-        /// Which shell.
+        /// The shell.
         shell: Shell,
     },
-    /// Print the manual: the pages of all commands, or write them into a folder.
+    /// Print the manual pages of all commands, or write them to a folder.
     #[command(after_long_help = "Examples:\n  pinwarp man | man -l -\n  pinwarp man -o ~/.local/share/man/man1")]
     Man(ManArgs),
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ManArgs {
-    /// Write one page for each command into this folder, e.g. ~/.local/share/man/man1; default: print them.
+    /// Write one page per command to this folder, e.g. ~/.local/share/man/man1; default: print the pages.
     #[arg(short, long, value_name = "FOLDER")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -137,7 +139,7 @@ pub(super) struct ManArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct RenderArgs {
-    /// The shot file.
+    /// Shot file.
     pub(super) shot: PathBuf,
     #[command(flatten)]
     pub(super) draw: DrawArgs,
@@ -145,9 +147,9 @@ pub(super) struct RenderArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct BakeArgs {
-    /// The shot file.
+    /// Shot file.
     pub(super) shot: PathBuf,
-    /// Where the frames will go, instead of the shot's output: what is solved is kept in a folder beside them.
+    /// Output path of the frames, if it differs from the shot's. The solved layers are stored in a folder beside the frames.
     #[arg(short, long, value_name = "PATH")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -158,26 +160,26 @@ pub(super) struct BakeArgs {
     pub(super) progress: ProgressArgs,
 }
 
-/// What is drawn of a shot, how, and where it goes.
+/// What to draw of a shot, how, and where to write it.
 #[derive(Debug, clap::Args)]
 pub(super) struct DrawArgs {
     /// Frames to render, e.g. 1-48x2,60; default: the shot's range.
     ///
-    /// Numbers and ranges with commas between them; 1-48x2 is every second frame from 1 to 48. They are rendered in this
-    /// order, and may lie outside the shot's range, where keys hold.
+    /// Frame numbers and ranges, separated by commas; 1-48x2 is every second frame from 1 to 48. Frames are rendered in the order
+    /// given. They may lie outside the shot's range, where keys hold their first or last value.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Size of the picture relative to the shot's: 1/2, 0.5, 50%.
+    /// Resolution relative to the shot's size: 1/2, 0.5 or 50%.
     #[arg(long, value_name = "FACTOR", default_value = "1")]
     pub(super) scale: Scale,
-    /// Samples per pixel, instead of the shot's.
+    /// Samples per pixel; replaces the shot's value.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(super) samples: Option<u32>,
-    /// Output path, instead of the shot's: frame.####.exr or frame.%04d.exr.
+    /// Output path, such as frame.####.exr or frame.%04d.exr; replaces the shot's path.
     #[arg(short, long, value_name = "PATH")]
     pub(super) output: Option<PathBuf>,
-    /// What draws: auto (a graphics card where there is one, else the CPU), cpu, vulkan (the best Vulkan device, be it a
-    /// software driver), or a Vulkan device by index or part of its name.
+    /// Rendering device: auto (a graphics card if there is one, else the CPU), cpu, vulkan (the best Vulkan device, including
+    /// software drivers), or the index or part of the name of a Vulkan device.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]
@@ -188,24 +190,24 @@ pub(super) struct DrawArgs {
     pub(super) existing: ExistingArgs,
     #[command(flatten)]
     pub(super) fsync: FsyncArg,
-    /// Write an sRGB PNG beside every frame.
+    /// Also write an sRGB PNG beside every frame.
     #[arg(long)]
     pub(super) preview: bool,
-    /// Write the preview with the lattice, pins, targets and folded cells drawn over it.
+    /// Write a preview PNG beside every frame, with the lattice, pins, targets and folded cells drawn over it.
     ///
-    /// A legend in the lower left corner names the marks. Filled red cells fold where the model lies, outlined ones where
-    /// nothing is seen.
+    /// A legend in the lower left corner explains the marks. Red cells fold: filled cells contain part of the model, outlined
+    /// cells contain nothing visible.
     #[arg(long)]
     pub(super) overlay: bool,
     #[command(flatten)]
     pub(super) progress: ProgressArgs,
 }
 
-/// Which camera sees a shot.
+/// The camera of a shot.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct CameraArg {
-    /// Camera instead of the shot's: one of the scene by name, or a view: front, back, left, right, side, top, bottom,
-    /// three-quarter or fit; front:body fits it to layer `body`.
+    /// Camera; replaces the shot's. Either the name of a camera in the scene, or a view: front, back, left, right, side, top,
+    /// bottom, three-quarter or fit. A view with a layer name, such as front:body, frames that layer.
     #[arg(long, value_name = "CAMERA", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     camera: Option<String>,
 }
@@ -221,9 +223,9 @@ impl CameraArg {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct NewArgs {
-    /// The scene: .glb or .gltf; or a picture: .png, .jpg or .exr.
+    /// Scene (.glb, .gltf) or picture (.png, .jpg, .exr).
     pub(super) scene: PathBuf,
-    /// The shot file to write.
+    /// Shot file to write.
     #[arg(short, long, value_name = "SHOT", default_value = "shot.toml")]
     pub(super) output: PathBuf,
     #[command(flatten)]
@@ -234,9 +236,9 @@ pub(super) struct NewArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct InfoArgs {
-    /// A scene (.glb, .gltf), a picture (.exr, .png, .jpg), a shot (.toml) or lattices (.json).
+    /// Scene (.glb, .gltf), picture (.exr, .png, .jpg), shot (.toml) or lattice file (.json).
     pub(super) file: PathBuf,
-    /// Print one JSON object instead of words.
+    /// Print one JSON object instead of text.
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
@@ -245,7 +247,7 @@ pub(super) struct InfoArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct CheckArgs {
-    /// The shot file.
+    /// Shot file.
     pub(super) shot: PathBuf,
     /// Frames to check, e.g. 1-48x2,60; default: the shot's range.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -258,22 +260,22 @@ pub(super) struct CheckArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct PickArgs {
-    /// The shot file.
+    /// Shot file.
     pub(super) shot: PathBuf,
-    /// Frame in which the point is seen; default: the shot's first.
+    /// Frame in which to pick the point; default: the shot's first frame.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(super) frame: Option<i32>,
-    /// Screen point in frame heights, x right, y up, from the lower left: 0.9,0.5.
+    /// Screen point in frame heights, x right and y up from the lower left corner: 0.9,0.5.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true,
           required_unless_present = "at_px", conflicts_with = "at_px")]
     pub(super) at: Option<[f64; 2]>,
-    /// Screen point in pixels of the shot's size, y down, as picture viewers show it: 960,540.
+    /// Screen point in pixels at the shot's size, x right and y down from the upper left corner, as in picture viewers: 960,540.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     pub(super) at_px: Option<[f64; 2]>,
-    /// Put the pin into the shot file under this name.
+    /// Add the pin to the shot file under this name, instead of printing it.
     #[arg(long, value_name = "NAME")]
     pub(super) write: Option<String>,
-    /// Layer that gets the pin; default: the one that claims the surface.
+    /// Layer for the pin; default: the layer that the surface belongs to.
     #[arg(long, value_name = "LAYER")]
     pub(super) layer: Option<String>,
     #[command(flatten)]
@@ -285,21 +287,21 @@ pub(super) struct PickArgs {
 #[cfg(feature = "editor")]
 #[derive(Debug, clap::Args)]
 pub(super) struct EditArgs {
-    /// A shot (.toml), a scene (.glb, .gltf), a picture, or plates (frame.####.exr); default: the editor offers some.
+    /// Shot (.toml), scene (.glb, .gltf), picture, or plates (frame.####.exr); default: open the start page, which offers bundled scenes.
     pub(super) file: Option<PathBuf>,
-    /// Frame that is seen; default: the shot's first.
+    /// Frame to show in the screenshot; default: the shot's first frame.
     #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "screenshot")]
     pub(super) frame: Option<i32>,
-    /// Draw the editor into a PNG file instead of opening a window; needs no display.
+    /// Draw the editor to a PNG file instead of opening a window; no display is needed.
     #[arg(long, value_name = "PNG", requires = "file")]
     pub(super) screenshot: Option<PathBuf>,
     /// Size of the screenshot in pixels.
     #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "1440x900")]
     pub(super) size: [u32; 2],
-    /// The screenshot shows the light theme.
+    /// Use the light theme for the screenshot.
     #[arg(long, requires = "screenshot")]
     pub(super) light: bool,
-    /// What draws, as for `pinwarp render`.
+    /// Rendering device, as for `pinwarp render`.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]
@@ -310,9 +312,9 @@ pub(super) struct EditArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SolveArgs {
-    /// The problem, JSON.
+    /// Problem file (JSON).
     pub(super) problem: PathBuf,
-    /// Where the result goes; default: standard output.
+    /// Result file (JSON); default: standard output.
     #[arg(short, long, value_name = "RESULT")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -321,75 +323,75 @@ pub(super) struct SolveArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ExportArgs {
-    /// The shot file; a lattice file (.json) where no scene is needed.
+    /// Shot file, or a lattice file (.json) for formats that need no scene.
     #[arg(value_name = "SHOT-OR-LATTICES")]
     pub(super) shot: PathBuf,
-    /// What is written.
+    /// Format to write.
     #[arg(long, value_name = "FORMAT", value_enum)]
     pub(super) to: ExportFormat,
-    /// The file to write; default: the shot's name with the format's ending.
+    /// File to write; default: the name of the shot with the format's extension.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Frames to export, e.g. 1-48x2,60; default: all of the shot or the file.
+    /// Frames to export, e.g. 1-48x2,60; default: all frames of the shot or the lattice file.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
     #[command(flatten)]
     pub(super) existing: ExistingArgs,
-    /// Maps of this layer alone, for an element that is matted; default: of the whole picture.
+    /// Export the maps of this layer only, for a matted element; default: maps of the whole picture (after-effects: of every layer).
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// Maps that undo the warp.
+    /// Write inverse maps, which undo the warp.
     #[arg(long)]
     pub(super) inverse: bool,
-    /// Size of maps in pixels, e.g. 1920x1080; default: the shot's, else 1080 lines.
+    /// Size of the maps in pixels, e.g. 1920x1080; default: the shot's size, or a height of 1080 pixels for a lattice file.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<[u32; 2]>,
-    /// Pixels around the frame that maps cover, too.
+    /// Number of pixels that the maps extend beyond the frame on each side.
     #[arg(long, value_name = "PIXELS", default_value = "0", value_parser = clap::value_parser!(u32).range(0..=16384))]
     pub(super) overscan: u32,
     #[command(flatten)]
     pub(super) outside: OutsideArg,
 }
 
-/// What `export` writes.
+/// The formats of `export`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum ExportFormat {
-    /// Solved lattices in the program's own open format, see docs/LATTICE.md.
+    /// Solved lattices in pinwarp's own open format (docs/LATTICE.md).
     LatticeJson,
-    /// Maps of where every pixel comes from, for any compositor (EXR, 32 bits).
+    /// STMaps for any compositor: the source position of every pixel (EXR, 32 bits).
     Stmap,
-    /// A Nuke script: the STMaps applied, and the lattices as grids.
+    /// A Nuke script that applies the STMaps and contains the lattices as grid nodes.
     Nuke,
-    /// A Python script that builds lattice objects with keyed shapes, and the scene beside it.
+    /// A Python script that builds lattice objects with animated shape keys, and the scene beside it (.glb).
     Blender,
-    /// The warped scene, one morph target a frame (.glb).
+    /// The warped scene with one morph target per frame (.glb).
     Gltf,
-    /// Displacement maps for After Effects, and the settings of its effect.
+    /// Displacement maps for After Effects, with the settings of its effect.
     AfterEffects,
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct FitArgs {
-    /// What is bent: a picture (its alpha is the shape), or a shot or scene in one frame.
+    /// Source to deform: a picture (its alpha defines the shape), or one frame of a shot or scene.
     pub(super) a: PathBuf,
-    /// What it should look like: a picture or a shot, of which only the size counts.
+    /// Picture or shot to match; only its size is used.
     pub(super) b: PathBuf,
-    /// Points of A and where they are in B: JSON or CSV, see docs/EXPORT.md.
+    /// Points of A and the matching points of B: JSON or CSV, see docs/EXPORT.md.
     #[arg(long, value_name = "FILE")]
     pub(super) pairs: PathBuf,
-    /// Handles along each axis.
+    /// Number of handles along each axis.
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "10,10")]
     pub(super) dims: Vec<usize>,
-    /// How handles are blended: bspline, bernstein, bilinear or barytri; default: bspline.
+    /// Basis that blends the handles: bspline, bernstein, bilinear or barytri; default: bspline.
     #[arg(long, value_name = "BASIS", value_parser = parse_basis)]
     pub(super) basis: Option<Basis>,
-    /// Frame of a shot, and number of the frame in the lattice file; default: the shot's first, else 1.
+    /// Frame of a shot, and frame number in the lattice file; default: the shot's first frame, 1 for a picture.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(super) frame: Option<i32>,
-    /// Layer of a shot; default: its only one.
+    /// Layer of a shot; default: the only one.
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// The lattice file to write.
+    /// Lattice file to write.
     #[arg(short, long, value_name = "FILE", default_value = "fit.lattice.json")]
     pub(super) output: PathBuf,
     #[command(flatten)]
@@ -400,53 +402,56 @@ pub(super) struct FitArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct TransferArgs {
-    /// The lattice file, as `pinwarp export --to lattice-json` writes it.
+    /// Lattice file, as written by `pinwarp export --to lattice-json`.
     #[arg(long, value_name = "FILE")]
     pub(super) lattice: PathBuf,
-    /// What it bends: a picture (.png, .jpg, .exr), a scene (.glb, .gltf), or a shot (.toml).
+    /// Picture (.png, .jpg, .exr), scene (.glb, .gltf) or shot (.toml) to deform.
     #[arg(long, value_name = "TARGET")]
     pub(super) onto: PathBuf,
-    /// Layer of the lattice file; default: its only one, onto a shot the one of the same name.
+    /// Layer of the lattice file; default: the only one, or for a shot the layer with the same name.
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// Where the lattices go; default: box, with --landmarks landmarks.
+    /// How to place the lattices; default: landmarks with --landmarks, else box.
     #[arg(long, value_name = "HOW", value_enum)]
     pub(super) fit: Option<FitKind>,
-    /// Pairs of screen points there and here, frame heights: [[[0.5,0.5],[0.9,0.4]]], or a JSON file that holds them.
+    /// Pairs of matching screen points (source, target) in frame heights: [[[0.5,0.5],[0.9,0.4]]], or a JSON file of them.
     #[arg(long, value_name = "PAIRS", allow_hyphen_values = true)]
     pub(super) landmarks: Option<String>,
-    /// How much of the deformation: 0 none, 1 all, more exaggerates.
+    /// Strength of the deformation: 0 none, 1 full; values above 1 exaggerate it.
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_strength, allow_hyphen_values = true)]
     pub(super) strength: f64,
-    /// The shot file to write for a picture or a scene; default: none for pictures, NAME.toml beside the frames for scenes.
+    /// Shot file to write for a picture or a scene; default: none for a picture, NAME.toml for a scene.
+    ///
+    /// NAME.toml is written beside the frames and named after them; without --output it is named after the scene and written to
+    /// the current folder.
     #[arg(long, value_name = "SHOT")]
     pub(super) shot: Option<PathBuf>,
     #[command(flatten)]
     pub(super) draw: DrawArgs,
 }
 
-/// Where transferred lattices go.
+/// The placements of transferred lattices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum FitKind {
-    /// Their box becomes the box of what they bend.
+    /// Map the box of the lattice to the box of the target.
     Box,
-    /// Landmarks shift, turn and scale them.
+    /// Shift, rotate and scale the lattice to match the landmarks.
     Landmarks,
-    /// The same place on the screen.
+    /// Keep the position on the screen.
     AsIs,
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ResizeArgs {
-    /// The lattice file.
+    /// Lattice file.
     pub(super) lattices: PathBuf,
-    /// Handles along each axis: 20,20, or 6,6,6 in the world.
+    /// Number of handles along each axis: 20,20, or 6,6,6 for world layers.
     #[arg(long, value_name = "N,N", value_delimiter = ',', required = true)]
     pub(super) dims: Vec<usize>,
-    /// How handles are blended: bspline, bernstein, bilinear or barytri; default: as before.
+    /// Basis that blends the handles: bspline, bernstein, bilinear or barytri; default: unchanged.
     #[arg(long, value_name = "BASIS", value_parser = parse_basis)]
     pub(super) basis: Option<Basis>,
-    /// The lattice file to write.
+    /// Lattice file to write.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
     #[command(flatten)]
@@ -455,27 +460,27 @@ pub(super) struct ResizeArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct CompareArgs {
-    /// A problem (JSON) or a shot (.toml).
+    /// Problem file (JSON) or shot (.toml).
     #[arg(value_name = "PROBLEM-OR-SHOT")]
     pub(super) input: PathBuf,
-    /// Picture to draw, one panel for each method (PNG).
+    /// PNG to draw, with one panel per method.
     #[arg(short, long, value_name = "SHEET")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) overwrite: OverwriteArg,
-    /// Methods, in any order; default: all of hsu, mls, arap, paper, default.
+    /// Methods to compare, separated by commas; default: all of hsu, mls, arap, paper, default.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) methods: Vec<String>,
-    /// Pose of a problem that has several; default: its first.
+    /// Pose of a problem with several poses; default: the first.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["frame", "layer"])]
     pub(super) pose: Option<String>,
-    /// Frame of a shot; default: its first.
+    /// Frame of a shot; default: the first.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(super) frame: Option<i32>,
-    /// Layer of a shot; default: its first.
+    /// Layer of a shot; default: the first.
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// Print one line of JSON for each method instead of a table.
+    /// Print one line of JSON per method instead of a table.
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]

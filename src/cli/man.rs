@@ -30,7 +30,7 @@ pub(super) fn run(args: &ManArgs) -> anyhow::Result<Outcome> {
 }
 
 struct Page {
-    /// `pinwarp-render.1`
+    /// File name of the page, such as `pinwarp-render.1`.
     file: String,
     troff: Vec<u8>,
 }

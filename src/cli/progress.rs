@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How often a warning repeated in many frames is printed; further ones are counted.
+/// How often a warning that recurs in many frames is printed; later ones are only counted.
 const REPEATS_TOLD: usize = 1;
 
 /// The output format of progress events.
@@ -136,7 +136,7 @@ impl Teller {
         }
     }
 
-    /// Layers are solved in parallel: the bar shows their sum.
+    /// Advances the bar of a bake. Layers are solved in parallel, so the bar shows their sum.
     fn baking(&self, layer: &str, done: usize, of: usize) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         if !told.contains_key(layer) {

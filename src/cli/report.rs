@@ -28,40 +28,41 @@ pub(super) struct ReportArgs {
     /// Finished frames: a folder, a sequence such as out/f.####.exr, or the shot that they were rendered from.
     #[arg(value_name = "FRAMES")]
     source: PathBuf,
-    /// Frames that should be there, e.g. 1-48x2,60; default: the shot's range, else from the first to the last that is there.
+    /// Frames that should exist, e.g. 1-48x2,60; default: the shot's range, or without a shot all frames from the first to the
+    /// last found.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<FrameList>,
-    /// Read every file to its end and compare the pixels with their checksums.
+    /// Read every file completely and compare the pixels with their checksums.
     #[arg(long)]
     verify: bool,
-    /// Draw a contact sheet; frames in which a figure is worst are framed (PNG).
+    /// Draw a contact sheet (PNG); frames with the worst quality figures get a coloured border.
     #[arg(long, value_name = "SHEET")]
     sheet: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArg,
     #[command(flatten)]
     limits: Limits,
-    /// Print one JSON object for each sequence instead of words.
+    /// Print one JSON object per sequence instead of text.
     #[arg(long)]
     json: bool,
 }
 
-/// What no frame may exceed.
+/// Limits that no frame may exceed.
 #[derive(Debug, clap::Args)]
 struct Limits {
-    /// Fail where a pin is farther from its target, pixels.
+    /// Fail if a pin is farther than this from its target, in pixels.
     #[arg(long, value_name = "PX", value_parser = parse_limit)]
     max_pin_error: Option<f64>,
-    /// Fail where more cells that hold some of the model fold in a frame.
+    /// Fail if more cells than this fold over the model in any frame.
     #[arg(long, value_name = "CELLS")]
     max_folds: Option<usize>,
-    /// Fail where the warp jerks more, pixels.
+    /// Fail if the jerk of the warp exceeds this, in pixels.
     #[arg(long, value_name = "PX", value_parser = parse_limit)]
     max_jerk: Option<f64>,
-    /// Fail where more pixels of a warped plate are uncovered.
+    /// Fail if more pixels than this are uncovered in any frame of a warped plate.
     #[arg(long, value_name = "PIXELS")]
     max_holes: Option<usize>,
-    /// Fail where there are more warnings in all.
+    /// Fail if there are more warnings than this in total.
     #[arg(long, value_name = "COUNT")]
     max_warnings: Option<usize>,
 }

@@ -1,4 +1,4 @@
-//! Arguments that several commands take.
+//! Arguments shared by several commands.
 
 use super::progress::ProgressForm;
 use crate::image::{Durability, Existing};
@@ -8,10 +8,10 @@ use crate::shot::{Shot, ShotError};
 use clap::builder::TypedValueParser;
 use std::path::Path;
 
-/// Which files a scene may refer to.
+/// The files that a scene may refer to.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct OutsideArg {
-    /// Read buffers and images that the scene names outside its own folder.
+    /// Also read buffers and images that lie outside the scene's folder.
     #[arg(long)]
     allow_outside: bool,
 }
@@ -33,27 +33,27 @@ impl OutsideArg {
     }
 }
 
-/// What happens to frames that are already there; without a flag nothing is done.
+/// How to treat existing frames; without a flag, they are an error.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct ExistingArgs {
-    /// Keep the frames that this run would write again, make the rest.
+    /// Keep existing frames that are up to date and render the others.
     ///
-    /// A frame is kept where its file is complete and says that the same version of pinwarp made it from the same state of
-    /// the shot, in the same size, on the same class of device. Every other frame is made again, and the reason is given.
+    /// A frame is kept if its file is complete and records that it was made by the same version of pinwarp from the same state of
+    /// the shot, in the same size and on the same class of device. Every other frame is made again, and the reason is given.
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// With --resume: read kept frames to the end and compare their pixels with their checksums.
+    /// With --resume: read kept frames completely and compare their pixels with their checksums.
     #[arg(long, requires = "resume")]
     verify: bool,
-    /// Replace files that are already there.
+    /// Replace existing files.
     #[arg(long)]
     overwrite: bool,
 }
 
-/// What happens to a file that is already there.
+/// How to treat an existing file.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct OverwriteArg {
-    /// Replace a file that is already there.
+    /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
 }
@@ -67,23 +67,23 @@ impl From<OverwriteArg> for Existing {
 /// When a file counts as written.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct FsyncArg {
-    /// Wait until every frame is on the disk before it gets its name.
+    /// Wait until every frame is stored on the disk before it gets its final name.
     ///
-    /// Frames then survive a power failure. Without this flag they survive the end of the program, however it ends.
+    /// Finished frames then survive a power failure. Without this flag they survive the end of the program, even a crash.
     #[arg(long)]
     fsync: bool,
 }
 
-/// How progress is printed; without a flag as words and a bar.
+/// How to print progress; without a flag, as text with a progress bar.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct ProgressArgs {
-    /// Print one JSON event per line instead of words and a progress bar.
+    /// Print one JSON event per line instead of text and a progress bar.
     ///
-    /// Events of frames are started, note, frame_redone, frame_done, frame_failed and finished, of `bake` note, started, progress,
-    /// layer_done, layer_failed and finished; the last holds the totals.
+    /// The events for frames are started, note, frame_redone, frame_done, frame_failed and finished; those of `bake` are note,
+    /// started, progress, layer_done, layer_failed and finished. The last event contains the totals.
     #[arg(long, conflicts_with = "openjd")]
     json: bool,
-    /// Print openjd_progress and openjd_status lines for a scheduler, beside the words.
+    /// Also print openjd_progress and openjd_status lines for an Open Job Description scheduler.
     #[arg(long)]
     openjd: bool,
 }

@@ -142,7 +142,7 @@ fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), tar
     Ok(shot)
 }
 
-/// Writes the shot for a picture or a scene, unless it exists already.
+/// Writes the shot for a picture or a scene, unless the file already holds it; fails if another file may not be replaced.
 fn write_shot(args: &TransferArgs, (path, text): (&Path, &str), target: FileKind) -> anyhow::Result<()> {
     let mut inputs = outputs::inputs_of([&args.lattice, &args.onto]);
     args.landmarks.iter().for_each(|landmarks| inputs.add(Path::new(landmarks)));

@@ -9,45 +9,47 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("warp").required(true))]
 pub(super) struct WarpArgs {
-    /// The frames: beauty.####.exr, or one picture for all frames; EXR, PNG or JPEG. Default: the shot's `plate`.
+    /// Frames to warp: a sequence such as beauty.####.exr, or one picture for all frames (EXR, PNG, JPEG); default: the shot's
+    /// `plate`.
     #[arg(required_unless_present = "shot")]
     pub(super) plate: Option<PathBuf>,
-    /// The shot whose layers warp.
+    /// Shot whose layers define the warp.
     #[arg(long, group = "warp")]
     pub(super) shot: Option<PathBuf>,
-    /// A lattice file that warps, instead of a shot.
+    /// Lattice file that defines the warp, instead of a shot.
     #[arg(long, value_name = "FILE", group = "warp")]
     pub(super) lattice: Option<PathBuf>,
-    /// STMaps that warp, instead of a shot: map.####.exr.
+    /// STMaps that define the warp, instead of a shot: map.####.exr.
     #[arg(long, value_name = "MAP", group = "warp", conflicts_with = "inverse")]
     pub(super) stmap: Option<PathBuf>,
-    /// Where the frames go: warped.####.exr, or .png for PNG and JPEG plates; default: the shot's output.
+    /// Output path: warped.####.exr, or .png for PNG and JPEG plates; default: the shot's output path, if it has no scene.
     #[arg(short, long, value_name = "PATH", required_unless_present = "shot")]
     pub(super) output: Option<PathBuf>,
-    /// Frames to warp, e.g. 1-48x2,60; default: the shot's range, else the frames that are there.
+    /// Frames to warp, e.g. 1-48x2,60; default: the shot's range; without a shot, all existing frames.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Layers that warp; default: all that lie on the screen.
+    /// Layers to apply, separated by commas; default: all screen layers.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "stmap")]
     pub(super) layer: Vec<String>,
-    /// The part of the plate that a lattice file moves: alpha, mask.R, id.object=3,7 or crypto:Body*,Head; default: all.
+    /// Part of the plate that a lattice file moves: alpha, mask.R, id.object=3,7 or crypto:Body*,Head; default: the whole
+    /// picture.
     #[arg(long, value_name = "PART", value_parser = parse_matte, conflicts_with_all = ["shot", "stmap"])]
     pub(super) matte: Option<Matte>,
-    /// Frames that fill what a layer with a matte uncovers, instead of what the shot says: clean.####.exr.
+    /// Clean plate that fills areas uncovered by layers with a matte: clean.####.exr; replaces the shot's setting.
     #[arg(long, value_name = "PLATE")]
     pub(super) clean: Option<PathBuf>,
-    /// How colour is resampled: ewa, cubic, lanczos or nearest; default: the shot's, else ewa.
+    /// Resampling filter for colour: ewa, cubic, lanczos or nearest; default: the shot's, else ewa.
     #[arg(long, value_parser = parse_filter)]
     pub(super) filter: Option<Filter>,
-    /// Scales how far layers move; 0: not at all.
+    /// Scale the displacement of all layers; 0 disables the warp.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_number, allow_hyphen_values = true,
           conflicts_with = "stmap")]
     pub(super) strength: f64,
     /// Undo the warp, where it is one-to-one.
     #[arg(long)]
     pub(super) inverse: bool,
-    /// What resamples colour, and draws the scene where `holes = "geometry"`: auto (a graphics card resamples, a software
-    /// driver only draws), cpu, or a Vulkan device by index or part of its name.
+    /// Device that resamples colour, and draws the scene for `holes = "geometry"`: auto (a graphics card if there is one, else the
+    /// CPU), cpu, vulkan (the best Vulkan device, including software drivers), or the index or part of the name of a Vulkan device.
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device_parser())]
     pub(super) device: DeviceChoice,
     #[command(flatten)]

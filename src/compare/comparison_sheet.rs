@@ -44,7 +44,7 @@ pub type ColorRun = (usize, [u8; 3]);
 pub struct SheetModel<'a> {
     /// Shape, pins, and the rest grid.
     pub problem: &'a Problem<'a, 2>,
-    /// Its colours.
+    /// Colours of its triangles.
     pub color_runs: &'a [ColorRun],
     /// Title of the first panel.
     pub title: &'a str,

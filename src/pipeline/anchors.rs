@@ -1,6 +1,6 @@
-//! Ties pins to the scene: names become indices once, then every frame gives the pin's rest point.
+//! Attaches pins to the scene: resolves node names to indices once, and then computes the pin's rest point in every frame.
 //!
-//! In: a pin's anchor. Out: [`PinAnchor`], and its [`RestPoint`] at a time.
+//! In: the anchor of a pin. Out: a [`PinAnchor`], and its [`RestPoint`] at any time.
 
 use super::PipelineError;
 use crate::pose::{Pose, PosedPart};
@@ -11,16 +11,16 @@ use crate::space::ScreenPoint;
 use crate::spelling;
 use glam::DVec3;
 
-/// A pin fades out between this many near-plane distances and one.
+/// Depth at which a pin starts to fade out, in near-plane distances; it has faded out at the near plane.
 const FADE_STARTS_AT: f64 = 2.0;
 
-/// A stored rest position may differ by this share of the primitive's size before the user is told.
+/// Maximum distance between a stored and a current rest position without a warning, as a fraction of the primitive's size.
 const MOVED_SHARE: f64 = 1e-3;
 
-/// What a pin is tied to, by index.
+/// The point to which a pin is attached, given by indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PinAnchor {
-    /// A point of a triangle.
+    /// A point on a triangle.
     Surface {
         /// Index into the pose's parts.
         part: usize,
@@ -28,24 +28,24 @@ pub enum PinAnchor {
         triangle: usize,
         /// Vertex indices.
         corners: [u32; 3],
-        /// Their weights.
+        /// Barycentric coordinates of the point.
         barycentric: [f64; 3],
     },
-    /// A point of the screen.
+    /// A fixed point of the screen.
     Screen(ScreenPoint),
 }
 
-/// Where a pinned point is before the warp.
+/// The position of a pinned point before the warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPoint {
-    /// On the screen.
+    /// Position on the screen.
     pub point: ScreenPoint,
-    /// 1, or less where the point comes close to the near plane; 0 at it and in front of it.
+    /// 1, falling to 0 where the point approaches the near plane; 0 at the plane and in front of it.
     pub presence: f64,
 }
 
 impl PinAnchor {
-    /// The pinned point of a projected pose.
+    /// Returns the pinned point in a projected pose.
     #[must_use]
     pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> RestPoint {
         match *self {
@@ -66,7 +66,7 @@ impl PinAnchor {
         }
     }
 
-    /// The pinned point of a pose in scene space, metres; `None` for a point of the screen.
+    /// Returns the pinned point of a pose in scene space, metres; `None` for a point of the screen.
     #[must_use]
     pub fn in_scene(&self, pose: &Pose) -> Option<DVec3> {
         let Self::Surface { part, corners, barycentric, .. } = *self else { return None };
@@ -74,7 +74,7 @@ impl PinAnchor {
         Some((0..3).map(|corner| place(corner) * barycentric[corner]).sum())
     }
 
-    /// A pick as a pinned point.
+    /// Creates the anchor of a pick.
     #[must_use]
     pub fn on(scene: &Scene, pose: &Pose, hit: &Hit) -> Self {
         let corners = primitive(scene, &pose.parts[hit.part]).triangles[hit.triangle];
@@ -82,8 +82,8 @@ impl PinAnchor {
     }
 }
 
-/// 1 where a depth is well behind the near plane, 0 in front of it. Nothing on the screen grows without end at the
-/// near plane of a parallel camera, so nothing fades there.
+/// Returns 1 for depths well beyond the near plane, falling to 0 at the plane. Parallel projections do not grow without
+/// bound at the near plane, so for them the function is a step.
 pub(super) fn presence(depth: f64, camera: &Camera) -> f64 {
     let near = camera.near();
     if camera.is_parallel() {
@@ -93,7 +93,7 @@ pub(super) fn presence(depth: f64, camera: &Camera) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Finds the triangle of a surface anchor; a note where its stored rest position does not fit any more.
+/// Finds the triangle of a surface anchor, and returns a note if its stored rest position no longer matches.
 pub(super) fn find(
     (shot, place): (&Shot, [usize; 2]),
     scene: &Scene,
@@ -110,7 +110,7 @@ pub(super) fn find(
         let hint = spelling::hint(node, names);
         return Err(fault((format!("there is no node '{node}' in the scene"), hint)));
     }
-    // Names need not be unique: the first node of that name that carries the primitive is meant.
+    // Names need not be unique: the first node of that name with this primitive is used.
     let is_named =
         |part: &&PosedPart| scene.nodes[part.node].name == *node && !primitive(scene, part).triangles.is_empty();
     let Some(part) = parts.iter().position(|part| is_named(&part) && part.primitive == *wanted) else {
@@ -138,7 +138,7 @@ pub(super) fn find(
     Ok((PinAnchor::Surface { part, triangle: *triangle, corners, barycentric: *barycentric }, note))
 }
 
-/// A pin that does not fit the scene: what is wrong and how to fix it.
+/// Creates the error for a pin that does not match the scene, from a description and a hint.
 pub(super) fn mismatch(shot: &Shot, [layer, pin]: [usize; 2], (what, hint): (String, String)) -> PipelineError {
     let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
     let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);

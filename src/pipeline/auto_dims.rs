@@ -1,29 +1,29 @@
-//! `dims = "auto"`: how many handles a layer of the screen needs.
+//! Chooses the number of handles of a screen layer with `dims = "auto"`.
 //!
-//! In: a shot, its scene at rest and in the first frame. Out: dims with several spans across the thinnest parts and between pins that
-//! are near each other.
+//! In: a shot, its scene at rest and in the first frame. Out: dims with several spans across the thinnest parts and
+//! between neighbouring pins.
 
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::{PinAnchor, PreparedShot};
 use crate::shot::LayerSpace;
 use crate::solve::{inner_widths, link_length, solid_links};
 
-/// Spans across a thin part: so many let it turn about a joint as a mesh does (docs/METHOD.md has the measurements).
+/// Number of spans across a thin part, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
 const SPANS_ACROSS: f64 = 2.5;
 
-/// Spans between two pins, so that they do not share all of their handles.
+/// Number of spans between two neighbouring pins, so that they do not share all of their handles.
 const SPANS_BETWEEN_PINS: f64 = 2.0;
 
-/// The share of a layer's outline, or surface, that may be thinner than what counts as thin: corners and tips.
+/// Quantile of a layer's widths that counts as its thickness; the narrower ones are corners and tips.
 const THINNER: f64 = 0.15;
 
-/// Handles of an axis, least and most.
+/// Minimum and maximum number of handles along an axis.
 const HANDLES: [usize; 2] = [10, 64];
 
-/// A followed box is wider than the model by this, on both sides together.
+/// Size of a followed box relative to the model, including the padding on both sides.
 const PADDING: f64 = 1.2;
 
-/// Chooses the dims of all layers that ask for it, and notes them.
+/// Chooses the dims of all layers with `dims = "auto"`, and adds a note for each.
 pub(super) fn choose(prepared: &mut PreparedShot) {
     let asking = |index: &usize| prepared.shot.layers[*index].has_auto_dims;
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(asking).collect();
@@ -38,7 +38,7 @@ pub(super) fn choose(prepared: &mut PreparedShot) {
     }
 }
 
-/// Dims for a layer, and what asked for them.
+/// Returns the dims of a layer and the reason for them.
 fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
     let layer = &prepared.shot.layers[index];
     let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
@@ -48,7 +48,7 @@ fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);
     let pins = nearest.map(|distance| distance / sides[0].max(sides[1]) / SPANS_BETWEEN_PINS);
-    // Span lengths relative to the longer side of the model.
+    // Lengths of a span, relative to the longer side of the model.
     let (span, why) = match [thin, pins] {
         [Some(thin), Some(pins)] if pins < thin => (pins, "for its pins that are near each other"),
         [Some(thin), _] => (thin, "for its thinnest parts"),
@@ -63,7 +63,7 @@ fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
     (sides.map(handles), why)
 }
 
-/// Width and height of a layer on the screen.
+/// Returns width and height of a layer on the screen, in frame heights.
 fn box_sides(prepared: &PreparedShot, index: usize, frame: f64) -> [f64; 2] {
     let (pose, camera) = prepared.view(frame);
     let mesh = crate::screen::project(&pose, &camera);
@@ -73,7 +73,7 @@ fn box_sides(prepared: &PreparedShot, index: usize, frame: f64) -> [f64; 2] {
     }
 }
 
-/// The least distance of two pins that hold the surface, frame heights.
+/// Returns the smallest distance between two pins on the surface, in frame heights; coincident pins are ignored.
 fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64> {
     let on_surface = prepared.anchors_of(index).iter().map(|anchor| matches!(anchor, PinAnchor::Surface { .. }));
     let rests = prepared.rests_of(index, frame);
@@ -83,7 +83,7 @@ fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64
     pairs.map(|(a, b)| places[a].distance(places[b])).filter(|&distance| distance > 1e-3).reduce(f64::min)
 }
 
-/// What counts as thin of a mesh: through the solid, or across a flat picture.
+/// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
 fn thickness(mesh: &RestMesh) -> Option<f64> {
     let links = solid_links(&mesh.points, &mesh.triangles);
     let widths: Vec<f64> = if links.is_empty() {

@@ -1,4 +1,4 @@
-//! The warp of layers as deformed meshes, for programs that know no lattices (or not ours).
+//! Converts the warp of layers to deformed meshes, for programs without compatible lattices.
 //!
 //! In: a [`PreparedShot`], frames, layers. Out: a [`BakedScene`]: every vertex in the space of its node, frame by frame.
 
@@ -13,20 +13,20 @@ use crate::space::ScreenVector;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Least vertices a thread takes at once.
+/// Minimum number of vertices per parallel task.
 const CHUNK: usize = 2048;
 
-/// Which time of an exported file a frame of the shot is.
+/// How frames of the shot map to times of an exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakeTimes {
-    /// The clip keeps its times; later where a frame would lie before 0.
+    /// The clip keeps its times, delayed if a frame would lie before 0.
     Clip,
-    /// Frame N lies at N / rate seconds, so that programs which count frames from 0 show the shot's own numbers; whole
-    /// seconds later where a frame would lie before 0.
+    /// Frame N lies at N / rate seconds, so that programs which count frames from 0 show the frame numbers of the shot.
+    /// If a frame would lie before 0, all are delayed by whole seconds.
     Frames,
 }
 
-/// Whole seconds of frames that lead from `first` to 0 or later.
+/// Returns the number of frames, in whole seconds, by which `first` must be delayed to lie at 0 or later.
 fn frames_to_zero(first: i32, rate: f64) -> i32 {
     let second = rate.ceil().max(1.0) as i32;
     let lacking = (-first).max(0);
@@ -34,10 +34,10 @@ fn frames_to_zero(first: i32, rate: f64) -> i32 {
 }
 
 impl PreparedShot {
-    /// The scene with the layers that `is_baked` picks told as deformed meshes. `tell` hears every frame that is done.
+    /// Returns the scene with the layers chosen by `is_baked` as deformed meshes. `tell` is called after every frame.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn bake(
         &self,
         frames: &[i32],
@@ -67,7 +67,7 @@ impl PreparedShot {
         Ok(BakedScene { scene: &self.scene, clip, frames, times_secs, motion, nodes, camera })
     }
 
-    /// Takes the meshes of everything but a layer out of the file of the scene.
+    /// Removes all meshes that do not belong to a layer from the packed file of the scene.
     pub fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
         let own = &self.assignment.parts_of_layer[layer];
         let others = self.assignment.node_of_part.iter().enumerate().filter(|(part, _)| !own.contains(part));
@@ -77,13 +77,13 @@ impl PreparedShot {
         }
     }
 
-    /// The vertices as the unwarped scene has them in a frame, and no shapes yet: one node for each that has `parts`.
+    /// Returns the unwarped vertices in a frame, without shapes yet: one node for each that has any of `parts`.
     fn at_rest(&self, parts: &[usize], frame: i32) -> Vec<BakedNode> {
         let (rest, _) = self.view(f64::from(frame));
         let mut nodes: Vec<BakedNode> = Vec::new();
         for posed in parts.iter().map(|&part| &rest.parts[part]) {
             let source = primitive(&self.scene, posed);
-            // What only its node places keeps the numbers of its file.
+            // Meshes that are only placed by their node keep the values of their file.
             let base = if source.influences.is_empty() && source.targets.is_empty() {
                 let (positions, normals) = (source.positions.clone(), source.normals.clone());
                 BakedShape { positions, normals, tangents: source.tangents.clone() }
@@ -99,7 +99,7 @@ impl PreparedShot {
         nodes
     }
 
-    /// The time of a frame in the file, seconds.
+    /// Returns the time of a frame in the exported file, seconds.
     fn file_secs(&self, frame: i32, frames: &[i32], times: BakeTimes) -> f64 {
         match times {
             BakeTimes::Clip => self.shot.frames.seconds(f64::from(frame)) + self.shift_secs(frames),
@@ -107,20 +107,21 @@ impl PreparedShot {
         }
     }
 
-    /// How much later than in its own file a clip starts, so that no frame lies before 0; seconds.
+    /// Returns the delay of a clip relative to its own file that puts no frame before 0, seconds.
     fn shift_secs(&self, frames: &[i32]) -> f64 {
         let first = frames.first().copied().unwrap_or_default();
         (-self.shot.frames.seconds(f64::from(first))).max(0.0)
     }
 
-    /// How many frames a file with [`BakeTimes::Frames`] is later than the shot: none where all its frames are 0 or later.
+    /// Returns the delay of a file with [`BakeTimes::Frames`] relative to the shot, in frames; 0 if all its frames are 0 or later.
     #[must_use]
     pub fn file_frames(&self, frames: &[i32]) -> i32 {
         let first = frames.iter().copied().min().unwrap_or_default();
         frames_to_zero(first, self.shot.frames.rate)
     }
 
-    /// Keys as they are where a file's player can follow them: none repeats a clip.
+    /// Returns the node animation: the clip's own keys if the file can play them unchanged, sampled poses otherwise
+    /// (for example for a looped clip).
     fn motion(&self, frames: &[i32], times: BakeTimes) -> NodeMotion {
         if times == BakeTimes::Clip && !self.clip.is_looped {
             return NodeMotion::Keys { shift_secs: self.shift_secs(frames) };
@@ -135,7 +136,7 @@ impl PreparedShot {
         NodeMotion::Sampled(moving.into_iter().map(|node| sampled(node, &poses)).collect())
     }
 
-    /// The camera, where it is none of the file's.
+    /// Returns the camera to add, if the shot's camera is not a node of the file.
     fn added_camera(&self, frames: &[i32]) -> Option<AddedCamera> {
         if self.camera_node().is_some() {
             return None;
@@ -152,7 +153,7 @@ impl PreparedShot {
     }
 }
 
-/// A node in some frames.
+/// Samples the local transform and morph weights of a node at the given poses, with continuous quaternion signs.
 fn sampled(node: usize, poses: &[LocalPose]) -> SampledNode {
     let mut sampled = SampledNode { node, translations: vec![], rotations: vec![], scales: vec![], weights: vec![] };
     let mut last = DQuat::IDENTITY;
@@ -167,14 +168,14 @@ fn sampled(node: usize, poses: &[LocalPose]) -> SampledNode {
     sampled
 }
 
-/// `None` where the node is squashed flat: nothing of it can be seen.
+/// Returns the inverse of a node's placement; `None` if the node is scaled to zero along an axis and thus invisible.
 fn node_from_scene(pose: &Pose, node: usize) -> Option<DMat4> {
     let placed = pose.scene_from_node[node].as_dmat4();
     let is_invertible = placed.determinant().abs() > f64::MIN_POSITIVE;
     is_invertible.then(|| placed.inverse())
 }
 
-/// A part in the space of its node.
+/// Transforms a part to the space of its node.
 fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
     let Some(node_from_scene) = node_from_scene else {
         let (positions, normals) = (vec![Vec3::ZERO; posed.positions.len()], vec![Vec3::Z; posed.positions.len()]);
@@ -182,7 +183,7 @@ fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
     };
     let place = |point: DVec3| node_from_scene.transform_point3(point).as_vec3();
     let linear = DMat3::from_mat4(node_from_scene);
-    // Normals of the scene are those of the node times the inverse transpose of its placement, so back: its transpose.
+    // Scene normals are node normals times the inverse transpose of the placement P, so the way back is Pᵀ.
     let turned = |by: DMat3, direction: Vec3| (by * direction.as_dvec3()).try_normalize().unwrap_or(DVec3::Z).as_vec3();
     let back = linear.inverse().transpose();
     let side = linear.determinant().signum() as f32;
@@ -194,8 +195,10 @@ fn in_node(posed: &PosedPart, node_from_scene: Option<DMat4>) -> BakedShape {
     }
 }
 
-/// A part at one time, warped, in the space of its node. World layers have moved the pose already; those of the screen
-/// move each vertex across the view at its own depth, which leaves its place in the picture where the lattice puts it.
+/// Returns a warped part at one time, in the space of its node.
+///
+/// World layers have already deformed the pose. Screen layers move each vertex parallel to the image plane at its own
+/// depth, so that it projects to the point where the lattice puts it.
 fn shape(
     sample: &TimeSample,
     (part, warp): (usize, &PartWarp),
@@ -219,7 +222,7 @@ fn shape(
     baked
 }
 
-/// How a warp of the screen moves a vertex of the scene at its depth; not at all behind the camera.
+/// Returns the displacement in the scene by which a screen warp moves a vertex at its depth; zero behind the camera.
 fn across(camera: &Camera, (warp, on): (&PartWarp, PartPoint), seen: Projected) -> DVec3 {
     if seen.w <= 0.0 {
         return DVec3::ZERO;

@@ -1,6 +1,6 @@
-//! The camera of a shot: one of the scene, a standard view, the shot's own, or one that shows the whole scene.
+//! Finds the camera of a shot: a camera of the scene, a standard view, the shot's own camera, or one that frames the scene.
 //!
-//! In: a [`CameraRule`], the scene, the parts of every layer. Out: the camera at any frame.
+//! In: a [`CameraRule`], the scene, and the parts of every layer. Out: the camera at any frame.
 
 use super::PipelineError;
 use crate::pose::{ClipChoice, Pose, pose};
@@ -10,7 +10,7 @@ use crate::shot::{CameraAim, CameraKey, CameraLens, CameraRule, Ease, LookAt, Ow
 use crate::spelling;
 use glam::DVec3;
 
-/// Standard views: name, yaw and pitch, degrees.
+/// Standard views: name, yaw and pitch in degrees.
 const VIEWS: [(&str, f64, f64); 9] = [
     ("front", 0.0, 0.0),
     ("back", 180.0, 0.0),
@@ -26,39 +26,39 @@ const VIEWS: [(&str, f64, f64); 9] = [
 /// Vertical field of view of standard views, degrees.
 const VIEW_FOV_DEGREES: f64 = 30.0;
 
-/// Distance of the near plane, in distances of what the camera looks at.
+/// Distance of the near plane, relative to the distance of the camera's subject.
 const NEAR_SHARE: f64 = 0.01;
 
-/// Least distance of the near plane of cameras without a distance, in radii of the scene.
+/// Maximum distance of the near plane, relative to the radius of the scene.
 const NEAR_RADII: f64 = 0.01;
 
-/// Where the camera comes from.
+/// The source of the camera.
 #[derive(Clone, Debug)]
 pub(super) enum CameraSource {
-    /// A node of the scene.
+    /// A camera node of the scene.
     Node(usize),
-    /// Framed for a scene without cameras.
+    /// A camera that frames a scene without cameras.
     Automatic(Camera),
-    /// The shot's own, resolved: it looks at points from known distances.
+    /// The shot's own camera, resolved: subjects are points and distances are known.
     Own {
-        /// Its keys.
+        /// The camera's keys.
         camera: OwnCamera,
-        /// Radius of everything that can be seen, metres.
+        /// Radius of the bounding sphere of everything visible, metres.
         radius: f64,
     },
 }
 
-/// What the choice of a camera depends on.
+/// The inputs to the choice of a camera.
 pub(super) struct CameraContext<'a> {
     pub(super) shot: &'a Shot,
     pub(super) scene: &'a Scene,
     pub(super) clip: ClipChoice,
-    /// #layers: the parts of each.
+    /// #layers: the parts of each layer.
     pub(super) parts_of_layer: &'a [Vec<usize>],
 }
 
 impl CameraSource {
-    /// The camera at a (fractional) frame, whose pose is given.
+    /// Returns the camera at a (fractional) frame, whose pose is given.
     pub(super) fn at(&self, (shot, scene): (&Shot, &Scene), frame: f64, pose: &Pose) -> Camera {
         match self {
             Self::Automatic(camera) => *camera,
@@ -72,7 +72,7 @@ impl CameraSource {
     }
 }
 
-/// The camera of a shot. `notes` receives what was chosen for the user.
+/// Chooses the camera of a shot. `notes` receives choices made on the user's behalf.
 pub(super) fn choose(context: &CameraContext<'_>, notes: &mut Vec<String>) -> Result<CameraSource, PipelineError> {
     let CameraContext { shot, scene, .. } = context;
     match &shot.camera {
@@ -121,14 +121,14 @@ impl CameraContext<'_> {
         PipelineError::find(self.shot, "camera", source)
     }
 
-    /// One that shows everything, for scenes without cameras.
+    /// Creates a camera that frames the whole scene.
     fn automatic(&self) -> Result<CameraSource, PipelineError> {
         let framed = screen::automatic(&self.poses(), self.shot.size).map(CameraSource::Automatic);
         let what = "the scene has no vertices to frame";
         framed.ok_or_else(|| PipelineError::mismatch(self.shot, "scene", what, "add a camera to the scene"))
     }
 
-    /// The shot's own camera, with all that depends on the scene resolved.
+    /// Resolves the parts of the shot's own camera that depend on the scene.
     fn own(&self, camera: &OwnCamera) -> Result<CameraSource, PipelineError> {
         let poses = self.poses();
         let everything = points(&poses, |_| true);
@@ -155,7 +155,7 @@ impl CameraContext<'_> {
         Ok(CameraKey { aim, ..key.clone() })
     }
 
-    /// The middle of what a camera looks at, and the points it has to show.
+    /// Returns the centre of a camera's subject and the points that the camera has to show.
     fn subject(
         &self,
         look_at: &LookAt,
@@ -163,7 +163,7 @@ impl CameraContext<'_> {
     ) -> Result<(DVec3, Vec<DVec3>), PipelineError> {
         let of_points = |points: Vec<DVec3>| {
             let middle = Extent::of(&points).map_or(DVec3::ZERO, |extent| extent.middle);
-            // A single joint has no size: then everything is shown.
+            // A subject without extent, such as a single joint: the whole scene is shown.
             let is_point = Extent::of(&points).is_none_or(|extent| extent.radius < 1e-6);
             (middle, if is_point { everything.to_vec() } else { points })
         };
@@ -199,7 +199,7 @@ impl CameraContext<'_> {
         }
     }
 
-    /// The scene at the beginning, in the middle and at the end of the shot.
+    /// Returns the poses in the first, middle and last frame of the shot.
     fn poses(&self) -> [Pose; 3] {
         let frames = self.shot.frames;
         let times = [frames.first, frames.first.midpoint(frames.last), frames.last];
@@ -207,14 +207,14 @@ impl CameraContext<'_> {
     }
 }
 
-/// All vertices of some parts in some poses.
+/// Returns the vertices of the chosen parts in all poses.
 fn points(poses: &[Pose; 3], is_meant: impl Fn(usize) -> bool) -> Vec<DVec3> {
     let parts = poses.iter().flat_map(|pose| pose.parts.iter().enumerate());
     let meant = parts.filter(|(part, _)| is_meant(*part));
     meant.flat_map(|(_, part)| part.positions.iter().map(|point| point.0.as_dvec3())).collect()
 }
 
-/// A bounding sphere around the middle of the bounding box.
+/// A bounding sphere around the centre of the bounding box.
 struct Extent {
     middle: DVec3,
     radius: f64,
@@ -236,7 +236,7 @@ const fn lens(lens: CameraLens) -> crate::scene::Lens {
     }
 }
 
-/// A camera before it knows its frame.
+/// A camera before the frame size is applied.
 struct PlacedCamera {
     placement: CameraPlacement,
     lens: CameraLens,
@@ -249,7 +249,7 @@ impl PlacedCamera {
     }
 }
 
-/// A resolved camera at a (fractional) frame: between keys every number is interpolated on its own.
+/// Returns a resolved camera at a (fractional) frame; between keys, every parameter is interpolated separately.
 fn own_camera(camera: &OwnCamera, radius: f64, frame: f64) -> PlacedCamera {
     let (from, to, weight) = camera.keys_at(frame).expect("the checks give every camera a key");
     let (from, to) = (&camera.keys[from], &camera.keys[to]);
@@ -261,7 +261,7 @@ fn own_camera(camera: &OwnCamera, radius: f64, frame: f64) -> PlacedCamera {
             CameraAim::Orbit { look_at: LookAt::Point(a), distance: Some(near), yaw, pitch },
             CameraAim::Orbit { look_at: LookAt::Point(b), distance: Some(far), yaw: to_yaw, pitch: to_pitch },
         ) => {
-            // Easing may overshoot; a camera never passes through what it looks at.
+            // Easing may overshoot, but the distance to the subject must stay positive.
             let distance = mix(*near, *far).max(1e-6);
             let angles = [mix(*yaw, *to_yaw), mix(*pitch, *to_pitch), roll];
             (CameraPlacement::orbit(mix_points(*a, *b), distance, angles), distance)
@@ -280,7 +280,7 @@ fn own_camera(camera: &OwnCamera, radius: f64, frame: f64) -> PlacedCamera {
             let angles = [mix(*yaw, *to_yaw), mix(*pitch, *to_pitch), roll];
             (CameraPlacement::orbit(mix_points(*position, *to_position), 0.0, angles), radius)
         }
-        // The checks let keys of one kind pass only, and resolving keeps their kinds.
+        // The shot checks admit only keys of one kind, and resolving keeps their kinds.
         _ => (CameraPlacement::orbit(DVec3::ZERO, radius, [0.0; 3]), radius),
     };
     let lens = match (from.lens, to.lens) {

@@ -1,7 +1,7 @@
-//! What the files hold that frames are made of, so that a frame is made again where one of them has changed.
+//! Digests of the files from which frames are made, so that a frame is rendered again if one of them has changed.
 //!
-//! In: paths. Out: 32 hexadecimal digits over all their bytes: XXH3 with 128 bits (github.com/Cyan4973/xxHash, doc/xxhash_spec.md),
-//! the same on every machine.
+//! In: paths. Out: 32 hexadecimal digits over all their bytes: XXH3 with 128 bits (github.com/Cyan4973/xxHash,
+//! doc/xxhash_spec.md), independent of the platform.
 
 use super::PreparedShot;
 use crate::image::SequencePath;
@@ -13,17 +13,17 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use twox_hash::XxHash3_128;
 
-/// Bytes that are read at once.
+/// Size of a read buffer, bytes.
 const CHUNK: usize = 1 << 20;
 
-/// Digests of files; each is read once in a run.
+/// Digests of files; each file is read once per run.
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
     known: Mutex<HashMap<PathBuf, u128>>,
 }
 
 impl Contents {
-    /// Of all bytes of the files, in that order. A file that cannot be read counts as empty: whoever needs it says why.
+    /// Returns the digest of the files in the given order. An unreadable file counts as empty; the stage that needs it reports why.
     pub(crate) fn digest(&self, files: &[&Path]) -> String {
         let each: Vec<u8> = files.par_iter().flat_map_iter(|file| self.of_file(file).to_le_bytes()).collect();
         format!("{:032x}", XxHash3_128::oneshot(&each))
@@ -40,7 +40,7 @@ impl Contents {
     }
 }
 
-/// Digests of frames that share settings and files, and have some of their own.
+/// Digests of frames that share settings and files and also have files of their own.
 #[derive(Debug)]
 pub(super) struct FrameDigests {
     settings: String,
@@ -50,7 +50,7 @@ pub(super) struct FrameDigests {
 }
 
 impl FrameDigests {
-    /// `shared`: files of all frames; `sequences`: what has a file for each.
+    /// Creates the digests from `shared`, the files of all frames, and `sequences`, which have one file per frame.
     pub(super) fn new<'a>(
         settings: String,
         shared: &[&Path],
@@ -60,7 +60,7 @@ impl FrameDigests {
         Self { settings, shared, sequences: sequences.cloned().collect(), contents: Contents::default() }
     }
 
-    /// Of a frame: its settings, and what its files hold. They are read the first time.
+    /// Returns the digest of a frame: its settings and the contents of its files, which are read on first use.
     pub(super) fn of(&self, frame: i32) -> String {
         let own: Vec<PathBuf> = self.sequences.iter().map(|sequence| sequence.path_of(frame)).collect();
         let files: Vec<&Path> = self.shared.iter().chain(&own).map(PathBuf::as_path).collect();
@@ -69,23 +69,24 @@ impl FrameDigests {
 }
 
 impl PreparedShot {
-    /// The files with the model or pictures and lattices that the shot reads. The shot file counts by what it says.
+    /// Returns the files that the shot reads: scene or pictures, files beside the scene, and lattices. The shot file
+    /// itself is represented by its settings.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.shot.files().chain(&self.scene.files_beside).map(PathBuf::as_path)
     }
 
-    /// Digest of what those files hold.
+    /// Returns the digest of the contents of those files.
     pub(crate) fn contents_digest(&self) -> String {
         Contents::default().digest(&self.files().collect::<Vec<_>>())
     }
 
-    /// Digest of the shot and of what its files hold.
+    /// Returns the digest of the shot and of the contents of its files.
     pub(crate) fn digest(&self) -> String {
         digest_with(&self.shot.hash(), &self.contents_digest())
     }
 }
 
-/// Settings and contents side by side, so that one can tell which of them changed.
+/// Joins the digests of settings and contents, so that it can be told which of them changed.
 pub(crate) fn digest_with(settings: &str, contents: &str) -> String {
     format!("{settings}.{contents}")
 }
@@ -124,7 +125,7 @@ mod tests {
         let digests = [digest(b"", b"x"), digest(b"x", b""), digest(&long, b""), digest(&changed, b"")];
         assert!((0..4).all(|k| !digests[..k].contains(&digests[k])), "{digests:?}");
         assert_eq!(digest(&long, b""), digests[2]);
-        // The published value of no bytes, so that files of another version are known again.
+        // The published digest of empty input, so that a new version of the crate cannot change it unnoticed.
         std::fs::write(&a, b"").expect("written");
         assert_eq!(digest_of(&a).expect("read"), 0x99aa_06d3_0147_98d8_6001_c324_468d_497f);
     }

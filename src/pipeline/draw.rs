@@ -1,6 +1,6 @@
 //! Second stage of a render: draws jobs, tile by tile.
 //!
-//! In: [`FrameJob`]s. Out: [`Drawn`] frames whose data window is the covered part.
+//! In: [`FrameJob`]s. Out: [`Drawn`] frames, cropped to the covered pixels.
 
 use super::geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
 use super::write::Drawn;
@@ -12,15 +12,15 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
-/// Larger frames are drawn in tiles even where the device could draw them at once: it bounds its memory.
+/// Maximum side of a tile in pixels, even if the device supports larger ones; this bounds its memory.
 const MAX_TILE_SIDE: u32 = 8192;
 
-/// The tiles of a window that a device can draw.
+/// Splits a window into tiles that the device can draw.
 pub(super) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
     window.tiles(max_side.min(MAX_TILE_SIDE))
 }
 
-/// Draws all jobs. Returns how long the raster was busy, milliseconds.
+/// Draws all jobs and returns the time for which the raster was busy, milliseconds.
 pub(super) fn draw_all(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
@@ -45,7 +45,7 @@ pub(super) fn draw_all(
     renderer.busy_ms
 }
 
-/// Draws one frame by itself.
+/// Draws a single frame.
 pub(super) fn draw_frame(device: &mut dyn Raster, prepared: &PreparedShot, frame: i32) -> Result<Frame, PipelineError> {
     let tiles = tiles(prepared.shot.size.window(), device.max_side());
     let cancel = AtomicBool::new(false);
@@ -74,7 +74,6 @@ struct FrameRenderer<'a> {
 }
 
 impl FrameRenderer<'_> {
-    /// Draws a frame.
     fn draw(&mut self, job: &FrameJob, tiles: &[PixelRect]) -> Result<(Frame, FrameFacts), PipelineError> {
         let mut whole: Option<Frame> = None;
         for &window in tiles {
@@ -106,7 +105,7 @@ impl FrameRenderer<'_> {
             channels: self.prepared.shot.output.channels.clone(),
             beauty_passes: self.plan.iter().filter(is_beauty).count() as u32,
         };
-        // The first pass is waited for before the clock starts: its geometry is not the raster's work.
+        // The clock starts after the first pass has arrived, because building its geometry is not the raster's work.
         let mut next = Some(receive(job)?);
         self.timed(|device| device.start(&target))?;
         for remaining in (0..self.plan.len()).rev() {
@@ -118,7 +117,7 @@ impl FrameRenderer<'_> {
         self.timed(|device| device.finish())
     }
 
-    /// Runs a step of the device and adds its time.
+    /// Runs a step on the device and adds its duration to the busy time.
     fn timed<T, E: Into<PipelineError>>(
         &mut self,
         step: impl FnOnce(&mut dyn Raster) -> Result<T, E>,
@@ -130,12 +129,12 @@ impl FrameRenderer<'_> {
     }
 }
 
-/// The next pass of a job, or why there is none.
+/// Returns the next pass of a job, or the error that ended the job.
 fn receive(job: &FrameJob) -> Result<BuiltPass, PipelineError> {
     job.passes.recv().map_err(|_| lost(job))?
 }
 
-/// The geometry thread ended in the middle of a frame.
+/// The error for a geometry thread that ended in the middle of a frame.
 fn lost(job: &FrameJob) -> PipelineError {
     PipelineError::Interrupted { frame: job.frame }
 }

@@ -1,4 +1,4 @@
-//! What can go wrong while a shot is prepared or rendered.
+//! The errors of preparing and rendering a shot.
 
 use crate::export::ExportError;
 use crate::image::ImageError;
@@ -10,11 +10,11 @@ use crate::solve::SolveError;
 use crate::spelling::counted;
 use std::path::PathBuf;
 
-/// A shot that cannot be rendered, or a frame of it.
+/// An error that prevents a shot, or one of its frames, from being rendered.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PipelineError {
-    /// The shot file is wrong.
+    /// The shot file is invalid.
     #[error(transparent)]
     Shot(#[from] ShotError),
     /// The scene cannot be loaded.
@@ -29,13 +29,13 @@ pub enum PipelineError {
         line: usize,
         /// `camera` or `frames.clip`.
         key: String,
-        /// What is not there.
+        /// The name that was not found.
         source: FindError,
     },
     /// Drawing failed.
     #[error(transparent)]
     Raster(#[from] RasterError),
-    /// A file could not be written or read.
+    /// An image file could not be read or written.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// A lattice file cannot be read.
@@ -44,14 +44,14 @@ pub enum PipelineError {
     /// A layer could not be solved.
     #[error("layer '{layer}', frame {frame}: {source}")]
     Solve {
-        /// Which layer.
+        /// Name of the layer.
         layer: String,
-        /// At which (fractional) frame.
+        /// The (fractional) frame.
         frame: f64,
-        /// Why.
+        /// The cause.
         source: SolveError,
     },
-    /// The shot and its scene do not fit together.
+    /// The shot does not match its scene.
     #[error("{path}:{line}: {key}: {what}; {hint}")]
     Mismatch {
         /// The shot file.
@@ -60,79 +60,79 @@ pub enum PipelineError {
         line: usize,
         /// The key as a path: `layer[0].pin[2].anchor`.
         key: String,
-        /// What does not fit.
+        /// The mismatch.
         what: String,
         /// How to fix it.
         hint: String,
     },
-    /// A plate cannot be warped as the shot asks.
+    /// A plate cannot be warped as the shot requests.
     #[error(transparent)]
     Plate(#[from] PlateError),
-    /// A picture that was to be an STMap is none, or one for another plate.
+    /// A picture given as an STMap is not one, or belongs to a plate of another size.
     #[error("{path}: {source}")]
     StMap {
         /// The picture.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: PlateError,
     },
-    /// What is asked cannot be done.
+    /// The request cannot be fulfilled.
     #[error("{what}; {hint}")]
     Unusable {
-        /// What, and why not.
+        /// The problem and its reason.
         what: String,
-        /// What to do instead.
+        /// The remedy.
         hint: String,
     },
-    /// Frames are already there.
+    /// Output frames exist already.
     #[error(
         "{} already, the first is {first}; use --resume to keep or --overwrite to replace what is there",
         counted(*count, "of the frames exists", "of the frames exist")
     )]
     Exists {
-        /// How many.
+        /// Number of existing frames.
         count: usize,
-        /// The first of them.
+        /// The first existing frame.
         first: PathBuf,
     },
-    /// Another run is making the same frames.
+    /// Another process is rendering the same frames.
     #[error(
         "process {process} is writing frame {frame} into {} too; wait for it, choose other frames (--frames) or another \
          output path (-o)",
         folder.display()
     )]
     Busy {
-        /// Its process.
+        /// Its process id.
         process: u32,
-        /// A frame that both make.
+        /// A frame that both processes would write.
         frame: i32,
-        /// Where.
+        /// The output folder.
         folder: PathBuf,
     },
-    /// A frame was given up in the middle.
+    /// A frame was abandoned before it was complete.
     #[error("frame {frame} was given up before all its passes were drawn")]
     Interrupted {
-        /// Which.
+        /// The frame.
         frame: i32,
     },
-    /// The output folder cannot be made or written to.
+    /// The output folder cannot be created or written to.
     #[error("cannot write into the folder {path}: {source}; check its permissions or give another output path (-o)")]
     Folder {
         /// The folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 }
 
 impl PipelineError {
-    /// A key of the shot that does not fit the scene.
+    /// Creates the error for a key of the shot that does not match the scene.
     pub(super) fn mismatch(shot: &Shot, key: &str, what: impl Into<String>, hint: impl Into<String>) -> Self {
         let (path, line) = (shot.path.clone(), shot.lines.of(key));
         Self::Mismatch { path, line, key: key.to_owned(), what: what.into(), hint: hint.into() }
     }
 
-    /// A camera or clip that the scene does not have.
+    /// Creates the error for a camera or clip that the scene does not have.
     pub(super) fn find(shot: &Shot, key: &str, source: FindError) -> Self {
         Self::Find { path: shot.path.clone(), line: shot.lines.of(key), key: key.to_owned(), source }
     }

@@ -1,7 +1,7 @@
 //! Evaluates a prepared shot at a time: pose, world layers, projection, screen layers.
 //!
-//! In: a [`PreparedShot`] and a (fractional) frame. Out: a [`TimeSample`]. World layers come first, because they move what
-//! is projected.
+//! In: a [`PreparedShot`] and a (fractional) frame. Out: a [`TimeSample`]. World layers come first, because they deform
+//! the meshes that are projected.
 
 use super::passes::mid_shutter;
 use super::{PipelineError, PreparedShot, TimeSample, timed_layer};
@@ -9,24 +9,24 @@ use crate::shot::LayerSpace;
 use std::sync::Arc;
 
 impl PreparedShot {
-    /// The solved scene in the middle of a frame's exposure: what its data channels show.
+    /// Returns the solved scene at the middle of a frame's exposure, which the frame's data channels show.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn mid_exposure(&self, frame: i32) -> Result<Arc<TimeSample>, PipelineError> {
         self.sample_at(self.mid_exposure_time(f64::from(frame)))
     }
 
-    /// The solved scene at a (fractional) frame; the last samples that other frames need, too, are kept.
+    /// Returns the solved scene at a (fractional) frame. The latest samples that neighbouring frames also need are cached.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn sample_at(&self, frame: f64) -> Result<Arc<TimeSample>, PipelineError> {
         if let Some(sample) = self.cache.sample(frame) {
             return Ok(sample);
         }
         let sample = Arc::new(self.evaluate(frame)?);
-        // Neighbouring frames ask for the middle of an exposure again, never for another time of it.
+        // Neighbouring frames only need the middle of an exposure again, no other time in it.
         let exposed = frame - mid_shutter(self.shot.shutter);
         if (exposed - exposed.round()).abs() <= 1e-9 {
             self.cache.keep(&sample);
@@ -37,7 +37,7 @@ impl PreparedShot {
     /// Poses, projects and solves a (fractional) frame.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub(super) fn evaluate(&self, frame: f64) -> Result<TimeSample, PipelineError> {
         let mut sample = self.unsolved_at(frame)?;
         for (index, layer) in self.shot.layers.iter().enumerate() {

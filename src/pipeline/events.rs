@@ -1,126 +1,127 @@
-//! What a render reports on the way.
+//! Progress events and reports of a render.
 //!
-//! In: frames as they are made. Out: events, reports and a summary, as they are printed with `--json`.
+//! In: frames as they are completed. Out: events, reports and a summary, as printed with `--json`.
 
 use crate::solve::SolveReport;
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
-/// What a render reports while it runs.
+/// An event of a running render.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {
-    /// Rendering begins.
+    /// Rendering starts.
     Started {
-        /// What draws.
+        /// The device that draws.
         device: String,
-        /// Frames to render.
+        /// Number of frames to render.
         frames: usize,
-        /// Frames kept from an earlier run.
+        /// Number of frames kept from an earlier run.
         kept: usize,
     },
-    /// Something the user should know about the shot as a whole.
+    /// A note about the shot as a whole.
     Note {
-        /// In words.
+        /// The note.
         text: String,
     },
-    /// A frame is there, but not as this run would write it: it is made again. One event for each, before `started`.
+    /// An existing frame differs from what this run would write and is rendered again; sent once per frame before `started`.
     FrameRedone(Redone),
-    /// A frame is on disk.
+    /// A frame has been written.
     FrameDone(FrameReport),
-    /// A frame could not be made; the others go on.
+    /// A frame failed; the run continues with the others.
     FrameFailed {
-        /// Which.
+        /// The frame.
         frame: i32,
-        /// Why.
+        /// The cause.
         error: String,
     },
-    /// All frames were tried.
+    /// All frames have been attempted.
     Finished(Summary),
 }
 
-/// A frame that is there and is made again.
+/// An existing frame that is rendered again.
 #[derive(Clone, Debug, Serialize)]
 pub struct Redone {
-    /// Its number.
+    /// Frame number.
     pub frame: i32,
-    /// The file.
+    /// Path of the file.
     #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
-    /// Why, in words.
+    /// The reason.
     pub reason: String,
 }
 
-/// What became of a frame.
+/// Report of one frame.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FrameReport {
     /// Frame number.
     pub frame: i32,
-    /// The file.
+    /// Path of the file.
     #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
-    /// Milliseconds spent in posing, solving and building geometry.
+    /// Time spent posing, solving and building geometry, milliseconds.
     pub geometry_ms: f64,
-    /// Milliseconds spent in drawing.
+    /// Time spent drawing, milliseconds.
     pub raster_ms: f64,
-    /// Milliseconds spent in encoding and writing.
+    /// Time spent encoding and writing, milliseconds.
     pub write_ms: f64,
-    /// One for each layer.
+    /// One report per layer.
     pub layers: Vec<LayerReport>,
-    /// What the user should know about this frame.
+    /// Warnings about this frame.
     pub warnings: Vec<String>,
 }
 
-/// The solve of one layer in one frame.
+/// Report of the solve of one layer in one frame.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LayerReport {
     /// Layer name.
     pub layer: String,
-    /// Greatest distance of a pin from its target, pixels.
+    /// Largest distance of a pin from its target, pixels.
     pub pin_error_px: f64,
     /// The same in scene space, metres; world layers only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pin_error_metres: Option<f64>,
-    /// How unevenly it moves, of layers on the screen; `None` in the first three frames of a shot.
+    /// Unevenness of the layer's motion; `None` for world layers, branching lattices, and the first three frames of a shot.
     pub jerk: Option<Jerk>,
-    /// The solver's own report. `angular`, `area` and `min_det` are NaN (in JSON null) where they are not measured: in
+    /// The solver's report. `angular`, `area` and `min_det` are NaN (null in JSON) if they are not measured: for
     /// lattices from a file, and while the last pin of a layer fades out.
     pub solve: SolveReport,
 }
 
-/// |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, the greatest of all points, pixels.
+/// Third difference over four frames, |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, maximum over all points, pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Jerk {
-    /// Of the displacement that the warp makes.
+    /// Jerk of the displacement by the warp.
     pub warp_px: f64,
-    /// Of what it follows: the model's points on the screen before the warp, and what the keys ask of pins and handles.
+    /// Jerk of the warp's input: the points of the model on the screen before the warp, and the offsets that the keys
+    /// prescribe for pins and handles.
     pub input_px: f64,
 }
 
-/// What became of a render.
+/// Summary of a render.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
-    /// Frames written.
+    /// Number of frames written.
     pub rendered: usize,
-    /// Frames kept from an earlier run.
+    /// Number of frames kept from an earlier run.
     pub kept: usize,
-    /// Frames that were there and were made again.
+    /// Number of existing frames that were rendered again.
     pub redone: usize,
-    /// Frames that failed.
+    /// Number of frames that failed.
     pub failed: usize,
-    /// The user stopped it.
+    /// Whether the user stopped the render.
     pub is_cancelled: bool,
     /// Wall time, seconds.
     pub wall_secs: f64,
-    /// Milliseconds a stage was busy over all frames.
+    /// Time spent posing, solving and building geometry over all frames, milliseconds.
     pub geometry_ms: f64,
-    /// Milliseconds the raster was busy.
+    /// Time for which the raster was busy, milliseconds.
     pub raster_ms: f64,
-    /// Milliseconds the writer was busy.
+    /// Time for which the writer was busy, milliseconds.
     pub write_ms: f64,
 }
 
-/// A path as text; bytes that are not Unicode are replaced, so that JSON can hold it.
+/// Serialises a path as text; bytes that are not Unicode are replaced, so that it is valid JSON.
 pub(super) fn lossy<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(&path.to_string_lossy())
 }

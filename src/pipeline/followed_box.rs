@@ -1,7 +1,7 @@
-//! Boxes that follow what they hold, on the screen and in the scene.
+//! Boxes that follow their contents, on the screen and in the scene.
 //!
-//! In: bounds of a frame and its neighbours. Out: a box; a function of the shot and the frame only. What is kept is
-//! only what would be computed again.
+//! In: bounds in a frame and its neighbours. Out: a box that depends on the shot and the frame alone. The cached bounds
+//! are those that recomputation would yield.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -9,32 +9,33 @@ use std::sync::{Mutex, PoisonError};
 /// Lower and upper corner.
 pub(super) type Bounds<const D: usize> = [[f64; D]; 2];
 
-/// Air around a followed box on each side, as a share of its size.
+/// Padding of a followed box on each side, relative to its size.
 const PADDING: f64 = 0.1;
 
-/// A followed box is smoothed over this many frames on either side.
+/// Number of frames on either side over which a followed box is smoothed.
 const FOLLOW_FRAMES: i32 = 3;
 
-/// The neighbouring frames that a followed box at a (fractional) frame looks at, with their weights.
+/// The neighbouring frames, with tent weights, over which the box at a (fractional) frame is smoothed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SmoothingWindow {
     frame: f64,
 }
 
 impl SmoothingWindow {
-    /// The window around a frame.
+    /// Creates the window around a frame.
     pub(super) const fn new(frame: f64) -> Self {
         Self { frame }
     }
 
-    /// The whole frames whose bounds count.
+    /// Returns the whole frames whose bounds contribute.
     pub(super) fn frames(self) -> std::ops::RangeInclusive<i32> {
         let (low, high) = (self.frame.floor() as i32, self.frame.ceil() as i32);
         low.saturating_sub(FOLLOW_FRAMES)..=high.saturating_add(FOLLOW_FRAMES)
     }
 
-    /// The box: centre and size are tent-weighted means over the neighbours' bounds, then padded, then grown where
-    /// needed to hold `now`, the bounds of the frame itself. `None` where neither it nor a neighbour shows anything.
+    /// Returns the smoothed box: centre and size are tent-weighted means over the neighbours' bounds, padded, and then
+    /// extended where needed to contain `now`, the bounds of the frame itself. `None` if neither the frame nor a
+    /// neighbour shows anything.
     pub(super) fn smooth<const D: usize>(
         self,
         neighbours: &[(i32, Option<Bounds<D>>)],
@@ -61,12 +62,12 @@ impl SmoothingWindow {
     }
 }
 
-/// The smallest box that holds both.
+/// Returns the smallest box that contains both boxes.
 pub(super) fn union<const D: usize>([a, b]: Bounds<D>, [c, d]: Bounds<D>) -> Bounds<D> {
     [std::array::from_fn(|axis| a[axis].min(c[axis])), std::array::from_fn(|axis| b[axis].max(d[axis]))]
 }
 
-/// The box grown evenly where a side is shorter than `least`.
+/// Extends the box on both sides along axes where it is shorter than `least`.
 pub(super) fn thickened<const D: usize>([lo, hi]: Bounds<D>, least: f64) -> Bounds<D> {
     let lacking: [f64; D] = std::array::from_fn(|axis| (least - (hi[axis] - lo[axis])).max(0.0) * 0.5);
     [std::array::from_fn(|axis| lo[axis] - lacking[axis]), std::array::from_fn(|axis| hi[axis] + lacking[axis])]
@@ -83,7 +84,7 @@ impl<const D: usize> Default for BoundsCache<D> {
 }
 
 impl<const D: usize> BoundsCache<D> {
-    /// Bounds of a layer at a frame; `all` computes those of every layer.
+    /// Returns the bounds of a layer at a frame; `all` computes those of every layer on a cache miss.
     pub(super) fn at(
         &self,
         layer: usize,

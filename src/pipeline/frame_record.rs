@@ -1,7 +1,7 @@
-//! What a frame's file keeps of its report: figures and warnings, without paths and times, so that the same shot gives the same
-//! bytes on every machine.
+//! The record of a frame's report that is stored in its file: figures and warnings, without paths and times, so that
+//! the same shot gives the same bytes everywhere.
 //!
-//! In: [`FrameReport`] or [`WarpReport`]. Out: [`FrameRecord`], as JSON in the file's metadata and back.
+//! In: a [`FrameReport`] or [`WarpReport`]. Out: a [`FrameRecord`], converted to and from the JSON in the file's metadata.
 
 use super::{FrameReport, Jerk, LayerReport, WarpReport};
 #[cfg(any(feature = "cli", test))]
@@ -9,40 +9,40 @@ use crate::image::FrameMetadata;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What is known of a frame that was written.
+/// Figures of a frame that was written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub(super) struct FrameRecord {
-    /// One for each layer that was solved; none in frames warped by lattice files or STMaps.
+    /// One per solved layer; empty for frames warped by lattice files or STMaps.
     pub(super) layers: Vec<LayerRecord>,
-    /// Pixels of a warped plate that a layer left and nothing covers; filled ones are counted, too.
+    /// Number of pixels of a warped plate that a layer uncovered and no other layer covers, including those filled afterwards.
     pub(super) hole_pixels: usize,
-    /// Pixels of a warped plate where a layer lies over itself.
+    /// Number of pixels of a warped plate where a layer overlaps itself.
     pub(super) folded_pixels: usize,
-    /// Samples of a plate's colour that were no number or infinite.
+    /// Number of colour samples of a plate that were NaN or infinite.
     pub(super) contained_samples: usize,
-    /// What the user should know about the frame.
+    /// Warnings about the frame.
     pub(super) warnings: Vec<String>,
 }
 
-/// Figures of one layer in one frame. `None`: not measured, as in lattices from a file.
+/// Figures of one layer in one frame. `None`: not measured, as for lattices from a file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub(super) struct LayerRecord {
     /// Layer name.
     pub(super) layer: String,
-    /// Greatest distance of a pin from its target, pixels.
+    /// Largest distance of a pin from its target, pixels.
     pub(super) pin_error_px: Option<f64>,
-    /// Smallest determinant of the warp's gradient over the cells that hold some of the model.
+    /// Smallest determinant of the warp's gradient over the cells that contain part of the model.
     pub(super) min_det: Option<f64>,
-    /// Cells that hold some of the model and fold.
+    /// Number of folded cells that contain part of the model.
     pub(super) folded_cells: usize,
     /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.
     pub(super) angular: Option<f64>,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
     pub(super) area: Option<f64>,
-    /// How unevenly it moves.
+    /// Unevenness of the motion.
     pub(super) jerk: Option<Jerk>,
-    /// The last step of the solve was below the tolerance.
+    /// Whether the last step of the solve was below the tolerance.
     pub(super) is_converged: bool,
 }
 
@@ -65,12 +65,12 @@ impl FrameRecord {
         }
     }
 
-    /// As it stands in a file.
+    /// Converts the record to the JSON stored in a file.
     pub(super) fn to_json(&self) -> Value {
         serde_json::to_value(self).expect("numbers, texts and lists are always JSON")
     }
 
-    /// From a file; `None` where it reports nothing.
+    /// Reads the record from a file's metadata; `None` if it holds none.
     #[cfg(any(feature = "cli", test))]
     pub(super) fn from_metadata(metadata: &FrameMetadata) -> Option<Self> {
         serde_json::from_value(metadata.report.clone()).ok()

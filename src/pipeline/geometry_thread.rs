@@ -1,6 +1,6 @@
-//! Geometry thread of a render: poses, solves and builds the geometry of every pass.
+//! Geometry thread of a render: poses, solves, and builds the geometry of every pass.
 //!
-//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes arrive while it is drawn.
+//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes are built while the frame is being drawn.
 
 use super::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, lighting, overlay, plan_passes, report};
 use crate::image::CameraMatrices;
@@ -12,26 +12,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
-/// Passes that may wait to be drawn.
+/// Number of finished passes that may wait to be drawn.
 const QUEUED_PASSES: usize = 2;
 
-/// Scenes with more triangles than this hand their passes over one by one: every pass that waits holds its geometry.
+/// Number of triangles above which passes are handed over one by one, because each waiting pass holds its geometry.
 const MANY_TRIANGLES: usize = 500_000;
 
-/// Width of lines, frame heights: two pixels at 1080 lines; proxies draw them a pixel wide.
+/// Width of lines in frame heights: two pixels at 1080 lines. Smaller frames draw lines at least one pixel wide.
 const LINE_WIDTH: f64 = 1.0 / 540.0;
 
 /// One frame to draw.
 pub(super) struct FrameJob {
-    /// Number of the frame.
+    /// Frame number.
     pub(super) frame: i32,
-    /// All passes, once a tile, in the order of the plan; or the reason why there are none.
+    /// All passes in the order of the plan, repeated for every tile; or the error that ended the frame.
     pub(super) passes: Receiver<Result<BuiltPass, PipelineError>>,
-    /// For the frame's file and the user; arrives after the last pass.
+    /// The results of solving, for the frame's file and the user; sent after the last pass.
     pub(super) facts: Receiver<FrameFacts>,
 }
 
-/// What is known of a frame once it is solved.
+/// The results of solving a frame.
 pub(super) struct FrameFacts {
     pub(super) report: FrameReport,
     pub(super) picture: Option<overlay::Picture>,
@@ -45,15 +45,15 @@ pub(super) struct BuiltPass {
     pub(super) role: PassRole,
 }
 
-/// The geometry made last.
+/// The geometry built last.
 struct Built {
-    /// Frames after the frame's own.
+    /// Time relative to the frame, in frames.
     time: f64,
     has_motion: bool,
     geometry: Arc<Geometry>,
 }
 
-/// Makes jobs.
+/// Builds the jobs of a render.
 pub(super) struct GeometryThread<'a> {
     pub(super) prepared: &'a PreparedShot,
     pub(super) tile_count: usize,
@@ -63,7 +63,7 @@ pub(super) struct GeometryThread<'a> {
 }
 
 impl GeometryThread<'_> {
-    /// Makes the jobs of all frames; ends early when cancelled or when drawing has ended.
+    /// Builds the jobs of all frames; stops early if cancelled or if drawing has ended.
     pub(super) fn run(&mut self, frames: &[i32], jobs: &SyncSender<FrameJob>) {
         for &frame in frames {
             let (pass, passes) = sync_channel(self.queued_passes());
@@ -72,7 +72,7 @@ impl GeometryThread<'_> {
             if is_over {
                 return;
             }
-            // The receiver is gone where the raster failed; the next frame may succeed.
+            // The receiver is gone if the raster failed; the next frame may succeed.
             if let Err(error) = self.frame(frame, (&pass, &fact)) {
                 let _ = pass.send(Err(error));
             }
@@ -96,7 +96,7 @@ impl GeometryThread<'_> {
             let time = planned.time_frames;
             let needs_motion = planned.role != PassRole::Beauty && has_motion;
             let begun = Instant::now();
-            // What does not fit goes before anything is made in its place.
+            // Geometry that cannot be reused is freed before its replacement is built.
             last = last.filter(|built| built.time == time && (built.has_motion || !needs_motion));
             let built = match last.take() {
                 Some(built) => built,
@@ -109,7 +109,7 @@ impl GeometryThread<'_> {
             let geometry = Arc::clone(&last.insert(built).geometry);
             let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
             if pass.send(Ok(built)).is_err() {
-                // The raster failed and reports the reason itself.
+                // The raster failed and reports the cause itself.
                 return Ok(());
             }
         }
@@ -118,14 +118,14 @@ impl GeometryThread<'_> {
         Ok(())
     }
 
-    /// Passes of a frame that may wait.
+    /// Returns the number of passes of a frame that may wait.
     fn queued_passes(&self) -> usize {
         let primitives = self.prepared.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
         let triangles: usize = primitives.map(|primitive| primitive.triangles.len()).sum();
         if triangles > MANY_TRIANGLES { 0 } else { QUEUED_PASSES }
     }
 
-    /// The geometry of one time, with the neighbours' places where motion is wanted.
+    /// Builds the geometry of one time, including positions in the neighbouring frames if motion is wanted.
     fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
         let prepared = self.prepared;
         let now = prepared.sample_at(frame)?;
@@ -135,7 +135,7 @@ impl GeometryThread<'_> {
     }
 }
 
-/// The geometry of a solved time; `around`: the times a frame later and earlier, where motion is wanted.
+/// Builds the geometry of a solved time; `around`: the samples one frame later and one earlier, if motion is wanted.
 pub(super) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Option<[&TimeSample; 2]>) -> Geometry {
     let warps = now.warps(&prepared.assignment, |_| true);
     let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
@@ -157,7 +157,7 @@ pub(super) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Opt
     geometry
 }
 
-/// What a solved frame has to say.
+/// Collects the report, overlay and camera of a solved frame.
 pub(super) fn facts(
     prepared: &PreparedShot,
     (frame, middle): (i32, &TimeSample),
@@ -176,7 +176,7 @@ pub(super) fn facts(
     }
 }
 
-/// A sample as the geometry stage wants it.
+/// Converts a sample to the input of the geometry stage.
 fn view_of<'a>(sample: &'a TimeSample, warps: &'a [PartWarp<'a>]) -> geometry::PosedScene<'a> {
     geometry::PosedScene { pose: &sample.pose, camera: &sample.camera, warps }
 }

@@ -1,7 +1,8 @@
-//! Jerk: how unevenly a layer moves over four frames, before the warp and by it.
+//! Measures the jerk of a layer, that is, the unevenness of its motion over four frames, before the warp and due to it.
 //!
-//! In: a solved frame and the three before it. Out: third differences in pixels, and a warning where the warp jerks, nothing that it
-//! follows does, and it is no smooth motion either. It looks and never changes a picture.
+//! In: a solved frame and the three before it. Out: third differences in pixels, and a warning if the warp jerks
+//! although its input does not and the motion is not smooth between frames either. The measurement never changes a
+//! picture.
 
 use super::{FrameReport, Jerk, PreparedShot, TimeSample};
 use crate::lattice::ScreenLattice;
@@ -9,46 +10,50 @@ use crate::shot::Rotation;
 use crate::space::{ScreenPoint, ScreenVector};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Points of a layer's surface that are looked at, beside its pins.
+/// Number of surface points of a layer that are measured, in addition to its pins.
 const SURFACE_POINTS: usize = 64;
 
-/// Jerk of the warp below this is not seen, pixels: an eighth of it is the flicker of a single frame.
+/// Jerk of the warp below which it is not visible, pixels; a flicker that alternates from frame to frame has a jerk of
+/// eight times its amplitude.
 const VISIBLE_PX: f64 = 2.0;
 
-/// The warp may jerk this many times as much as what it follows: far from the pins it swings farther than they move.
+/// Maximum ratio of the warp's jerk to the unrest of its input: far from the pins the warp swings farther than they move.
 const AMPLIFIED: f64 = 6.0;
 
-/// In steps of half the length a smooth motion has an eighth of the jerk, one whose curvature jumps, as at the knots of a trajectory, a quarter,
-/// a kink a half and a jump all of it. A motion is rough above this fraction.
+/// Ratio of jerks above which a motion is rough, when the step is halved.
+///
+/// Halving the step leaves an eighth of the jerk of a smooth motion, a quarter if its curvature jumps (as at the knots
+/// of a trajectory), half at a kink, and all of it at a jump.
 const ROUGH: f64 = 0.35;
 
-/// Steps in which a motion is looked at before it counts as rough, frames: what buckles is smooth, but within a part of a frame.
+/// Offsets, in frames, at which samples are inserted by successive halvings before a motion counts as rough. Buckling
+/// is smooth, but only within a fraction of a frame.
 const HALVINGS: [f64; 3] = [0.5, 0.25, 0.125];
 
-/// A turn of a pin moves its surroundings by this part of the lattice's diagonal a radian.
+/// Displacement around a pin per radian of its rotation, relative to the lattice's diagonal.
 const LEVER: f64 = 0.25;
 
-/// Measures frames; what it knows of the last ones is kept, what it does not know is solved.
+/// Measures the jerk of successive frames; earlier frames are remembered, and solved if they are missing.
 #[derive(Debug, Default)]
 pub struct JerkMeter {
-    /// The last frames, at most three, each the one after the other.
+    /// The preceding frames, at most three, without gaps.
     past: VecDeque<(i32, Vec<Option<Places>>)>,
 }
 
-/// A layer in one frame; points out of sight are `None`.
+/// Points of a layer in one frame; points out of sight are `None`.
 #[derive(Clone, Debug, Default)]
 struct Places {
-    /// Before the warp.
+    /// Positions before the warp.
     points: Vec<Option<ScreenVector>>,
-    /// By the warp.
+    /// Displacements by the warp.
     displacements: Vec<Option<ScreenVector>>,
-    /// What the keys ask for.
+    /// Offsets prescribed by the keys.
     wanted: Vec<Option<ScreenVector>>,
 }
 
 impl JerkMeter {
-    /// Adds the jerk of every layer to a frame's report, and a warning where it is bad: the same for a frame alone as in a
-    /// sequence. The first three frames of a shot have none.
+    /// Adds the jerk of every layer to a frame's report, and a warning if it is excessive. The result is the same for a
+    /// single frame as in a sequence. The first three frames of a shot have none.
     pub fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
         self.look_back(prepared, report.frame);
         let now = places(prepared, sample);
@@ -57,7 +62,7 @@ impl JerkMeter {
                 continue;
             };
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
-            // What a transferred lattice follows lies in another shot: nothing here to blame it by.
+            // The keys of a transferred lattice are in another shot, so its input is unknown here.
             let is_followed = layer.transfer.is_none();
             let is_uneven = jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px);
             if is_followed && is_uneven && self.is_rough(prepared, index, &now).unwrap_or(true) {
@@ -74,11 +79,11 @@ impl JerkMeter {
         }
     }
 
-    /// Makes `past` the frames right before one, as far as the shot has them; it stays empty where one cannot be solved.
+    /// Fills `past` with the three frames before `frame`. If one of them cannot be solved, it and those before it are left out.
     fn look_back(&mut self, prepared: &PreparedShot, frame: i32) {
         let wanted = frame.saturating_sub(3)..frame;
         if wanted.start < prepared.shot.frames.first || prepared.shot.layers.is_empty() {
-            // Too early to be measured; what is known may serve the next frame.
+            // Too early for a measurement; known frames may serve the next one.
             self.past.retain(|&(past, _)| wanted.contains(&past));
             return;
         }
@@ -92,8 +97,8 @@ impl JerkMeter {
         }
     }
 
-    /// Whether the warp of a layer jerks as it does because it jumps or bends, and not because it is carried around fast: an arm that is
-    /// raised evenly turns, and what turns is never without jerk. `None` where it cannot be solved between frames.
+    /// Whether the jerk of a layer's warp comes from a jump or kink rather than from fast smooth motion: an arm that is
+    /// raised evenly rotates, and rotation always has jerk. `None` if the layer cannot be solved between frames.
     fn is_rough(&self, prepared: &PreparedShot, layer: usize, now: &[Option<Places>]) -> Option<bool> {
         let mut first = prepared.mid_exposure_time(f64::from(self.past.front()?.0));
         let known = self.past.iter().map(|(_, places)| places).map(Vec::as_slice).chain([now]);
@@ -119,7 +124,7 @@ impl JerkMeter {
         Some(true)
     }
 
-    /// The jerk of a layer; and the unrest of what its warp follows, pixels, in which jerks of both signs do not cancel.
+    /// Returns the jerk of a layer, and the unrest of its warp's input in pixels, in which jerks of opposite signs do not cancel.
     fn jerk(&self, now: &[Option<Places>], layer: usize, height_px: f64) -> Option<(Jerk, f64)> {
         let mut frames: Vec<&Places> = Vec::with_capacity(4);
         for (_, past) in &self.past {
@@ -137,14 +142,15 @@ impl JerkMeter {
     }
 }
 
-/// The jerk of the displacements at four times, frame heights a step cubed.
+/// Returns the jerk of the displacements at four times, in frame heights per cubed step.
 fn jerk_of(four: &[Places]) -> f64 {
     let [a, b, c, d] = four else { return 0.0 };
     unevenness([&a.displacements, &b.displacements, &c.displacements, &d.displacements])[0]
 }
 
-/// Of points that are in sight in all four frames, the greatest third difference, and the greatest sum of the lengths of
-/// both second differences. The former may vanish at an extreme of a key on twos, the latter cannot.
+/// Returns the largest third difference, and the largest sum of the lengths of both second differences, over the points
+/// that are in sight in all four frames. The third difference may vanish at an extremum of a key on twos; the sum
+/// cannot.
 fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
     let frames = a.iter().zip(b).zip(c.iter().zip(d));
     let bends = frames.filter_map(|((a, b), (c, d))| {
@@ -156,7 +162,7 @@ fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
     })
 }
 
-/// All layers in one frame.
+/// Returns the points of all layers in one frame.
 fn places(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Places>> {
     (0..prepared.shot.layers.len()).map(|layer| Places::of(prepared, sample, layer)).collect()
 }
@@ -182,7 +188,7 @@ impl Places {
         self.displacements.push(point.map(|point| lattice.warp(point) - point));
     }
 
-    /// Turns and stretches of pins, and offsets of handles, as lengths.
+    /// Adds the rotations and stretches of pins, and the offsets of handles, converted to lengths.
     fn add_keys(&mut self, prepared: &PreparedShot, sample: &TimeSample, (layer, lattice): (usize, &ScreenLattice)) {
         let targets = prepared.shot.pin_targets(layer, prepared.key_frame(&prepared.shot.layers[layer], sample.frame));
         let lever = LEVER * lattice.grid.diagonal();
@@ -197,7 +203,7 @@ impl Places {
     }
 }
 
-/// The same points of a layer's surface in every frame, spread over its vertices; `None` where they are out of sight.
+/// Returns the same surface points of a layer in every frame, spread over its vertices; `None` if out of sight.
 fn surface_points<'a>(
     prepared: &'a PreparedShot,
     sample: &'a TimeSample,

@@ -1,6 +1,6 @@
-//! Rest boxes of lattices, on the screen and in the scene: fixed, or following what they hold.
+//! Rest boxes of lattices, on the screen and in the scene: fixed, or following the layer's model.
 //!
-//! In: a [`PreparedShot`], a layer, a pose. Out: the box over which the layer's lattice is laid.
+//! In: a [`PreparedShot`], a layer, a pose. Out: the rest box of the layer's lattice.
 
 use super::PreparedShot;
 use super::followed_box::{Bounds, SmoothingWindow, thickened, union};
@@ -11,17 +11,16 @@ use crate::screen::{self, Camera, Extent, ScreenMesh, bounds, primitive, reach_o
 use crate::shot::{BoxRule, LayerSpace, WorldBoxRule};
 use crate::space::{ScreenBox, ScreenPoint};
 
-/// A box on the screen is never thinner than this, in frame heights.
+/// Minimum side of a box on the screen, in frame heights.
 const MIN_SIDE: f64 = 0.01;
 
-/// A followed box in the scene is never thinner than this part of its longest side: a flat model keeps cells that can be
-/// solved.
+/// Minimum side of a followed box in the scene, relative to its longest side: the cells of a flat model stay solvable.
 const LEAST_SIDE: f64 = 0.25;
 
-/// Nor is a box without any extent, metres.
+/// Minimum side of a box around a model without extent, metres.
 const LEAST_EXTENT: f64 = 1e-6;
 
-/// The rest box of a screen layer's lattice; `None` where nothing of the layer is in reach.
+/// Returns the rest box of a screen layer's lattice; `None` if nothing of the layer is in or near the frame.
 pub(super) fn screen_box(
     prepared: &PreparedShot,
     sample: &TimeSample,
@@ -45,7 +44,7 @@ pub(super) fn screen_box(
     }
 }
 
-/// Bounds of a layer on the screen: lower left and upper right corner.
+/// Returns the bounds of a layer on the screen: lower left and upper right corner.
 pub(super) fn screen_bounds(
     prepared: &PreparedShot,
     layer: usize,
@@ -61,7 +60,7 @@ pub(super) fn screen_bounds(
     Some([bounds.min.0.to_array(), bounds.max.0.to_array()])
 }
 
-/// Bounds of a layer on the screen at a whole frame; those of all layers are computed together and kept.
+/// Returns the bounds of a layer on the screen at a whole frame; those of all layers are computed together and cached.
 fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
     prepared.cache.screen_bounds.at(layer, frame, || {
         let (pose, camera) = prepared.view(f64::from(frame));
@@ -71,7 +70,7 @@ fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option
     })
 }
 
-/// Frame and rest grid of a world layer's lattice; `None` for other layers and where there is nothing to hold.
+/// Returns the coordinate frame and rest grid of a world layer's lattice; `None` for screen layers and for layers without geometry.
 pub(super) fn world_grid(
     prepared: &PreparedShot,
     index: usize,
@@ -95,13 +94,13 @@ pub(super) fn world_grid(
     Some((placed, Grid { dims, basis: layer.basis, lo, hi }))
 }
 
-/// The rigid frame of the node that carries a layer, which its box goes along with.
+/// Returns the rigid frame of the node that carries a layer, which the layer's box follows.
 fn box_frame(prepared: &PreparedShot, index: usize, pose: &Pose) -> BoxFrame {
     let carrier = prepared.assignment.carriers[index].map(|node| pose.scene_from_node[node].as_dmat4());
     carrier.map_or(BoxFrame::SCENE, BoxFrame::of)
 }
 
-/// Bounds of a layer's triangles and lines in the frame of its box.
+/// Returns the bounds of a layer's triangles and lines in the frame of its box.
 fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bounds<3>> {
     let frame = box_frame(prepared, index, pose);
     let of_part = |&part: &usize| {
@@ -117,7 +116,8 @@ fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bo
     prepared.assignment.parts_of_layer[index].iter().filter_map(of_part).reduce(union)
 }
 
-/// Bounds of a world layer at a whole frame, in the frame of its box; those of all layers are computed together and kept.
+/// Returns the bounds of a world layer at a whole frame, in the frame of its box; those of all layers are computed
+/// together and cached.
 fn world_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<3>> {
     prepared.cache.world_bounds.at(layer, frame, || {
         let (pose, _) = prepared.view(f64::from(frame));

@@ -1,7 +1,7 @@
-//! The lattices of a shot as objects that stand in its scene, for programs whose lattices do so.
+//! Converts the lattices of a shot to lattice objects placed in its scene, for programs that have such objects (Blender).
 //!
-//! In: a [`PreparedShot`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer as ours does, or the
-//! reason why there is none.
+//! In: a [`PreparedShot`], a layer, frames. Out: a [`LatticeObject`] that moves every vertex of the layer exactly as
+//! pinwarp does, or the reason why none exists.
 
 use super::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
@@ -13,23 +13,23 @@ use crate::solve::Topology;
 use crate::space::ScreenVector;
 use glam::{DMat4, DVec3};
 
-/// A layer lies at one distance where its vertices' differ by less than this share.
+/// Maximum relative difference of w between the vertices of a layer that counts as flat.
 const FLATNESS: f64 = 1e-6;
 
-/// Vertices count as inside where they leave the box by less than this share of its side.
+/// Distance by which vertices may leave the box and still count as inside, relative to its side.
 const BORDER: f64 = 1e-7;
 
-/// Frames of a layer: `None` where it is not warped.
+/// Frames of a layer; `None` where it is not warped.
 type Poses = Vec<(i32, Option<LatticePose>)>;
 
-/// Why a layer cannot be a lattice object.
+/// The reason why a layer cannot be a lattice object.
 type Reason = String;
 
 impl PreparedShot {
-    /// How a layer travels to Blender.
+    /// Returns the form in which a layer is exported to Blender: a lattice object or baked meshes.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
         let name = self.shot.layers[index].name.clone();
         let way = match self.lattice_object(index, frames)? {
@@ -39,7 +39,7 @@ impl PreparedShot {
         Ok(BlenderLayer { name, way })
     }
 
-    /// The node of the shot's camera.
+    /// Returns the node of the shot's camera, or that the camera is added.
     #[must_use]
     pub fn blender_camera(&self) -> CameraNode {
         self.camera_node().map_or(CameraNode::Added, CameraNode::OfScene)
@@ -114,7 +114,7 @@ impl PreparedShot {
         Ok(())
     }
 
-    /// Places of a layer's vertices in the scene and on the screen, those that are drawn.
+    /// Returns positions of a layer's drawn vertices in the scene and on the screen.
     fn corners_seen(&self, sample: &TimeSample, index: usize) -> Vec<(DVec3, Projected)> {
         let of_part = |&part: &usize| {
             let posed = &sample.pose.parts[part];
@@ -129,7 +129,7 @@ impl PreparedShot {
     }
 }
 
-/// Basis and points an axis of a layer's lattice; `None` where it is not warped.
+/// Returns the basis and the number of handles along each axis of a layer's lattice; `None` if the layer is not warped.
 fn built_of(state: &LayerState) -> Option<(Basis, [usize; 3])> {
     let on_screen = state.solution.as_ref().map(|solution| &solution.lattice.grid);
     let in_scene = state.world.as_ref().map(|world| &world.lattice.lattice.grid);
@@ -146,7 +146,7 @@ fn blend_of(basis: Basis) -> Result<LatticeBlend, Reason> {
     }
 }
 
-/// Frames without a warp rest where a neighbour stands.
+/// Fills frames without a warp with a lattice at rest at the placement of the previous frame, or of the first warped one.
 fn filled(poses: Poses, dims: [usize; 3]) -> Option<Vec<LatticePose>> {
     let mut last = poses.iter().find_map(|(_, pose)| pose.as_ref()).map(|pose| pose.scene_from_lattice)?;
     let count = dims.iter().product();
@@ -166,8 +166,8 @@ fn is_inside<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> bool {
     })
 }
 
-/// Whether a lattice of the screen is a lattice of the scene: the same shift of the screen is the same shift of every
-/// vertex.
+/// Checks that a screen lattice is equivalent to a lattice in the scene: a shift on the screen must be the same shift
+/// of every vertex in the scene.
 fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reason> {
     let ws = || corners.iter().map(|(_, seen)| seen.w);
     let (least, most) = (ws().fold(f64::INFINITY, f64::min), ws().fold(f64::NEG_INFINITY, f64::max));
@@ -184,8 +184,8 @@ fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reas
     Ok(())
 }
 
-/// From the outermost handle of an axis to the other, in sizes of the box: the first and last handle of a B-spline rest
-/// one span outside.
+/// Returns the distance between the first and the last handle of an axis, relative to the box: the outermost handles of
+/// a B-spline lie outside the box.
 fn reach(basis: Basis, count: usize) -> f64 {
     (count - 1) as f64 / basis.spans(count) as f64
 }
@@ -194,7 +194,7 @@ fn extents<const D: usize>(grid: &Grid<D>) -> [f64; D] {
     std::array::from_fn(|axis| grid.size(axis) * reach(grid.basis, grid.dims[axis]))
 }
 
-/// How far the handles are from their rest, in sizes of the lattice.
+/// Returns the displacements of the handles from rest, relative to the size of the lattice.
 fn moved<const D: usize>(lattice: &Lattice<D>) -> Vec<[f64; 3]> {
     let extents = extents(&lattice.grid);
     let rest = lattice.grid.at_rest().handles;
@@ -214,7 +214,7 @@ fn world_pose(frame: i32, placed: &SceneLattice) -> LatticePose {
     LatticePose { frame, scene_from_lattice, moved: moved(&placed.lattice) }
 }
 
-/// The lattice of a card: in the plane across the view that holds `anchor`, which is seen at `seen`.
+/// Returns the lattice of a flat layer: in the plane parallel to the image plane through `anchor`, which projects to `seen`.
 fn card_pose(frame: i32, lattice: &ScreenLattice, (camera, anchor, seen): (&Camera, DVec3, Projected)) -> LatticePose {
     let grid = &lattice.grid;
     let across = |x: f64, y: f64| camera.scene_from_screen_vector(ScreenVector::new(x, y), seen.w);

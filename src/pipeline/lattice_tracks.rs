@@ -1,4 +1,4 @@
-//! The solved lattices of a shot over its frames, for other shots and programs.
+//! Collects the solved lattices of a shot over its frames, for other shots and programs.
 //!
 //! In: a [`PreparedShot`] and frames. Out: a [`LatticeFile`].
 
@@ -8,7 +8,7 @@ use crate::lattice::{BoxFrame, Lattice};
 use crate::plate::WholeWarp;
 use std::collections::BTreeMap;
 
-/// The lattices of a layer, by frame: on the screen or in the scene.
+/// The lattices of a layer by frame, on the screen or in the scene.
 #[derive(Clone, Default)]
 struct Solved {
     screen: BTreeMap<i32, Lattice<2>>,
@@ -28,7 +28,7 @@ impl Solved {
         self.placements.extend(world.map(|placed| (frame, placed.frame)));
     }
 
-    /// `None` where the layer is never warped.
+    /// Returns `None` if the layer is never warped.
     fn track(self, name: &str) -> Option<LatticeTrack> {
         let Self { screen, world, placements, branches, wholes } = self;
         let track = match (screen.is_empty(), world.is_empty()) {
@@ -40,11 +40,11 @@ impl Solved {
     }
 }
 
-/// The solved lattices of some frames, each at the frame's own time, for other shots and programs; layers that are never
-/// warped are left out.
+/// Returns the solved lattices of the given frames, each at the frame's own time; layers that are never warped are left
+/// out. `tell` is called after every frame.
 ///
 /// # Errors
-/// [`PipelineError::Solve`] where a layer cannot be solved; where no layer is warped at all, a mismatch.
+/// [`PipelineError::Solve`] if a layer cannot be solved; [`PipelineError::Mismatch`] if no layer is warped at all.
 pub fn lattices(
     prepared: &PreparedShot,
     frames: &[i32],
@@ -53,7 +53,7 @@ pub fn lattices(
     let shot = &prepared.shot;
     let mut solved = vec![Solved::default(); shot.layers.len()];
     for &frame in frames {
-        // Not in the middle of its exposure: whoever lays a lattice over a sample asks for the time of that sample.
+        // Solved at the frame's own time instead of mid-exposure, because readers of the file choose the time of their samples.
         let sample = prepared.sample_at(f64::from(frame))?;
         for (layer, (solved, state)) in solved.iter_mut().zip(&sample.layers).enumerate() {
             solved.add(frame, (state, prepared.file_branches(layer, &sample)));

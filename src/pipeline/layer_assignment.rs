@@ -1,4 +1,4 @@
-//! Assigns the parts of the scene to layers, and finds the node that carries a layer.
+//! Assigns the parts of the scene to layers, and finds the node that carries each layer.
 //!
 //! In: the layers' selections and the posed parts. Out: a [`LayerAssignment`]; unknown names and empty layers are errors.
 
@@ -10,25 +10,25 @@ use crate::screen::primitive;
 use crate::shot::{Shot, Source};
 use std::collections::BTreeSet;
 
-/// Which part belongs to which layer. The same in every frame.
+/// The mapping from parts to layers, which is the same in every frame.
 #[derive(Clone, Debug)]
 pub struct LayerAssignment {
-    /// One a part of every pose: the layer that moves it; of a shared part the layer that moves most of it.
+    /// #parts: the layer that moves the part; for a shared part, the layer that moves most of it.
     pub layer_of_part: Vec<Option<usize>>,
-    /// One a part: set where several layers move it, or one moves some of it.
+    /// #parts: set if several layers move the part, or one layer moves some of it.
     pub shared_parts: Vec<Option<SharedPart>>,
-    /// One a part: the node that carries it.
+    /// #parts: the node that carries the part.
     pub(super) node_of_part: Vec<usize>,
-    /// One a layer: its parts, shared ones too.
+    /// #layers: the layer's parts, including shared ones.
     pub(super) parts_of_layer: Vec<Vec<usize>>,
-    /// One a layer: the node that carries all of it.
+    /// #layers: the node that carries the whole layer.
     pub(super) carriers: Vec<Option<usize>>,
-    /// One a layer: it shares meshes with others, or with what rests.
+    /// #layers: whether the layer shares a mesh with other layers, or with what no layer moves.
     pub(super) is_sharing: Vec<bool>,
 }
 
 impl LayerAssignment {
-    /// Assigns all parts. The layers of a plate all lie on the one card that stands for the frame.
+    /// Assigns all parts. The layers of a plate all lie on the one card that represents the frame.
     pub(super) fn new(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
         let node_of_part = parts.iter().map(|part| part.node).collect();
         let all = || (0..parts.len()).collect::<Vec<usize>>();
@@ -54,12 +54,12 @@ impl LayerAssignment {
         Ok(Self { layer_of_part, shared_parts, node_of_part, parts_of_layer, carriers, is_sharing })
     }
 
-    /// How much of a part a layer moves that has the part.
+    /// Returns how much of a part the layer moves; the part must belong to the layer.
     pub(super) fn share(&self, layer: usize, part: usize) -> LayerShare<'_> {
         self.shared_parts[part].as_ref().map_or(LayerShare::Whole, |shared| LayerShare::Shared(shared, layer))
     }
 
-    /// The layer that moves a triangle; of a shared one the layer that moves most of it.
+    /// Returns the layer that moves a triangle; for a shared triangle, the layer that moves most of it.
     #[must_use]
     pub fn layer_of_triangle(&self, part: usize, triangle: usize) -> Option<usize> {
         let shared = self.shared_parts[part].as_ref().and_then(|shared| shared.layer_of_triangle.get(triangle));
@@ -67,7 +67,7 @@ impl LayerAssignment {
     }
 }
 
-/// The layer that moves most of a part; and the weights, where it is shared.
+/// Returns the layer that moves most of a part, and the weights if the part is shared.
 fn split(layers: PartLayers) -> (Option<usize>, Option<SharedPart>) {
     match layers {
         PartLayers::Whole(owner) => (owner, None),
@@ -75,8 +75,8 @@ fn split(layers: PartLayers) -> (Option<usize>, Option<SharedPart>) {
     }
 }
 
-/// The deepest node whose subtree holds everything that places a layer's parts: their nodes, and the joints of those
-/// that are skinned, where the layer names joints those alone. `None` where they have no common root.
+/// Returns the deepest node whose subtree contains all nodes that place a layer's parts: their own nodes, or for
+/// skinned parts the joints of the skin (if the layer names joints, those alone). `None` if they have no common root.
 fn carrier(scene: &Scene, parts: &[PosedPart], (own, named): (&[usize], Option<&BTreeSet<usize>>)) -> Option<usize> {
     let is_named = |joint: &usize| named.is_none_or(|named| named.contains(joint));
     let placers = |&part: &usize| {
@@ -96,7 +96,7 @@ fn carrier(scene: &Scene, parts: &[PosedPart], (own, named): (&[usize], Option<&
     shared?.last().copied()
 }
 
-/// The ancestors of a node, the root first, and itself.
+/// Returns the ancestors of a node from the root down, ending with the node itself.
 fn path_from_root(scene: &Scene, node: usize) -> Vec<usize> {
     let mut path: Vec<usize> = std::iter::successors(Some(node), |&node| scene.nodes[node].parent).collect();
     path.reverse();

@@ -1,6 +1,6 @@
-//! What a viewer draws over a solved frame: lines of lattices, handles, folded cells, pins.
+//! Overlay marks for viewers of a solved frame: lines of lattices, handles, folded cells, pins.
 //!
-//! In: a solved [`TimeSample`]. Out: points of the screen, a list for each layer.
+//! In: a solved [`TimeSample`]. Out: points of the screen, grouped by layer.
 
 use super::lattice_box::screen_box;
 use super::layer_pins::region;
@@ -13,28 +13,28 @@ use crate::solve::{Shape, active_cells};
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::{DVec2, DVec3};
 
-/// Pieces of a line in a cell.
+/// Line segments per cell and line of the lattice.
 const PIECES: usize = 4;
 
-/// Pieces of the rim of a region.
+/// Line segments of the rim of a region.
 const RIM_PIECES: usize = 48;
 
-/// What is drawn over one layer.
+/// The marks of one layer.
 #[derive(Clone, Debug, Default)]
 pub struct LayerMarks {
     /// Index of the layer in the shot.
     pub layer: usize,
     /// Lines of the warped lattice.
     pub lines: Vec<Vec<ScreenPoint>>,
-    /// Warped handles; `None`: behind the camera.
+    /// Warped handles; `None` if behind the camera.
     pub handles: Vec<Option<ScreenPoint>>,
-    /// Outlines of cells that fold where the model lies.
+    /// Outlines of folded cells that contain part of the model.
     pub folded: Vec<Vec<ScreenPoint>>,
-    /// The box of a lattice of the screen at rest.
+    /// The rest box of a screen layer's lattice.
     pub rest_box: Option<ScreenBox>,
-    /// Pins that act.
+    /// The active pins.
     pub pins: Vec<PinMark>,
-    /// How far each line is stretched at its points: singular values of the warp's gradient, greatest over least.
+    /// Distortion at the points of each line: ratio of the singular values of the warp's gradient, largest to smallest.
     pub distortion: Vec<Vec<f64>>,
 }
 
@@ -43,15 +43,15 @@ pub struct LayerMarks {
 pub struct PinMark {
     /// Index in the layer.
     pub pin: usize,
-    /// Where its point is before the warp.
+    /// Position of the pinned point before the warp.
     pub rest: ScreenPoint,
-    /// Where it has to go.
+    /// Target position.
     pub target: ScreenPoint,
-    /// The rim of its region, as the lattice bends it; empty: it takes its point alone.
+    /// Rim of the pin's region, warped by the lattice; empty if the pin has no region.
     pub rim: Vec<ScreenPoint>,
 }
 
-/// What is drawn over the layers of a solved frame that are warped.
+/// Returns the marks of all warped layers of a solved frame.
 #[must_use]
 pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let marks = |(layer, state): (usize, &LayerState)| {
@@ -74,7 +74,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
     sample.layers.iter().enumerate().filter_map(marks).collect()
 }
 
-/// What is drawn over layers of the screen that nothing moves: their lattices at rest.
+/// Returns the marks of screen layers that are not warped: their lattices at rest.
 #[must_use]
 pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let is_resting = |(_, state): &(usize, &LayerState)| state.solution.is_none() && state.world.is_none();
@@ -85,7 +85,7 @@ pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerM
     sample.layers.iter().enumerate().filter(is_resting).filter_map(marks).collect()
 }
 
-/// The lattice of a layer of the screen that nothing moves.
+/// Returns the rest lattice of a screen layer that is not warped.
 fn resting(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Option<ScreenLattice> {
     let layer = &prepared.shot.layers[index];
     let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
@@ -140,7 +140,7 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Sha
     }
 }
 
-/// Cells that fold and hold some of the model. The shape is asked for where any fold.
+/// Returns the folded cells that contain part of the model. The shape is computed only if any cell folds.
 fn folded_model_cells(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<[usize; 2]> {
     let folded = lattice.folded_cells();
     if folded.is_empty() {
@@ -152,7 +152,7 @@ fn folded_model_cells(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> 
     folded.into_iter().filter(holds).collect()
 }
 
-/// Greatest over least singular value of the warp's gradient; 1: nothing is distorted.
+/// Returns the ratio of the warp gradient's singular values, largest to smallest; 1 where there is no distortion.
 fn stretch(lattice: &ScreenLattice, point: ScreenPoint) -> f64 {
     let gradient = lattice.jacobian(point);
     let square = gradient.transpose() * gradient;

@@ -1,7 +1,6 @@
-//! What screen and world layers share: what pins take along, which handles are moved, and how pins and a whole layer
-//! fade.
+//! Functions common to screen and world layers: regions of pins, moved handles, and the fading of pins and whole layers.
 //!
-//! In: pins, keys and solutions. Out: regions, weights, handles; solutions nearer to rest, and what their reports claim.
+//! In: pins, keys and solutions. Out: regions, weights, handles; solutions faded towards rest, with matching reports.
 
 use crate::lattice::Grid;
 use crate::shot::{HandleTrack, Layer, OffsetUnit, Pin, PinTargets};
@@ -9,10 +8,10 @@ use crate::solve::{
     BranchedLattice, HandlePin, PinResidual, PointPin, Region, ResidualReason, Solution, SolveReport, Solver,
 };
 
-/// A pin that fades has ten to this power of its weight at the end.
+/// Exponent of ten of the factor on a pin's weight when it has faded out.
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
 
-/// What a pin takes along; `diagonal` of the lattice's box.
+/// Returns the region that moves with a pin; `diagonal`: that of the lattice's box.
 pub(super) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
     let unit = match pin.unit {
         OffsetUnit::Frame => 1.0,
@@ -25,12 +24,12 @@ pub(super) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
     })
 }
 
-/// Weight of a pin that fades: in powers of ten, down to where the shape holds the pin and not the pin the shape.
+/// Returns the weight of a fading pin, which falls exponentially until the pin follows the shape instead of holding it.
 pub(super) fn faded_weight(presence: f64) -> f64 {
     10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - presence))
 }
 
-/// Where the layer's keys move handles of its grid.
+/// Returns the handles of the layer's grid that are moved by keys, with their targets.
 pub(super) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targets: &PinTargets) -> Vec<HandlePin<D>> {
     let handle = |(track, offset): (&HandleTrack, &[f64; 3])| {
         let index = (0..D).map(|axis| track.index[axis] * grid.stride(axis)).sum();
@@ -40,8 +39,9 @@ pub(super) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targe
     layer.handles.iter().zip(&targets.handles).map(handle).collect()
 }
 
-/// Handles at the border of a whole picture, held at rest unless keys move them, so that its edge stays where it is: as
-/// many rings as act there (on B-splines with their slope and curvature, on others the value alone).
+/// Returns the handles at the border of a whole picture that hold its edge in place, at rest, except those moved by
+/// keys. As many rings are held as influence the border: for B-splines this holds slope and curvature too, otherwise
+/// the value alone.
 pub(super) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandlePin<2>> {
     let rings = grid.basis.border_rings();
     let is_outer = |index: usize| {
@@ -53,8 +53,8 @@ pub(super) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandleP
     outer.map(|index| HandlePin { index, target: grid.rest_handle(index) }).collect()
 }
 
-/// Brings the handles to rest as the last pin of a layer fades out: what does not warp at all then does not jump
-/// before. The report tells what is left of the warp.
+/// Fades the handles to rest together with the last pin of a layer, so that the layer does not jump when the pin
+/// vanishes. The report describes the faded warp.
 pub(super) fn fade<const D: usize>(
     solution: &mut Solution<D>,
     (solver, pins): (&Solver<D>, &[PointPin<D>]),
@@ -81,7 +81,7 @@ pub(super) fn fade<const D: usize>(
     *report = unmeasured(std::mem::take(report));
 }
 
-/// A report whose distortion says "not measured", not "none".
+/// Marks the distortion in a report as not measured, as opposed to zero.
 pub(super) fn unmeasured(report: SolveReport) -> SolveReport {
     SolveReport { min_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
 }
@@ -92,7 +92,7 @@ mod tests {
     use crate::lattice::Basis;
     use crate::space::ScreenPoint;
 
-    /// How far the border moves at most when every handle that is not held moves.
+    /// Returns the largest displacement of the border when every handle that is not held moves.
     fn border_moves(basis: Basis) -> f64 {
         let grid = Grid { dims: [8, 9], basis, lo: [0.0, 0.0], hi: [1.6, 1.0] };
         let mut lattice = grid.at_rest();

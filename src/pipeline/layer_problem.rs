@@ -1,6 +1,6 @@
-//! A layer at one frame as a bare problem, for comparisons with other methods.
+//! Extracts a layer at one frame as a bare problem, for comparison with other methods.
 //!
-//! In: a [`PreparedShot`], a layer, a frame. Out: [`LayerProblem`]: grid, shape and pins on the screen.
+//! In: a [`PreparedShot`], a layer, a frame. Out: a [`LayerProblem`]: grid, shape and pins on the screen.
 
 use super::layer_pins::moved_handles;
 use super::screen_shape::screen_shape;
@@ -9,7 +9,7 @@ use super::{PipelineError, PreparedShot};
 use crate::lattice::Grid;
 use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
 
-/// What a layer's solve was made of.
+/// The inputs of a layer's solve.
 #[derive(Clone, Debug)]
 pub struct LayerProblem {
     grid: Grid<2>,
@@ -20,7 +20,7 @@ pub struct LayerProblem {
 }
 
 impl LayerProblem {
-    /// The problem.
+    /// Returns the problem, borrowing its data.
     #[must_use]
     pub fn problem(&self) -> Problem<'_, 2> {
         let Self { grid, shape, pins, handles, settings } = self;
@@ -28,11 +28,12 @@ impl LayerProblem {
     }
 }
 
-/// A layer's shape, pins and moved handles on the screen at a frame; `None` where nothing is solved there, or in the world. Of the pins
-/// only points and targets are taken: no other method holds rotations.
+/// Returns a layer's shape, pins and moved handles on the screen at a frame; `None` if nothing is solved there or the
+/// layer is a world layer. Only points and targets of the pins are included, because no other method supports
+/// rotations.
 ///
 /// # Errors
-/// [`PipelineError::Solve`] where a layer cannot be solved.
+/// [`PipelineError::Solve`] if a layer cannot be solved; [`PipelineError::Unusable`] if a lattice branches.
 pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Result<Option<LayerProblem>, PipelineError> {
     check_plain(prepared, "a comparison of methods")?;
     let sample = prepared.evaluate(frame)?;

@@ -1,16 +1,16 @@
-//! The solve of one layer, on the screen and in the scene: shape and pins become a factored matrix, targets a lattice.
+//! Solves one layer, on the screen or in the scene: shape and pins give a factored matrix, targets give a lattice.
 //!
-//! In: grid, shape, targets, settings of a layer. Out: a [`Solver`]; a [`Solution`] that fades with its pins.
+//! In: grid, shape, targets and settings of a layer. Out: a [`Solver`], and a [`Solution`] that fades with its pins.
 
 use super::layer_pins::fade;
 use crate::lattice::Grid;
 use crate::solve::{Cancel, Problem, Settings, Shape, Solution, SolveError, Solver, Targets};
 
-/// Samples the shape and factors the matrix for pins and handles; `None` where neither act. The shape is made only where
-/// it is needed.
+/// Samples the shape and factors the matrix for pins and handles; `None` if there are neither. The shape is computed
+/// only if it is needed.
 ///
 /// # Errors
-/// [`SolveError`] where the problem is malformed, or the solve is cancelled.
+/// [`SolveError`] if the problem is malformed or the solve is cancelled.
 pub(super) fn factor<const D: usize>(
     grid: &Grid<D>,
     shape: impl FnOnce() -> Shape<D>,
@@ -26,11 +26,11 @@ pub(super) fn factor<const D: usize>(
     Solver::build(&problem, cancel).map(Some)
 }
 
-/// Solves for targets at the end of a path (empty: those the matrix was factored for). Where no handle is moved, the
-/// solution fades with `presence`, that of the pin that is present most.
+/// Solves for `targets`, which end the path `path` (if empty, those for which the matrix was factored). If no handle is
+/// moved, the solution fades with the largest presence of its pins.
 ///
 /// # Errors
-/// [`SolveError`] where targets are not those of the solver's pins and handles, or the solve is cancelled.
+/// [`SolveError`] if the targets do not match the solver's pins and handles, or the solve is cancelled.
 pub(super) fn solve_layer<const D: usize>(
     solver: &Solver<D>,
     path: &[Targets<D>],

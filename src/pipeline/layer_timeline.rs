@@ -1,6 +1,6 @@
-//! A layer of the screen as a function of time: what its trajectory is solved for.
+//! A screen layer as a function of time, from which its trajectory is solved.
 //!
-//! In: a [`PreparedShot`], a layer. Out: its problem at any time.
+//! In: a [`PreparedShot`] and a layer. Out: the layer's problem at any time.
 
 use super::part_starts::held_triangle;
 use super::screen_layer::{LayerSolver, LayerTask, is_branching, unfactored};
@@ -11,30 +11,31 @@ use crate::screen::primitive;
 use crate::shot::{Layer, LayerSpace, PinTargets};
 use crate::solve::{ModelPoint, Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
 
-/// Models of so many triangles are posed and sampled one at a time.
+/// Number of triangles above which models are posed and sampled one time after the other, not in parallel.
 const HEAVY: usize = 250_000;
 
-/// Time of the first knot of a layer. Drawings on twos change half a frame from the middles of exposures, which are their knots.
+/// Returns the time of a layer's first knot. For layers on twos this is mid-exposure, so that drawings change half a
+/// frame away from the knots.
 pub(super) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
     let first = f64::from(prepared.shot.solve_range[0]);
     if prepared.shot.layers[index].step > 1 { prepared.mid_exposure_time(first) } else { first }
 }
 
-/// Whoever waits for a trajectory.
+/// Callbacks of the caller that waits for a trajectory.
 #[derive(Clone, Copy)]
 pub(super) struct Watcher<'a> {
-    /// It is no longer wanted.
+    /// Whether the trajectory is no longer wanted.
     pub(super) is_cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Hears parts done, of all.
+    /// Receives the number of completed parts and the total.
     pub(super) progress: &'a (dyn Fn(usize, usize) + Sync),
 }
 
 impl Watcher<'_> {
-    /// Waits to the end, and says nothing.
+    /// Waits until the end and ignores progress.
     pub(super) const PATIENT: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
 }
 
-/// A layer of the screen as a function of time.
+/// A screen layer as a function of time.
 pub(super) struct LayerTimeline<'a> {
     pub(super) prepared: &'a PreparedShot,
     pub(super) index: usize,
@@ -47,7 +48,7 @@ impl LayerTimeline<'_> {
         &self.prepared.shot.layers[self.index]
     }
 
-    /// Triangles of the layer's model.
+    /// Returns the number of triangles in the parts of the layer.
     fn triangle_count(&self) -> usize {
         let PreparedShot { scene, assignment, .. } = self.prepared;
         let (pose, _) = self.prepared.view(f64::from(self.prepared.shot.solve_range[0]));
@@ -55,7 +56,7 @@ impl LayerTimeline<'_> {
         parts.map(|&part| primitive(scene, &pose.parts[part]).triangles.len()).sum()
     }
 
-    /// The layer's box and pins at a time, and where they have to go.
+    /// Returns the layer's box and pins at a time, without a factored matrix, and the pins' targets.
     pub(super) fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
         let layer = self.layer();
         let task = LayerTask { index: self.index, layer, anchors: self.prepared.anchors_of(self.index), weights: &[] };
@@ -63,7 +64,8 @@ impl LayerTimeline<'_> {
         Some((unfactored(self.prepared, sample, &task)?, targets))
     }
 
-    /// `None` where neither pins nor handles act. The first knot is solved alone: there the whole way of the pins counts.
+    /// Returns the problem at a time; `None` if neither pins nor handles act. The first knot has no predecessor and is
+    /// solved along the whole path of the pins.
     pub(super) fn problem(
         &self,
         sample: &TimeSample,
@@ -106,7 +108,7 @@ impl Timeline<2> for LayerTimeline<'_> {
         &self.layer().settings
     }
 
-    /// A time that cannot be posed is a gap: its own frame says why.
+    /// A time that cannot be posed is a gap; the error is reported when its own frame is rendered.
     fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
         if (self.watcher.is_cancelled)() {
             return Err(SolveError::Cancelled);

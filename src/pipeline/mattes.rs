@@ -1,6 +1,6 @@
-//! What the parts of a scene are told apart by: ids of layers and nodes, and the names that Cryptomattes know.
+//! Ids and names by which the parts of a scene are distinguished: layer and node ids, and Cryptomatte names.
 //!
-//! In: scene, parts, layer assignment, layers. Out: [`Mattes`]: pieces of every part, manifests for the files.
+//! In: scene, parts, layer assignment, layers. Out: [`Mattes`]: the pieces of every part, and manifests for the files.
 
 use super::LayerAssignment;
 use super::selection::{SharedPart, material_name};
@@ -12,20 +12,20 @@ use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::Shot;
 
-/// What no layer claims goes by this name in `CryptoLayer`, as Arnold calls what belongs to no asset.
+/// Name in `CryptoLayer` of everything that belongs to no layer, as in Arnold for objects without an asset.
 const NO_LAYER: &str = "default";
 
-/// Pieces of all parts, and what files say about them.
+/// The pieces of all parts, and the Cryptomatte headers of the files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mattes {
-    /// One a part: all of it, or its triangles by the layer that moves most of each.
+    /// #parts: the whole part as one piece, or its triangles grouped by the layer that moves most of each.
     pub(super) pieces: Vec<Vec<Piece>>,
-    /// One a Cryptomatte, with its manifest.
+    /// One header per Cryptomatte, with its manifest.
     pub(super) headers: Vec<MatteHeader>,
 }
 
 impl Mattes {
-    /// The names do not depend on the frame, so every frame of a sequence has the same manifest.
+    /// Creates pieces and headers. The names do not depend on the frame, so every frame of a sequence has the same manifest.
     pub(super) fn new(shot: &Shot, scene: &Scene, (parts, assignment): (&[PosedPart], &LayerAssignment)) -> Self {
         let mut all_names = Vec::new();
         let mut piece = |part: &PosedPart, owner: Option<usize>, triangles: Option<Vec<u32>>| {
@@ -50,7 +50,7 @@ impl Mattes {
     }
 }
 
-/// The names of a piece, in the order of [`MATTE_LAYERS`].
+/// Returns the names of a piece, in the order of [`MATTE_LAYERS`].
 fn names(shot: &Shot, scene: &Scene, (part, owner): (&PosedPart, Option<usize>)) -> [String; MATTE_LAYERS.len()] {
     let layer = owner.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
     let node = &scene.nodes[part.node].name;
@@ -58,7 +58,7 @@ fn names(shot: &Shot, scene: &Scene, (part, owner): (&PosedPart, Option<usize>))
     [clean_name(node), clean_name(&material), clean_name(layer)]
 }
 
-/// The triangles of a shared part, by the layer that moves most of each.
+/// Returns the triangles of a shared part, grouped by the layer that moves most of each.
 fn owned(shared: &SharedPart) -> Vec<(Option<usize>, Vec<u32>)> {
     let layers = std::iter::once(None).chain(shared.layers.iter().copied().map(Some));
     let of_owner = |owner: Option<usize>| {

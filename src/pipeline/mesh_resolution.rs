@@ -1,4 +1,4 @@
-//! Finds meshes that are too coarse for the lattice of the scene that bends them.
+//! Finds meshes that are too coarse for the world lattice that bends them.
 //!
 //! In: a prepared shot and its first pose. Out: notes.
 
@@ -8,10 +8,10 @@ use crate::lattice::{BoxFrame, Grid};
 use crate::pose::{Pose, PosedPart};
 use crate::screen::primitive;
 
-/// Edges longer than this many cells are told to the user.
+/// Length of an edge, in cells, above which the mesh is reported.
 const LONG_EDGE_CELLS: f64 = 2.0;
 
-/// A note on every layer whose lattice bends a mesh that is too coarse for it.
+/// Returns a note for every world layer with a mesh that is too coarse for its lattice.
 pub(super) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
     let frame = f64::from(prepared.shot.frames.first);
     let note = |index: usize| {
@@ -32,7 +32,7 @@ pub(super) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String
     (0..prepared.shot.layers.len()).filter_map(note).collect()
 }
 
-/// Length of a part's longest edge, in cells of a grid.
+/// Returns the length of a part's longest edge, in cells of a grid.
 fn longest_edge(
     prepared: &PreparedShot,
     (layer, index): (usize, usize),

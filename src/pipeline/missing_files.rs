@@ -1,6 +1,6 @@
-//! Files that a shot names and that are not there: said with the line of the shot, and the name that was probably meant.
+//! Finds files that a shot names but that do not exist, and reports them with the line in the shot and a likely correction.
 //!
-//! In: a shot. Out: [`PipelineError::Mismatch`] for the first file that is missing.
+//! In: a shot. Out: [`PipelineError::Mismatch`] for the first missing file.
 
 use super::PipelineError;
 use crate::image::FileKind;
@@ -8,7 +8,7 @@ use crate::shot::{Cut, Selection, Shot, Source};
 use crate::spelling;
 use std::path::Path;
 
-/// Looks for the scene, the pictures, the masks and the lattice files.
+/// Checks the scene, the pictures, the masks and the lattice files.
 pub(super) fn check(shot: &Shot) -> Result<(), PipelineError> {
     match &shot.source {
         Source::Scene(scene) => check_file(shot, "scene", scene)?,
@@ -41,7 +41,7 @@ fn check_file(shot: &Shot, key: &str, path: &Path) -> Result<(), PipelineError> 
     Err(PipelineError::mismatch(shot, key, what, hint(path)))
 }
 
-/// The nearest name of a file of the same kind beside it; the folder, where that is missing.
+/// Suggests the most similar name among files of the same type in the same folder, or reports that the folder is missing.
 fn hint(path: &Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let Ok(entries) = std::fs::read_dir(folder) else {

@@ -1,7 +1,7 @@
 //! Moves the meshes of the scene by the lattices of world layers.
 //!
-//! In: a pose and the solved layers. Out: the pose, moved. A surface turns as the lattice does: tangents by its gradient, normals by
-//! the cofactors of it (the inverse transpose, up to a factor that unit length takes away).
+//! In: a pose and the solved layers. Out: the deformed pose. Tangents are transformed by the lattice's gradient,
+//! normals by its cofactor matrix (the inverse transpose up to a factor, which normalisation removes).
 
 use super::selection::SharedPart;
 use super::{LayerAssignment, LayerState};
@@ -13,7 +13,7 @@ use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Least vertices a thread takes at once.
+/// Minimum number of vertices per parallel task.
 const CHUNK: usize = 2048;
 
 /// Moves the meshes of all solved world layers.
@@ -61,22 +61,22 @@ fn move_part(part: &mut PosedPart, warp: impl Fn(usize, DVec3) -> (DVec3, DMat3)
     }
 }
 
-/// A direction turned; the old one where the lattice squashes it to nothing.
+/// Transforms and normalises a direction; returns it unchanged if the result is zero.
 fn turned(by: DMat3, direction: Vec3) -> Vec3 {
     (by * direction.as_dvec3()).try_normalize().map_or(direction, |turned| turned.as_vec3())
 }
 
-/// Lattices that move the vertices of one part together.
+/// The lattices that together move the vertices of one part.
 struct Blend<'a> {
     shared: &'a SharedPart,
-    /// One a layer of the part.
+    /// One per layer of the part.
     lattices: Vec<Option<&'a SceneLattice>>,
-    /// #vertices x #layers.
+    /// Gradients of the weights: #vertices x #layers.
     slopes: Vec<DVec3>,
 }
 
 impl Blend<'_> {
-    /// Where a vertex goes, and the gradient there: x + Σ wᵢ dᵢ(x), and I + Σ wᵢ ∇dᵢ + dᵢ ∇wᵢᵀ.
+    /// Returns the image of a vertex and the gradient there: x + Σ wᵢ dᵢ(x), and I + Σ wᵢ ∇dᵢ + dᵢ ∇wᵢᵀ.
     fn warp(&self, vertex: usize, point: DVec3) -> (DVec3, DMat3) {
         let (mut place, mut gradient) = (point, DMat3::IDENTITY);
         let count = self.lattices.len();
@@ -95,8 +95,8 @@ impl Blend<'_> {
     }
 }
 
-/// How the weights of a part change along its surface, a metre: #vertices x #layers, the means over the triangles of each
-/// vertex by area.
+/// Returns the gradients of a part's weights along its surface, per metre: #vertices x #layers, area-weighted means
+/// over the triangles at each vertex.
 fn weight_slopes(shared: &SharedPart, triangles: &[[u32; 3]], positions: &[ScenePoint]) -> Vec<DVec3> {
     let count = shared.layers.len();
     let mut slopes = vec![DVec3::ZERO; positions.len() * count];
@@ -108,7 +108,7 @@ fn weight_slopes(shared: &SharedPart, triangles: &[[u32; 3]], positions: &[Scene
         if area <= 0.0 {
             continue;
         }
-        // The gradient of the function that is 1 at a corner and 0 at the others, times the area.
+        // The gradient of the linear function that is 1 at a corner and 0 at the others, times twice the area.
         let opposite = [c - b, a - c, b - a].map(|edge| normal.cross(edge) / area);
         for layer in 0..count {
             let weights = corners.map(|corner| f64::from(shared.at(corner)[layer]));

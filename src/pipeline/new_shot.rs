@@ -1,6 +1,6 @@
-//! The shot that a scene or picture begins with.
+//! Collects the facts for a new shot of a scene or picture.
 //!
-//! In: a path. Out: what [`template`](crate::shot::template) says about it.
+//! In: a path. Out: the input of [`template`](crate::shot::template).
 
 use super::PipelineError;
 use crate::image::{PictureKind, SequencePath, picture_size};
@@ -10,32 +10,32 @@ use crate::space::FrameSize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Frames a second of a new shot.
+/// Frames per second of a new shot.
 const RATE: f64 = 24.0;
 
-/// Longer clips are cut: shot files take frames up to a million.
+/// Last frame of the longest clip; shot files allow frames up to a million.
 const MAX_FRAME: f32 = 999_999.0;
 
-/// Length of a new shot whose scene does not move.
+/// Number of frames of a new shot whose scene is not animated.
 const DEFAULT_FRAMES: i32 = 24;
 
-/// What a new shot is made of.
+/// The inputs of a new shot.
 #[derive(Clone, Debug)]
 pub struct NewShot {
-    /// For the template.
+    /// Facts for the template.
     pub facts: TemplateFacts,
-    /// What reading it found, in words.
+    /// Warnings from reading the file.
     pub warnings: Vec<String>,
-    /// Files that it refers to.
+    /// Files to which the scene refers.
     pub files_beside: Vec<PathBuf>,
 }
 
-/// Looks at a scene, or at a picture by its name.
+/// Inspects a scene, or a picture if the file name has a picture's extension.
 ///
 /// # Errors
-/// [`PipelineError`] where it cannot be read, or is a sequence.
+/// [`PipelineError`] if the file cannot be read or is a sequence.
 pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineError> {
-    // Everything that is no picture by its name is a scene, or none of the two, and the scene's reader says so.
+    // Files without a picture's extension are read as scenes, whose reader reports unsupported types.
     if PictureKind::of(path).is_some() {
         return Ok(NewShot { facts: picture_facts(path)?, warnings: Vec::new(), files_beside: Vec::new() });
     }
@@ -43,7 +43,7 @@ pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineErro
     Ok(NewShot { facts: scene_facts(&scene), warnings: scene.warnings, files_beside: scene.files_beside })
 }
 
-/// What the template says about a picture.
+/// Collects the facts about a picture.
 fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
     if !path.is_file() && SequencePath::parse(path)?.has_counter() {
         return Err(PipelineError::Unusable {
@@ -68,7 +68,7 @@ fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
     })
 }
 
-/// What the template says about a scene.
+/// Collects the facts about a scene.
 fn scene_facts(scene: &Scene) -> TemplateFacts {
     let names = |of: fn(&scene::Node) -> bool| {
         scene.nodes.iter().filter(|node| of(node)).map(|node| node.name.clone()).collect::<Vec<_>>()
@@ -95,7 +95,7 @@ fn scene_facts(scene: &Scene) -> TemplateFacts {
     }
 }
 
-/// Rigid meshes that hang on a joint beside others: the weapons of a character pack, all in one hand.
+/// Returns the names of rigid meshes that share a joint with other rigid meshes, such as the weapons of a character pack.
 fn spare_nodes(scene: &Scene) -> Vec<String> {
     let joints: BTreeSet<usize> = scene.skins.iter().flat_map(|skin| &skin.joints).copied().collect();
     let is_rigid = |node: &&scene::Node| node.mesh.is_some() && node.skin.is_none();
@@ -105,10 +105,10 @@ fn spare_nodes(scene: &Scene) -> Vec<String> {
     hung().filter(|(parent, _)| is_spare(*parent)).map(|(_, node)| node.name.clone()).collect()
 }
 
-/// A file's path as seen from a folder: relative where it lies below it, else absolute.
+/// Returns the path of a file relative to a folder if the file lies below it, and the absolute path otherwise.
 ///
 /// # Errors
-/// [`PipelineError`] where folder or file are not there.
+/// [`PipelineError`] if the folder or the file does not exist.
 pub fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = folder.canonicalize().map_err(|_| PipelineError::Unusable {

@@ -1,7 +1,8 @@
 //! A prepared shot that stays loaded while its file is edited.
 //!
-//! In: a shot, again and again. Out: the same [`PreparedShot`] as if it were prepared anew, with as little done again as the edit
-//! asks for: keys cost nothing, pins are tied again, layers are assigned again over the scene that is there.
+//! In: successive versions of a shot. Out: the same [`PreparedShot`] as if it were prepared anew, with as little work
+//! as the edit requires: changed keys cost nothing, pins are attached again, layers are assigned again over the loaded
+//! scene.
 
 use super::frame_cache::FrameCache;
 use super::prepare::tie_pins;
@@ -11,24 +12,24 @@ use crate::raster::ChannelGroup;
 use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Shot};
 use crate::solve::Settings;
 
-/// A shot that is being edited, loaded.
+/// A loaded shot that is being edited.
 #[derive(Debug)]
 pub struct OpenShot {
-    /// As it was given: preparing fills in what a shot leaves open.
+    /// The shot as given, before preparation fills in automatic settings.
     given: Shot,
     prepared: PreparedShot,
 }
 
-/// How much an edit made to be done again, from little to all.
+/// The amount of work that an edit caused, in increasing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rework {
-    /// Nothing that frames depend on.
+    /// Nothing that affects frames.
     Nothing,
     /// Frames only: keys, strengths, samples.
     Frames,
-    /// Pins were tied to the model again.
+    /// Pins were attached to the model again.
     Pins,
-    /// All but loading the scene.
+    /// Everything except loading the scene.
     Layers,
     /// The scene was loaded again.
     Scene,
@@ -43,13 +44,13 @@ impl OpenShot {
         Ok(Self { given: shot.clone(), prepared: PreparedShot::new(colour_only(shot))? })
     }
 
-    /// The shot, ready for frames. It draws colour only.
+    /// Returns the prepared shot, which renders colour only.
     #[must_use]
     pub const fn prepared(&self) -> &PreparedShot {
         &self.prepared
     }
 
-    /// Names of all nodes with meshes, in the scene's order, and whether the shot hides them.
+    /// Returns the names of all nodes with meshes, in scene order, and whether the shot hides them.
     pub fn drawn_nodes(&self) -> impl Iterator<Item = (&str, bool)> {
         let hidden = &self.prepared.draw_inputs.hidden_nodes;
         let nodes = self.prepared.scene.nodes.iter().enumerate();
@@ -58,16 +59,16 @@ impl OpenShot {
             .map(|(index, node)| (node.name.as_str(), hidden.contains(&index)))
     }
 
-    /// The shot as it was given last.
+    /// Returns the shot as given last.
     #[must_use]
     pub const fn given(&self) -> &Shot {
         &self.given
     }
 
-    /// Goes on with an edited shot. Layers that the edit leaves alone keep their trajectories.
+    /// Replaces the shot by an edited version. Layers that the edit does not change keep their trajectories.
     ///
     /// # Errors
-    /// As [`PreparedShot::new`]; then everything stays as it was.
+    /// As [`PreparedShot::new`]; in that case nothing changes.
     pub fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
         let rework = rework(&self.given, &shot);
         match rework {
@@ -85,16 +86,16 @@ impl OpenShot {
         Ok(rework)
     }
 
-    /// Reads everything again, whether the shot says something else or not: its files may hold something else.
+    /// Loads everything again, even if the shot is unchanged, because the contents of its files may have changed.
     ///
     /// # Errors
-    /// As [`Self::edit`].
+    /// As [`Self::new`].
     pub fn reload(&mut self, shot: Shot) -> Result<(), PipelineError> {
         *self = Self::new(shot)?;
         Ok(())
     }
 
-    /// Another shot for the same scene, layers and pins.
+    /// Replaces the shot, keeping scene, layer assignment and pin anchors.
     fn put_shot(&mut self, shot: &Shot) {
         let prepared = &mut self.prepared;
         let mut next = colour_only(shot.clone());
@@ -102,14 +103,14 @@ impl OpenShot {
             next.camera = CameraRule::Own(camera.clone());
         }
         for (layer, known) in next.layers.iter_mut().zip(&prepared.shot.layers) {
-            // Chosen when the shot was prepared.
+            // Automatic dims were chosen when the shot was prepared.
             if layer.has_auto_dims {
                 layer.space = known.space;
             }
         }
         let is_same = |index: usize| self.given.layers.get(index) == shot.layers.get(index);
         let is_world = |layer: &Layer| matches!(layer.space, LayerSpace::World { .. });
-        // Lattices of the scene move what lies under those of the screen.
+        // World layers move the meshes below screen layers.
         let is_scene_still = (0..shot.layers.len()).all(|index| is_same(index) || !is_world(&shot.layers[index]));
         let old = std::mem::take(&mut prepared.cache);
         let mut cache = FrameCache::default();
@@ -126,7 +127,7 @@ impl OpenShot {
         (prepared.shot, prepared.cache) = (next, cache);
     }
 
-    /// The same layers with other pins.
+    /// Attaches the pins of the same layers again.
     fn tie_again(&mut self, shot: &Shot) -> Result<(), PipelineError> {
         let old_anchors = std::mem::take(&mut self.prepared.layer_inputs.anchors);
         let old_shot = self.prepared.shot.clone();
@@ -146,18 +147,18 @@ impl OpenShot {
     }
 }
 
-/// Viewers show colour; all else a frame could hold takes time.
+/// Restricts the channels to colour, which is all that viewers show.
 fn colour_only(mut shot: Shot) -> Shot {
     shot.output.channels = vec![ChannelGroup::Beauty];
     shot
 }
 
-/// Whether frames are solved over the same time, and show the same moments.
+/// Whether both shots are solved over the same range and show the same times.
 fn is_time_same(old: &Shot, new: &Shot) -> bool {
     old.frames == new.frames && old.solve_range == new.solve_range && old.shutter == new.shutter
 }
 
-/// What has to be done again.
+/// Determines what has to be done again.
 fn rework(old: &Shot, new: &Shot) -> Rework {
     let without_lines = |shot: &Shot| Shot { lines: KeyLines::default(), ..shot.clone() };
     if without_lines(old) == without_lines(new) {
@@ -182,7 +183,7 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
     if ties(old) != ties(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
 }
 
-/// What preparing depends on, pins apart.
+/// Reduces a shot to the settings on which preparation depends, except pins.
 fn bones(shot: &Shot) -> Shot {
     let mut shot = shot.clone();
     shot.lines = KeyLines::default();

@@ -1,27 +1,27 @@
-//! What a render is asked to do.
+//! The options of a render.
 //!
-//! In: what a front end asks for. Out: [`RenderOptions`].
+//! In: the choices of a front end. Out: [`RenderOptions`].
 
 use crate::image::Durability;
 pub use crate::image::Existing;
 use crate::raster::DeviceChoice;
 use std::path::PathBuf;
 
-/// How a shot is rendered.
+/// The options with which a shot is rendered.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions {
-    /// Frames in the order wanted; empty: the shot's own range.
+    /// Frames in the order requested; empty: the shot's own range.
     pub frames: Vec<i32>,
-    /// What draws.
+    /// The device that draws.
     pub device: DeviceChoice,
-    /// What happens to frames that are already there.
+    /// How to treat existing frames.
     pub existing: Existing,
-    /// An sRGB PNG is written beside every frame.
+    /// Whether to write an sRGB PNG beside every frame.
     pub has_preview: bool,
-    /// The preview carries lattice, pins, targets and folded cells.
+    /// Whether the preview shows lattice, pins, targets and folded cells.
     pub has_overlay: bool,
-    /// When a frame counts as written.
+    /// The point at which a frame counts as written.
     pub durability: Durability,
-    /// Files that the shot was made from beside those that it names: no frame is written over them.
+    /// Files that the shot was made from, beyond those that it names; no frame may overwrite them.
     pub inputs: Vec<PathBuf>,
 }

@@ -1,20 +1,21 @@
-//! Where frames go, and what must not be written over.
+//! Output folders, and the input files that must not be overwritten.
 //!
-//! In: paths, a [`PreparedShot`]. Out: a folder that can be written to; the files that a shot reads.
+//! In: paths, a [`PreparedShot`]. Out: a writable folder; the files that a shot reads.
 
 use super::{PipelineError, PreparedShot};
 use crate::image::{Inputs, SequencePath};
 use crate::plate::Holes;
 use std::path::Path;
 
-/// Makes the folder of a frame and tries whether files can be made in it.
+/// Creates the folder of a frame and checks that files can be created in it.
 pub(super) fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
     let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let outcome = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
     outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })
 }
 
-/// All files that a shot reads: scene and what lies beside it, pictures, plates, clean plates, lattices.
+/// Returns all files that a shot reads: the scene and files beside it, pictures, plates, clean plates, lattices, and
+/// the shot file itself.
 pub(crate) fn input_files(prepared: &PreparedShot) -> Result<Inputs, PipelineError> {
     let mut inputs = Inputs::default();
     let PreparedShot { shot, scene, .. } = prepared;

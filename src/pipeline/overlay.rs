@@ -1,4 +1,4 @@
-//! Draws what a solve did over the preview: lattice, pins, targets, folded cells.
+//! Draws the result of a solve over the preview: lattice, pins, targets, folded cells.
 //!
 //! In: a solved [`TimeSample`]. Out: a [`Picture`] that can be drawn onto a preview later, on another thread.
 
@@ -14,10 +14,10 @@ use crate::solve::{Shape, active_cells};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use glam::{DVec2, DVec3};
 
-/// Line pieces a span.
+/// Line segments per span.
 const PIECES: usize = 8;
 
-/// What is drawn over one frame.
+/// The overlay of one frame.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
     frame: FrameSize,
@@ -28,17 +28,17 @@ pub(super) struct Picture {
 #[derive(Clone, Debug)]
 struct LayerPicture {
     lattice: SolvedLattice,
-    /// Cells that fold, by column and row.
+    /// Folded cells, by column and row.
     folds: Vec<([usize; 2], Fold)>,
     pins: Vec<PinPicture>,
 }
 
-/// Where a cell folds.
+/// Whether a fold is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fold {
-    /// Some of the model is in it.
+    /// The cell contains part of the model.
     Model,
-    /// Nothing is in it: nobody sees the fold.
+    /// The cell is empty, so the fold is not visible.
     Empty,
 }
 
@@ -46,14 +46,14 @@ enum Fold {
 struct PinPicture {
     state: PinState,
     name: String,
-    /// Radius of its region on the screen, frame heights; `None`: none, or one of a lattice of the scene.
+    /// Radius of the pin's region on the screen, frame heights; `None` without a region and for world layers.
     radius: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
 enum SolvedLattice {
     Screen(ScreenLattice),
-    /// The largest branch, and all of them.
+    /// The largest branch, and all branches.
     Branches(ScreenLattice, Vec<BranchPicture>),
     World(SceneLattice),
 }
@@ -69,7 +69,7 @@ impl SolvedLattice {
 }
 
 impl Picture {
-    /// What a sample's solves did.
+    /// Collects the overlay of a sample.
     #[must_use]
     pub(super) fn of(prepared: &PreparedShot, sample: &TimeSample) -> Self {
         let layers =
@@ -91,9 +91,9 @@ impl Picture {
         Self { frame: prepared.shot.size, camera: sample.camera, layers: layers.collect() }
     }
 
-    /// Draws it.
+    /// Draws the overlay onto a preview.
     pub(super) fn draw(&self, preview: &mut Preview) {
-        // Lines keep their looks at any size of the picture.
+        // Line widths scale with the size of the picture.
         let unit_px = (f64::from(self.frame.height) / 720.0).max(1.0);
         let mut canvas = Canvas::new(preview);
         for layer in &self.layers {
@@ -101,7 +101,7 @@ impl Picture {
                 SolvedLattice::Screen(lattice) => self.draw_lattice(&mut canvas, (lattice, &layer.folds), unit_px),
                 SolvedLattice::Branches(_, branches) => {
                     let place = (self.frame, unit_px);
-                    // From the smallest: the largest lies on top, as its lines do on the model.
+                    // In reverse order, so that the largest branch lies on top.
                     let numbered = branches.iter().enumerate().rev();
                     numbered.for_each(|(number, branch)| branch.draw(&mut canvas, number, place));
                 }
@@ -121,7 +121,7 @@ impl Picture {
         overlay_legend::draw(&mut canvas, self.frame, (&self.marks(), unit_px));
     }
 
-    /// The marks that are in the picture.
+    /// Returns the marks present in the picture.
     fn marks(&self) -> Vec<Mark> {
         let of_branches = |layer: &LayerPicture| match &layer.lattice {
             SolvedLattice::Branches(_, branches) => branches.iter().any(BranchPicture::has_folds),
@@ -148,14 +148,14 @@ impl Picture {
         self.frame.image_from_screen(point)
     }
 
-    /// The warped grid of the rest box, one cell a span, and the handles themselves.
+    /// Draws the warped grid of the rest box, one cell per span, and the handles.
     fn draw_lattice(
         &self,
         canvas: &mut Canvas,
         (lattice, folds): (&ScreenLattice, &[([usize; 2], Fold)]),
         unit_px: f64,
     ) {
-        // Handles of a B-spline lie outside the box, too: the box is one span smaller on each side.
+        // The outermost handles of a B-spline lie outside the box.
         let margin = lattice.grid.basis.margin();
         let [nx, ny] = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
         let warped = |i: f64, j: f64| {
@@ -189,7 +189,7 @@ impl Picture {
         }
     }
 
-    /// The same for a lattice of the scene, as the camera sees it.
+    /// Draws a world lattice as seen by the camera.
     fn draw_scene_lattice(&self, canvas: &mut Canvas, placed: &SceneLattice, unit_px: f64) {
         let SceneLattice { frame, lattice } = placed;
         let grid = &lattice.grid;
@@ -224,7 +224,7 @@ impl Picture {
         }
     }
 
-    /// The rim of a pin's region, as the lattice warps it.
+    /// Draws the rim of a pin's region, warped by the lattice.
     fn draw_region(
         &self,
         canvas: &mut Canvas,
@@ -240,7 +240,7 @@ impl Picture {
         (0..count).for_each(|k| canvas.line(rim(k), rim(k + 1), unit_px, REGION));
     }
 
-    /// A ring at rest, a line to the target, a disc there, the pin's name beside it.
+    /// Draws a ring at the rest point, a line to the target, a disc at the target, and the pin's name beside it.
     fn draw_pin(&self, canvas: &mut Canvas, (pin, name): (&PinState, &str), unit_px: f64) {
         let (rest, target) = (self.px(pin.rest), self.px(pin.target));
         canvas.line(rest, target, 1.5 * unit_px, TARGET);
@@ -249,7 +249,7 @@ impl Picture {
         canvas.text(self.name_place(target, name, unit_px), name, unit_px.round() as u32, NAME);
     }
 
-    /// Beside the target, and inside the frame as far as the name fits into it.
+    /// Returns the position of the name: beside the target, moved inside the frame if it fits.
     fn name_place(&self, target: ImagePoint, name: &str, unit_px: f64) -> ImagePoint {
         let size = DVec2::new(6.0 * name.chars().count() as f64, 9.0) * unit_px.round();
         let frame = DVec2::new(f64::from(self.frame.width), f64::from(self.frame.height));
@@ -259,7 +259,7 @@ impl Picture {
     }
 }
 
-/// The folded cells of a lattice. The shape is asked for where there are any.
+/// Returns the folded cells of a lattice. The shape is computed only if there are any.
 fn folds(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<([usize; 2], Fold)> {
     let folded = lattice.folded_cells();
     if folded.is_empty() {

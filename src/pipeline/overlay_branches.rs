@@ -1,4 +1,4 @@
-//! The branches of a lattice over the preview: each in a colour of its own, only where it holds some of the shape.
+//! Draws the branches of a lattice over the preview, each in its own colour and only where it contains part of the shape.
 //!
 //! In: a solved [`BranchedLattice`]. Out: lines and folded cells on a [`Canvas`].
 
@@ -8,23 +8,23 @@ use crate::lattice::ScreenLattice;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 
-/// Line pieces a span.
+/// Line segments per span.
 const PIECES: usize = 4;
 
-/// Colours of the branches, the largest first; then from the first on again.
+/// Colours of the branches, starting with the largest, repeated cyclically.
 const TINTS: [[u8; 3]; 6] =
     [[64, 200, 255], [255, 150, 50], [120, 230, 90], [235, 110, 240], [240, 225, 70], [110, 140, 255]];
 
-/// A branch over one frame.
+/// The overlay of one branch in one frame.
 #[derive(Clone, Debug)]
 pub(super) struct BranchPicture {
     lattice: ScreenLattice,
-    /// The cells that hold some of the shape, by column and row, and whether they fold.
+    /// The cells that contain part of the shape, by column and row, and whether each folds.
     cells: Vec<([usize; 2], bool)>,
 }
 
 impl BranchPicture {
-    /// Of all branches.
+    /// Creates the overlays of all branches.
     pub(super) fn all_of(branches: &BranchedLattice<2>) -> Vec<Self> {
         let margin = branches.grid().basis.margin();
         let of_branch = |branch: usize| {
@@ -38,12 +38,12 @@ impl BranchPicture {
         (0..branches.branch_count()).map(of_branch).collect()
     }
 
-    /// Some cell folds.
+    /// Whether any cell folds.
     pub(super) fn has_folds(&self) -> bool {
         self.cells.iter().any(|(_, is_folded)| *is_folded)
     }
 
-    /// Draws it as the branch of that number.
+    /// Draws the branch in the colour of the given number.
     pub(super) fn draw(&self, canvas: &mut Canvas, number: usize, (frame, unit_px): (FrameSize, f64)) {
         let [r, g, b] = TINTS[number % TINTS.len()];
         let grid = &self.lattice.grid;

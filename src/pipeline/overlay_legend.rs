@@ -1,4 +1,4 @@
-//! The legend of an overlay: what each mark means, for those marks that are in the picture.
+//! Draws the legend of an overlay, which explains the marks present in the picture.
 //!
 //! In: the marks that were drawn. Out: a panel in the lower left corner of the preview.
 
@@ -16,14 +16,14 @@ pub(super) const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
 pub(super) const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 const PANEL: Rgba8 = Rgba8([16, 16, 20, 190]);
 
-/// Pixels of a character's cell and of a line, at scale 1.
+/// Width of a character and height of a line in pixels, at scale 1.
 const CHARACTER: DVec2 = DVec2::new(6.0, 14.0);
 
-/// Room for the mark in front of the words, and around everything, at scale 1.
+/// Width of the mark in front of the text, and margin around everything, in pixels at scale 1.
 const MARK: f64 = 22.0;
 const MARGIN: f64 = 8.0;
 
-/// Marks of an overlay, in the order of the legend.
+/// The marks of an overlay, in legend order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Mark {
     Grid,
@@ -46,7 +46,7 @@ impl Mark {
         }
     }
 
-    /// Draws the mark around a point.
+    /// Draws the mark centred on a point.
     fn draw(self, canvas: &mut Canvas, at: DVec2, scale: f64) {
         let point = |x: f64, y: f64| ImagePoint(at + DVec2::new(x, y) * scale);
         let square = [point(-6.0, -4.0), point(6.0, -4.0), point(6.0, 4.0), point(-6.0, 4.0)];
@@ -64,14 +64,14 @@ impl Mark {
     }
 }
 
-/// A closed line.
+/// Draws a closed polyline.
 pub(super) fn outline(canvas: &mut Canvas, corners: &[ImagePoint], (width_px, color): (f64, Rgba8)) {
     for (index, &corner) in corners.iter().enumerate() {
         canvas.line(corner, corners[(index + 1) % corners.len()], width_px, color);
     }
 }
 
-/// Draws the legend where the frame has room for it.
+/// Draws the legend if the frame is large enough.
 pub(super) fn draw(canvas: &mut Canvas, frame: FrameSize, (marks, unit_px): (&[Mark], f64)) {
     let scale = unit_px.round();
     let longest = marks.iter().map(|mark| mark.words().len()).max().unwrap_or_default() as f64;

@@ -1,16 +1,16 @@
-//! Which parts of a layer move as one, and their order where they overlap.
+//! Divides the shape of a branching layer into parts that move as one, with their order where they overlap.
 //!
-//! In: a [`PreparedShot`], a solved [`TimeSample`], a layer whose lattice branches. Out: [`OrderedParts`].
+//! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`OrderedParts`].
 
 use super::part_starts::held_triangle;
 use super::{PreparedShot, TimeSample};
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;
 
-/// What of a branch has one order. Parts compare by order, then by branch: the largest first.
+/// The pieces of a branch that have the same order. Sorts by order, then by branch with the largest branch first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct OrderedPart {
-    /// Of the pin that is nearest along the shape; 0 where no pin has one.
+    /// Order of the pin nearest along the shape; 0 if no pin has an order.
     pub(super) order: i32,
     pub(super) branch: usize,
 }
@@ -18,9 +18,9 @@ pub(super) struct OrderedPart {
 /// The parts of a layer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct OrderedParts {
-    /// From back to front, as far as the order and the size of branches say.
+    /// From back to front, as far as order and size of the branches determine it.
     pub(super) list: Vec<OrderedPart>,
-    /// Place in the list of each piece, in the order of [`BranchedLattice::pieces`].
+    /// Index into the list for each piece, in the order of [`BranchedLattice::pieces`].
     pub(super) of_pieces: Vec<u32>,
 }
 
@@ -41,7 +41,7 @@ impl OrderedParts {
     }
 }
 
-/// The order of each piece; `None` where no pin has one.
+/// Returns the order of each piece; `None` if no pin has an order.
 fn orders(
     prepared: &PreparedShot,
     index: usize,

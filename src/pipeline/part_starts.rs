@@ -1,19 +1,18 @@
-//! Which triangles of a layer's shape those of its parts are.
-//!
-//! Plain data.
+//! Maps the triangles of a layer's parts to the triangles of its shape. Plain data.
 
 use super::PinAnchor;
 
-/// Where the triangles of a part lie in the shape of its layer.
+/// The index ranges of a part's triangles in the shape of its layer.
 #[derive(Clone, Debug)]
 pub(super) struct PartStarts {
     /// Index into the pose's parts.
     pub(super) part: usize,
-    /// Where those of each triangle of the part begin, #triangles + 1: there are none, one, or two that the near plane left.
+    /// #triangles + 1: index of the first triangle of the shape that comes from each triangle of the part. After
+    /// clipping at the near plane, a triangle yields none, one or two.
     pub(super) starts: Vec<u32>,
 }
 
-/// The triangle of the shape that a pin holds.
+/// Returns the triangle of the shape to which a pin is attached.
 pub(super) fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
     let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
     let starts = &parts.iter().find(|own| own.part == part)?.starts;

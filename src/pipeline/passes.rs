@@ -1,9 +1,9 @@
-//! The sample passes of a frame: when each is drawn and how far it is shifted.
+//! Plans the sample passes of a frame: time and sub-pixel offset of each.
 //!
-//! One mechanism gives anti-aliasing and motion blur: every pass samples pixel centres of a picture shifted by a
-//! sub-pixel offset at a sub-frame time, and beauty is the mean. The offsets are distributed like the reconstruction
-//! filter (filter importance sampling: Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006), so the
-//! plain mean is the filtered picture.
+//! One mechanism provides anti-aliasing and motion blur: every pass samples the pixel centres of the picture, shifted
+//! by a sub-pixel offset, at a sub-frame time; the beauty is the mean over the passes. The offsets are distributed like
+//! the reconstruction filter (filter importance sampling: Ernst, Stamminger and Greiner, "Filter Importance Sampling",
+//! 2006), so the plain mean is the filtered picture.
 
 use crate::raster::PassRole;
 use crate::shot::Shutter;
@@ -12,31 +12,32 @@ use glam::{DVec2, Vec2};
 /// Radius of the Blackman-Harris reconstruction filter, pixels.
 const FILTER_RADIUS_PX: f64 = 1.5;
 
-/// The plastic number's powers: steps of the R2 sequence (Roberts, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences", 2018).
+/// Step of the R2 sequence, the first two negative powers of the plastic number (Roberts, "The Unreasonable
+/// Effectiveness of Quasirandom Sequences", 2018).
 const R2_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
 
 /// One pass of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassPlan {
-    /// Time of the pass, frames after the frame's own.
+    /// Time of the pass relative to the frame, in frames.
     pub time_frames: f64,
-    /// Shift of the picture, pixels, x right, y down.
+    /// Offset of the picture, pixels, x right, y down.
     pub jitter_px: Vec2,
-    /// What it contributes to.
+    /// Whether the pass contributes to beauty, data or both.
     pub role: PassRole,
 }
 
-/// Middle of the shutter's opening, frames after the frame's own.
+/// Returns the middle of the shutter's opening relative to the frame, in frames.
 #[must_use]
 pub(super) fn mid_shutter(shutter: Shutter) -> f64 {
     if shutter.angle > 0.0 { (shutter.phase + shutter.angle * 0.5) / 360.0 } else { 0.0 }
 }
 
-/// The passes of a frame, in time order; the same for every frame, so that nothing flickers.
+/// Returns the passes of a frame, the beauty passes in time order. They are the same for every frame, so nothing flickers.
 ///
-/// One pass draws data: at mid-shutter and at the pixel centres, whatever the number of samples. Without motion blur that
-/// is the first beauty pass, which has no jitter; with motion blur it is a pass of its own.
+/// One pass draws data: at mid-shutter and at the pixel centres, whatever the number of samples. Without motion blur
+/// this is the first beauty pass, which has no offset; with motion blur it is an additional pass, at the end of the
+/// list.
 #[must_use]
 pub fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
     let samples = samples.max(1);
@@ -52,7 +53,7 @@ pub fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
     (0..samples).map(beauty).chain(is_blurred.then_some(data)).collect()
 }
 
-/// The `index`-th offset of a sequence whose density is the reconstruction filter; the first is 0.
+/// Returns the `index`-th offset of a sequence whose density is the reconstruction filter; the first is 0.
 fn filter_offset(index: u32) -> Vec2 {
     if index == 0 {
         return Vec2::ZERO;
@@ -61,7 +62,7 @@ fn filter_offset(index: u32) -> Vec2 {
     Vec2::new(inverse_filter(uniform.x) as f32, inverse_filter(uniform.y) as f32)
 }
 
-/// The offset at which the filter's running integral reaches `share`, pixels (bisection: it has no closed inverse).
+/// Returns the offset at which the filter's integral reaches `share`, pixels, by bisection because it has no closed form.
 fn inverse_filter(share: f64) -> f64 {
     let (mut low, mut high) = (-FILTER_RADIUS_PX, FILTER_RADIUS_PX);
     for _ in 0..48 {
@@ -71,7 +72,7 @@ fn inverse_filter(share: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Integral of the normalised 4-term Blackman-Harris window (Harris 1978) from its left end to `x` pixels.
+/// Returns the integral of the normalised 4-term Blackman-Harris window (Harris 1978) from its left end to `x` pixels.
 fn filter_integral(x: f64) -> f64 {
     const A: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
     let t = std::f64::consts::TAU * (x / FILTER_RADIUS_PX + 1.0) * 0.5;
@@ -118,9 +119,9 @@ mod tests {
     fn offsets_follow_the_filter() {
         let offsets: Vec<Vec2> = plan_passes(1024, CLOSED).iter().map(|pass| pass.jitter_px).collect();
         let mean: Vec2 = offsets.iter().sum::<Vec2>() / 1024.0;
-        // The mean of n points of a low-discrepancy sequence is off by about the width / n.
+        // The mean of n points of a low-discrepancy sequence deviates by about the width / n.
         assert!(mean.length() < 3.0 / 1024.0, "{mean}");
-        // Standard deviation of the window of radius 1.5: integrated numerically here, sampled there.
+        // Standard deviation of the window of radius 1.5, integrated numerically and estimated from the samples.
         let steps = 10_000;
         let density = |x: f64| (filter_integral(x + 1e-5) - filter_integral(x - 1e-5)) / 2e-5;
         let place = |k: i32| -1.499 + 2.998 * (f64::from(k) + 0.5) / f64::from(steps);

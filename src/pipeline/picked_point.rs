@@ -1,6 +1,6 @@
-//! A point of the model under a point of the screen, as pins store it.
+//! Finds the point of the model under a point of the screen, in the form that pins store.
 //!
-//! In: a prepared shot, a frame, a point. Out: an [`Anchor`]. Over a warped picture it is the point that the warp brought there.
+//! In: a prepared shot, a frame, a point. Out: an [`Anchor`]. In a warped picture, the point that the warp moved there is found.
 
 use super::{PreparedShot, TimeSample};
 use crate::plate::Field;
@@ -13,19 +13,19 @@ use glam::DVec3;
 /// A point of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickedPoint {
-    /// What a pin there is tied to.
+    /// Anchor for a pin at this point.
     pub anchor: Anchor,
     /// Name of the node.
     pub node: String,
-    /// The layer that moves it; `None`: none does.
+    /// The layer that moves the point; `None` if there is none.
     pub layer: Option<usize>,
-    /// Where it is on the screen before any warp.
+    /// Position on the screen before any warp.
     pub rest: ScreenPoint,
     depth: f64,
 }
 
 impl PreparedShot {
-    /// The front-most point of the unwarped model.
+    /// Returns the front-most point of the unwarped model.
     #[must_use]
     pub fn pick(&self, frame: i32, at: ScreenPoint) -> Option<PickedPoint> {
         let (pose, camera) = self.view(f64::from(frame));
@@ -33,7 +33,7 @@ impl PreparedShot {
         self.pick_in(&pose, &mesh, (camera.near(), at))
     }
 
-    /// The front-most point of the model as a solved time shows it.
+    /// Returns the front-most point of the model as warped in a solved sample.
     #[must_use]
     pub fn pick_warped(&self, sample: &TimeSample, at: ScreenPoint) -> Option<PickedPoint> {
         let (mesh, near) = (sample.mesh(), sample.camera.near());
@@ -55,7 +55,7 @@ impl PreparedShot {
         let part = &pose.parts[hit.part];
         let node = self.scene.nodes[part.node].name.clone();
         let anchor = match self.shot.source {
-            // Plates have no nodes that a pin could name.
+            // Plates have no nodes that an anchor could name.
             Source::Frame => Anchor::Screen { at, frame: None },
             Source::Scene(_) | Source::Images(_) => Anchor::Surface {
                 node: node.clone(),
@@ -69,7 +69,7 @@ impl PreparedShot {
         Some(PickedPoint { anchor, node, layer, rest: at, depth: hit.depth })
     }
 
-    /// The picked point in its node's space at rest, as pins store it.
+    /// Returns the picked point in its node's rest space.
     fn place_in_node(&self, pose: &Pose, hit: &Hit) -> [f64; 3] {
         let source = primitive(&self.scene, &pose.parts[hit.part]);
         let corners = source.triangles[hit.triangle].map(|corner| source.positions[corner as usize].as_dvec3());

@@ -1,6 +1,6 @@
-//! Prepares a shot: loads its scene, chooses camera and clip, assigns parts to layers, ties pins.
+//! Prepares a shot: loads its scene, chooses camera and clip, assigns parts to layers, attaches pins.
 //!
-//! In: a [`Shot`]. Out: a [`PreparedShot`], with notes on what was chosen for the user.
+//! In: a [`Shot`]. Out: a [`PreparedShot`], with notes on choices made on the user's behalf.
 
 use super::cameras::{self, CameraContext, CameraSource};
 use super::frame_cache::FrameCache;
@@ -22,20 +22,20 @@ use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source}
 use crate::spelling;
 use std::collections::HashMap;
 
-/// The greatest number of pixels of a frame: 16384 x 16384.
+/// Maximum number of pixels of a frame: 16384 x 16384.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Handles along an axis from which on a basis without local support is told to be costly.
+/// Number of handles along an axis above which a basis without local support is reported as costly.
 const MANY_GLOBAL_HANDLES: usize = 24;
 
-/// A pin is told of where its layer moves less of the mesh than this.
+/// Fraction of the mesh moved by a layer at a pin, below which the pin is reported.
 const FULL_SHARE: f64 = 0.99;
 
 impl PreparedShot {
-    /// Loads the scene and ties the shot to it.
+    /// Loads the scene of a shot and prepares the shot.
     ///
     /// # Errors
-    /// [`PipelineError`] where the scene cannot be loaded or does not fit the shot.
+    /// [`PipelineError`] if the scene cannot be loaded or does not match the shot.
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
         check_size(&shot)?;
         missing_files::check(&shot)?;
@@ -45,10 +45,10 @@ impl PreparedShot {
         Ok(Self { gallery, ..prepared })
     }
 
-    /// Ties a shot to a scene that is loaded already, instead of its own.
+    /// Prepares a shot with a scene that is already loaded, in place of its own.
     ///
     /// # Errors
-    /// [`PipelineError`] where the scene does not fit the shot.
+    /// [`PipelineError`] if the scene does not match the shot.
     pub fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
         let hidden_nodes = visibility::hide(&shot, &mut scene)?;
         let mut notes = scene.warnings.clone();
@@ -60,7 +60,7 @@ impl PreparedShot {
         let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &assignment.parts_of_layer };
         let camera = cameras::choose(&context, &mut notes)?;
         if let CameraSource::Own { camera, .. } = &camera {
-            // Shots that are made of this one for other scenes see them from the same place.
+            // Shots derived from this one for other scenes keep the resolved camera.
             shot.camera = CameraRule::Own(camera.clone());
         }
         let loaded = transfer::load(&shot, &mut notes)?;
@@ -108,7 +108,7 @@ fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), 
     Err(PipelineError::mismatch(shot, key, what, hint))
 }
 
-/// Turns every pin's anchor into indices.
+/// Resolves every pin's anchor to indices.
 pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
     let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
     for (index, layer) in prepared.shot.layers.iter().enumerate() {
@@ -151,7 +151,7 @@ pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), 
     Ok(())
 }
 
-/// What the user should know of a pin that does not sit on what its layer moves.
+/// Returns a note on a pin that is attached to a point that its layer does not move, or not fully.
 fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
     let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
     if !assignment.parts_of_layer[layer].contains(part) {
@@ -165,7 +165,7 @@ fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -
     })
 }
 
-/// Says which layers nothing moves.
+/// Adds notes on layers that are not moved.
 fn note_unwarped(prepared: &mut PreparedShot) {
     let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
     let (moved, still): (Vec<_>, Vec<_>) = prepared.shot.layers.iter().partition(is_moved);
@@ -179,7 +179,7 @@ fn note_unwarped(prepared: &mut PreparedShot) {
         .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
 }
 
-/// Says which lattices are costly: every handle of a global basis acts everywhere, so their matrices are full.
+/// Adds notes on costly lattices: every handle of a global basis acts everywhere, so the matrices are full.
 fn note_costly(prepared: &mut PreparedShot) {
     let note = |layer: &Layer| {
         let dims = match &layer.space {
@@ -202,12 +202,12 @@ fn note_costly(prepared: &mut PreparedShot) {
     prepared.notes.extend(notes);
 }
 
-/// Whether light makes a difference to a part.
+/// Whether lighting affects a part.
 fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
     !scene.materials[screen::primitive(scene, part).material].unlit
 }
 
-/// What the shot is about, as a scene; and the pictures that it stands for.
+/// Loads the source of a shot as a scene, with the pictures that the scene represents.
 fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
     match &shot.source {
         Source::Scene(path) => {
@@ -222,7 +222,7 @@ fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
     }
 }
 
-/// Refuses frames that no memory holds.
+/// Refuses frames with too many pixels.
 fn check_size(shot: &Shot) -> Result<(), PipelineError> {
     let pixels = u64::from(shot.size.width) * u64::from(shot.size.height);
     if pixels <= MAX_PIXELS {
@@ -232,7 +232,7 @@ fn check_size(shot: &Shot) -> Result<(), PipelineError> {
     Err(PipelineError::mismatch(shot, "size", what, "stay within 268 million pixels (16384 x 16384)"))
 }
 
-/// The clip the shot names, else the scene's first, if any.
+/// Returns the clip named by the shot, or else the scene's first, if any.
 fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<ClipChoice, PipelineError> {
     let (name, index) = match &shot.clip {
         None => (None, None),

@@ -1,4 +1,4 @@
-//! A prepared shot: what all frames share. Made once by [`prepare`](super::prepare); frames are
+//! A prepared shot: the data that all frames share, created once by [`prepare`](super::prepare); frames are
 //! [`TimeSample`](super::TimeSample)s of it.
 
 use super::cameras::CameraSource;
@@ -20,63 +20,63 @@ use crate::solve::Link;
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
-/// A shot ready to be rendered: all of it is the same for every frame.
+/// A shot ready to be rendered; everything in it is the same for every frame.
 #[derive(Debug)]
 pub struct PreparedShot {
     /// The shot.
     pub shot: Shot,
     /// Its scene.
     pub scene: Scene,
-    /// What was chosen or ignored, in the user's words.
+    /// Notes for the user on what was chosen or ignored.
     pub notes: Vec<String>,
-    /// Which layer moves which part.
+    /// The mapping from parts to layers.
     pub assignment: LayerAssignment,
-    /// What layers are solved with.
+    /// Inputs of the layers' solves.
     pub(super) layer_inputs: LayerInputs,
-    /// How the scene is drawn.
+    /// Inputs of drawing.
     pub(super) draw_inputs: DrawInputs,
-    /// The pictures that the scene stands for.
+    /// The pictures that the scene represents.
     pub(super) gallery: Option<Gallery>,
-    /// Where it is seen from.
+    /// The camera.
     pub(super) camera: CameraSource,
-    /// Which clip moves the scene.
+    /// The clip that animates the scene.
     pub(super) clip: ClipChoice,
-    /// What frames leave for their neighbours.
+    /// Values cached between frames.
     pub(super) cache: FrameCache,
-    /// Where trajectories are kept.
+    /// Where trajectories are stored.
     pub(super) trajectory_files: Option<TrajectoryFiles>,
 }
 
-/// What layers are solved with, beside their keys.
+/// Inputs of the layers' solves, except their keys.
 #[derive(Debug)]
 pub(super) struct LayerInputs {
-    /// One a layer and pin.
+    /// One per layer and pin.
     pub(super) anchors: Vec<Vec<PinAnchor>>,
-    /// Stiffness of their triangles.
+    /// Stiffness of the layers' triangles.
     pub(super) stiffness: Painted,
-    /// One a layer: which of its triangles hang together, where its lattice branches.
+    /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
     pub(super) links: Vec<Option<Arc<Vec<Link>>>>,
-    /// One a layer: lattices from elsewhere.
+    /// #layers: lattices transferred from other shots.
     pub(super) loaded: Vec<Option<Loaded>>,
 }
 
-/// How the scene is drawn, beside what it says itself.
+/// Inputs of drawing that are not part of the scene.
 #[derive(Debug)]
 pub(super) struct DrawInputs {
-    /// The neutral lights, used where the scene has none.
+    /// The neutral lights, used if the scene has none.
     pub(super) rig: Vec<PosedLight>,
-    /// What the parts are told apart by.
+    /// Pieces of every part, with layer ids and Cryptomatte ids.
     pub(super) pieces: Vec<Vec<Piece>>,
-    /// What files say about Cryptomattes, one each.
+    /// One header per Cryptomatte.
     pub(super) mattes: Vec<MatteHeader>,
-    /// Layers whose parts are not drawn, though they keep their places, ids and names.
+    /// Layers whose parts are not drawn but keep their indices, ids and names.
     pub(super) hidden_layers: Vec<usize>,
     /// Nodes whose meshes the shot hides.
     pub(super) hidden_nodes: Vec<usize>,
 }
 
 impl PreparedShot {
-    /// The pose, not yet moved by any layer, and the camera of a (fractional) frame.
+    /// Returns the pose, before any layer moves it, and the camera at a (fractional) frame.
     #[must_use]
     pub fn view(&self, frame: f64) -> (Pose, Camera) {
         let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
@@ -84,7 +84,7 @@ impl PreparedShot {
         (pose, camera)
     }
 
-    /// The node of the camera, where it is one of the scene's.
+    /// Returns the camera's node, if the camera is one of the scene's.
     pub(super) const fn camera_node(&self) -> Option<usize> {
         match self.camera {
             CameraSource::Node(node) => Some(node),
@@ -92,18 +92,18 @@ impl PreparedShot {
         }
     }
 
-    /// The shot's own camera moves.
+    /// Whether the shot's own camera moves.
     pub(super) fn has_moving_camera(&self) -> bool {
         matches!(&self.camera, CameraSource::Own { camera, .. } if camera.keys.len() > 1)
     }
 
-    /// The time that a whole frame shows: the middle of its exposure.
+    /// Returns the time shown by a whole frame: the middle of its exposure.
     #[must_use]
     pub fn mid_exposure_time(&self, frame: f64) -> f64 {
         frame + mid_shutter(self.shot.shutter)
     }
 
-    /// Points of the screen cast onto the front-most unwarped surface of a frame; `None`: there is none.
+    /// Casts points of the screen onto the front-most unwarped surface of a frame; `None` where there is no surface.
     #[must_use]
     pub fn cast(&self, frame: i32, points: &[ScreenPoint]) -> Vec<Option<PinAnchor>> {
         let (pose, camera) = self.view(f64::from(frame));
@@ -112,7 +112,7 @@ impl PreparedShot {
         points.iter().map(|point| pick(point).map(|hit| PinAnchor::on(&self.scene, &pose, &hit))).collect()
     }
 
-    /// Where the pinned points of a layer are before any warp at a (fractional) frame, one a pin.
+    /// Returns the positions of a layer's pinned points before any warp at a (fractional) frame, one per pin.
     #[must_use]
     pub fn rests_of(&self, layer: usize, frame: f64) -> Vec<RestPoint> {
         let (pose, camera) = self.view(frame);
@@ -120,13 +120,13 @@ impl PreparedShot {
         self.layer_inputs.anchors[layer].iter().map(|pinned| pinned.rest(&mesh, &camera)).collect()
     }
 
-    /// What the pins of a layer are tied to, one a pin.
+    /// Returns the anchors of a layer's pins.
     #[must_use]
     pub fn anchors_of(&self, layer: usize) -> &[PinAnchor] {
         &self.layer_inputs.anchors[layer]
     }
 
-    /// Stiffness of a part's triangles in a layer that has the part.
+    /// Returns the stiffness of a part's triangles; the part must belong to the layer.
     pub(super) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
         PartStiffness {
             painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
@@ -135,8 +135,9 @@ impl PreparedShot {
         }
     }
 
-    /// The frame whose keys count at a (fractional) frame. A layer on twos shows one drawing all through the exposure
-    /// of a frame, so its keys are read at the frame that is exposed, not at the time within the exposure.
+    /// Returns the frame at which the layer's keys are evaluated for a (fractional) frame. A layer on twos shows one
+    /// drawing throughout the exposure of a frame, so its keys are evaluated at the exposed frame instead of at the
+    /// time of the sample.
     #[must_use]
     pub fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
         if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }

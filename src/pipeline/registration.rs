@@ -1,9 +1,9 @@
-//! Registration: the lattice that carries landmarks of one picture or pose onto those of another.
+//! Registration: solves for the lattice that maps landmarks of one picture or pose onto those of another.
 //!
-//! In: what has to keep its shape, pairs of points. Out: a lattice, how good it is, and what is left between the points.
+//! In: a shape and pairs of points. Out: a lattice, its report, and the residual distances.
 //!
-//! The solve is the program's own: every landmark is a hard pin, and the shape pays as little distortion as it can
-//! (docs/METHOD.md), so between landmarks a picture bends as softly as under pins dragged by hand.
+//! The solve is the regular one: every landmark is a hard pin, and the shape is distorted as little as possible
+//! (docs/METHOD.md), so a picture bends between landmarks as softly as under pins dragged by hand.
 
 use super::screen_shape::screen_shape;
 use super::{PipelineError, PreparedShot};
@@ -14,28 +14,27 @@ use crate::space::{FrameSize, PixelRect, ScreenBox, ScreenPoint};
 use glam::DVec2;
 use std::path::Path;
 
-/// Air around shape and landmarks on each side, as a share of the box.
+/// Padding around shape and landmarks on each side, relative to the box.
 const PADDING: f64 = 0.1;
 
-/// A box is never thinner than this, in frame heights.
+/// Minimum side of a box, in frame heights.
 const LEAST_SIDE: f64 = 0.01;
 
-/// A lattice that carries landmarks.
+/// A lattice that maps landmarks.
 #[derive(Clone, Debug)]
 pub struct Registration {
     /// The lattice.
     pub lattice: Lattice<2>,
-    /// How good it is.
+    /// The solver's report.
     pub report: SolveReport,
-    /// One a pair: how far the carried point is from where it belongs, in frame heights.
+    /// #pairs: distance of the mapped point from its target, in frame heights.
     pub residuals: Vec<f64>,
 }
 
-/// Solves for the lattice that carries the first point of each pair onto the second. Its box holds the shape and all
-/// first points.
+/// Solves for the lattice that maps the first point of each pair to the second. Its box contains the shape and all first points.
 ///
 /// # Errors
-/// [`SolveError`] where dims are too few or too many, or numbers are not finite.
+/// [`SolveError`] if there are too few or too many handles, or if numbers are not finite.
 pub fn register(
     shape: &Shape<2>,
     pairs: &[[ScreenPoint; 2]],
@@ -61,10 +60,10 @@ fn padded(bounds: ScreenBox) -> ScreenBox {
     ScreenBox::new(ScreenPoint(middle - half), ScreenPoint(middle + half))
 }
 
-/// The shape of a picture: what its alpha shows, else all of it.
+/// Returns the shape of a picture: the area where its alpha is not zero, or the whole picture.
 ///
 /// # Errors
-/// [`PipelineError::Scene`] where nothing of it can be seen.
+/// [`PipelineError::Scene`] if the picture is fully transparent.
 pub fn picture_shape(
     path: &Path,
     (frame, window): (FrameSize, PixelRect),
@@ -75,17 +74,17 @@ pub fn picture_shape(
     let mut shape = Shape::default();
     for primitive in scene.meshes.iter().flat_map(|mesh| &mesh.primitives) {
         let base = shape.points.len() as u32;
-        // Cards lie flat: their x and y are those of the screen.
+        // Cards lie in the screen plane: their x and y are screen coordinates.
         shape.points.extend(primitive.positions.iter().map(|point| [f64::from(point.x), f64::from(point.y)]));
         shape.triangles.extend(primitive.triangles.iter().map(|corners| corners.map(|corner| corner + base)));
     }
     Ok(shape)
 }
 
-/// What the camera sees of a layer in a frame, before any layer of the screen warps it.
+/// Returns what the camera sees of a layer in a frame, before any screen layer warps it.
 ///
 /// # Errors
-/// [`PipelineError::Solve`] where a layer cannot be solved.
+/// [`PipelineError::Solve`] if a layer cannot be solved.
 pub fn layer_shape(prepared: &PreparedShot, layer: usize, frame: i32) -> Result<Shape<2>, PipelineError> {
     let sample = prepared.sample_at(f64::from(frame))?;
     Ok(screen_shape(prepared, &sample, layer))

@@ -1,4 +1,4 @@
-//! Renders frames: geometry of the next frame, drawing of this one and writing of the last go on at the same time.
+//! Renders frames: the geometry of the next frame is built while the current one is drawn and the previous one is written.
 //!
 //! ```text
 //! thread 1: pose, solve, build geometry ──Job──▶ this thread: draw ──Drawn──▶ thread 2: encode, write
@@ -22,15 +22,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
-/// Frames that may wait at either border between threads.
+/// Number of frames that may wait in each channel between threads.
 const QUEUED_FRAMES: usize = 1;
 
-/// Renders the frames asked for, on the device asked for.
+/// Renders the requested frames on the requested device.
 ///
 /// `tell` is called from several threads. `cancel` ends the render after the frames in flight.
 ///
 /// # Errors
-/// [`PipelineError`] where nothing can be rendered at all; single frames that fail are events and counted.
+/// [`PipelineError`] if nothing can be rendered at all; frames that fail individually are reported as events and counted.
 pub fn render(
     prepared: &PreparedShot,
     options: &RenderOptions,
@@ -50,7 +50,7 @@ pub fn render(
     Ok(work.run(todo, device.as_mut(), (cancel, tell)))
 }
 
-/// As [`render`], on a device that the caller opened for the prepared shot; `options.device` is not looked at.
+/// Renders as [`render`] does, on a device that the caller opened for the prepared shot; `options.device` is ignored.
 ///
 /// # Errors
 /// As [`render`].
@@ -66,19 +66,19 @@ pub fn render_on(
     Ok(work.run(todo, device, (cancel, tell)))
 }
 
-/// What is to be done.
+/// A planned render.
 struct Work<'a> {
     begun: Instant,
     prepared: &'a PreparedShot,
     options: &'a RenderOptions,
     output: SequencePath,
     wanted: Vec<i32>,
-    /// Digest of the shot and of what its files hold.
+    /// Digest of the shot and of the contents of its files.
     digest: String,
 }
 
 impl<'a> Work<'a> {
-    /// Refuses at once what would fail at every frame.
+    /// Plans the render, and refuses at once what would fail at every frame.
     fn plan(prepared: &'a PreparedShot, options: &'a RenderOptions) -> Result<Self, PipelineError> {
         let begun = Instant::now();
         if prepared.shot.source == Source::Frame {
@@ -104,7 +104,7 @@ impl<'a> Work<'a> {
         Ok(Self { begun, prepared, options, output, wanted, digest: prepared.digest() })
     }
 
-    /// The frames to make on a device of that class.
+    /// Returns the frames to render on a device of the given class.
     fn todo(&self, device: DeviceClass) -> Result<Todo, PipelineError> {
         let device = &device.to_string();
         let (shot_hash, options) = (&self.digest, self.options);
@@ -123,7 +123,7 @@ impl<'a> Work<'a> {
         todo.begin(&self.output)
     }
 
-    /// Pictures are warped as pictures; no device draws them.
+    /// Renders a shot of pictures, which are warped on the CPU instead of being drawn by a device.
     fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, prepared, options, output, digest, .. } = self;
         tell_notes(prepared, &todo, tell);
@@ -159,7 +159,7 @@ impl<'a> Work<'a> {
             scope.spawn(move || producer.run(frames, &job));
             let writing = scope.spawn(|| writer.run(drawns, tell));
             raster_ms = draw_all(device, prepared, &tiles, (jobs, drawn));
-            // A panic in the writer is passed on, not swallowed.
+            // Propagates a panic in the writer.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
         let summary = Summary { raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
@@ -167,20 +167,20 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A frame, and the preview beside it.
+/// Returns the path of a frame, and of its preview if there is one.
 fn files_of(output: &SequencePath, options: &RenderOptions, frame: i32) -> impl Iterator<Item = std::path::PathBuf> {
     let path = output.path_of(frame);
     let preview = (options.has_preview || options.has_overlay).then(|| path.with_extension("png"));
     std::iter::once(path).chain(preview)
 }
 
-/// What the user should know before it begins.
+/// Sends the notes and the list of frames to render again.
 fn tell_notes(prepared: &PreparedShot, todo: &Todo, tell: &(dyn Fn(Event) + Sync)) {
     prepared.notes.iter().cloned().chain(todo.notes()).for_each(|text| tell(Event::Note { text }));
     todo.redone.iter().cloned().for_each(|redone| tell(Event::FrameRedone(redone)));
 }
 
-/// Completes the summary of a render and reports it.
+/// Completes the summary of a render and sends it.
 fn finished(summary: Summary, todo: &Todo, (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
     let is_cancelled = summary.rendered + summary.failed < todo.frames.len() && cancel.load(Ordering::Relaxed);
     let summary = Summary { is_cancelled, kept: todo.kept, redone: todo.redone.len(), ..summary };
@@ -188,7 +188,7 @@ fn finished(summary: Summary, todo: &Todo, (cancel, tell): (&AtomicBool, &(dyn F
     summary
 }
 
-/// Frames are EXR files, and previews are named after them.
+/// Checks that frames are EXR files; previews are named after them.
 fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     if PictureKind::of(pattern) == Some(PictureKind::Exr) {
         return Ok(());
@@ -201,7 +201,8 @@ fn check_extension(pattern: &Path) -> Result<(), ImageError> {
     Err(ImageError::Pattern { pattern: pattern.to_owned(), what })
 }
 
-/// A frame is drawn, gathered from its passes, and encoded while the next is drawn: each sample of a pixel is held four times.
+/// Checks the memory for a frame: each sample is held up to four times while one frame is drawn, gathered from its
+/// passes, and encoded during the drawing of the next.
 fn check_memory(shot: &Shot) -> Result<(), PipelineError> {
     let pixels = u128::from(shot.size.width) * u128::from(shot.size.height);
     let channels: u128 = shot.output.channels.iter().map(|group| group_channels(*group)).sum();
@@ -211,10 +212,10 @@ fn check_memory(shot: &Shot) -> Result<(), PipelineError> {
     })
 }
 
-/// How many channels a group has.
+/// Returns the number of channels of a group.
 fn group_channels(group: ChannelGroup) -> u128 {
     match group {
-        // Six ranks of three Cryptomattes, an id and a coverage each.
+        // Six ranks of three Cryptomattes, with an id and a coverage each.
         ChannelGroup::Cryptomatte => 36,
         planar => planar.channels().len() as u128,
     }

@@ -1,6 +1,6 @@
 //! Reports the solves of a frame.
 //!
-//! In: a solved [`TimeSample`]. Out: a [`FrameReport`] with one entry for each solved layer, and warnings in words.
+//! In: a solved [`TimeSample`]. Out: a [`FrameReport`] with one entry per solved layer, and warnings as text.
 
 use super::lattice_box::screen_bounds;
 use super::shared_cells;
@@ -10,10 +10,10 @@ use crate::shot::{Layer, LayerSpace};
 use crate::solve::{ResidualReason, SolveReport, Spread};
 use crate::spelling::counted;
 
-/// A pin farther than this from its target is reported, pixels.
+/// Distance from its target above which a pin is reported, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
 
-/// What the solves of a frame say.
+/// Returns the report of the solves of a frame.
 #[must_use]
 pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
@@ -61,7 +61,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
     report
 }
 
-/// A snap that the temporal weight spreads over frames.
+/// Returns the warning that the temporal weight spreads a sudden jump over several frames.
 fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
     let [first, last] = spread.frames;
     let speed = match layer.space {
@@ -75,7 +75,7 @@ fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
     )
 }
 
-/// How far each pin that acts misses its target as the camera sees it, pixels; 0 for those it does not see.
+/// Returns the distance of each active pin from its target as seen by the camera, pixels; 0 for pins out of view.
 fn pin_errors_px(sample: &TimeSample, state: &LayerState, height_px: f64) -> Vec<f64> {
     let Some(world) = &state.world else {
         return state.report().into_iter().flat_map(|solve| &solve.pin_errors).map(|error| error * height_px).collect();
@@ -87,7 +87,7 @@ fn pin_errors_px(sample: &TimeSample, state: &LayerState, height_px: f64) -> Vec
     state.pins.iter().zip(&world.pins).map(miss).collect()
 }
 
-/// Pins that contradict each other, and others that miss their targets.
+/// Returns warnings about pins that contradict each other, and about others that miss their targets.
 fn pin_warnings(
     layer: &Layer,
     state: &LayerState,
@@ -118,7 +118,7 @@ fn pin_warnings(
     solve.conflicts.iter().map(contradiction).chain(missed).collect()
 }
 
-/// Where the border of a whole picture gives way.
+/// Returns warnings about pins that displace the border of a whole picture.
 fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<String> {
     let told = |&(pin, by): &(usize, f64)| {
         let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
@@ -127,7 +127,7 @@ fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<Str
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
 }
 
-/// Moved handles that gave way to the guard.
+/// Returns warnings about moved handles that yielded to the guard.
 fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<String> {
     if !solve.is_held_back {
         return Vec::new();
@@ -147,7 +147,7 @@ fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<St
     handles.zip(solve.handle_errors.iter().copied()).filter_map(told).collect()
 }
 
-/// Folds that show: the model lies over itself there.
+/// Returns a warning about folded cells in which the model overlaps itself.
 fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
     if solve.folded_model_cells == 0 {
         return None;
@@ -160,7 +160,7 @@ fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
     ))
 }
 
-/// What gave way to the guard, and how far from its target it is.
+/// Returns the warning that a pin or handle yielded to the guard, with its distance from the target.
 fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> String {
     let why = if solve.folded_model_cells == 0 {
         "nothing folds".to_owned()

@@ -1,7 +1,7 @@
-//! Which triangles of a layer hang together, for lattices that branch: as the scene stands at rest, not as the screen shows it.
+//! Finds the connected triangles of a layer whose lattice branches, from the scene at rest, independent of the view.
 //!
-//! In: a scene, the parts of a layer, what the shot cuts and joins. Out: [`Link`]s between its triangles, those of all parts
-//! counted through.
+//! In: a scene, the parts of a layer, the cuts and joins of the shot. Out: [`Link`]s between triangles, which are
+//! numbered consecutively over all parts.
 
 use super::PipelineError;
 use super::rest_mesh::{RestMesh, rest_pose};
@@ -15,10 +15,10 @@ use crate::spelling;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// One a layer; `None`: its lattice does not branch.
+/// Returns the links of every layer; `None` for layers whose lattice does not branch.
 ///
 /// # Errors
-/// [`PipelineError::Mismatch`] where a cut separates nothing, or names what is not there.
+/// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
 pub(super) fn rest_links(
     shot: &Shot,
     scene: &Scene,
@@ -46,7 +46,7 @@ pub(super) fn rest_links(
     Ok(all)
 }
 
-/// Links along the surface and through the solid.
+/// Returns links along the surface and through the solid.
 fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
     let mut links = surface_links(&mesh.points, &mesh.triangles, radius);
     links.extend(solid_links(&mesh.points, &mesh.triangles));
@@ -59,7 +59,7 @@ fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
     links
 }
 
-/// What the shot says about the links of one layer.
+/// The inputs for the cuts and joins of one layer.
 struct LayerLinks<'a> {
     shot: &'a Shot,
     scene: &'a Scene,
@@ -84,7 +84,7 @@ impl LayerLinks<'_> {
         )
     }
 
-    /// Takes out what cuts separate.
+    /// Removes the links that cuts separate.
     fn cut(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
         for (number, cut) in self.layer().connectivity.cuts.iter().enumerate() {
             let key = format!("cuts[{number}]");
@@ -113,7 +113,7 @@ impl LayerLinks<'_> {
         Ok(())
     }
 
-    /// Takes out the links that a stroke crosses; pictures lie flat: their x and y are those of the screen.
+    /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.
     fn cut_along(&self, stroke: &[[f64; 2]], links: &mut Vec<Link>) {
         let points = self.mesh.flat();
         let middle = |end: &LinkEnd| -> [f64; 2] {
@@ -126,7 +126,7 @@ impl LayerLinks<'_> {
         });
     }
 
-    /// Joins what the shot joins, where it is nearest.
+    /// Links the pairs that the shot joins, at their nearest points.
     fn join(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
         for (number, pair) in self.layer().connectivity.joins.iter().enumerate() {
             let key = format!("joins[{number}]");
@@ -143,7 +143,7 @@ impl LayerLinks<'_> {
         Ok(())
     }
 
-    /// The triangles of nodes that fit a pattern, and of those below them.
+    /// Returns the triangles of the nodes that match a pattern, and of their descendants.
     fn triangles_of(&self, pattern: &str) -> Vec<usize> {
         let nodes: BTreeSet<usize> =
             self.scene.matching(pattern).into_iter().flat_map(|node| self.scene.subtree(node)).collect();

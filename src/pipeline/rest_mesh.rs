@@ -1,4 +1,4 @@
-//! All triangles of a layer as the scene stands at rest, whatever its clips do.
+//! Collects all triangles of a layer in the scene at rest, independent of clips.
 //!
 //! In: a scene, the parts of a layer. Out: a [`RestMesh`].
 
@@ -6,24 +6,24 @@ use crate::pose::{ClipChoice, Pose, pose};
 use crate::scene::Scene;
 use crate::screen::primitive;
 
-/// The triangles of some parts, those of all parts counted through.
+/// The triangles of some parts, numbered consecutively over all parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RestMesh {
-    /// Scene space, metres.
+    /// Positions in scene space, metres.
     pub(super) points: Vec<[f64; 3]>,
-    /// Corners, counter-clockwise seen from outside.
+    /// Corners, counter-clockwise as seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// #triangles: the part's own order of corners is the other one.
+    /// #triangles: whether the part itself lists the corners in reverse order.
     pub(super) is_mirrored: Vec<bool>,
 }
 
-/// The pose without any clip.
+/// Returns the pose without any clip.
 pub(super) fn rest_pose(scene: &Scene) -> Pose {
     pose(scene, ClipChoice::default(), 0.0)
 }
 
 impl RestMesh {
-    /// Sides of its bounds along x, y and z, metres.
+    /// Returns the sides of the bounding box along x, y and z, metres.
     pub(super) fn sides(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| {
             let values = || self.points.iter().map(|point| point[axis]);
@@ -31,23 +31,23 @@ impl RestMesh {
         })
     }
 
-    /// Length of the diagonal of its bounds, metres.
+    /// Returns the length of the bounding box's diagonal, metres.
     pub(super) fn diagonal(&self) -> f64 {
         self.sides().iter().map(|side| side.powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The points of a picture, which lies flat.
+    /// Returns the points of a picture, which is flat.
     pub(super) fn flat(&self) -> Vec<[f64; 2]> {
         self.points.iter().map(|&[x, y, _]| [x, y]).collect()
     }
 
-    /// The triangles of `parts`.
+    /// Collects the triangles of `parts`.
     pub(super) fn of(scene: &Scene, rest: &Pose, parts: &[usize]) -> Self {
         let mut mesh = Self::default();
         for part in parts.iter().map(|&part| &rest.parts[part]) {
             let base = mesh.points.len() as u32;
             mesh.points.extend(part.positions.iter().map(|point| point.0.as_dvec3().to_array()));
-            // The front of a mirrored part is what was its back.
+            // Mirroring swaps front and back.
             let ordered = |&[a, b, c]: &[u32; 3]| if part.is_mirrored { [a, c, b] } else { [a, b, c] };
             let corners = primitive(scene, part).triangles.iter().map(ordered);
             mesh.triangles.extend(corners.map(|corners| corners.map(|corner| corner + base)));

@@ -1,6 +1,6 @@
-//! Which frames of a run are made, which are kept, and why frames that are there are made again.
+//! Decides which frames of a run are made, which are kept, and why existing frames are made again.
 //!
-//! In: wanted frames, and a check of a single one. Out: [`Todo`].
+//! In: the requested frames, and a check of a single frame. Out: [`Todo`].
 
 use super::output::prepare_folder;
 use super::run_lock::{RunLock, remove_dead};
@@ -10,24 +10,24 @@ use crate::spelling::{counted, ranges};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What a run has to do.
+/// The work of a run.
 #[derive(Debug)]
 pub(crate) struct Todo {
-    /// Frames to make, in the order wanted.
+    /// Frames to make, in the order requested.
     pub(crate) frames: Vec<i32>,
-    /// How many stay as they are.
+    /// Number of frames that are kept.
     pub(crate) kept: usize,
-    /// Frames to make that are there already.
+    /// Frames to make that exist already.
     pub(crate) redone: Vec<Redone>,
-    /// All frames that were asked about.
+    /// All requested frames.
     wanted: Vec<i32>,
     /// Held while the frames are made.
     lock: Option<RunLock>,
 }
 
 impl Todo {
-    /// Sorts the wanted frames. `check` says why a frame that is there has to be made again, and is asked only where frames
-    /// may be kept.
+    /// Sorts the requested frames. `check` returns the reason why an existing frame has to be made again; it is called
+    /// only if existing frames may be kept.
     pub(crate) fn of(
         wanted: Vec<i32>,
         output: &SequencePath,
@@ -49,11 +49,11 @@ impl Todo {
         Self { frames, kept, redone, wanted, lock: None }
     }
 
-    /// Makes the folder of the frames, marks them as being made, and removes what dead runs left of all that are wanted: a run may die
-    /// after its last frame, too.
+    /// Creates the folder of the frames, marks them as being made, and removes what aborted runs left beside any
+    /// requested frame, including kept ones, because a run may be aborted after its last frame.
     ///
     /// # Errors
-    /// [`PipelineError`] where the folder cannot be written, or another run is making one of the frames.
+    /// [`PipelineError`] if the folder cannot be written, or another run is making one of the frames.
     pub(crate) fn begin(mut self, output: &SequencePath) -> Result<Self, PipelineError> {
         if let Some(&first) = self.frames.first() {
             prepare_folder(&output.path_of(first))?;
@@ -70,7 +70,7 @@ impl Todo {
         Ok(self)
     }
 
-    /// One line for each reason to make frames again.
+    /// Returns one line for each reason to make frames again.
     pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
         let mut by_reason: BTreeMap<&str, Vec<i32>> = BTreeMap::new();
         for redone in &self.redone {
@@ -84,7 +84,7 @@ impl Todo {
     }
 }
 
-/// Refuses frames that are there.
+/// Refuses existing frames.
 pub(crate) fn refuse_existing(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), PipelineError> {
     let mut there = paths.into_iter().filter(|path| is_there(path));
     match there.next() {

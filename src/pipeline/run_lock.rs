@@ -1,7 +1,7 @@
 //! Marks the frames that a run is making, so that a second run in the same folder does not make them too.
 //!
-//! In: a sequence and frame numbers. Out: a [`RunLock`], or [`PipelineError::Busy`]. Each run holds an operating system's
-//! lock on a file of its own: it ends with the process, so a run that died blocks nobody.
+//! In: a sequence and frame numbers. Out: a [`RunLock`], or [`PipelineError::Busy`]. Each run holds a lock of the
+//! operating system on a file of its own. The lock ends with the process, so an aborted run blocks nobody.
 
 use super::PipelineError;
 use crate::image::SequencePath;
@@ -15,29 +15,30 @@ use tempfile::NamedTempFile;
 
 const PREFIX: &str = ".pinwarp-";
 const ENDING: &str = ".lock";
-/// How long an empty mark counts as one that is being made.
+/// Time for which an empty lock file counts as just being created.
 const NEWBORN: Duration = Duration::from_secs(1);
 
-/// What a run says about itself.
+/// The contents of a lock file.
 #[derive(Deserialize, Serialize)]
 struct Claim {
     process: u32,
-    /// Name of frame 0: patterns that give the same names are one.
+    /// File name of frame 0; patterns that yield the same names are the same sequence.
     sequence: String,
     frames: Vec<i32>,
 }
 
-/// Held while frames are made; removed with the run.
+/// A lock on frames, which removes its file when dropped.
 #[derive(Debug)]
 pub(crate) struct RunLock {
     _file: NamedTempFile,
 }
 
 impl RunLock {
-    /// Marks frames of `output`, whose folder is there. `None` where the file system has no locks, or takes no files.
+    /// Marks frames of `output`, whose folder must exist. `None` if there are no frames, or the file system supports no
+    /// locks or no new files.
     ///
     /// # Errors
-    /// [`PipelineError::Busy`] where a run that lives is making one of them.
+    /// [`PipelineError::Busy`] if a running process is making one of the frames.
     pub(crate) fn take(output: &SequencePath, frames: &[i32]) -> Result<Option<Self>, PipelineError> {
         let Some(&first) = frames.first() else { return Ok(None) };
         let path = output.path_of(first);
@@ -53,7 +54,7 @@ impl RunLock {
     }
 }
 
-/// Removes the marks of dead runs beside a frame.
+/// Removes the lock files of aborted runs in the folder of a frame.
 pub(crate) fn remove_dead(frame: &Path) {
     others(folder_of(frame), Path::new("")).for_each(drop);
 }
@@ -64,13 +65,13 @@ fn folder_of(frame: &Path) -> &Path {
 
 fn write(folder: &Path, claim: &Claim) -> std::io::Result<NamedTempFile> {
     let mut file = tempfile::Builder::new().prefix(PREFIX).suffix(ENDING).tempfile_in(folder)?;
-    // Nobody else holds it, but for the moment in which another run asks whether we live.
+    // The lock is free, except for a moment in which another run may be testing whether this process is alive.
     file.as_file().lock()?;
     file.write_all(serde_json::to_string(claim)?.as_bytes())?;
     Ok(file)
 }
 
-/// The claims of other runs that live; those of dead ones are removed.
+/// Returns the claims of other running processes, and removes lock files of aborted runs.
 fn others<'a>(folder: &Path, own: &'a Path) -> impl Iterator<Item = Claim> + 'a {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let is_lock = |path: &PathBuf| {
@@ -86,12 +87,13 @@ fn others<'a>(folder: &Path, own: &'a Path) -> impl Iterator<Item = Claim> + 'a 
             }
             return None;
         }
-        // A claim that cannot be read was not written to its end: its run will find ours.
+        // An unreadable claim is incomplete: the run that is writing it will find this run's claim.
         serde_json::from_slice(&std::fs::read(&path).ok()?).ok()
     })
 }
 
-/// Whether a run may just have made the file and be about to lock it: then it finds our claim, which is written already.
+/// Whether another run may just have created the file and not locked it yet; that run will find this run's claim, which
+/// is complete.
 fn is_newborn(path: &Path) -> bool {
     let age = |made: SystemTime| made.elapsed().unwrap_or_default();
     path.metadata().is_ok_and(|file| file.len() == 0 && file.modified().is_ok_and(|made| age(made) < NEWBORN))
@@ -103,7 +105,7 @@ struct Shared {
 }
 
 impl Claim {
-    /// The first frame that both make.
+    /// Returns the first frame that both claims contain.
     fn shares(&self, other: &Self) -> Option<Shared> {
         if self.sequence != other.sequence {
             return None;
@@ -131,7 +133,7 @@ mod tests {
             RunLock::take(&sequence(name), &frames(range)).expect("nothing is shared");
         }
         drop(first);
-        // What a killed run leaves: a file that nobody locks.
+        // A killed process leaves a file that nobody locks.
         let claim = Claim { process: 1, sequence: "f.0000.exr".into(), frames: frames(1..=10) };
         let dead = folder.path().join(".pinwarp-dead01.lock");
         std::fs::write(&dead, serde_json::to_string(&claim).expect("JSON")).expect("written");

@@ -1,6 +1,6 @@
-//! Screen layers: solved on the screen, over the projected scene.
+//! Screen layers: lattices solved on the screen, over the projected scene.
 //!
-//! In: a [`TimeSample`] that is projected, and a layer. Out: the layer's lattice and pins.
+//! In: a projected [`TimeSample`] and a layer. Out: the layer's lattice and pins.
 
 use super::lattice_box::screen_box;
 use super::layer_pins::{faded_weight, held_border, moved_handles, region};
@@ -14,50 +14,50 @@ use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets, Topology};
 use crate::space::{ScreenBox, ScreenVector};
 use std::borrow::Cow;
 
-/// A layer of the screen and what its pins are tied to: the shot's own, or one that a host drives.
+/// A screen layer and the anchors of its pins: the shot's own, or a layer controlled by a host program.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerTask<'a> {
-    /// Which layer of the shot's it is: its nodes are the shape.
+    /// Index of the layer in the shot, whose nodes are the shape.
     pub index: usize,
-    /// Lattice, settings, pins and handles.
+    /// The layer: lattice, settings, pins and handles.
     pub layer: &'a Layer,
-    /// One a pin of that layer.
+    /// One per pin of the layer.
     pub anchors: &'a [PinAnchor],
-    /// Weights of its pins, 0..=1, in their order; those that are missing weigh 1.
+    /// Weights of the pins, 0..=1, in order; missing ones count as 1.
     pub weights: &'a [f64],
 }
 
-/// A layer of the screen at one time, all but solved: what does not depend on where pins and handles go.
+/// A screen layer at one time: everything that does not depend on the targets of pins and handles.
 #[derive(Debug)]
 pub struct LayerSolver {
     frame: f64,
     rest_box: ScreenBox,
     grid: Grid<2>,
-    /// One a pin of the layer.
+    /// One per pin of the layer.
     rests: Vec<RestPoint>,
-    /// Weights of the first pins of the layer; of the others 1.
+    /// Weights of the layer's first pins; those of the others are 1.
     weights: Vec<f64>,
     border: Border,
-    /// One a pin: the triangle of the shape that it holds.
+    /// One per pin: the triangle of the shape to which it is attached.
     triangles: Vec<Option<u32>>,
-    /// Where the layer's parts lie in the shape, where its lattice branches.
+    /// Positions of the layer's parts in the shape, if the lattice branches.
     starts: Vec<PartStarts>,
-    /// `None`: neither pins nor handles act.
+    /// `None` if there are neither pins nor handles.
     solver: Option<Solver<2>>,
 }
 
-/// What happens at the edge of a layer's box.
+/// The treatment of the edge of a layer's box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Border {
-    /// It moves as the pins want.
+    /// The edge moves with the lattice.
     Free,
-    /// Its handles stay at rest: the layer moves others by keys.
+    /// The border handles that are not moved by keys are held at rest.
     Held,
-    /// It rests, and takes no handles away from the pins.
+    /// The edge rests, enforced after the solve instead of by handles (see `whole_layer`).
     Rests,
 }
 
-/// Solves a screen layer, or takes its lattice from a file.
+/// Returns the state of a screen layer: solved, or taken from a lattice file.
 pub(super) fn solve(
     prepared: &PreparedShot,
     sample: &TimeSample,
@@ -77,7 +77,7 @@ pub(super) fn solve(
     if layer.pins.is_empty() && layer.handles.is_empty() {
         return Ok(LayerState::default());
     }
-    // The whole way of the pins at this frame's anchors: how they came decides how they are wound.
+    // The whole path of the pins, at this frame's anchors, determines the winding.
     let path = prepared.shot.pin_path(index, prepared.key_frame(layer, sample.frame));
     let task = LayerTask { index, layer, anchors: prepared.anchors_of(index), weights: &[] };
     match prepared.layer_solver(sample, &task, &path, &Cancel::never())? {
@@ -87,11 +87,12 @@ pub(super) fn solve(
 }
 
 impl PreparedShot {
-    /// Everything of a screen layer's solve that does not depend on where its pins go; `path` says what they hold, as
-    /// [`Shot::pin_path`](crate::shot::Shot::pin_path) does. `None` where nothing of the layer is in reach, and for layers of the scene.
+    /// Prepares everything of a screen layer's solve that does not depend on the targets of its pins. `path` lists what
+    /// the pins prescribe, as returned by [`Shot::pin_path`](crate::shot::Shot::pin_path). `None` if nothing of the
+    /// layer is in or near the frame, and for world layers.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where the problem is malformed, or the solve is cancelled.
+    /// [`PipelineError::Solve`] if the problem is malformed, or the solve is cancelled.
     pub fn layer_solver(
         &self,
         sample: &TimeSample,
@@ -118,7 +119,7 @@ impl PreparedShot {
     }
 }
 
-/// Box, grid and pins of a screen layer, without a factored matrix.
+/// Returns box, grid and pins of a screen layer, without a factored matrix.
 pub(super) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &LayerTask) -> Option<LayerSolver> {
     let LayerTask { index, layer, anchors, weights } = *task;
     let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
@@ -137,13 +138,13 @@ pub(super) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &La
     })
 }
 
-/// Whether parts of a layer's shape may have lattices of their own.
+/// Whether the layer's lattice may branch.
 pub(super) fn is_branching(layer: &Layer) -> bool {
     layer.settings.topology == Topology::Branching
 }
 
-/// Where a layer moves a whole plate from edge to edge, nothing is known beyond the edge, and a background must not
-/// slide; with a scene the plate follows what the geometry does instead.
+/// Returns the treatment of the edge. A layer that moves a whole plate has no data beyond the edge, and a background
+/// must not slide, so the edge is fixed; in a shot with a scene, the plate follows the geometry instead.
 fn border(source: &Source, layer: &Layer, bounds: BoxRule) -> Border {
     match (source, bounds, &layer.matte) {
         (Source::Frame, BoxRule::Frame, None) if layer.handles.is_empty() => Border::Rests,
@@ -161,39 +162,39 @@ pub(super) fn border_rests(source: &Source, layer: &Layer) -> bool {
 }
 
 impl LayerSolver {
-    /// Ties the pins to triangles of the shape.
+    /// Attaches the pins to triangles of the shape.
     pub(super) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartStarts]) {
         self.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
         self.starts = starts.to_vec();
     }
 
-    /// Where the layer's parts lie in the shape; none where its lattice does not branch.
+    /// Returns the positions of the layer's parts in the shape; empty if the lattice does not branch.
     pub(super) fn starts(&self) -> &[PartStarts] {
         &self.starts
     }
 
-    /// The lattice's rest state.
+    /// Returns the grid of the lattice at rest.
     #[must_use]
     pub fn grid(&self) -> &Grid<2> {
         &self.grid
     }
 
-    /// Where the layer's pins are before the warp, one a pin.
+    /// Returns the positions of the layer's pins before the warp, one per pin.
     #[must_use]
     pub fn rests(&self) -> &[RestPoint] {
         &self.rests
     }
 
-    /// Solves for the end of a path of the same pins and handles. The same path gives the same bits, whatever was solved
-    /// before.
+    /// Solves for the targets at the end of a path, for the prepared pins and handles. The same path gives the same
+    /// bits, whatever was solved before.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where pins or handles are not those that were prepared, or no numbers.
+    /// [`PipelineError::Solve`] if pins or handles differ from the prepared ones, or numbers are not finite.
     pub fn solve(&self, layer: &Layer, path: &[PinTargets]) -> Result<LayerState, PipelineError> {
         self.solve_cancellable(layer, path, &Cancel::never())
     }
 
-    /// Like [`Self::solve`], unless it is cancelled.
+    /// Solves as [`Self::solve`] does, unless it is cancelled.
     ///
     /// # Errors
     /// As [`Self::solve`], and [`SolveError::Cancelled`] as the source.
@@ -221,7 +222,7 @@ impl LayerSolver {
         Ok(LayerState { solution: Some(solution), pins, starts: self.starts.clone(), ..LayerState::default() })
     }
 
-    /// The pins that act, and everything the solver is told, for one place of the path.
+    /// Returns the active pins, and the solver's targets, for one point of the path.
     pub(super) fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
         let (states, pins) = self.point_pins(layer, targets);
         let mut handles = moved_handles(layer, &self.grid, targets);
@@ -231,7 +232,7 @@ impl LayerSolver {
         (states, Targets { pins, handles })
     }
 
-    /// The weight of a pin of the layer: its own times that which the solver was given.
+    /// Returns the weight of a pin: its own times the one given in the task.
     fn weight(&self, layer: &Layer, pin: usize) -> f64 {
         layer.pins[pin].weight * self.weights.get(pin).copied().unwrap_or(1.0)
     }
@@ -240,7 +241,7 @@ impl LayerSolver {
         PipelineError::Solve { layer: layer.name.clone(), frame: self.frame, source }
     }
 
-    /// The pins that act, as the overlay and the solver want them.
+    /// Returns the active pins for the overlay and for the solver.
     fn point_pins(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Vec<PointPin<2>>) {
         let mut states = Vec::new();
         let mut points = Vec::new();
@@ -254,11 +255,11 @@ impl LayerSolver {
                     OffsetUnit::Box => rest.point + ScreenVector(offset.0 * self.rest_box.size()),
                 },
                 Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
-                // Those are of world layers; on the screen the checks refuse them.
+                // Goals of world layers, which the shot checks refuse for screen layers.
                 Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
             };
             let is_turned = target.rotation.is_some() || target.log_scale.is_some();
-            // Where the border rests, discs of the flow turn and scale.
+            // If the border rests, the discs of the flow rotate and scale instead.
             let gradient = (is_turned && self.border != Border::Rests).then(|| {
                 let angle = match target.rotation {
                     Some(Rotation::InView(angle)) => angle,

@@ -1,7 +1,7 @@
-//! The shape of a layer on the screen: what is seen of its triangles and lines.
+//! Computes the shape of a layer on the screen: the visible portions of its triangles and lines.
 //!
-//! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles cut at the near plane, with their stiffness and links, and the
-//! runs of lines that the camera sees.
+//! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles clipped at the near plane, with their stiffness
+//! and links, and the runs of lines beyond the near plane.
 
 use super::part_starts::PartStarts;
 use super::{PreparedShot, TimeSample};
@@ -9,18 +9,18 @@ use crate::screen::{Corner, Projected, clip_near, primitive};
 use crate::solve::{Link, LinkEnd, LinkKind, Shape};
 use std::sync::Arc;
 
-/// A layer's shape, and which of its triangles come from where.
+/// A layer's shape, and the origin of its triangles.
 pub(super) struct ScreenShape {
     pub(super) shape: Shape<2>,
     pub(super) starts: Vec<PartStarts>,
 }
 
-/// The layer's triangles and lines on the screen, cut at the near plane.
+/// Returns the layer's triangles and lines on the screen, clipped at the near plane.
 pub(super) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Shape<2> {
     screen_shape_with_starts(prepared, sample, index).shape
 }
 
-/// As [`screen_shape`], with where each part lies in it.
+/// Returns the same as [`screen_shape`], together with the position of each part in the shape.
 pub(super) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> ScreenShape {
     let (mesh, near) = (sample.mesh(), sample.camera.near());
     let mut shape = Shape::default();
@@ -29,7 +29,7 @@ pub(super) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSam
         let stiffness = prepared.stiffness_of(index, part);
         let vertices = &mesh.parts[part].vertices;
         let base = shape.points.len() as u32;
-        // Hidden vertices keep their index; no triangle that is left uses them.
+        // Vertices behind the camera keep their index; no remaining triangle uses them.
         let place = |vertex: &Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
         shape.points.extend(vertices.iter().map(place));
         let source = primitive(&prepared.scene, &sample.pose.parts[part]);
@@ -55,7 +55,7 @@ pub(super) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSam
     ScreenShape { shape, starts: all }
 }
 
-/// Adds what the near plane leaves of a triangle.
+/// Adds the parts of a triangle beyond the near plane.
 fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
     let (cut, count) = clip_near(ends, near);
     for cut in &cut[..count] {
@@ -66,8 +66,9 @@ fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
     }
 }
 
-/// The links between triangles of the rest as links of what is left of them. Where the near plane cuts a triangle in two, both hang
-/// together, and its links hold their middle.
+/// Converts links between triangles at rest to links between the clipped triangles. The two halves of a triangle that
+/// the near plane clips into two are linked to each other, and the triangle's links are attached to the centre of the
+/// first half.
 fn links_now(links: &Arc<Vec<Link>>, parts: &[PartStarts]) -> Arc<Vec<Link>> {
     let runs: Vec<[u32; 2]> =
         parts.iter().flat_map(|part| part.starts.windows(2).map(|pair| [pair[0], pair[1]])).collect();
@@ -94,7 +95,7 @@ fn links_now(links: &Arc<Vec<Link>>, parts: &[PartStarts]) -> Arc<Vec<Link>> {
 }
 
 /// Adds the visible runs of a line to a shape, whose points hold the part's vertices from `base` on. A segment that
-/// passes the near plane is left out: its cut end would slide along it.
+/// crosses the near plane is left out, because its clipped end would slide along it.
 fn add_visible_runs(shape: &mut Shape<2>, line: &[u32], (vertices, base): (&[Projected], u32), near: f64) {
     let is_seen = |&vertex: &u32| {
         let place = vertices[vertex as usize];

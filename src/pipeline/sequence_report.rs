@@ -1,6 +1,6 @@
-//! The state of a sequence on the disk: which frames are there and whole, and the worst figures that they say of themselves.
+//! The state of a sequence on disk: which frames are complete, and the worst figures that they record.
 //!
-//! In: the path of a sequence, and its frames. Out: [`SequenceReport`].
+//! In: the path of a sequence and its frames. Out: a [`SequenceReport`].
 
 use super::frame_record::{FrameRecord, LayerRecord};
 use crate::image::{Depth, Redo, SequencePath, read_whole};
@@ -8,42 +8,42 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What is known of a sequence.
+/// The state of a sequence.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct SequenceReport {
-    /// Frames that are there and whole.
+    /// Number of complete frames.
     pub(crate) frames: usize,
-    /// Frames that are not there.
+    /// Frames that do not exist.
     pub(crate) missing: Vec<i32>,
-    /// Frames whose file is damaged, or was not written by pinwarp, and why.
+    /// Frames whose file is damaged or was not written by pinwarp, with the reason.
     pub(crate) damaged: Vec<DamagedFrame>,
-    /// Frames that different states of the shot, versions or classes of device made: more than one is a mix. Made from, number of frames.
+    /// Number of frames by the settings and device class that made them; more than one entry means that the sequence is mixed.
     pub(crate) states: BTreeMap<String, usize>,
-    /// The worst figures of each layer, in the order of their names.
+    /// The worst figures of each layer, ordered by layer name.
     pub(crate) layers: Vec<LayerPeaks>,
-    /// The frame of a warped plate with most uncovered pixels.
+    /// The frame of a warped plate with the most uncovered pixels.
     pub(crate) hole_pixels: Option<Peak>,
-    /// The frame of a warped plate with most folded pixels.
+    /// The frame of a warped plate with the most folded pixels.
     pub(crate) folded_pixels: Option<Peak>,
-    /// Frames and what they warn of.
+    /// Frames and their warnings.
     pub(crate) warnings: Vec<(i32, String)>,
 }
 
 /// A frame that cannot be used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct DamagedFrame {
-    /// Its number.
+    /// Frame number.
     pub(crate) frame: i32,
-    /// Why, in words.
+    /// The reason.
     pub(crate) reason: String,
 }
 
-/// The worst value of a figure, and in which frame.
+/// The worst value of a figure, and its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Peak {
     /// The value.
     pub(crate) value: f64,
-    /// The first frame that has it.
+    /// The first frame with that value.
     pub(crate) frame: i32,
 }
 
@@ -52,26 +52,26 @@ pub(crate) struct Peak {
 pub(crate) struct LayerPeaks {
     /// Layer name.
     pub(crate) layer: String,
-    /// Greatest distance of a pin from its target, pixels.
+    /// Largest distance of a pin from its target, pixels.
     pub(crate) pin_error_px: Option<Peak>,
-    /// Least determinant of the warp's gradient.
+    /// Smallest determinant of the warp's gradient.
     pub(crate) min_det: Option<Peak>,
-    /// Most cells that fold.
+    /// Largest number of folded cells.
     pub(crate) folded_cells: Option<Peak>,
-    /// Frames in which a cell folds.
+    /// Number of frames with a folded cell.
     pub(crate) folded_frames: usize,
-    /// Greatest angular distortion.
+    /// Largest angular distortion.
     pub(crate) angular: Option<Peak>,
-    /// Greatest area distortion.
+    /// Largest area distortion.
     pub(crate) area: Option<Peak>,
-    /// Greatest jerk of the warp, pixels.
+    /// Largest jerk of the warp, pixels.
     pub(crate) jerk_px: Option<Peak>,
-    /// Frames whose solve did not converge.
+    /// Number of frames whose solve did not converge.
     pub(crate) unconverged_frames: usize,
 }
 
 impl SequenceReport {
-    /// Reads the heads of all frames, and with `reads_pixels` the files to their ends for the checksums.
+    /// Reads the headers of all frames, and with `reads_pixels` the complete files, to verify their checksums.
     pub(crate) fn read(path: &SequencePath, frames: &[i32], reads_pixels: bool) -> Self {
         let depth = if reads_pixels { Depth::Pixels } else { Depth::Head };
         let found: Vec<_> = frames.par_iter().map(|&frame| (frame, read_whole(&path.path_of(frame), depth))).collect();
@@ -94,7 +94,7 @@ impl SequenceReport {
                 }
             };
             report.frames += 1;
-            // Settings, without what each frame reads for itself.
+            // The settings part of the digest, without the contents of the files.
             let settings = metadata.shot_hash.split('.').next().unwrap_or_default();
             *report.states.entry(format!("{settings} on {}", metadata.device)).or_default() += 1;
             let record = FrameRecord::from_metadata(&metadata).unwrap_or_default();
@@ -113,7 +113,7 @@ impl SequenceReport {
         self.damaged.push(DamagedFrame { frame, reason: reason.to_string() });
     }
 
-    /// The frames in which some figure is worst, increasing.
+    /// Returns the frames in which some figure is worst, in increasing order.
     pub(crate) fn worst_frames(&self) -> Vec<i32> {
         let of_layer = |layer: &LayerPeaks| [layer.pin_error_px, layer.folded_cells, layer.min_det, layer.jerk_px];
         let peaks = self.layers.iter().flat_map(of_layer).chain([self.hole_pixels, self.folded_pixels]);
@@ -141,7 +141,7 @@ impl LayerPeaks {
     }
 }
 
-/// Keeps the greater of two values, the first of equal ones.
+/// Keeps the larger of two values, and the first of equal ones.
 fn greatest(peak: &mut Option<Peak>, frame: i32, value: Option<f64>) {
     if let Some(value) = value
         && peak.is_none_or(|greatest| value > greatest.value)

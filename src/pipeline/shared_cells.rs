@@ -1,34 +1,36 @@
-//! Finds pins that are to move apart although they share cells of the lattice, which then has too few of them in between.
+//! Finds pins that share cells of the lattice although their targets move them apart, so that too few handles lie between them.
 //!
-//! In: a layer and its solved state. Out: a warning for the pair that is worst.
+//! In: a layer and its solved state. Out: a warning for the worst pair.
 
 use super::{LayerState, PinState};
 use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::SolveReport;
 
-/// Pins nearer to each other than this share most of the handles that act on them, in cells.
+/// Distance of two pins, in cells, below which they share most of the handles that act on them.
 const APART_CELLS: f64 = 1.0;
 
-/// Two pins may come this many times as far from each other, and nothing is told; that one turns about the other is no matter.
+/// Maximum ratio between the distances of two pins after and before the warp without a warning. The ratio ignores
+/// rotation of one pin about the other.
 const STRETCH: f64 = 2.5;
 
-/// A motion apart of less is not told, pixels.
+/// Relative displacement below which a pair is not reported, pixels.
 const LEAST_PX: f64 = 4.0;
 
-/// The greatest number of handles a side.
+/// Maximum number of handles along an axis.
 const MAX_SIDE: usize = 64;
 
-/// Two pins of the screen.
+/// Two pins on the screen.
 struct Pair<'a> {
     pins: [&'a PinState; 2],
-    /// Cells between them, of the axis that has most.
+    /// Number of cells between the pins, along the axis with the most.
     cells: f64,
-    /// How many times as far from each other they are to be.
+    /// Distance between the targets relative to the distance at rest.
     stretch: f64,
 }
 
-/// Pins of a screen layer that share cells and are to go different ways; pairs that are told as contradictions are left out.
+/// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
+/// as contradictions are left out.
 pub(super) fn warning(layer: &Layer, state: &LayerState, solve: &SolveReport, height_px: f64) -> Option<String> {
     let LayerSpace::Screen { dims, .. } = layer.space else { return None };
     let grid = &state.solution.as_ref()?.lattice.grid;
@@ -70,7 +72,7 @@ fn pairs<'a>(
     })
 }
 
-/// How much farther one pin goes than the other.
+/// Returns the difference between the displacements of two pins.
 fn difference(pins: [&PinState; 2]) -> glam::DVec2 {
     let [one, other] = pins.map(|pin| (pin.target - pin.rest).0);
     one - other

@@ -1,6 +1,6 @@
-//! Solves the layers of a shot over time before any frame is made, so that farms and restarted runs find their trajectories.
+//! Solves the layers of a shot over time before any frame is made, so that render farms and restarted runs find the trajectories.
 //!
-//! In: a [`PreparedShot`] whose trajectories are kept in files. Out: those files; [`BakeEvent`]s on the way.
+//! In: a [`PreparedShot`] whose trajectories are stored in files. Out: those files, and [`BakeEvent`]s during the run.
 
 use super::layer_timeline::Watcher;
 use super::trajectories::{facts, has_trajectory};
@@ -13,75 +13,75 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Progress is told so many times a layer.
+/// Number of progress events per layer.
 const TOLD_STEPS: usize = 100;
 
-/// What a bake reports while it runs.
+/// An event of a running bake.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum BakeEvent {
-    /// It begins.
+    /// Baking starts.
     Started {
-        /// Layers that are solved over time.
+        /// Number of layers solved over time.
         layers: usize,
-        /// First and last frame over which they are.
+        /// First and last frame of the range.
         solve_range: [i32; 2],
     },
-    /// Something the user should know about the shot as a whole.
+    /// A note about the shot as a whole.
     Note {
-        /// In words.
+        /// The note.
         text: String,
     },
-    /// How far a layer is.
+    /// Progress of one layer.
     Progress {
-        /// Its name.
+        /// Layer name.
         layer: String,
-        /// Parts of the work that are done.
+        /// Number of completed steps.
         done: usize,
-        /// All parts.
+        /// Total number of steps.
         of: usize,
     },
-    /// The trajectory of a layer is on disk.
+    /// The trajectory of a layer has been solved or found on disk.
     LayerDone(BakedLayer),
-    /// A layer could not be solved over time.
+    /// A layer could not be solved over time, or its trajectory could not be written.
     LayerFailed {
-        /// Its name.
+        /// Layer name.
         layer: String,
-        /// Why.
+        /// The cause.
         error: String,
     },
-    /// All layers were tried.
+    /// All layers have been attempted.
     Finished(BakeSummary),
 }
 
-/// What became of a layer.
+/// Report of one layer.
 #[derive(Clone, Debug, Serialize)]
 pub struct BakedLayer {
-    /// Its name.
+    /// Layer name.
     pub layer: String,
-    /// The file that keeps its trajectory; `None`: it could not be written, which the log explains.
+    /// The file that stores the trajectory; `None` if the shot stores no trajectories.
     #[serde(serialize_with = "lossy")]
     pub path: Option<PathBuf>,
-    /// It was there already, from the same shot and scene.
+    /// Whether the trajectory existed already, from the same shot and scene.
     pub is_kept: bool,
-    /// Times at which it was solved together with its neighbours.
+    /// Number of knots: times solved together with their neighbours.
     pub knots: usize,
-    /// Where a snap is spread over frames.
+    /// Frames over which a sudden jump is spread.
     pub spreads: Vec<Spread>,
     /// Wall time, seconds.
     pub wall_secs: f64,
 }
 
-/// How a bake ended.
+/// Summary of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BakeSummary {
-    /// Layers solved now.
+    /// Number of layers solved by this run.
     pub solved: usize,
-    /// Layers whose trajectories were there.
+    /// Number of layers whose trajectories existed.
     pub kept: usize,
-    /// Layers that could not be solved or kept.
+    /// Number of layers that could not be solved or stored.
     pub failed: usize,
-    /// It was cancelled.
+    /// Whether the bake was cancelled.
     pub is_cancelled: bool,
     /// Wall time, seconds.
     pub wall_secs: f64,
@@ -91,8 +91,8 @@ fn lossy<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error
     path.as_ref().map(|path| path.to_string_lossy()).serialize(to)
 }
 
-/// Solves every layer with a temporal weight over the shot's range, or finds it solved. `tell` is called from several threads; `cancel`
-/// ends the bake within milliseconds, and what was solved stays.
+/// Solves every layer with a temporal weight over the shot's range, unless its trajectory exists. `tell` is called from
+/// several threads; `cancel` ends the bake within milliseconds, and finished trajectories are kept.
 pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, tell: &(dyn Fn(BakeEvent) + Sync)) -> BakeSummary {
     let begun = Instant::now();
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(|&index| has_trajectory(prepared, index)).collect();
@@ -122,7 +122,7 @@ pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, tell: &(dyn Fn(
     summary
 }
 
-/// Solves all layers over time that are not solved yet, before the first frame asks for them; less is solved where a run is cancelled.
+/// Solves all layers over time before the first frame needs them; a cancelled run solves fewer.
 pub(super) fn solve_before_frames(prepared: &PreparedShot, cancel: &AtomicBool) {
     let has_any = (0..prepared.shot.layers.len()).any(|index| has_trajectory(prepared, index));
     if has_any {
@@ -131,7 +131,7 @@ pub(super) fn solve_before_frames(prepared: &PreparedShot, cancel: &AtomicBool) 
     }
 }
 
-/// How a layer ended.
+/// The outcome of one layer.
 enum Ended {
     Solved,
     Kept,

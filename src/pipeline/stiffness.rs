@@ -1,6 +1,6 @@
-//! Paints layers stiff: `[[layer.stiffness]]` becomes a number a triangle, once, when a shot is prepared.
+//! Computes the stiffness of every triangle from the rules `[[layer.stiffness]]`, once, when a shot is prepared.
 //!
-//! In: a shot, its scene, which layer has which part. Out: stiffness of the triangles of every part.
+//! In: a shot, its scene, and the parts of each layer. Out: the stiffness of the triangles of every part.
 
 use super::PipelineError;
 use super::selection::LayerShare;
@@ -12,27 +12,27 @@ use crate::solve::Shape;
 use crate::spelling;
 use std::collections::BTreeMap;
 
-/// What a layer moves next to nothing of resists it at least by this share, so that its lattice is held there too.
+/// Minimum share in the stiffness of triangles that a layer moves only slightly, so that they still constrain its lattice.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// Stiffness of a part's triangles in a layer: as painted, times how much of them the layer moves.
+/// Stiffness of a part's triangles in a layer: the value from the rules, times the share of each triangle that the layer moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PartStiffness<'a> {
     /// #triangles; empty: 1 everywhere.
     pub(super) painted: &'a [f64],
     /// How much of the part the layer moves.
     pub(super) share: LayerShare<'a>,
-    /// Some triangles of the layer are not as stiff as others.
+    /// Whether triangles of the layer may differ in stiffness.
     pub(super) is_uneven: bool,
 }
 
 impl PartStiffness<'_> {
-    /// The layer moves some of a triangle.
+    /// Whether the layer moves some of a triangle.
     pub(super) fn meets(&self, corners: &[u32; 3]) -> bool {
         self.share.meets(corners)
     }
 
-    /// Gives the triangles last added to a shape the stiffness of the triangle of the part that they came from.
+    /// Assigns the triangles last added to a shape the stiffness of the part's triangle from which they come.
     pub(super) fn extend<const D: usize>(&self, (triangle, corners): (usize, &[u32; 3]), shape: &mut Shape<D>) {
         if self.is_uneven {
             let value = self.painted.get(triangle).copied().unwrap_or(1.0) * self.share.of(corners).max(LEAST_SHARE);
@@ -41,10 +41,10 @@ impl PartStiffness<'_> {
     }
 }
 
-/// One a layer, by part: stiffness of its triangles; 1 everywhere in parts that are missing.
+/// #layers, then by part: stiffness of the part's triangles; parts without an entry have 1 everywhere.
 pub(super) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
 
-/// Paints the triangles of all layers.
+/// Computes the stiffness for all layers.
 pub(super) fn paint(
     shot: &Shot,
     scene: &Scene,
@@ -82,7 +82,7 @@ struct Brush<'a> {
 }
 
 impl Brush<'_> {
-    /// Multiplies what the rule names; `false` where the layer has no triangles of it.
+    /// Multiplies the stiffness of the triangles that the rule names; `false` if the layer has none.
     fn paint(&self, painted: &mut BTreeMap<usize, Vec<f64>>) -> bool {
         let met: Vec<usize> = self.own.iter().copied().filter(|&part| self.meets(part)).collect();
         let mut is_met = false;
@@ -110,14 +110,14 @@ impl Brush<'_> {
         }
     }
 
-    /// How much of a triangle the rule means, 0 to 1: for vertex colours the mean over its corners.
+    /// Returns how much of a triangle the rule names, 0 to 1: for vertex colours the mean over its corners.
     fn share(&self, source: &Primitive, corners: &[u32; 3]) -> f64 {
         let StiffPart::VertexColor(channel) = self.rule.part else { return 1.0 };
         let value = |corner: &u32| f64::from(source.colors[*corner as usize][channel.index()]);
         (corners.iter().map(value).sum::<f64>() / 3.0).clamp(0.0, 1.0)
     }
 
-    /// Key, fault and remedy of a rule that meets nothing.
+    /// Returns key, description and remedy for a rule that matches nothing.
     fn fault(&self) -> (&'static str, String, String) {
         if self.own.iter().any(|&part| self.meets(part)) {
             let key = match self.rule.part {

@@ -1,6 +1,6 @@
-//! One frame in memory, for viewers: quickly as a draft, or as a render would write it.
+//! Single frames in memory for viewers: quick drafts, and frames with the pixels of a render.
 //!
-//! In: a prepared shot, a solved time. Out: a [`Frame`] of colour. A final frame has the pixels of the rendered one.
+//! In: a prepared shot, a solved time. Out: a [`Frame`] with colour.
 
 use super::draw::draw_frame;
 use super::geometry_thread::geometry_of;
@@ -17,18 +17,19 @@ use crate::solve::SolveError;
 use crate::space::FrameSize;
 use glam::Vec2;
 
-/// Asked now and then whether a result is still wanted; true: it is not.
+/// Polled for cancellation; returns true once the result is no longer wanted.
 pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 
-/// What draws frames, wherever it is.
+/// A device that draws frames and can be sent between threads.
 pub type Device = dyn Raster + Send + 'static;
 
 impl PreparedShot {
-    /// The time that a frame shows, solved. Layers whose frames are solved together, and are not solved yet, are solved alone:
-    /// then the sample is provisional.
+    /// Returns the solved sample shown by a frame, without waiting for trajectories of screen layers. Screen layers
+    /// whose trajectory is not solved yet are solved for this frame alone, so the sample is provisional; world layers
+    /// are solved as in a render.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
         let mut sample = self.unsolved_at(self.mid_exposure_time(f64::from(frame)))?;
         for (index, layer) in self.shot.layers.iter().enumerate() {
@@ -42,16 +43,16 @@ impl PreparedShot {
         Ok(sample)
     }
 
-    /// Whether everything that frames need of other frames is solved.
+    /// Whether the trajectories of all layers that have one are solved.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         (0..self.shot.layers.len()).all(|index| !has_trajectory(self, index) || self.is_solved_over_time(index))
     }
 
-    /// Solves what frames need of other frames. False: it was stopped.
+    /// Solves the trajectories of all layers that have one. Returns false if it was stopped.
     ///
     /// # Errors
-    /// [`PipelineError`] where that cannot be done.
+    /// [`PipelineError`] if a layer cannot be solved.
     pub fn settle(&self, stop: &Stop, progress: &(dyn Fn(f64) + Sync)) -> Result<bool, PipelineError> {
         let layers: Vec<usize> = (0..self.shot.layers.len()).filter(|&index| has_trajectory(self, index)).collect();
         for (place, &index) in layers.iter().enumerate() {
@@ -66,7 +67,7 @@ impl PreparedShot {
         Ok(!stop())
     }
 
-    /// Whether a layer has its trajectory, or needs none.
+    /// Whether the trajectory of a layer has been solved.
     fn is_solved_over_time(&self, index: usize) -> bool {
         match self.shot.layers[index].space {
             LayerSpace::Screen { .. } => self.cache.trajectories.is_known(index),
@@ -74,16 +75,16 @@ impl PreparedShot {
         }
     }
 
-    /// Whether a device draws the shot; pictures and plates are warped as pictures.
+    /// Whether a device draws the shot; pictures and plates are warped instead.
     #[must_use]
     pub fn needs_raster(&self) -> bool {
         matches!(self.shot.source, Source::Scene(_))
     }
 
-    /// A solved time, drawn with one sample a pixel.
+    /// Draws a solved time with one sample per pixel.
     ///
     /// # Errors
-    /// [`PipelineError`] where drawing fails.
+    /// [`PipelineError`] if drawing fails.
     pub fn draft(
         &self,
         device: Option<&mut Device>,
@@ -108,10 +109,10 @@ impl PreparedShot {
         }
     }
 
-    /// A frame as a render writes it; `None`: it was stopped.
+    /// Returns a frame with the pixels of a render; `None` if it was stopped.
     ///
     /// # Errors
-    /// [`PipelineError`] where it cannot be solved or drawn.
+    /// [`PipelineError`] if the frame cannot be solved or drawn.
     pub fn finished(
         &self,
         device: Option<&mut Device>,
@@ -136,7 +137,7 @@ impl PreparedShot {
         }
     }
 
-    /// The plate of a sample's frame, moved by its layers.
+    /// Returns the plate of a sample's frame, warped by its layers.
     fn warped_plate(&self, sample: &TimeSample) -> Result<Frame, PipelineError> {
         let Some(pattern) = &self.shot.plate else { return Ok(self.blank()) };
         let frame = (sample.frame - mid_shutter(self.shot.shutter)).round() as i32;
@@ -150,7 +151,7 @@ impl PreparedShot {
         Ok(warp_plate(&plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)
     }
 
-    /// A frame of nothing.
+    /// Returns an empty frame.
     fn blank(&self) -> Frame {
         let display = self.shot.size.window();
         Frame { pixel_aspect: self.shot.size.pixel_aspect, ..Frame::blank(display, display, &[]) }
@@ -161,7 +162,7 @@ fn stopped(frame: i32) -> PipelineError {
     PipelineError::Interrupted { frame }
 }
 
-/// A device that gives up between two passes.
+/// A device that can be stopped between two passes.
 struct Stoppable<'a> {
     device: &'a mut Device,
     stop: &'a Stop<'a>,

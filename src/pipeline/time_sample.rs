@@ -1,6 +1,6 @@
-//! The scene at one time: posed, seen by its camera, every layer solved.
+//! The scene at one time: posed, projected by its camera, with every layer solved.
 //!
-//! Plain data: what [`evaluate`](super::evaluate) computes for a (fractional) frame.
+//! Plain data, computed by [`evaluate`](super::evaluate) for a (fractional) frame.
 
 use super::LayerAssignment;
 use super::part_starts::PartStarts;
@@ -20,28 +20,28 @@ use std::borrow::Cow;
 pub struct TimeSample {
     /// The (fractional) frame.
     pub frame: f64,
-    /// The pose, moved by the world layers.
+    /// The pose, deformed by the world layers.
     pub pose: Pose,
     /// The camera.
     pub camera: Camera,
-    /// The pose on the screen, while layers are solved: samples that are kept are lean.
+    /// The projected pose, present only while layers are solved, so that cached samples stay small.
     pub(super) mesh: Option<ScreenMesh>,
-    /// One a layer of the shot.
+    /// One per layer of the shot.
     pub layers: Vec<LayerState>,
 }
 
-/// A layer at one time.
+/// The state of a layer at one time.
 #[derive(Clone, Debug, Default)]
 pub struct LayerState {
-    /// The solved lattice of a screen layer; `None` where it is out of sight or has neither handles nor pins that act.
+    /// The solved lattice of a screen layer; `None` if the layer is out of sight or has neither handles nor active pins.
     pub solution: Option<Solution<2>>,
-    /// The warp of a whole picture whose border rests: its lattice is that of `solution`.
+    /// The warp of a whole picture whose border rests; its lattice is that of `solution`.
     pub whole: Option<WholeWarp>,
-    /// The solved lattice of a world layer; `None` where it has neither handles nor pins that act.
+    /// The solved lattice of a world layer; `None` if the layer has neither handles nor active pins.
     pub world: Option<WorldSolution>,
-    /// One a pin that acts.
+    /// One per active pin.
     pub pins: Vec<PinState>,
-    /// Where its parts lie in the shape of a lattice with branches; empty without branches.
+    /// Positions of the layer's parts in the shape of a branching lattice; empty for plain lattices.
     pub(super) starts: Vec<PartStarts>,
 }
 
@@ -50,18 +50,18 @@ pub struct LayerState {
 pub struct WorldSolution {
     /// The lattice.
     pub lattice: SceneLattice,
-    /// How good it is; pin errors in metres.
+    /// The solver's report; pin errors in metres.
     pub report: SolveReport,
-    /// One a pin that acts.
+    /// One per active pin.
     pub pins: Vec<ScenePin>,
 }
 
-/// A pin of a world layer, scene space, metres.
+/// A pin of a world layer in scene space, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScenePin {
-    /// Where its point is before the warp.
+    /// Position of the pinned point before the warp.
     pub rest: DVec3,
-    /// Where it has to go.
+    /// Target position.
     pub target: DVec3,
 }
 
@@ -70,18 +70,18 @@ pub struct ScenePin {
 pub struct PinState {
     /// Index in the layer.
     pub pin: usize,
-    /// Where its point is before the warp.
+    /// Position of the pinned point before the warp.
     pub rest: ScreenPoint,
-    /// Where it has to go.
+    /// Target position.
     pub target: ScreenPoint,
-    /// 1, or less where it fades near the camera.
+    /// 1, falling to 0 where the pin fades near the camera.
     pub presence: f64,
-    /// The camera sees both places; where it does not, they say nothing (pins of world layers act there, too).
+    /// Whether the camera sees both positions; otherwise they are undefined (pins of world layers act even then).
     pub is_in_view: bool,
 }
 
 impl LayerState {
-    /// How good its solve is; `None` where the layer is not warped.
+    /// Returns the report of the layer's solve; `None` if the layer is not warped.
     #[must_use]
     pub fn report(&self) -> Option<&SolveReport> {
         let world = self.world.as_ref().map(|world| &world.report);
@@ -90,7 +90,7 @@ impl LayerState {
 }
 
 impl LayerState {
-    /// What warps a part of the layer on the screen.
+    /// Returns the warp of a part of the layer on the screen.
     fn part_warp(&self, part: usize) -> PartWarp<'_> {
         let Some(solution) = &self.solution else { return PartWarp::Rest };
         let own = self.starts.iter().find(|own| own.part == part);
@@ -100,30 +100,31 @@ impl LayerState {
         }
     }
 
-    /// Where the points of a plate go; `None` where the layer is not warped. `is_whole`: no matte cuts it out.
+    /// Returns the field by which the layer moves a plate; `None` if the layer is not warped. `is_whole`: no matte cuts
+    /// the layer out.
     #[must_use]
     pub fn field(&self, is_whole: bool) -> Option<Field> {
         Some(self.screen_warp()?.field(is_whole))
     }
 
-    /// What moves the layer on the screen; `None` where it is not warped.
+    /// Returns the warp of the layer on the screen; `None` if the layer is not warped.
     pub(super) fn screen_warp(&self) -> Option<ScreenWarp> {
         let whole = self.whole.clone().map(ScreenWarp::Whole);
         whole.or_else(|| Some(ScreenWarp::Lattice(self.solution.as_ref()?.lattice.clone())))
     }
 }
 
-/// What moves a layer on the screen.
+/// The warp of a layer on the screen.
 #[derive(Clone, Debug)]
 pub(super) enum ScreenWarp {
-    /// Its lattice.
+    /// A lattice.
     Lattice(ScreenLattice),
-    /// A whole picture whose border rests: a lattice and more.
+    /// The warp of a whole picture whose border rests: a lattice followed by a flow.
     Whole(WholeWarp),
 }
 
 impl ScreenWarp {
-    /// Where the points of a plate go; `is_whole`: no matte cuts the layer out.
+    /// Returns the field by which the layer moves a plate; `is_whole`: no matte cuts the layer out.
     pub(super) fn field(self, is_whole: bool) -> Field {
         match self {
             Self::Whole(whole) if is_whole => Field::of_whole(&whole),
@@ -134,13 +135,13 @@ impl ScreenWarp {
 }
 
 impl TimeSample {
-    /// The pose on the screen, before the layers of the screen warp it. Solved samples project it again.
+    /// Returns the projected pose before screen layers warp it; cached samples project it again.
     #[must_use]
     pub fn mesh(&self) -> Cow<'_, ScreenMesh> {
         self.mesh.as_ref().map_or_else(|| Cow::Owned(project(&self.pose, &self.camera)), Cow::Borrowed)
     }
 
-    /// What warps a part on the screen, one a part; layers that `counts` leaves out rest.
+    /// Returns the warp of every part on the screen; layers excluded by `counts` are at rest.
     pub(super) fn warps<'a>(
         &'a self,
         assignment: &'a LayerAssignment,

@@ -1,6 +1,6 @@
-//! Screen layers at one time: from their trajectories, or solved alone.
+//! Evaluates screen layers at one time, from their trajectories or by separate solves.
 //!
-//! In: a [`TimeSample`] that is projected, and a layer. Out: the layer's state.
+//! In: a projected [`TimeSample`] and a layer. Out: the layer's state.
 
 use super::layer_pins::fade;
 use super::layer_timeline::{LayerTimeline, Watcher};
@@ -10,7 +10,7 @@ use super::{LayerState, PipelineError, PreparedShot, TimeSample, screen_layer};
 use crate::shot::BoxRule;
 use crate::solve::{Cancel, Problem, Solver, Targets};
 
-/// The state of a layer of the screen: from its trajectory, or of this time alone.
+/// Returns the state of a screen layer, from its trajectory if it has one, and otherwise solved for this time alone.
 pub(super) fn solve(
     prepared: &PreparedShot,
     sample: &TimeSample,

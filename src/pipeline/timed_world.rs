@@ -1,6 +1,6 @@
-//! Layers of the scene at one time: from their trajectories, or solved alone; they move the meshes themselves.
+//! Evaluates world layers at one time, from their trajectories or by separate solves, and moves the meshes.
 //!
-//! In: a pose and its camera. Out: the lattice of each such layer, and a [`TimeSample`] whose meshes are moved.
+//! In: a pose and its camera. Out: the lattice of each world layer, and a [`TimeSample`] with deformed meshes.
 
 use super::layer_solve::solve_layer;
 use super::layer_timeline::Watcher;
@@ -15,10 +15,10 @@ use crate::screen::{Camera, project};
 use crate::solve::{Cancel, Problem, Solution, Solver, Targets};
 
 impl PreparedShot {
-    /// Poses and projects a (fractional) frame: the layers of the scene are solved, those of the screen are not.
+    /// Poses and projects a (fractional) frame with its world layers solved and its screen layers unsolved.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer of the scene cannot be solved.
+    /// [`PipelineError::Solve`] if a world layer cannot be solved.
     pub fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
         let (mut pose, camera) = self.view(frame);
         let layers = solve_all(self, frame, &pose, &camera)?;
@@ -28,7 +28,7 @@ impl PreparedShot {
     }
 }
 
-/// One state a layer: solved where it is a world layer.
+/// Returns one state per layer, solved for world layers.
 fn solve_all(
     prepared: &PreparedShot,
     frame: f64,
@@ -57,7 +57,8 @@ impl WorldLayer<'_> {
         Ok(LayerState { world, pins, ..LayerState::default() })
     }
 
-    /// From its trajectory, or of this time alone. Where no handle is moved it fades with the pin that is present most.
+    /// Returns the solution from the layer's trajectory, or solved for this time alone. If no handle is moved, the
+    /// latter fades with the largest presence of the pins.
     fn solution(&self, time: f64, goal: &Targets<3>, presence: f64) -> Result<Solution<3>, PipelineError> {
         let layer = &self.prepared.shot.layers[self.index];
         let fault = |source| PipelineError::Solve { layer: layer.name.clone(), frame: time, source };

@@ -1,15 +1,15 @@
-//! Where lattices that branch can be used, and where only plain ones.
+//! Checks where branching lattices can be used, and where plain ones are required.
 //!
-//! In: a [`PreparedShot`]. Out: errors that name the layer and what to do.
+//! In: a [`PreparedShot`]. Out: errors that name the layer and the remedy.
 
 use super::{PipelineError, PreparedShot};
 use crate::shot::Source;
 use crate::solve::Topology;
 
-/// Refuses layers whose lattices branch, where only plain ones can be carried; `what`: what was asked.
+/// Refuses layers with branching lattices where only plain ones are supported; `what`: the operation requested.
 ///
 /// # Errors
-/// [`PipelineError::Unusable`], naming the first such layer.
+/// [`PipelineError::Unusable`] for the first such layer.
 pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), PipelineError> {
     match prepared.shot.layers.iter().find(|layer| layer.settings.topology != Topology::Plain) {
         Some(layer) => Err(PipelineError::Unusable {
@@ -20,10 +20,10 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
     }
 }
 
-/// Refuses several pictures in a layer that branches: they would count as islands, each held to the others in one place.
+/// Refuses several pictures in one branching layer: they would count as islands, each linked to the others at a single place.
 ///
 /// # Errors
-/// [`PipelineError::Mismatch`], naming the first such layer.
+/// [`PipelineError::Mismatch`] for the first such layer.
 pub(super) fn check_branching(prepared: &PreparedShot) -> Result<(), PipelineError> {
     let layers = prepared.shot.layers.iter().zip(&prepared.assignment.parts_of_layer).enumerate();
     let is_picture = matches!(prepared.shot.source, Source::Images(_));

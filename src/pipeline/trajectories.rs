@@ -1,7 +1,7 @@
-//! Layers with a temporal weight: solved over a range of frames instead of frame by frame.
+//! Provides the trajectories of layers with a temporal weight, which are solved over a range of frames instead of frame by frame.
 //!
-//! In: a [`PreparedShot`], a layer. Out: its [`Trajectory`], solved once or read from its file. The range is the shot's own, so a frame depends
-//! on the shot and its number alone.
+//! In: a [`PreparedShot`] and a layer. Out: its [`Trajectory`], solved once or read from its file. The range is fixed
+//! by the shot, so a frame depends on the shot and its number alone.
 
 use super::layer_timeline::{LayerTimeline, Watcher, first_knot};
 use super::screen_layer::border_rests;
@@ -15,15 +15,15 @@ use crate::solve::{Cancel, Coupling, Guard, Settings, SolveError, Spread, Timeli
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Knots a frame.
+/// Number of knots per frame.
 const KNOTS_PER_FRAME: u32 = 1;
 
-/// A speed that needs no reason: a pixel of 1080 lines a frame, in frame heights.
+/// Speed that never counts as a jump, even if pins and model are at rest: one pixel per frame at 1080 lines, in frame heights.
 const LEAST_SPEED: f64 = 1.0 / 1080.0;
 
 impl PreparedShot {
-    /// The same, with trajectories kept in files beside the frames of `outputs` (path patterns): read from all of these places, and
-    /// where they may be written, written to the first.
+    /// Returns the same shot with trajectories stored in files beside the frames of `outputs` (path patterns). They are
+    /// read from all of these places, and written to the first if `keeping` permits it.
     #[must_use]
     pub fn keeping_trajectories<'a>(mut self, outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
         self.trajectory_files = Some(TrajectoryFiles::beside(outputs, keeping));
@@ -40,21 +40,21 @@ pub(super) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
         && guard == Guard::Report
         && is_moved
         && prepared.layer_inputs.loaded[index].is_none()
-        // Its lattice is compliant, and what is left depends on this frame's pins.
+        // Layers with a resting border use compliant settings and a correction that depends on the pins of one frame.
         && !border_rests(&prepared.shot.source, layer)
 }
 
-/// What the user should know of a layer that is solved over time.
+/// Information for the user on a layer that is solved over time.
 pub(super) enum Told {
-    /// A snap is spread over the frame.
+    /// A sudden jump is spread over several frames, including this one.
     Spread(Spread),
-    /// Why its frames are solved alone all the same.
+    /// The reason why its frames are solved one by one nevertheless.
     Alone(Arc<str>),
-    /// The frame lies outside the range over which it is solved.
+    /// The frame lies outside the given range, over which the layer is solved.
     Outside([i32; 2]),
 }
 
-/// What is to be told of a layer in a frame.
+/// Returns the information on a layer in a frame.
 pub(super) fn told_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<Told> {
     if !has_trajectory(prepared, index) {
         return None;
@@ -70,7 +70,7 @@ pub(super) fn told_at(prepared: &PreparedShot, index: usize, frame: i32) -> Opti
     }
 }
 
-/// What is known of a trajectory, on the screen or in the scene; or why there is none.
+/// Returns figures of a layer's trajectory, for screen and world layers, or the reason why there is none.
 ///
 /// # Errors
 /// As [`trajectory`].
@@ -85,10 +85,10 @@ pub(super) fn facts(
     })
 }
 
-/// The trajectory of a layer on the screen: known, read, or solved.
+/// Returns the trajectory of a screen layer, from the cache, from its file, or solved.
 ///
 /// # Errors
-/// [`PipelineError::Solve`] where the watcher no longer wants it.
+/// [`PipelineError::Solve`] if the watcher cancels it.
 pub(super) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher) -> Result<Outcome<2>, PipelineError> {
     let first = f64::from(prepared.shot.solve_range[0]);
     let made = prepared.cache.trajectories.of(index, || {
@@ -101,7 +101,7 @@ pub(super) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher
     made.map_err(|source| cancelled(prepared, index, source))
 }
 
-/// The same of a layer in the scene.
+/// Returns the trajectory of a world layer.
 ///
 /// # Errors
 /// As [`trajectory`].
@@ -127,7 +127,7 @@ fn cancelled(prepared: &PreparedShot, index: usize, source: SolveError) -> Pipel
     PipelineError::Solve { layer: prepared.shot.layers[index].name.clone(), frame, source }
 }
 
-/// Cancelled solves are errors; all others are kept.
+/// Passes on cancellation as an error; all other outcomes, including failures, are cached.
 fn outcome<const D: usize>(
     found: Result<Kept<D>, SolveError>,
     points: Vec<PinAnchor>,
@@ -155,7 +155,7 @@ struct Kept<const D: usize> {
     is_read: bool,
 }
 
-/// The trajectory of a layer from its file, or else solved and written there.
+/// Reads the trajectory of a layer from its file, or solves it and writes the file.
 fn kept_or<const D: usize>(
     prepared: &PreparedShot,
     index: usize,
@@ -174,8 +174,8 @@ fn kept_or<const D: usize>(
     Ok(Kept { trajectory, file, is_read: false })
 }
 
-/// Solves on threads of its own. The caller may be one of a pool: waiting there it would take up other work, some of which waits for
-/// this very trajectory.
+/// Solves on a separate thread pool. The caller may be a worker of a pool; if it waited there, it would take up other
+/// tasks, some of which wait for this very trajectory.
 fn solve_apart<const D: usize>(
     timeline: &(impl Timeline<D, Error = SolveError> + Sync),
     coupling: Coupling,

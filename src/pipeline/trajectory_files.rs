@@ -1,7 +1,7 @@
-//! Trajectories kept in files beside the frames, so that runs that follow, and other machines, need not solve them again.
+//! Stores trajectories in files beside the frames, so that later runs, also of other machines, need not solve them again.
 //!
-//! In: a folder, a key, bytes. Out: the same bytes, or nothing. A file appears whole or not at all, so writers cannot disturb each other:
-//! they write the same. Its checksum tells a damaged one, which counts as missing.
+//! In: a folder, a key, bytes. Out: the same bytes, or nothing. Files are replaced atomically, and concurrent writers
+//! write the same bytes, so they cannot disturb each other. A checksum detects damaged files, which count as missing.
 
 use crate::image::replace_bytes;
 use std::fs;
@@ -9,42 +9,42 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use twox_hash::XxHash3_128;
 
-/// The folder, beside the frames.
+/// Name of the folder beside the frames.
 const FOLDER: &str = ".pinwarp-trajectories";
 
-/// Ending of the files.
+/// Extension of the files.
 const ENDING: &str = ".trajectory";
 
-/// How a file begins; the number is that of its layout.
+/// First bytes of a file; the number is the version of the format.
 const HEAD: &[u8; 16] = b"pinwarp track 1\n";
 
-/// Length of a checksum.
+/// Length of the checksum, bytes.
 const CHECKSUM: usize = 16;
 
-/// Files of a layer that are kept; those used longest ago go.
+/// Number of files kept per layer; those written longest ago are removed.
 const KEPT: usize = 4;
 
-/// What a run may do with kept trajectories.
+/// Whether a run reads or also writes stored trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keeping {
-    /// Read those that are there.
+    /// Reads existing trajectories.
     Read,
-    /// And write those that are not.
+    /// Also writes missing ones.
     Write,
 }
 
-/// Where a run finds trajectories.
+/// The folders in which trajectories are stored.
 #[derive(Clone, Debug)]
 pub(super) struct TrajectoryFiles {
-    /// They are written into the first.
+    /// All are read; the first is written.
     folders: Vec<PathBuf>,
     keeping: Keeping,
 }
 
-/// What a file is called: by the layer, and by all that its content follows from.
+/// The key of a file: the layer, and a digest of all inputs of its trajectory.
 #[derive(Clone, Debug)]
 pub(super) struct FileKey {
-    /// Of the shot and the layer, for people and for tidying up.
+    /// Names shot and layer, for users and for removing old files.
     pub(super) prefix: String,
     /// 32 hexadecimal digits.
     pub(super) digest: String,
@@ -57,7 +57,7 @@ impl FileKey {
 }
 
 impl TrajectoryFiles {
-    /// Beside frames, by their path patterns. They are looked for in all places, and written to the first.
+    /// Creates the store beside frames given by their path patterns.
     pub(super) fn beside<'a>(outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
         let folder = |output: &Path| {
             let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty());
@@ -68,7 +68,7 @@ impl TrajectoryFiles {
         Self { folders, keeping }
     }
 
-    /// What is kept under a key, and where.
+    /// Returns the bytes stored under a key, and the file.
     pub(super) fn read(&self, key: &FileKey) -> Option<(Vec<u8>, PathBuf)> {
         let paths = self.folders.iter().map(|folder| folder.join(key.file_name()));
         paths.into_iter().find_map(|path| {
@@ -81,8 +81,8 @@ impl TrajectoryFiles {
         })
     }
 
-    /// Keeps bytes under a key, where the run may; the file's path. What cannot be kept is computed again by others, so a full disk is
-    /// told and no fault.
+    /// Stores bytes under a key if the run may write, and returns the file. Failures are only logged, because other
+    /// runs can compute the bytes again.
     pub(super) fn write(&self, key: &FileKey, bytes: &[u8]) -> Option<PathBuf> {
         let folder = self.folders.first().filter(|_| self.keeping == Keeping::Write)?;
         let path = folder.join(key.file_name());
@@ -103,7 +103,7 @@ impl TrajectoryFiles {
     }
 }
 
-/// The bytes of a whole file that was written under a key.
+/// Returns the contents of an undamaged file written under a key.
 fn content<'a>(file: &'a [u8], key: &FileKey) -> Option<&'a [u8]> {
     let (body, checksum) = file.split_last_chunk::<CHECKSUM>()?;
     if XxHash3_128::oneshot(body).to_le_bytes() != *checksum {
@@ -112,7 +112,7 @@ fn content<'a>(file: &'a [u8], key: &FileKey) -> Option<&'a [u8]> {
     body.strip_prefix(HEAD)?.strip_prefix(key.digest.as_bytes())
 }
 
-/// Removes all but the youngest files of a layer. Whoever has read one keeps it in memory.
+/// Removes all but the newest files of a layer. Runs that have read an older one hold it in memory.
 fn tidy(folder: &Path, key: &FileKey) {
     let prefix = format!("{}.", key.prefix);
     let is_own = |name: &str| {

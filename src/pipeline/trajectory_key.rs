@@ -1,7 +1,7 @@
-//! What a trajectory follows from, as a name for its file.
+//! Derives the name of a trajectory's file from the inputs of the trajectory.
 //!
-//! In: a [`PreparedShot`] and a layer. Out: a [`FileKey`]: the same wherever the same bits would be computed, and nowhere else. Frames and pins
-//! of other layers on the screen, and where anything lies on the machine, do not count.
+//! In: a [`PreparedShot`] and a layer. Out: a [`FileKey`], which is the same exactly where the same bits would be
+//! computed. The frames of the shot, the pins of other screen layers, and the locations of files do not count.
 
 use super::trajectory_files::FileKey;
 use super::{PreparedShot, contents};
@@ -10,11 +10,11 @@ use std::fmt::{self, Debug, Write};
 use std::path::{Path, PathBuf};
 use twox_hash::XxHash3_128;
 
-/// Longest name of a shot within the name of a file.
+/// Maximum length of the shot's name in a file name.
 const LONGEST_NAME: usize = 40;
 
 impl PreparedShot {
-    /// The key of a layer's trajectory.
+    /// Returns the key of a layer's trajectory.
     pub(super) fn trajectory_key(&self, index: usize) -> FileKey {
         let shared = *self.cache.trajectory_inputs.get_or_init(|| self.trajectory_inputs());
         let mut digest = Digest::default();
@@ -26,7 +26,7 @@ impl PreparedShot {
         FileKey { prefix: format!("{stem}.{index}"), digest: digest.finish() }
     }
 
-    /// What all of them follow from: this very program, the files of the shot, the scene as it moves and is seen.
+    /// Digests the inputs that all trajectories share: the program, the files of the shot, the animated scene and its camera.
     fn trajectory_inputs(&self) -> u128 {
         let mut digest = Digest::default();
         digest.add(&env!("CARGO_PKG_VERSION"));
@@ -39,17 +39,17 @@ impl PreparedShot {
         digest.add(&(shot.solve_range, frames.rate, frames.clip_start, shot.is_looped, clip, camera));
         digest.add(&(shot.size.aspect(), shot.size.pixel_aspect, shot.shutter, &shot.visibility, shot.allow_outside));
         digest.add(assignment);
-        // Layers of the scene move what is seen.
+        // World layers move what screen layers see.
         let is_world = |index: &usize| matches!(shot.layers[*index].space, LayerSpace::World { .. });
         (0..shot.layers.len()).filter(is_world).for_each(|index| self.add_layer(index, &mut digest));
         digest.0.finish_128()
     }
 
-    /// All that is said of a layer, but for how its part of the scene was found.
+    /// Adds all settings of a layer, except how its parts of the scene were selected.
     fn add_layer(&self, index: usize, digest: &mut Digest) {
         let layer = &self.shot.layers[index];
         let mut plain = layer.clone();
-        // Where a file lies does not count; what it holds does, see above.
+        // The location of a file does not count; its contents are part of the shared inputs.
         plain.transfer.iter_mut().for_each(|transfer| transfer.file = name_of(&transfer.file));
         plain.selection.mask.iter_mut().for_each(|mask| mask.file = name_of(&mask.file));
         digest.add(&plain);
@@ -64,7 +64,7 @@ fn name_of(path: &Path) -> PathBuf {
     path.file_name().map(Into::into).unwrap_or_default()
 }
 
-/// A digest of values by what they say of themselves: derived texts name every field, and write floats with all their digits.
+/// A digest of the debug output of values: derived implementations name every field, and print floats exactly.
 #[derive(Default)]
 struct Digest(XxHash3_128);
 

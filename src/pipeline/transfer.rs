@@ -1,6 +1,6 @@
-//! Lattices that were solved for another shot: loaded once, laid over a layer in every frame.
+//! Loads lattices that were solved for other shots, and fits them to layers in every frame.
 //!
-//! In: lattice files that layers name. Out: [`Loaded`] lattices, and the layer's state at a frame.
+//! In: the lattice files named by layers. Out: [`Loaded`] lattices, and the state of a layer at a frame.
 
 use super::layer_pins::unmeasured;
 use super::part_starts::PartStarts;
@@ -14,17 +14,17 @@ use crate::space::ScreenBox;
 use crate::spelling;
 use std::collections::BTreeMap;
 
-/// A lattice that was turned by its landmarks is told when it is farther off than this, pixels.
+/// Error of a lattice rotated by its landmarks above which it is reported, pixels.
 const TURNED_TOLERANCE_PX: f64 = 0.1;
 
-/// The lattices of a file, in frames of the shot that shows them.
+/// The lattices of a file, by frames of this shot.
 #[derive(Clone, Debug)]
 pub(super) struct Loaded {
     frames: BTreeMap<i32, SourceFrame>,
     has_branches: bool,
 }
 
-/// Loads what the layers name: one a layer.
+/// Loads the lattice files named by layers; one entry per layer.
 pub(super) fn load(shot: &Shot, notes: &mut Vec<String>) -> Result<Vec<Option<Loaded>>, PipelineError> {
     let mut loaded = Vec::with_capacity(shot.layers.len());
     for (index, layer) in shot.layers.iter().enumerate() {
@@ -88,8 +88,8 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
 }
 
 impl Loaded {
-    /// The layer's lattice at a (fractional) frame of its keys. `rest_box` gives the box it is laid over and `shape` what it moves, where
-    /// they are wanted.
+    /// Returns the state of the layer at a (fractional) frame of its keys. `rest_box` computes the box over which the
+    /// lattice is laid and `shape` the shape that it moves; both are called only if needed.
     pub(super) fn state(
         &self,
         shot: &Shot,
@@ -148,7 +148,7 @@ impl Loaded {
         LayerState { solution: Some(solution), ..state }
     }
 
-    /// The frames before and after a time, and how far it lies between them, 0 to 1; beyond the ends the nearest holds.
+    /// Returns the frames before and after a time, and its position between them, 0 to 1; beyond the ends, the nearest frame twice.
     fn around(&self, key_frame: f64) -> ([&SourceFrame; 2], f64) {
         let before = self.frames.range(..=key_frame.floor() as i32).next_back();
         let after = self.frames.range(key_frame.ceil() as i32..).next();
@@ -161,7 +161,7 @@ impl Loaded {
     }
 }
 
-/// What can be said of a lattice that nobody solved here: distortion is not measured.
+/// Returns a report for a lattice that was not solved here: distortion is not measured.
 fn report_of(folds: Folds<2>) -> SolveReport {
     SolveReport {
         folded_cells: folds.cells.len(),

@@ -1,7 +1,8 @@
-//! The branches of a lattice file laid over another shape.
+//! Fits the branches of a lattice file to another shape.
 //!
-//! In: the branches of a frame of the file, a [`LatticeFit`], a shape that splits by itself. Out: a [`BranchedLattice`] over that shape:
-//! each part of it goes with the branch of the file that holds most of it, or lies nearest.
+//! In: the branches of one frame of the file, a [`LatticeFit`], and a shape that is split into branches of its own.
+//! Out: a [`BranchedLattice`] over that shape: each of its parts follows the branch of the file that contains most of
+//! it or is nearest.
 
 use super::lattices_of_file;
 use crate::export::LatticeBranches;
@@ -15,11 +16,11 @@ use std::sync::OnceLock;
 pub(super) struct SourceFrame {
     pub(super) lattice: ScreenLattice,
     branches: Option<LatticeBranches>,
-    /// Found when first asked for.
+    /// Computed on first use.
     parts: OnceLock<SourceParts>,
 }
 
-/// Branches, and where each is at rest.
+/// The lattices of the branches, and their regions at rest.
 #[derive(Clone, Debug)]
 struct SourceParts {
     lattices: Vec<ScreenLattice>,
@@ -38,7 +39,7 @@ impl SourceFrame {
         Self { lattice, branches, parts: OnceLock::new() }
     }
 
-    /// The lattice with branches over a shape at rest.
+    /// Returns the branched lattice over a shape at rest.
     pub(super) fn over(&self, rest: &BranchedLattice<2>, fit: &LatticeFit) -> BranchedLattice<2> {
         let SourceParts { lattices, regions } = self.parts.get_or_init(|| self.parts());
         let lattices: Vec<ScreenLattice> = lattices.iter().map(|lattice| lattice.transferred(fit).lattice).collect();
@@ -58,7 +59,7 @@ impl SourceFrame {
     }
 }
 
-/// The branches that hold a point: all that lie over it, else the nearest.
+/// Returns the branches whose polygons contain a point, or else the nearest branch.
 fn branches_at(regions: &RTree<BranchPolygon>, point: [f64; 2]) -> Vec<usize> {
     let mut found: Vec<usize> = regions.locate_all_at_point(point).map(|polygon| polygon.branch).collect();
     found.sort_unstable();
@@ -80,7 +81,7 @@ impl RTreeObject for BranchPolygon {
 impl PointDistance for BranchPolygon {
     fn distance_2(&self, point: &[f64; 2]) -> f64 {
         let sides = || self.corners.iter().zip(self.corners.iter().cycle().skip(1));
-        // On the same side of all sides: inside.
+        // The point is inside if it lies on the same side of all edges.
         let turns = || sides().map(|(a, b)| (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]));
         if turns().all(|turn| turn >= 0.0) || turns().all(|turn| turn <= 0.0) {
             return self.envelope().distance_2(point);

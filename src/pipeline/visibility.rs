@@ -1,13 +1,13 @@
-//! Which nodes are drawn: `hide` and `show` of a shot.
+//! Hides nodes as the keys `hide` and `show` of a shot request.
 //!
-//! In: patterns of node names. Out: a scene whose hidden nodes carry no meshes, so that no later stage meets them.
+//! In: patterns of node names. Out: a scene whose hidden nodes have no meshes, so that no later stage sees them.
 
 use super::PipelineError;
 use crate::scene::Scene;
 use crate::shot::{Shot, Visibility};
 use crate::spelling;
 
-/// Takes the meshes of hidden nodes away; gives the nodes that lost one.
+/// Removes the meshes of hidden nodes and returns those nodes.
 pub(super) fn hide(shot: &Shot, scene: &mut Scene) -> Result<Vec<usize>, PipelineError> {
     let Visibility { hide, show } = &shot.visibility;
     if hide.is_empty() && show.is_empty() {
@@ -23,7 +23,7 @@ pub(super) fn hide(shot: &Shot, scene: &mut Scene) -> Result<Vec<usize>, Pipelin
     Ok(hidden)
 }
 
-/// #nodes: whether one of the patterns matches it or an ancestor.
+/// #nodes: whether one of the patterns matches the node or one of its ancestors.
 fn matching(shot: &Shot, scene: &Scene, (key, patterns): (&str, &[String])) -> Result<Vec<bool>, PipelineError> {
     let mut is_matched = vec![false; scene.nodes.len()];
     for (index, pattern) in patterns.iter().enumerate() {
@@ -37,7 +37,7 @@ fn matching(shot: &Shot, scene: &Scene, (key, patterns): (&str, &[String])) -> R
         matched.into_iter().for_each(|node| is_matched[node] = true);
     }
     for node in 0..scene.nodes.len() {
-        // Parents stand first.
+        // Parents precede their children.
         is_matched[node] |= scene.nodes[node].parent.is_some_and(|parent| is_matched[parent]);
     }
     Ok(is_matched)

@@ -1,15 +1,15 @@
-//! The points of a layer's model that a trajectory watches.
+//! Chooses the points of a layer's model that couple the knots of its trajectory.
 //!
-//! In: a [`PreparedShot`], a layer, a frame. Out: points of its surface, tied to its triangles as pins are.
+//! In: a [`PreparedShot`], a layer, a frame. Out: points of its surface, attached to triangles as pins are.
 
 use super::{PinAnchor, PreparedShot};
 use crate::screen::primitive;
 use glam::DVec3;
 
-/// How many.
+/// Number of points.
 const WATCHED_POINTS: usize = 256;
 
-/// Points spread evenly over the area of a layer's triangles in a frame; of a layer of lines its vertices.
+/// Returns points spread evenly over the area of a layer's triangles in a frame, or the vertices of a layer that has only lines.
 pub(super) fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinAnchor> {
     let (pose, _) = prepared.view(frame);
     let mut areas = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) 
     let step = vertices.len().div_ceil(WATCHED_POINTS).max(1);
     let pinned = |&(part, vertex): &(usize, u32)| PinAnchor::Surface {
         part,
-        // A line has none.
+        // A line has no triangle.
         triangle: usize::MAX,
         corners: [vertex; 3],
         barycentric: [1.0, 0.0, 0.0],

@@ -1,4 +1,4 @@
-//! Trajectories of a shot's layers, each solved or read once, and the points of the model that they watch.
+//! Cache of the trajectories of a shot's layers, each solved or read once, with the points of the model that couple its knots.
 
 use super::PinAnchor;
 use crate::solve::{Spread, Trajectory};
@@ -11,36 +11,36 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct WatchedTrajectory<const D: usize> {
     pub(super) trajectory: Trajectory<D>,
     pub(super) points: Vec<PinAnchor>,
-    /// The file that keeps it.
+    /// The file that stores it.
     pub(super) file: Option<PathBuf>,
-    /// It was read from there.
+    /// Whether it was read from that file.
     pub(super) is_read: bool,
 }
 
-/// What became of the attempt to solve a layer over time.
+/// The outcome of solving a layer over time.
 #[derive(Clone, Debug)]
 pub(super) enum Outcome<const D: usize> {
-    /// Its trajectory.
+    /// The trajectory.
     Solved(Arc<WatchedTrajectory<D>>),
-    /// Why there is none: each frame is solved alone.
+    /// The reason why there is none; each frame is then solved alone.
     Failed(Arc<str>),
 }
 
-/// What is known of a trajectory, wherever its layer lies.
+/// Figures of a trajectory of a screen or world layer.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
-    /// Times at which it was solved together with its neighbours.
+    /// Number of knots: times solved together with their neighbours.
     pub(super) knots: usize,
-    /// Where a snap is spread.
+    /// Frames over which a sudden jump is spread.
     pub(super) spreads: Vec<Spread>,
-    /// The file that keeps it.
+    /// The file that stores it.
     pub(super) file: Option<PathBuf>,
-    /// It was read from there.
+    /// Whether it was read from that file.
     pub(super) is_read: bool,
 }
 
 impl<const D: usize> Outcome<D> {
-    /// What is known of it, or why there is none.
+    /// Returns the figures of the trajectory, or the reason why there is none.
     pub(super) fn facts(&self) -> Result<Facts, Arc<str>> {
         match self {
             Self::Failed(why) => Err(Arc::clone(why)),
@@ -54,7 +54,7 @@ impl<const D: usize> Outcome<D> {
     }
 }
 
-/// Outcomes by layer. Who asks for one that is in the making waits for it; other layers do not wait.
+/// Outcomes by layer. A caller waits for an outcome that another thread is computing, but only for that layer.
 #[derive(Debug)]
 pub(super) struct Trajectories<const D: usize>(Mutex<HashMap<usize, Arc<Mutex<Option<Outcome<D>>>>>>);
 
@@ -65,7 +65,7 @@ impl<const D: usize> Default for Trajectories<D> {
 }
 
 impl<const D: usize> Trajectories<D> {
-    /// The outcome of a layer, made the first time; errors are not kept.
+    /// Returns the outcome of a layer, which is computed on first use; errors are not cached.
     pub(super) fn of<E>(&self, layer: usize, make: impl FnOnce() -> Result<Outcome<D>, E>) -> Result<Outcome<D>, E> {
         let own = Arc::clone(self.0.lock().unwrap_or_else(PoisonError::into_inner).entry(layer).or_default());
         let mut own = own.lock().unwrap_or_else(PoisonError::into_inner);
@@ -77,13 +77,13 @@ impl<const D: usize> Trajectories<D> {
         Ok(made)
     }
 
-    /// The outcome of a layer is there.
+    /// Whether the outcome of a layer has been computed.
     pub(super) fn is_known(&self, layer: usize) -> bool {
         let own = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(&layer).map(Arc::clone);
         own.is_some_and(|own| own.try_lock().is_ok_and(|own| own.is_some()))
     }
 
-    /// Lets go of those of other layers.
+    /// Removes the outcomes of layers for which `is_kept` is false.
     pub(super) fn retain(&self, is_kept: impl Fn(usize) -> bool) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|&layer, _| is_kept(layer));
     }

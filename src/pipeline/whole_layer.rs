@@ -1,6 +1,6 @@
-//! Layers that move a whole picture whose border rests: compliant settings before the solve, a [`WholeWarp`] after it.
+//! Layers that move a whole picture whose border rests: compliant settings for the solve, and a [`WholeWarp`] after it.
 //!
-//! In: a layer's settings and pins, its solved lattice. Out: other settings; the warp, and a report that tells of it.
+//! In: a layer's settings and pins, its solved lattice. Out: the modified settings; the warp, and a report that describes it.
 
 use super::PinState;
 use super::layer_pins::unmeasured;
@@ -11,15 +11,15 @@ use crate::solve::{
 };
 use crate::space::ScreenPoint;
 
-/// λmp, dimensionless: pins are met to about a fiftieth of their ways where the lattice is fine enough, and where it is
-/// not, it takes what it can without swinging out elsewhere (docs/METHOD.md, "Whole pictures").
+/// λmp, dimensionless. Pins are met up to about a fiftieth of their displacement if the lattice is fine enough; a
+/// coarser lattice takes what it can without swinging out elsewhere (docs/METHOD.md, "Whole pictures").
 const PINS: f64 = 3e3;
-/// λgp of the border's handles, dimensionless.
+/// λgp of the border handles, dimensionless.
 const BORDER: f64 = 1e3;
-/// A pin farther than this from its target is off it, frame heights.
+/// Distance from its target above which a pin is reported, frame heights.
 const OFF: f64 = 1e-5;
 
-/// The settings of a solve in which neither pins nor the border take handles away from the lattice.
+/// Returns settings under which pins and border constrain the lattice softly.
 pub(super) fn compliant(settings: &Settings) -> Settings {
     let lambdas = match settings.scaling {
         Scaling::Dimensionless => Lambdas { pins: PINS, handles: BORDER, ..settings.lambdas },
@@ -28,7 +28,7 @@ pub(super) fn compliant(settings: &Settings) -> Settings {
     Settings { pin_hold: PinHold::Soft, guard: Guard::Report, lambdas, ..settings.clone() }
 }
 
-/// The pins of a layer as its whole picture sees them; `weights` one a pin that acts, 0 to 1.
+/// Converts the active pins of a layer to those of its whole picture; `weights`: one per active pin, 0 to 1.
 pub(super) fn whole_pins(states: &[PinState], targets: &PinTargets, weights: &[f64]) -> Vec<WholePin> {
     let pin = |(state, &weight): (&PinState, &f64)| {
         let target = &targets.pins[state.pin];
@@ -41,7 +41,7 @@ pub(super) fn whole_pins(states: &[PinState], targets: &PinTargets, weights: &[f
     states.iter().zip(weights).map(pin).collect()
 }
 
-/// The warp of the whole picture by a solved lattice, of which it keeps the part that it uses.
+/// Returns the warp of the whole picture by a solved lattice, and replaces the lattice by the part that the warp uses.
 pub(super) fn finish(solution: &mut Solution<2>, pins: &[WholePin]) -> WholeWarp {
     let whole = WholeWarp::fit(&solution.lattice, pins);
     solution.lattice = whole.lattice.clone();
@@ -70,7 +70,7 @@ pub(super) fn finish(solution: &mut Solution<2>, pins: &[WholePin]) -> WholeWarp
     whole
 }
 
-/// The pin that ends nearest to where a pin does: it stands before it.
+/// Returns the pin whose image is nearest to that of the given pin, and which therefore obstructs it.
 fn nearest(ends: &[ScreenPoint], pin: usize) -> Option<usize> {
     let apart = |other: usize| (ends[pin] - ends[other]).0.length();
     (0..ends.len()).filter(|&other| other != pin).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))

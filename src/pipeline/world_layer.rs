@@ -1,4 +1,4 @@
-//! World layers: shape, pins and handles of a layer of the scene at one time.
+//! World layers: shape, pins and handles at one time.
 //!
 //! In: a pose and its camera. Out: a [`WorldLayer`], and the problems that are solved for it.
 
@@ -14,7 +14,7 @@ use crate::solve::{ModelPoint, PointPin, Shape, Targets, TimedProblem};
 use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec3};
 
-/// A world layer at one time, on its way to be solved.
+/// A world layer at one time, ready to be solved.
 pub(super) struct WorldLayer<'a> {
     pub(super) prepared: &'a PreparedShot,
     pose: &'a Pose,
@@ -24,7 +24,7 @@ pub(super) struct WorldLayer<'a> {
     pub(super) grid: Grid<3>,
 }
 
-/// A pin as the solver and as the user sees it.
+/// A pin as seen by the solver and by the user.
 pub(super) struct WorldPin {
     pub(super) state: PinState,
     pub(super) in_scene: ScenePin,
@@ -32,7 +32,7 @@ pub(super) struct WorldPin {
 }
 
 impl<'a> WorldLayer<'a> {
-    /// A layer at a (fractional) frame; `None` where it is none of the scene, or nothing moves it.
+    /// Returns the layer at a (fractional) frame; `None` for screen layers, and for layers without pins, handles or geometry.
     pub(super) fn at(
         prepared: &'a PreparedShot,
         index: usize,
@@ -45,7 +45,7 @@ impl<'a> WorldLayer<'a> {
         Some(Self { prepared, pose, camera, index, frame, grid })
     }
 
-    /// Its pins at a time, and where everything has to go.
+    /// Returns the layer's active pins at a time, and the targets of pins and handles.
     pub(super) fn goal(&self, time: f64) -> (Vec<WorldPin>, Targets<3>) {
         let layer = &self.prepared.shot.layers[self.index];
         let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, time));
@@ -54,7 +54,7 @@ impl<'a> WorldLayer<'a> {
         (pins, Targets { pins: points, handles: moved_handles(layer, &self.grid, &targets) })
     }
 
-    /// What its trajectory is solved for at a time; `None` where neither pins nor handles act.
+    /// Returns the problem for a trajectory at a time; `None` if neither pins nor handles act.
     pub(super) fn timed_problem(&self, time: f64, points: &[PinAnchor]) -> Option<TimedProblem<3>> {
         let (_, goal) = self.goal(time);
         if goal.pins.is_empty() && goal.handles.is_empty() {
@@ -68,7 +68,7 @@ impl<'a> WorldLayer<'a> {
         Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
     }
 
-    /// The layer's triangles and lines in the frame of the box.
+    /// Returns the layer's triangles and lines in the frame of its box.
     pub(super) fn shape(&self) -> Shape<3> {
         let mut shape = Shape::default();
         for &part in &self.prepared.assignment.parts_of_layer[self.index] {
@@ -89,7 +89,7 @@ impl<'a> WorldLayer<'a> {
         shape
     }
 
-    /// The pins that act.
+    /// Returns the active pins.
     fn pins(&self, targets: &PinTargets) -> Vec<WorldPin> {
         let anchors = self.prepared.anchors_of(self.index).iter().zip(&targets.pins).enumerate();
         anchors.filter_map(|(pin, (pinned, target))| self.pin(pin, pinned.in_scene(self.pose)?, target)).collect()
@@ -97,8 +97,8 @@ impl<'a> WorldLayer<'a> {
 
     fn pin(&self, pin: usize, rest: DVec3, target: &PinTarget) -> Option<WorldPin> {
         let seen = self.camera.project_exact(rest);
-        // A place on the screen says nothing about a point that is not in front of the camera. Offsets fade by
-        // themselves: the nearer the point, the fewer metres they are.
+        // A target on the screen is undefined for a point that is not in front of the camera. Offsets need no fading:
+        // the nearer the point, the smaller they are in metres.
         let presence = match target.goal {
             Goal::Target(_) => presence(seen.depth, self.camera),
             _ => 1.0,
@@ -120,7 +120,7 @@ impl<'a> WorldLayer<'a> {
         Some(WorldPin { state, in_scene: ScenePin { rest, target: goal }, point })
     }
 
-    /// How far a pin has to go in scene space.
+    /// Returns the displacement of a pin in scene space.
     fn displacement(&self, pin: usize, (rest, seen): (DVec3, Projected), goal: Goal) -> DVec3 {
         let layer = &self.prepared.shot.layers[self.index];
         match goal {
@@ -140,7 +140,7 @@ impl<'a> WorldLayer<'a> {
         }
     }
 
-    /// The gradient a pin holds, in the frame of the box: images of its axes.
+    /// Returns the gradient that a pin prescribes, in the frame of the box, by columns: the images of its axes.
     fn gradient(&self, pin: usize, target: &PinTarget) -> Option<[[f64; 3]; 3]> {
         if target.rotation.is_none() && target.log_scale.is_none() {
             return None;

@@ -1,6 +1,6 @@
-//! A layer of the scene as a function of time: what its trajectory is solved for.
+//! A world layer as a function of time, from which its trajectory is solved.
 //!
-//! In: a [`PreparedShot`], a layer. Out: its problem at any time.
+//! In: a [`PreparedShot`] and a layer. Out: the layer's problem at any time.
 
 use super::layer_timeline::Watcher;
 use super::world_layer::WorldLayer;
@@ -9,7 +9,7 @@ use crate::lattice::Grid;
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
 
-/// A layer of the scene as a function of time.
+/// A world layer as a function of time.
 pub(super) struct WorldTimeline<'a> {
     pub(super) prepared: &'a PreparedShot,
     pub(super) index: usize,
@@ -22,7 +22,7 @@ impl WorldTimeline<'_> {
         &self.prepared.shot.layers[self.index]
     }
 
-    /// Diagonal of the box at a time, metres; 1 where there is none.
+    /// Returns the diagonal of the box at a time, metres; 1 if there is no box.
     pub(super) fn size(&self, time: f64) -> f64 {
         let (pose, camera) = self.prepared.view(time);
         WorldLayer::at(self.prepared, self.index, time, (&pose, &camera)).map_or(1.0, |layer| layer.grid.diagonal())

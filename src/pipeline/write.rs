@@ -10,11 +10,11 @@ use crate::raster::{ChannelGroup, DeviceClass};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-/// What the raster hands to the writer.
+/// The message from the drawing thread to the writer.
 pub(super) enum Drawn {
-    /// A whole frame.
+    /// A complete frame.
     Frame(Box<Frame>, Box<FrameFacts>),
-    /// A frame that could not be made, and why.
+    /// A frame that failed, and the error.
     Failed(i32, PipelineError),
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// `shot_hash`: digest of the shot and of what its files hold.
+    /// Creates the writer; `shot_hash`: digest of the shot and of the contents of its files.
     pub(super) fn new(
         prepared: &'a PreparedShot,
         options: &'a RenderOptions,
@@ -39,7 +39,7 @@ impl<'a> Writer<'a> {
         Self { prepared, options, output, device, shot_hash, summary: Summary::default() }
     }
 
-    /// Writes everything that arrives; one failed frame does not stop the others.
+    /// Writes all frames that arrive; one failed frame does not stop the others.
     pub(super) fn run(&mut self, drawns: Receiver<Drawn>, tell: &(dyn Fn(Event) + Sync)) {
         for drawn in drawns {
             let (number, outcome) = match drawn {
@@ -59,7 +59,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Counts and times of what was written.
+    /// Returns the number of frames and the times.
     pub(super) fn summary(self) -> Summary {
         self.summary
     }
@@ -100,7 +100,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Digest of a preview: with and without the overlay it is not the same picture.
+/// Returns the digest of a preview, which differs with and without the overlay.
 pub(super) fn preview_hash(shot_hash: &str, options: &RenderOptions) -> String {
     let overlay = if options.has_overlay { "+overlay" } else { "" };
     format!("{shot_hash}{overlay}")

@@ -33,11 +33,13 @@ macro_rules! in_either {
     };
 }
 
-/// A grid of handles over a box: on the screen (two coordinates) or in the scene (three).
+/// A grid of handles over a box, on the screen (two coordinates) or in the scene (three).
 ///
-/// handles: (ny, nx, 2), or (nz, ny, nx, 3) in the scene. box: ((x0, y0), (x1, y1)), or two corners with three numbers
-/// each. basis: "bspline", "bernstein", "bilinear" or "barytri". On the screen places are in frame heights, x right, y up, from the
-/// lower left corner of the frame; in the scene in metres.
+/// handles: array (ny, nx, 2), or (nz, ny, nx, 3) in the scene: the moved positions of the handles.
+/// box: two corners, ((x0, y0), (x1, y1)), with three numbers each in the scene.
+/// basis: "bspline", "bernstein", "bilinear" or "barytri".
+///
+/// Positions on the screen are in frame heights, x right, y up, from the lower left corner of the frame; in the scene in metres.
 #[pyclass(frozen, from_py_object, module = "pinwarp")]
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Lattice(pub(super) Handles);
@@ -57,9 +59,10 @@ impl Lattice {
         }
     }
 
-    /// A lattice whose handles are all at rest: it moves nothing.
+    /// Returns a lattice with all handles at rest, which displaces nothing.
     ///
-    /// box: two corners. dims: handles along x, y (and z).
+    /// box: two corners.
+    /// dims: number of handles along x, y (and z).
     #[staticmethod]
     #[pyo3(signature = (r#box, dims, basis="bspline"))]
     fn rest(r#box: [Vec<f64>; 2], dims: Vec<usize>, basis: &str) -> Result<Self, Failure> {
@@ -75,7 +78,7 @@ impl Lattice {
         }
     }
 
-    /// "screen" or "world".
+    /// The space of the lattice: "screen" or "world".
     #[getter]
     const fn space(&self) -> &'static str {
         match self.0 {
@@ -84,13 +87,13 @@ impl Lattice {
         }
     }
 
-    /// Handles along x, y (and z).
+    /// Number of handles along x, y (and z).
     #[getter]
     fn dims(&self) -> Vec<usize> {
         in_either!(self, own => own.grid.dims.to_vec())
     }
 
-    /// How handles are blended.
+    /// Name of the basis functions that blend the handles.
     #[getter]
     fn basis(&self) -> String {
         in_either!(self, own => own.grid.basis.label().to_lowercase())
@@ -102,39 +105,40 @@ impl Lattice {
         in_either!(self, own => [own.grid.lo.to_vec(), own.grid.hi.to_vec()])
     }
 
-    /// Where the handles are: a new array (ny, nx, 2), or (nz, ny, nx, 3).
+    /// Positions of the handles: a new array (ny, nx, 2), or (nz, ny, nx, 3).
     #[getter]
     fn handles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         in_either!(self, own => shaped(py, own.handles.clone(), own.grid.dims))
     }
 
-    /// Where they are at rest, in the same shape.
+    /// Rest positions of the handles, in the same shape as `handles`.
     #[getter]
     fn rest_handles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         in_either!(self, own => shaped(py, own.grid.rest_handles(), own.grid.dims))
     }
 
-    /// Where points go: (N, D) to (N, D). Outside the box they move as the nearest point of the box.
+    /// Returns the warped positions of points, (N, D) to (N, D). Points outside the box are displaced like the nearest point of the box.
     fn warp<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         in_either!(self, own => carried(py, points, |point| own.deform(point)))
     }
 
-    /// As `warp`, but outside the box the polynomials go on.
+    /// As `warp`, but outside the box the polynomials of the basis are extended.
     fn evaluate<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         in_either!(self, own => carried(py, points, |point| own.evaluate(point)))
     }
 
-    /// The gradient at points: (N, D) to (N, D, D); [n, row, column] is how much coordinate `row` grows along axis `column`.
+    /// Returns the gradient of the warp at points, (N, D) to (N, D, D): [n, row, column] is the derivative of coordinate `row` along axis
+    /// `column`.
     fn gradient<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         in_either!(self, own => gradients(py, own, points))
     }
 
-    /// The cells that turn over somewhere, as (column, row) or (column, row, layer).
+    /// Returns the cells that fold somewhere, as (column, row) or (column, row, layer).
     fn folds(&self, py: Python<'_>) -> Vec<Vec<usize>> {
         py.detach(|| in_either!(self, own => own.folded_cells().iter().map(|cell| cell.to_vec()).collect()))
     }
 
-    /// The lattice with its moves scaled: 0 at rest, 1 as it is.
+    /// Returns the lattice with scaled displacements: 0 is at rest, 1 is unchanged.
     fn with_strength(&self, strength: f64) -> Result<Self, Failure> {
         if !strength.is_finite() {
             return Err(Failure::argument("strength", format!("is {strength}"), "give a finite number"));

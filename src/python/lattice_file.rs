@@ -10,11 +10,13 @@ use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The solved lattices of layers, by frame: what `pinwarp export --to lattice-json` writes.
+/// Solved lattices of layers by frame, as written by `pinwarp export --to lattice-json`.
 ///
-/// lattices: {layer: {frame: Lattice}}; the lattices of a layer have the same dims, basis and space. frame_aspect: width of the frame
-/// in frame heights. rate: frames a second. Branches of lattices that branch are kept from file to file; `lattice` gives the
-/// largest.
+/// lattices: {layer: {frame: Lattice}}. All lattices of a layer have the same dims, basis and space.
+/// frame_aspect: width of the frame in frame heights.
+/// rate: frames per second.
+///
+/// Branches of branching lattices are kept when a file is read and written; `lattice` returns the largest branch.
 #[pyclass(frozen, module = "pinwarp")]
 pub(super) struct LatticeFile(pub(super) export::LatticeFile);
 
@@ -38,7 +40,7 @@ impl LatticeFile {
         py.detach(|| Ok(Self(export::LatticeFile::read(&path)?)))
     }
 
-    /// Writes it, whole or not at all; a file of that name is replaced.
+    /// Writes the file atomically; an existing file is replaced.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Failure> {
         py.detach(|| Ok(self.0.write(&path)?))
     }
@@ -55,13 +57,13 @@ impl LatticeFile {
         self.0.frame_aspect
     }
 
-    /// Frames a second.
+    /// Frames per second.
     #[getter]
     const fn rate(&self) -> f64 {
         self.0.rate
     }
 
-    /// Frames of a layer, in order; without a name of the only layer.
+    /// Returns the frames of a layer in order; the layer may be omitted if it is the only one.
     #[pyo3(signature = (layer=None))]
     fn frames(&self, layer: Option<&str>) -> Result<Vec<i32>, Failure> {
         Ok(match &self.layer(layer)?.track {
@@ -70,8 +72,8 @@ impl LatticeFile {
         })
     }
 
-    /// The lattice of a layer at a frame, which may lie between two: then it is mixed from both; beyond the ends the nearest holds.
-    /// Without a name the only layer's.
+    /// Returns the lattice of a layer at a frame. Between two frames it is interpolated from both; before the first and after the last
+    /// frame the nearest one is used. The layer may be omitted if it is the only one.
     #[pyo3(signature = (frame, layer=None))]
     fn lattice(&self, frame: f64, layer: Option<&str>) -> Result<Lattice, Failure> {
         if !frame.is_finite() {

@@ -1,9 +1,10 @@
-"""Writes the licences of all crates that are compiled into an artefact, for it to carry: every text once, with the crates that it is for.
+"""Writes the licences of all crates that are compiled into an artefact, to be shipped with it: each text once, with the crates that use it.
 
-Usage: python3 licences.py, before `maturin build`: `pinwarp/LICENSES.txt` of the wheel. For others `-o FILE` and arguments of Cargo that say how they are
-built: python3 licences.py -o FILE --features=ofx --no-default-features --filter-platform=x86_64-pc-windows-gnu
-In: what `cargo metadata` tells, the files that crates bring. Crates that bring no text are listed with the name of their licence. Rust's own library,
-which every artefact holds, has its notices at the end, where the toolchain brings them.
+Usage: run `python3 licences.py` before `maturin build` to write `pinwarp/LICENSES.txt` of the wheel. For other artefacts, give `-o FILE`
+and the Cargo arguments of their build:
+python3 licences.py -o FILE --features=ofx --no-default-features --filter-platform=x86_64-pc-windows-gnu
+In: the output of `cargo metadata`, and the licence files of the crates. Crates without a licence file are listed with the name of their
+licence. The notices of Rust's standard library, which every artefact contains, follow at the end if the toolchain includes them.
 """
 
 import argparse
@@ -20,12 +21,12 @@ NAMES = ("LICENSE*", "LICENCE*", "license*", "COPYING*", "COPYRIGHT*", "NOTICE*"
 
 
 def asked(*command: str) -> str:
-    """What a program prints."""
+    """Returns the output of a program."""
     return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def crates(more: list[str]) -> list[dict]:
-    """The package and all crates that it is built of, by name; those that only build or test it are left out."""
+    """Returns the package and all crates linked into it, by name, without build and test dependencies."""
     if not any(word.startswith("--filter-platform") for word in more):
         lines = asked("rustc", "-vV").splitlines()
         more = [*more, "--filter-platform=" + next(line.removeprefix("host: ") for line in lines if line.startswith("host: "))]
@@ -44,16 +45,16 @@ def crates(more: list[str]) -> list[dict]:
 
 
 def texts(package: dict) -> list[str]:
-    """The texts that a crate brings."""
+    """Returns the licence texts of a crate."""
     folder = pathlib.Path(package["manifest_path"]).parent
-    # Fonts have theirs beside them.
+    # Licences of fonts are stored beside the fonts.
     names = [*NAMES, "fonts/*.txt"]
     files = sorted({file for name in names for file in folder.glob(name) if file.is_file()})
     return [file.read_text(encoding="utf-8", errors="replace").strip() for file in files]
 
 
 def library() -> str:
-    """The notices of Rust's own library, without the tags of their page."""
+    """Returns the notices of Rust's standard library, without HTML tags."""
     page = pathlib.Path(asked("rustc", "--print", "sysroot").strip()) / "share/doc/rust/COPYRIGHT-library.html"
     if not page.is_file():
         return "Rust's standard library (MIT OR Apache-2.0): see https://github.com/rust-lang/rust\n"

@@ -8,10 +8,12 @@ use crate::live;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use pyo3::prelude::*;
 
-/// A point and where it has to go.
+/// A pin: a point of the picture and its target.
 ///
-/// at, to: (x, y), in the units of the function that takes the pin. rotate: the turn it holds, degrees, counter-clockwise as seen; None:
-/// free. scale: the scale it holds, above 0; None: free. weight: 0 to 1, how much it pulls; 1 holds it exactly.
+/// at, to: (x, y), in the units of the function that takes the pin.
+/// rotate: rotation that the pin holds, in degrees, counter-clockwise as seen; None leaves it free.
+/// scale: scale that the pin holds, above 0; None leaves it free.
+/// weight: 0 to 1, how firmly the pin holds its point; 1 holds it exactly.
 #[pyclass(frozen, from_py_object, module = "pinwarp", get_all)]
 #[derive(Clone, Debug)]
 pub(super) struct Pin {

@@ -22,9 +22,11 @@ const BARE: &str = "scene = \"scene\"\nframes = { first = 1, last = 1 }\n";
 
 /// A glTF scene (.glb or .gltf), seen by a camera over time.
 ///
-/// camera: name of a camera or of its node, or a view such as "front" or "three-quarter"; default: the scene's first, else all of the scene is
-/// shown. size: (width, height) of the frame, pixels. rate: frames a second; the animation starts at frame 1. clip: name of the
-/// animation; default: the first.
+/// camera: name of a camera or of its node, or a view such as "front" or "three-quarter"; default: the scene's first camera, or a view of
+///     the whole scene if it has none.
+/// size: (width, height) of the frame in pixels.
+/// rate: frames per second; the animation starts at frame 1.
+/// clip: name of the animation clip; default: the first.
 #[pyclass(frozen, module = "pinwarp")]
 pub(super) struct Scene {
     pub(super) prepared: Arc<PreparedShot>,
@@ -63,7 +65,7 @@ impl Scene {
         Ok(Self { prepared: Arc::new(prepared) })
     }
 
-    /// The file.
+    /// Path of the scene file.
     #[getter]
     fn path(&self) -> &Path {
         &self.prepared.scene.path
@@ -82,21 +84,25 @@ impl Scene {
         nodes.map(|node| node.name.as_str()).collect()
     }
 
-    /// Animations: name and length in seconds.
+    /// Animation clips: name and length in seconds.
     #[getter]
     fn clips(&self) -> Vec<(&str, f32)> {
         self.prepared.scene.clips.iter().map(|clip| (clip.name.as_str(), clip.end_secs)).collect()
     }
 
-    /// What was chosen or ignored when it was loaded, in words.
+    /// Notes on what was chosen or ignored when the scene was loaded.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.prepared.notes.clone()
     }
 
-    /// Where the meshes lie on the screen at a frame, before any warp, which may lie between two: a list with a dict for every part of a
-    /// mesh. node: its name. points: float64 (V, 2), frame heights, x right, y up, NaN behind the camera. depth: float64 (V,), metres
-    /// along the view axis. triangles: uint32 (T, 3).
+    /// Returns the screen positions of all meshes at a frame, which may lie between frames, before any warp: a list with one dict per
+    /// part of a mesh.
+    ///
+    /// node: name of the node.
+    /// points: float64 (V, 2), in frame heights, x right, y up; NaN behind the camera.
+    /// depth: float64 (V,), metres along the view axis.
+    /// triangles: uint32 (T, 3), indices into points.
     fn project<'py>(&self, py: Python<'py>, frame: f64) -> PyResult<Bound<'py, PyList>> {
         projected(py, &self.prepared, frame)
     }

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// An iterator of Frames.
+/// An iterator over rendered Frames; each is rendered when it is requested.
 #[pyclass(module = "pinwarp")]
 pub(super) struct RenderedFrames {
     drawer: Arc<Drawer>,
@@ -37,7 +37,7 @@ impl RenderedFrames {
         slf
     }
 
-    /// How many are left.
+    /// Returns the number of frames left.
     fn __length_hint__(&self) -> usize {
         self.left.len()
     }

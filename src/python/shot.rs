@@ -21,11 +21,16 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A shot file, opened: its scene is loaded, its pins are tied.
+/// An open shot file, with its scene loaded and its pins anchored.
 ///
-/// camera: instead of the shot's. scale: of the picture's sides. samples: a pixel. channels: groups such as ["beauty", "depth"]. output:
-/// path with a frame counter for `write`. allow_outside: the scene may name files outside its folder. Frames are numbered as in the
-/// shot. Several threads may use one shot; what draws its scene is used by one at a time.
+/// camera: replaces the shot's camera.
+/// scale: resolution relative to the shot's size.
+/// samples: samples per pixel.
+/// channels: channel groups, such as ["beauty", "depth"].
+/// output: path with a frame counter, for `write`.
+/// allow_outside: allows the scene to refer to files outside its folder.
+///
+/// Frame numbers are the shot's. Several threads may use one shot; they take turns when it draws.
 #[pyclass(frozen, module = "pinwarp")]
 pub(super) struct Shot {
     prepared: Arc<PreparedShot>,
@@ -86,26 +91,26 @@ impl Shot {
         Ok(Self { drawer: Arc::new(Drawer::new(Arc::clone(&prepared))), prepared })
     }
 
-    /// The shot file.
+    /// Path of the shot file.
     #[getter]
     fn path(&self) -> &Path {
         &self.prepared.shot.path
     }
 
-    /// Its frames, as a range: the last is included.
+    /// The shot's frames as a range, which includes the last frame.
     #[getter]
     fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyRange>> {
         let frames = self.prepared.shot.frames;
         PyRange::new(py, frames.first as isize, frames.last as isize + 1)
     }
 
-    /// Frames a second.
+    /// Frames per second.
     #[getter]
     fn rate(&self) -> f64 {
         self.prepared.shot.frames.rate
     }
 
-    /// Width and height of the frame, pixels.
+    /// Width and height of the frame in pixels.
     #[getter]
     fn size(&self) -> (u32, u32) {
         (self.prepared.shot.size.width, self.prepared.shot.size.height)
@@ -117,34 +122,37 @@ impl Shot {
         self.prepared.shot.layers.iter().map(|layer| layer.name.as_str()).collect()
     }
 
-    /// Groups of channels that a frame has.
+    /// Channel groups of a rendered frame.
     #[getter]
     fn channels(&self) -> Vec<&'static str> {
         group_names(&self.prepared.shot.output.channels)
     }
 
-    /// Where `write` writes.
+    /// Output path of `write`.
     #[getter]
     fn output(&self) -> &Path {
         &self.prepared.shot.output.path
     }
 
-    /// What was chosen or ignored when it was opened, in words.
+    /// Notes on what was chosen or ignored when the shot was opened.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.prepared.notes.clone()
     }
 
-    /// Its scene; of pictures and plates the flat cards that stand for them.
+    /// The scene of the shot; for pictures and plates, the flat cards that represent them.
     #[getter]
     fn scene(&self) -> Scene {
         Scene { prepared: Arc::clone(&self.prepared) }
     }
 
-    /// Renders a frame into arrays: a Frame, a dict of channels by their names in EXR files ("R", "depth.Z"), each float32 (H, W),
-    /// rows from the top, scene-linear, colour multiplied with alpha; nothing is copied. EXR files hold the same
-    /// samples, colour rounded to half. device: "auto", "cpu", "vulkan" or the name of a device. progress: called with (0, 1) about twenty
-    /// times a second; False cancels.
+    /// Renders a frame in memory and returns a Frame: a dict of channels by their names in EXR files ("R", "depth.Z").
+    ///
+    /// Each channel is a float32 array (H, W) with rows from the top, scene-linear, colour multiplied with alpha. Nothing is copied.
+    /// EXR files hold the same samples, with colour rounded to half.
+    ///
+    /// device: "auto", "cpu", "vulkan" or the name of a device.
+    /// progress: called with (0, 1) about twenty times per second; False cancels.
     #[pyo3(signature = (frame, device="auto", progress=None))]
     fn render<'py>(
         &self,
@@ -163,8 +171,10 @@ impl Shot {
         rendered(py, drawn, frame)
     }
 
-    /// Renders frames one after the other: an iterator of Frames. frames: numbers in the order wanted; default: the shot's own. A frame
-    /// is made when it is asked for. progress: called with (frames done, frames in all); False cancels.
+    /// Returns an iterator that renders frames one after the other, each when it is requested.
+    ///
+    /// frames: frame numbers in the desired order; default: the shot's frames.
+    /// progress: called with (frames done, frames in total); False cancels.
     #[pyo3(signature = (frames=None, device="auto", progress=None))]
     fn render_frames(
         &self,
@@ -177,9 +187,12 @@ impl Shot {
         Ok(RenderedFrames::new(Arc::clone(&self.drawer), frames, choice, progress))
     }
 
-    /// Renders frames into EXR files as `pinwarp render` does, and returns a dict: rendered, kept, failed, failures (frame and
-    /// error), times and more. existing: what happens to frames that are there, "refuse", "overwrite" or "resume". preview: a PNG
-    /// beside every frame. progress: called with (frames done, frames to make); False ends the render after the frames in flight.
+    /// Renders frames to EXR files, as `pinwarp render` does, and returns a dict with rendered, kept, failed, failures (frame and error
+    /// of each), times and more.
+    ///
+    /// existing: how to treat existing frames: "refuse", "overwrite" or "resume".
+    /// preview: also writes a PNG beside every frame.
+    /// progress: called with (frames done, frames in total); False ends the render after the frames in flight.
     #[pyo3(
         signature = (frames=None, progress=None, **options),
         text_signature = "($self, frames=None, progress=None, *, device='auto', existing='refuse', preview=False)"
@@ -204,8 +217,11 @@ impl Shot {
         plain(py, &report)
     }
 
-    /// Solves frames and returns what a render would warn of, as a dict: notes; frames, each with frame, warnings and layers (layer,
-    /// pin_error_px, jerk, solve); failures. frames: default all. progress: called with (frames done, frames in all); False cancels.
+    /// Solves frames and returns the warnings that a render would give, as a dict: notes; frames, each with frame, warnings and layers
+    /// (layer, pin_error_px, jerk, solve); failures.
+    ///
+    /// frames: default: all frames of the shot.
+    /// progress: called with (frames done, frames in total); False cancels.
     #[pyo3(signature = (frames=None, progress=None))]
     fn check<'py>(
         &self,
@@ -218,8 +234,10 @@ impl Shot {
         plain(py, &report)
     }
 
-    /// The solved lattices of frames, as `pinwarp export --to lattice-json` writes them. frames: default all. progress: called with
-    /// (frames done, frames in all); False cancels.
+    /// Returns the solved lattices of frames, as `pinwarp export --to lattice-json` writes them.
+    ///
+    /// frames: default: all frames of the shot.
+    /// progress: called with (frames done, frames in total); False cancels.
     #[pyo3(signature = (frames=None, progress=None))]
     fn lattices(
         &self,
@@ -231,8 +249,8 @@ impl Shot {
         away(py, progress, |watch| self.solved(&frames, watch)).map(LatticeFile)
     }
 
-    /// The pins that act at a frame, at mid-shutter: dicts of layer, name, rest and target, (x, y) in frame heights, y up, and
-    /// presence, 1, or less where a pin fades near the camera.
+    /// Returns the pins that act at a frame, at mid-shutter: a list of dicts with layer, name, rest and target ((x, y) in frame heights,
+    /// y up), and presence (1, or less where a pin fades out near the camera).
     fn pins<'py>(&self, py: Python<'py>, frame: i32) -> PyResult<Bound<'py, PyList>> {
         let sample = away(py, None, |_| Ok(self.prepared.mid_exposure(frame)?))?;
         let list = PyList::empty(py);
@@ -250,7 +268,7 @@ impl Shot {
         Ok(list)
     }
 
-    /// Where the meshes lie on the screen at a frame, before any warp; see Scene.project.
+    /// Returns the screen positions of all meshes at a frame, before any warp; see Scene.project.
     fn project<'py>(&self, py: Python<'py>, frame: f64) -> PyResult<Bound<'py, PyList>> {
         projected(py, &self.prepared, frame)
     }

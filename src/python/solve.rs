@@ -17,7 +17,7 @@ use pyo3::types::PyDict;
 /// Margin of the lattice around the shape, relative to its extent.
 const PADDING: f64 = 0.1;
 
-/// A solved lattice, and how good it is.
+/// A solved lattice and its quality.
 #[pyclass(frozen, module = "pinwarp")]
 pub(super) struct Solution {
     lattice: Lattice,
@@ -26,14 +26,14 @@ pub(super) struct Solution {
 
 #[pymethods]
 impl Solution {
-    /// The lattice; of a branching one the largest branch.
+    /// The lattice; for a branching lattice, the largest branch.
     #[getter]
     fn lattice(&self) -> Lattice {
         self.lattice.clone()
     }
 
-    /// How good it is, as a dict: pin_errors (a list, in units of the points), folded_model_cells, min_cell_det, angular and area
-    /// (distortion), iterations, is_converged, stationarity, warnings and more; docs/METHOD.md explains them.
+    /// The quality of the solution as a dict: pin_errors (a list, in units of the points), folded_model_cells, min_cell_det, angular and
+    /// area (distortion), iterations, is_converged, stationarity, warnings and more; docs/METHOD.md explains them.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         report::plain(py, &self.report)
@@ -48,13 +48,20 @@ impl Solution {
     }
 }
 
-/// Solves for the lattice that brings pins to their targets and keeps the shape.
+/// Solves for the lattice that moves pins to their targets and preserves the shape.
 ///
-/// points: the shape at rest, (N, 2) or (N, 3), in any unit, y up. triangles: (M, 3), indices into points, any orientation. pins: (K, 4)
-/// with x, y and where they go, or (K, 6) in 3D. dims: handles along each axis. box: two corners of the lattice; default: the
-/// shape's bounds and a tenth around them. energy: "area", "edge", "vertex", "element", "spokes-and-rims" or "stroke".
-/// smoothness: 0.1 to 10. guard: "report" folds, or "limit" them. branching: parts that are apart have handles of their own.
-/// progress: called with (0, 1) about twenty times a second; False cancels. Everything is copied once out of the arrays.
+/// points: the shape at rest, (N, 2) or (N, 3), in any unit, y up.
+/// triangles: (M, 3), indices into points, in any orientation.
+/// pins: (K, 4) with x, y and the target, or (K, 6) in 3D.
+/// dims: number of handles along each axis; default: 10, in 3D 5.
+/// box: two corners of the box; default: the bounds of the shape with a margin of a tenth.
+/// energy: "area", "edge", "vertex", "element", "spokes-and-rims" or "stroke".
+/// smoothness: 0.1 to 10.
+/// guard: "report" reports folds, "limit" prevents them.
+/// branching: gives parts that are apart handles of their own.
+/// progress: called with (0, 1) about twenty times per second; False cancels.
+///
+/// All arrays are copied once on input.
 #[pyfunction]
 #[pyo3(
     signature = (points, triangles, pins, progress=None, **options),

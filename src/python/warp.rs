@@ -21,14 +21,19 @@ const DIMS: [usize; 2] = [16, 16];
 
 /// Warps a picture and returns a new one of the same shape and type.
 ///
-/// image: (H, W) or (H, W, C), rows from the top; float32 and float16: scene-linear, colour multiplied with alpha; uint8: sRGB, straight
-/// alpha, 1 to 4 channels. Channels are Y, YA, RGB or RGBA, more are resampled as colours without alpha unless names says what they
-/// are. Or a dict of channels (H, W), each treated by its name as in EXR files: depth, ids and normals are never blended.
-/// pins: (K, 4) with x, y and where they go, or a list of Pin. lattice: instead of pins. units: "screen" (frame heights, x right, y
-/// up, from the lower left corner) or "pixels" (x right, y down, from the upper left corner; the first pixel's centre is (0.5, 0.5)).
-/// dims, basis, smoothness, guard: of the lattice that is solved for. strength: scales all moves. shape: "frame", all of
-/// the picture moves and its border is held, or "alpha", what alpha shows moves and is free. filter: "ewa", "cubic", "lanczos" or "nearest".
-/// progress: called with (done, 2) for the solve and the pixels; False cancels.
+/// image: array (H, W) or (H, W, C) with rows from the top, or a dict of channels (H, W). float32 and float16 are scene-linear, colour
+///     multiplied with alpha; uint8 is sRGB with straight alpha and has 1 to 4 channels. Channels are Y, YA, RGB or RGBA; more are
+///     resampled as colours without alpha, unless names says what they are. Channels of a dict are treated by their names as in EXR
+///     files: depth, ids and normals are never blended.
+/// pins: (K, 4) with x, y and the target, or a list of Pin.
+/// lattice: a lattice to warp with, instead of pins.
+/// units: "screen" (frame heights, x right, y up, from the lower left corner) or "pixels" (x right, y down, from the upper left corner; the
+///     first pixel's centre is (0.5, 0.5)).
+/// dims, basis, smoothness, guard: settings of the lattice that is solved.
+/// strength: scales all displacements.
+/// shape: "frame" moves the whole picture and holds its border; "alpha" moves what alpha covers, without holding the border.
+/// filter: "ewa", "cubic", "lanczos" or "nearest".
+/// progress: called with (done, 2), for the solve and the pixels; False cancels.
 #[pyfunction]
 #[pyo3(
     signature = (image, pins=None, progress=None, **options),

@@ -1,43 +1,43 @@
-//! Windows of whole pixels: what they share, what holds them, and where their samples lie.
+//! Rectangles of whole pixels: union, intersection, tiles, and the layout of their samples.
 //!
-//! In: windows, rows of samples. Out: windows, places in rows. All windows of one calculation have the same origin:
-//! the corner of the display window ([`PixelRect::relative_to`]) or that of the file.
+//! In: windows and samples in rows. Out: windows and sample indices. All windows of one calculation share an origin:
+//! the corner of the display window ([`PixelRect::relative_to`]), or that of the file.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A rectangle of whole pixels in image space (y down); may lie partly or wholly outside the frame.
+/// A rectangle of whole pixels in image space (y down), which may lie partly or wholly outside the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelRect {
-    /// Left column.
+    /// Index of the left column.
     pub x: i32,
-    /// Top row.
+    /// Index of the top row.
     pub y: i32,
-    /// Columns.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
 }
 
 impl PixelRect {
-    /// Number of pixels.
+    /// Returns the number of pixels.
     #[must_use]
     pub const fn area(self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// The column right of the last, and the row below the last.
+    /// Returns the first column right of the rectangle and the first row below it.
     fn end(self) -> [i64; 2] {
         [i64::from(self.x) + i64::from(self.width), i64::from(self.y) + i64::from(self.height)]
     }
 
-    /// From a corner up to, not including, an end; empty where the end lies before the corner.
+    /// Creates the rectangle from a corner up to, but not including, `end`; empty if the end lies before the corner.
     fn between(x: i32, y: i32, end: [i64; 2]) -> Self {
         let side = |start: i32, end: i64| (end - i64::from(start)).clamp(0, u32::MAX.into()) as u32;
         Self { x, y, width: side(x, end[0]), height: side(y, end[1]) }
     }
 
-    /// The smallest window that holds both. Empty ones hold nothing.
+    /// Returns the smallest window that contains both windows; empty windows are ignored.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -54,7 +54,7 @@ impl PixelRect {
         Self::between(self.x.min(other.x), self.y.min(other.y), [0, 1].map(|axis| own[axis].max(theirs[axis])))
     }
 
-    /// The pixels that both hold; may be empty.
+    /// Returns the pixels common to both windows; may be empty.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -68,7 +68,7 @@ impl PixelRect {
         Self::between(self.x.max(other.x), self.y.max(other.y), [0, 1].map(|axis| own[axis].min(theirs[axis])))
     }
 
-    /// The same pixels, measured from the upper left corner of `origin`.
+    /// Returns the same pixels relative to the upper left corner of `origin`.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -81,13 +81,13 @@ impl PixelRect {
         Self { x: self.x - origin.x, y: self.y - origin.y, ..self }
     }
 
-    /// The way back of [`Self::relative_to`].
+    /// The inverse of [`Self::relative_to`].
     #[must_use]
     pub const fn placed_in(self, origin: Self) -> Self {
         Self { x: self.x + origin.x, y: self.y + origin.y, ..self }
     }
 
-    /// So many pixels more on every side.
+    /// Returns the window extended by `by` pixels on every side.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -101,7 +101,7 @@ impl PixelRect {
         Self { x, y, width: width.saturating_add(2 * by), height: height.saturating_add(2 * by) }
     }
 
-    /// Cuts the window into tiles of `side` > 0 pixels at most, rows of tiles from above.
+    /// Cuts the window into tiles of at most `side` > 0 pixels, ordered in rows from the top.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -110,7 +110,7 @@ impl PixelRect {
     /// ```
     ///
     /// # Panics
-    /// Where `side` is 0.
+    /// If `side` is 0.
     #[must_use]
     pub fn tiles(self, side: u32) -> Vec<Self> {
         let starts = |length: u32| (0..length).step_by(side as usize);
@@ -123,7 +123,7 @@ impl PixelRect {
         starts(self.height).flat_map(|y| starts(self.width).map(move |x| tile(x, y))).collect()
     }
 
-    /// Place of a pixel among the samples of this window, rows from the top; `None` outside.
+    /// Returns the index of a pixel among the samples of this window, which are stored in rows from the top; `None` outside.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -141,7 +141,7 @@ impl PixelRect {
         is_inside.then(|| row * self.width as usize + column)
     }
 
-    /// The pixel at a place in a window that is not empty.
+    /// Returns the pixel with the given sample index; the window must not be empty.
     #[must_use]
     #[inline]
     pub const fn pixel_at(self, place: usize) -> [i32; 2] {
@@ -149,7 +149,7 @@ impl PixelRect {
         [self.x + (place % width) as i32, self.y + (place / width) as i32]
     }
 
-    /// The rows that two windows share, from the top: where their samples lie in this window, and where in the other.
+    /// Returns, for each row common to two windows, the range of its samples in this window and in the other, from the top.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -162,14 +162,14 @@ impl PixelRect {
         (0..rows).map(move |row| [self, other].map(|window| window.row_of(shared, row)))
     }
 
-    /// Where the samples of a row of `part`, which lies in this window, are.
+    /// Returns the sample range of a row of `part`, which must lie in this window.
     const fn row_of(self, part: Self, row: usize) -> Range<usize> {
         let (x, y) = (part.x.abs_diff(self.x) as usize, part.y.abs_diff(self.y) as usize + row);
         let start = y * self.width as usize + x;
         start..start + part.width as usize
     }
 
-    /// Samples of this window as samples of another one; `outside` where it holds none.
+    /// Copies the samples of this window into the layout of another window, filling pixels outside this window with `outside`.
     ///
     /// ```
     /// use pinwarp::space::PixelRect;
@@ -178,7 +178,7 @@ impl PixelRect {
     /// ```
     ///
     /// # Panics
-    /// Where there are fewer samples than pixels.
+    /// If there are fewer samples than pixels.
     #[must_use]
     pub fn over<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
         let mut result = vec![outside; other.area()];

@@ -35,7 +35,7 @@ fn help_is_short_or_long() {
     }
     let reason = "the reason is given";
     assert!(long.contains(reason) && !short.contains(reason), "only the long help explains --resume");
-    assert!(bench.run("--help").says(0, &[]).stdout.contains("Exit codes: 0 all good"));
+    assert!(bench.run("--help").says(0, &[]).stdout.contains("Exit codes: 0 success"));
     assert_eq!(bench.run("--version").says(0, &[]).stdout, format!("pinwarp {}\n", env!("CARGO_PKG_VERSION")));
 }
 

@@ -25,39 +25,39 @@ const LEAST_CHUNK: usize = 5;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct JobArgs {
-    /// The shot file.
+    /// Shot file.
     shot: PathBuf,
-    /// What takes the job.
+    /// Scheduler to write the job for.
     #[arg(long, value_name = "SCHEDULER", value_enum, default_value = "openjd")]
     to: Scheduler,
-    /// Frames, e.g. 1-48x2,60; default: the shot's range.
+    /// Frames of the job, e.g. 1-48x2,60; default: the shot's range.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<FrameList>,
-    /// Frames of one task; default: enough for about a hundred tasks, at least 5.
+    /// Number of frames per task; default: enough for about 100 tasks, at least 5.
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..))]
     chunk: Option<u32>,
-    /// Warp finished frames instead of rendering the shot's scene: the plates, and where warped ones go.
+    /// Warp finished frames instead of rendering the shot's scene: the path of the plates and the output path.
     #[arg(long, num_args = 2, value_names = ["PLATE", "WARPED"])]
     warp: Vec<PathBuf>,
-    /// The program as the machines of the farm call it.
+    /// Command that starts pinwarp on the farm's machines.
     #[arg(long, value_name = "PROGRAM", default_value = "pinwarp")]
     program: String,
-    /// The file to write; default: the shot's name with .openjd.json or .slurm.sh, beside the shot.
+    /// File to write; default: the shot's name with .openjd.json or .slurm.sh, beside the shot.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArg,
-    /// Arguments that every `render` or `warp` of the job gets, e.g. -- --device cpu --preview.
+    /// Arguments passed to every `render` or `warp` of the job, e.g. -- --device cpu --preview.
     #[arg(last = true, value_name = "ARGUMENTS")]
     more: Vec<String>,
 }
 
-/// What takes jobs.
+/// The supported schedulers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Scheduler {
-    /// Open Job Description, jobtemplate-2023-09: AWS Deadline Cloud, and `openjd run` on one machine.
+    /// Open Job Description, jobtemplate-2023-09: for AWS Deadline Cloud, or for `openjd run` on one machine.
     Openjd,
-    /// A script that submits itself to Slurm: one job before all frames, an array, one job after it.
+    /// A script that submits itself to Slurm: one job before all frames, an array job for the frames, one job after them.
     Slurm,
 }
 

@@ -41,11 +41,11 @@ fn parameters(plan: &Plan) -> Value {
         {"name": "Frames", "type": "STRING", "default": list_of(&plan.frames), "minLength": 1,
          "description": "Frames, for example 1-48,60-70:2", "userInterface": shown("LINE_EDIT", "Frames")},
         {"name": "ChunkSize", "type": "INT", "default": plan.chunk, "minValue": 1,
-         "description": "Frames of one task", "userInterface": shown("SPIN_BOX", "Frames of a task")},
+         "description": "Number of frames per task", "userInterface": shown("SPIN_BOX", "Frames per task")},
         path("Shot", &plan.shot, plan, json!({"objectType": "FILE", "dataFlow": "IN"})),
         path("Output", &plan.folder, plan, json!({"objectType": "DIRECTORY", "dataFlow": "OUT"})),
         {"name": "Program", "type": "STRING", "default": plan.program,
-         "description": "pinwarp as the machines call it", "userInterface": shown("LINE_EDIT", "Program")},
+         "description": "Command that starts pinwarp on the farm's machines", "userInterface": shown("LINE_EDIT", "Program")},
     ])
 }
 
@@ -70,7 +70,7 @@ fn prepare(plan: &Plan) -> Vec<String> {
     with_shot_as_parameter(plan, &plan.bake).into_iter().chain(more).collect()
 }
 
-/// Every file is read completely.
+/// Returns the arguments of the report, which reads every file completely.
 fn report(plan: &Plan) -> Vec<String> {
     let more = ["--frames", "{{Param.Frames}}", "--verify"].map(str::to_owned);
     with_shot_as_parameter(plan, &plan.report).into_iter().chain(more).collect()
@@ -100,7 +100,7 @@ fn step(name: &str, after: &[&str], action: Value) -> Value {
     step
 }
 
-/// A cancelled task finishes its frames in flight.
+/// Returns the action that runs the program. A cancelled task finishes its frames in flight.
 fn action(arguments: &[String]) -> Value {
     json!({
         "command": "{{Param.Program}}",

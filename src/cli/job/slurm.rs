@@ -26,9 +26,9 @@ pub(super) fn script(plan: &Plan) -> anyhow::Result<String> {
     let (work, report, more, chunks) = (words(&plan.work), words(&plan.report), words(&plan.more), chunks.join("\n"));
     Ok(format!(
         r#"#!/bin/bash
-# Renders on a Slurm cluster. On a machine that can submit jobs:
+# Renders a shot on a Slurm cluster. Run it on a machine that can submit jobs:
 #   bash THIS [OPTIONS OF SBATCH], e.g. --partition=render --cpus-per-task=16 --mem=32G
-# Every file and folder has to lie where all nodes see it. Submitting again makes only what is missing.
+# All nodes must have access to all files and folders. Submitting again renders only the missing frames.
 set -euo pipefail
 program=({program})
 chunks=(
@@ -39,7 +39,7 @@ case "${{1:-submit}}" in
   render)
     "${{program[@]}}" {work} --frames "${{chunks[$SLURM_ARRAY_TASK_ID]}}" --resume {more} && exit
     code=$?
-    # Bad input (2) stays bad; whatever else failed, or was killed, is tried two more times.
+    # Bad input (exit code 2) is not retried; a task that fails otherwise is requeued at most twice.
     if [ $code != 2 ] && [ "${{SLURM_RESTART_COUNT:-0}}" -lt 2 ]; then scontrol requeue "$SLURM_JOB_ID"; fi
     exit $code ;;
   report) exec "${{program[@]}}" {report} --frames {all} --verify ;;

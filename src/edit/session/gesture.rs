@@ -1,14 +1,14 @@
-//! The current pen gesture.
+//! The pointer gesture in progress.
 
 use crate::shot::Shot;
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
-/// The gesture in progress while the pen is down.
+/// The gesture in progress while the pointer is pressed.
 #[derive(Clone, Debug)]
 pub(super) enum Gesture {
     Idle,
-    /// Waits for the worker's answer about the surface under the pen.
+    /// Waits for the worker's answer about the surface under the pointer.
     Placing {
         id: u64,
         from: ScreenPoint,
@@ -21,19 +21,19 @@ pub(super) enum Gesture {
         base: Arc<Shot>,
         has_moved: bool,
     },
-    /// The centre of the turn.
+    /// Centre of the rotation.
     Turn {
         center: ScreenPoint,
         from: ScreenPoint,
         base: Arc<Shot>,
     },
-    /// The pin's rest position.
+    /// Rest position of the pin.
     Region {
         pin: [usize; 2],
         rest: ScreenPoint,
         base: Arc<Shot>,
     },
-    /// Dragging up makes it stiffer.
+    /// Dragging up increases the stiffness.
     Stiffness {
         pin: [usize; 2],
         from: ScreenPoint,

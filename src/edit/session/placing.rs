@@ -14,11 +14,11 @@ use crate::space::ScreenPoint;
 /// Distance in frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
 const AT_REST: f64 = 1e-4;
 
-/// Radius in frame heights of the region of a pin that moves a part as a whole.
+/// Radius of the region, in frame heights, of a pin that moves a part as a whole.
 const WHOLE_RADIUS: f64 = 0.18;
 
 impl Session {
-    /// Asks the worker what surface lies under the pen.
+    /// Asks the worker what surface lies under the pointer.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
         self.next_question += 1;
         self.worker.ask(Question { id: self.next_question, at });
@@ -99,7 +99,7 @@ impl Session {
         }
     }
 
-    /// Sets the region that a pin carries; `None`: only its point.
+    /// Sets the region that moves with a pin; `None`: only its point moves.
     pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
@@ -157,7 +157,7 @@ impl Session {
         self.selection.pins = (0..count).map(|pin| [layer, pin]).collect();
     }
 
-    /// Writes keys of several pins.
+    /// Writes the keys of several pins.
     pub(super) fn write_keys(&mut self, label: &str, keys: &[([usize; 2], Vec<PinKey>)], series: Option<&str>) -> bool {
         let mut text = Ok(self.document.text().to_owned());
         for (at, keys) in keys {

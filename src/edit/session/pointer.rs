@@ -1,6 +1,6 @@
-//! The pen: places, drags, turns, scales and selects, depending on what lies under it.
+//! The pointer: places, drags, turns, scales and selects, depending on what lies under it.
 //!
-//! In: pen positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
+//! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
 use super::gesture::Gesture;
 use super::{Purpose, Session};
@@ -20,7 +20,7 @@ const RADII: [f64; 2] = [0.005, 4.0];
 /// Minimum and maximum stiffness that a drag can set.
 const STIFFNESSES: [f64; 2] = [0.01, 100.0];
 
-/// Decades of stiffness per frame height of pen movement.
+/// Decades of stiffness per frame height of pointer movement.
 const STIFFNESS_PER_HEIGHT: f64 = 6.0;
 
 /// Radius in frame heights of a region created by a stiffness drag.
@@ -38,7 +38,7 @@ pub enum PinPart {
     Stiffness,
 }
 
-/// Modifier keys when the pen goes down.
+/// Modifier keys when the pointer is pressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Held {
     /// Whether the selection is extended.
@@ -59,7 +59,7 @@ pub struct Ring {
 }
 
 impl Session {
-    /// Handles pen down. `reach`: hit distance of points in frame heights.
+    /// Handles a pointer press. `reach`: hit distance of points in frame heights.
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         self.playhead.go(self.playhead.frame());
         let base = Arc::new(self.document.shot().clone());
@@ -110,7 +110,7 @@ impl Session {
         self.gesture = Gesture::Drag { from, base, has_moved: false };
     }
 
-    /// Handles pen movement; `grows`: a turn also scales.
+    /// Handles pointer movement; `grows`: a rotation gesture also scales.
     pub fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
         match &mut self.gesture {
             Gesture::Idle => {}
@@ -156,12 +156,12 @@ impl Session {
         }
     }
 
-    /// Handles pen movement.
+    /// Handles pointer movement.
     pub fn motion(&mut self, to: ScreenPoint) {
         self.motion_with(to, false);
     }
 
-    /// Handles pen up.
+    /// Handles a pointer release.
     pub fn release(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
@@ -208,7 +208,7 @@ impl Session {
         !matches!(self.gesture, Gesture::Idle | Gesture::Placing { is_up: true, .. })
     }
 
-    /// Returns opposite corners of the selection box.
+    /// Returns two opposite corners of the selection box.
     #[must_use]
     pub const fn choosing_box(&self) -> Option<[ScreenPoint; 2]> {
         if let Gesture::Box { from, to } = self.gesture { Some([from, to]) } else { None }

@@ -56,7 +56,7 @@ struct Drag {
 }
 
 impl Drag {
-    /// Applies a pen movement.
+    /// Applies a pointer movement.
     fn go(&mut self, session: &mut Session, scale: FrameScale, pen: Pos2) {
         let (time, value) = (f64::from(scale.frame(pen.x)), self.axis.value(pen.y));
         if let Some(control) = self.control {
@@ -229,7 +229,7 @@ fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), ses
     }
 }
 
-/// Returns the key or tangent end under the pen.
+/// Returns the key or tangent end under the pointer.
 fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option<Drag> {
     let mut found: Option<(f32, Drag)> = None;
     let mut look = |at: &[f64; 2], drag: Drag| {

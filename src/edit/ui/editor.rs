@@ -112,7 +112,7 @@ impl Editor {
         }
     }
 
-    /// Runs one pass of the window.
+    /// Runs one pass of the user interface.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         let now = ctx.input(|input| input.time);

@@ -20,7 +20,7 @@ const RULER: f32 = 24.0;
 /// State of the timeline kept between passes.
 #[derive(Default)]
 pub(super) struct Timeline {
-    /// Whether the pen is scrubbing.
+    /// Whether the pointer is scrubbing.
     scrubs: bool,
     /// Frame at which a drag of keys began, and its offset in frames.
     moved: Option<(f32, i32)>,

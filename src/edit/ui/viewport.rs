@@ -1,4 +1,4 @@
-//! The viewport: the picture, and the pen over it.
+//! The viewport: the picture, and the pointer over it.
 //!
 //! In: a [`Session`]. Out: presses, drags, zooms; textures and shapes.
 
@@ -14,7 +14,7 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Hit distance of the pen in points.
+/// Hit distance of the pointer in points.
 const REACH: f32 = 10.0;
 
 /// Textures of the displayed pictures.
@@ -59,7 +59,7 @@ impl Textures {
     }
 }
 
-/// Shows the picture and handles the pen.
+/// Shows the picture and handles the pointer.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, textures: &mut Textures) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());

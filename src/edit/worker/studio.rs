@@ -312,7 +312,7 @@ fn put_back(inbox: &Inbox, job: Job) {
     }
 }
 
-/// Waits for a task. Questions come first, because the user is waiting with the pen down.
+/// Waits for a task. Questions come first, because the user is waiting with the pointer pressed.
 fn next(inbox: &Inbox, open: &mut Option<OpenShot>) -> Task {
     let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
     loop {

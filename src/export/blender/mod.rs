@@ -24,7 +24,7 @@ pub struct BlenderScene {
     pub rate: f64,
     /// First and last frame of the shot.
     pub frames: [i32; 2],
-    /// Number of frames by which the file is later than the shot.
+    /// Number of frames by which frame numbers in the file exceed those of the shot.
     pub later: i32,
     /// Size of the frame in pixels.
     pub size: FrameSize,

@@ -1,12 +1,12 @@
 """Warped scene for Blender (tried in 5.0), written by `pinwarp export --to blender`.
 
-Run it: blender --python THIS_FILE, or open it in the text editor and press Run. Of a new file Blender's cube,
-light and camera are removed first; other objects stay.
-It imports @SCENE@, which has to lie beside it, and deforms these layers:
+Run it with `blender --python THIS_FILE`, or open it in the text editor and press Run. In a new file the default cube,
+light and camera are removed first; other objects are kept.
+The script imports @SCENE@, which must lie beside it, and deforms these layers:
 
 @LAYERS@
-A lattice layer is a Lattice object with one shape key a frame: move its points, add shape keys, or lower the
-strength of the modifiers. Between frames neighbouring keys are mixed.
+A lattice layer is a Lattice object with one shape key per frame: move its points, add shape keys, or lower the
+strength of the modifiers. Between frames, neighbouring keys are interpolated.
 """
 
 import json
@@ -17,12 +17,12 @@ from mathutils import Matrix
 
 DATA = json.loads(r'''@DATA@''')
 
-# glTF is y up, Blender z up.
+# glTF is y-up, Blender is z-up.
 BLENDER_FROM_GLTF = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
 
 def folder():
-    """Where this script lies; the text editor runs it without a file."""
+    """Returns the folder of this script, also when the text editor runs it, which sets no __file__."""
     if "__file__" in globals():
         return os.path.dirname(os.path.abspath(__file__))
     texts = [text.filepath for text in bpy.data.texts if text.filepath and DATA["scene"] in text.as_string()]
@@ -30,7 +30,7 @@ def folder():
 
 
 def remove_default_scene():
-    """A new file holds a cube, a light and a camera: where nothing else was added, the shot starts without them."""
+    """Removes the default cube, light and camera of a new file, if nothing else was added."""
     names = sorted(thing.name for thing in bpy.data.objects)
     if not bpy.data.filepath and names == ["Camera", "Cube", "Light"]:
         for thing in list(bpy.data.objects):
@@ -38,12 +38,12 @@ def remove_default_scene():
 
 
 def import_scene():
-    """Imports the scene; gives its objects by the numbers that the export wrote into them."""
+    """Imports the scene; returns its objects by the node numbers that the export stored in them."""
     path = os.path.join(folder(), DATA["scene"])
     if not os.path.exists(path):
         raise RuntimeError(f"{path} is missing: it was written beside this script and has to stay there")
     render = bpy.context.scene.render
-    # Key k of the file lies at k / nominal seconds; the true rate is set afterwards.
+    # Key k of the file is at k / nominal seconds; the true rate is set afterwards.
     render.fps, render.fps_base = DATA["nominal"], 1.0
     before = set(bpy.data.objects)
     bpy.ops.import_scene.gltf(filepath=path)
@@ -53,7 +53,7 @@ def import_scene():
 
 
 def fcurves(owner):
-    """All curves of a data block, as Blender 3 and Blender 5 keep them."""
+    """Returns all curves of a data block, for the data layouts of both Blender 3 and Blender 5."""
     action = owner.animation_data.action
     if not hasattr(action, "layers"):
         return list(action.fcurves)
@@ -68,7 +68,7 @@ def make_linear(owner):
 
 
 def add_lattice(layer):
-    """The lattice at rest, a shape key a frame, and its place in every frame."""
+    """Adds the lattice at rest, with a shape key and a placement for every frame."""
     data = bpy.data.lattices.new(layer["name"])
     data.points_u, data.points_v, data.points_w = layer["dims"]
     for axis in "uvw":
@@ -81,7 +81,7 @@ def add_lattice(layer):
 
 
 def spread(thing):
-    """From the first to the last point of each axis: Blender's versions lay them out differently."""
+    """Returns the extent of the points along each axis, which differs between versions of Blender."""
     points = [point.co for point in thing.data.points]
     sides = [max(point[axis] for point in points) - min(point[axis] for point in points) for axis in range(3)]
     return [side or 1.0 for side in sides]
@@ -104,7 +104,7 @@ def add_shapes(thing, frames):
 
 
 def place(thing, frames):
-    """Keys location, rotation and scale; a lattice that stands still gets no keys."""
+    """Keys location, rotation and scale; a lattice that does not move gets no keys."""
     thing.rotation_mode = "QUATERNION"
     matrices = [frame["scene_from_lattice"] for frame in frames]
     moves = any(matrix != matrices[0] for matrix in matrices)

@@ -8,7 +8,7 @@ use crate::scene::{Packed, Primitive};
 use glam::{Vec3, Vec4};
 use serde_json::{Map, Value, json};
 
-/// Directions that change by less than this in all frames need no target.
+/// Normals and tangents that change by less than this in all frames get no target.
 const STILL: f32 = 1e-6;
 
 /// Gives a node its own mesh with one target per frame, and removes its skin, whose effect is included in the targets.

@@ -1,23 +1,25 @@
-//! Which parts lie in front of which after the warp.
+//! Determines which parts lie in front of which after the warp.
 //!
-//! In: the lattice and the order of each label, what every pixel shows before the warp. Out: labels from back to front.
+//! In: the lattice and the order of each label, and what every pixel shows before the warp. Out: labels from back to front.
 
 use super::drawn_pieces::{Front, NOTHING};
 use crate::lattice::ScreenLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::HashMap;
 
-/// About as many pixels are followed.
+/// Approximate number of pixels that are sampled.
 const FOLLOWED: f64 = 250_000.0;
 
-/// Surfaces whose pixels are this near each other before the warp, in cells, hang together: which is in front says nothing.
+/// Pixels closer together than this before the warp, in cells, belong to connected surfaces, whose relative depth says nothing.
 const BESIDE: i32 = 4;
 
-/// Surfaces whose nearness differs by less than this share lie at one distance, as those of a drawing do.
+/// Relative difference of nearness below which two surfaces count as equally far away, as in a drawing.
 const SAME: f64 = 1e-5;
 
-/// Those of a greater order come later. Of one order, those that are in front in more places where both land come later; of such as
-/// never meet, the one with the smaller index is behind.
+/// Sorts labels from back to front.
+///
+/// Labels with a higher order come later. Among labels of one order, those that are in front at more places where both
+/// land come later; of labels that never meet, the one with the smaller index is behind.
 pub(super) fn from_back_to_front(
     (lattices, orders): (&[ScreenLattice], &[i32]),
     (front, window, frame): (&[Front], PixelRect, FrameSize),
@@ -26,7 +28,7 @@ pub(super) fn from_back_to_front(
     let mut left: Vec<usize> = (0..lattices.len()).collect();
     let mut order = Vec::with_capacity(left.len());
     while !left.is_empty() {
-        // How much of the others it would wrongly lie behind.
+        // Number of places where this label would wrongly lie behind the others.
         let wrong = |&label: &usize| -> i64 {
             let net = |&other: &usize| wins.get(&[label, other]).copied().unwrap_or(0).max(0);
             left.iter().map(net).sum()
@@ -37,7 +39,8 @@ pub(super) fn from_back_to_front(
     order
 }
 
-/// In how many more cells the first of two labels is in front of the second.
+/// Counts pairs of sampled pixels that land in the same cell: the number in which the first label is in front of the
+/// second, minus the number in which it is behind.
 fn wins(
     lattices: &[ScreenLattice],
     (front, window, frame): (&[Front], PixelRect, FrameSize),
@@ -85,7 +88,7 @@ mod tests {
     use super::*;
     use crate::lattice::{Basis, Grid};
 
-    /// A row of eight pixels of two labels; the second moves over the first.
+    /// A row of eight pixels with two labels; the second label moves over the first.
     #[test]
     fn what_is_nearer_is_in_front_and_of_equals_the_first_is_behind() {
         let frame = FrameSize::new(64, 64);

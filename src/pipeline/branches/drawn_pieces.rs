@@ -1,6 +1,6 @@
-//! Draws the pieces of a layer: which one each pixel of the unwarped picture shows.
+//! Rasterises the pieces of a layer: finds the piece that each pixel of the unwarped picture shows.
 //!
-//! In: [`LabelledPiece`]s, a time. Out: labels, and how near what they show is. What is transparent counts as opaque.
+//! In: [`LabelledPiece`]s and a time. Out: a label and a nearness per pixel. Transparent surfaces count as opaque.
 
 use super::super::{PreparedShot, TimeSample};
 use super::labels::{LabelledPiece, mixed};
@@ -8,19 +8,19 @@ use crate::screen::{primitive, project};
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 use glam::Vec2;
 
-/// No piece is seen.
+/// Label of pixels that show no piece.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// What a pixel shows.
+/// The front-most surface at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Front {
-    /// [`NOTHING`], or a place in the list of labels.
+    /// [`NOTHING`], or an index into the list of labels.
     pub(super) label: u32,
-    /// Greater is nearer; linear on the screen.
+    /// Larger is nearer; linear on the screen.
     pub(super) nearness: f64,
 }
 
-/// The pieces of a layer, and the scene that they are of.
+/// The pieces of a layer, with the scene that they are part of.
 pub(super) struct DrawnPieces<'a> {
     pub(super) prepared: &'a PreparedShot,
     pub(super) now: &'a TimeSample,
@@ -31,18 +31,18 @@ pub(super) struct DrawnPieces<'a> {
 /// A convex polygon in pixels of the frame.
 struct Polygon {
     label: u32,
-    /// x to the right, y down, nearness.
+    /// Each corner: x to the right, y down, nearness.
     corners: Vec<[f64; 3]>,
 }
 
-/// The pieces at a time.
+/// The pieces projected at one time.
 pub(super) struct PlacedPieces {
     time: f64,
     polygons: Vec<Polygon>,
 }
 
 impl DrawnPieces<'_> {
-    /// Where they lie at a time, in front of the near plane and facing the camera.
+    /// Projects the pieces at a time, without those that reach in front of the near plane and single-sided ones that face away.
     pub(super) fn at(&self, time: f64) -> PlacedPieces {
         let (pose, camera) = self.prepared.view(time);
         let mesh = project(&pose, &camera);
@@ -76,7 +76,7 @@ impl DrawnPieces<'_> {
 }
 
 impl PlacedPieces {
-    /// Of polygons of the screen: label, nearness, corners.
+    /// Creates the pieces from polygons on the screen: label, nearness, corners.
     pub(super) fn of_screen(polygons: impl Iterator<Item = (u32, f64, Vec<[f64; 2]>)>, size: FrameSize) -> Self {
         let polygon = |(label, nearness, corners): (u32, f64, Vec<[f64; 2]>)| {
             let corner = |[x, y]: [f64; 2]| {
@@ -92,7 +92,7 @@ impl PlacedPieces {
         self.time
     }
 
-    /// The pixels that they may cover, with some around for what is shifted.
+    /// Returns the pixels that the pieces may cover, with a margin of two pixels for jitter.
     pub(super) fn window(&self) -> PixelRect {
         let corners = self.polygons.iter().flat_map(|polygon| &polygon.corners);
         let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -107,12 +107,12 @@ impl PlacedPieces {
         PixelRect { x: low[0], y: low[1], width: (high[0] - low[0]) as u32, height: (high[1] - low[1]) as u32 }
     }
 
-    /// The label of every pixel of a window, the picture shifted by some pixels.
+    /// Returns the label of every pixel of a window, with the picture shifted by `shift` pixels.
     pub(super) fn labels(&self, window: PixelRect, shift: Vec2) -> Vec<u32> {
         self.front(window, shift).into_iter().map(|front| front.label).collect()
     }
 
-    /// What every pixel of a window shows at its centre, the picture shifted by some pixels, x right, y down.
+    /// Returns what the centre of every pixel of a window shows, with the picture shifted by `shift` pixels, x right, y down.
     pub(super) fn front(&self, window: PixelRect, shift: Vec2) -> Vec<Front> {
         let mut seen = vec![Front { label: NOTHING, nearness: f64::NEG_INFINITY }; window.area()];
         let origin = [f64::from(window.x) + 0.5 - f64::from(shift.x), f64::from(window.y) + 0.5 - f64::from(shift.y)];
@@ -136,7 +136,7 @@ impl PlacedPieces {
     }
 }
 
-/// Constant and slopes of the nearness over a polygon, from the largest triangle of its fan.
+/// Returns the nearness over a polygon as constant and slopes in x and y, from the largest triangle of its fan.
 fn plane(corners: &[[f64; 3]]) -> Option<[f64; 3]> {
     let first = corners.first()?;
     let fan = corners.windows(2).skip(1).map(|pair| {
@@ -149,14 +149,14 @@ fn plane(corners: &[[f64; 3]]) -> Option<[f64; 3]> {
     (area != 0.0).then(|| [first[2] - across * first[0] - down * first[1], across, down])
 }
 
-/// Whole numbers from 0 to below `count` that lie between the least and the greatest of some values.
+/// Returns the integers in 0..`count` between the minimum and the maximum of some values.
 fn within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
     let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
     let start = low.ceil().clamp(0.0, count as f64) as usize;
     start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
 }
 
-/// Where a side meets the line at a height: nowhere, once, or, along the line, at both ends.
+/// Returns the x at which a side meets the line at height `y`: none, one, or both ends if the side lies on the line.
 fn crossings([[ax, ay, _], [bx, by, _]]: [[f64; 3]; 2], y: f64) -> impl Iterator<Item = f64> {
     let both = if y < ay.min(by) || y > ay.max(by) {
         [None; 2]

@@ -1,4 +1,4 @@
-//! Pieces of the shape of a branching layer, tied to the model, with the branch that each belongs to.
+//! Attaches the pieces of a branching layer's shape to the model, and labels each with its branch.
 //!
 //! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
 
@@ -9,42 +9,43 @@ use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;
 
-/// What moves as one in a frame, and in the frames around where those count.
+/// A set of pieces that move together in a frame, and also in the neighbouring frames if those are considered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Label {
-    /// The branch now, and its order among parts that overlap.
+    /// The branch in this frame, and its order among overlapping parts.
     pub(super) now: OrderedPart,
-    /// In the frames before and after; `None`: nothing branches there, or it does not count.
+    /// The branches in the previous and the next frame; `None` if the lattice does not branch there or the frame is not considered.
     pub(super) around: [Option<usize>; 2],
 }
 
 /// A convex piece of a triangle of the model.
 #[derive(Clone, Debug)]
 pub(super) struct LabelledPiece {
-    /// Place in the list of labels.
+    /// Index into the list of labels.
     pub(super) label: u32,
     /// Index into the pose's parts.
     pub(super) part: usize,
-    /// Vertices of the triangle.
+    /// Vertex indices of the triangle.
     pub(super) corners: [u32; 3],
     /// Barycentric coordinates of the corners of the piece.
     pub(super) outline: Vec<[f64; 3]>,
 }
 
-/// The pieces of a layer.
+/// The pieces of a layer and their labels.
 pub(super) struct LabelledPieces {
-    /// Every label that occurs, by order, then by branch: the largest first.
+    /// All labels that occur, sorted by order, then by branch with the largest branch first.
     pub(super) labels: Vec<Label>,
     pub(super) pieces: Vec<LabelledPiece>,
 }
 
-/// What is left of a triangle of the model.
+/// A triangle of the model after clipping at the near plane.
 struct CutTriangle {
     part: usize,
-    /// Its number in the part.
+    /// Index of the triangle in its part.
     number: usize,
     corners: [u32; 3],
-    /// The corners of what is left, as barycentric coordinates, and their homogeneous w.
+    /// Barycentric coordinates of the clipped corners in the triangle of the model; their homogeneous w and screen
+    /// positions follow.
     weights: [[f64; 3]; 3],
     w: [f64; 3],
     at: [[f64; 2]; 3],
@@ -90,7 +91,7 @@ impl LabelledPieces {
     }
 }
 
-/// Where the triangles of a layer's shape come from, by their index.
+/// Returns the clipped triangles that make up a layer's shape, by their index in the shape.
 fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts]) -> BTreeMap<usize, CutTriangle> {
     let (mesh, near) = (now.mesh(), now.camera.near());
     let mut all = BTreeMap::new();
@@ -121,14 +122,15 @@ fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts
     all
 }
 
-/// A point of a triangle, by its barycentric coordinates.
+/// Interpolates the projected corners of a triangle with barycentric weights, in homogeneous coordinates.
 pub(super) fn mixed(ends: &[Projected; 3], weights: [f64; 3]) -> Projected {
     let sum = |of: fn(&Projected) -> f64| (0..3).map(|k| weights[k] * of(&ends[k])).sum::<f64>();
     Projected { h: (0..3).map(|k| ends[k].h * weights[k]).sum(), w: sum(|end| end.w), depth: sum(|end| end.depth) }
 }
 
 impl CutTriangle {
-    /// Barycentric coordinates, in the triangle of the model, of a point of the screen; `None` where the triangle has no area there.
+    /// Returns the barycentric coordinates of a screen point in the triangle of the model; `None` if the clipped
+    /// triangle has no area on the screen.
     fn barycentric(&self, [x, y]: [f64; 2]) -> Option<[f64; 3]> {
         let [a, b, c] = self.at;
         let cross =
@@ -138,7 +140,7 @@ impl CutTriangle {
             return None;
         }
         let point = [x, y];
-        // On the screen; in space each counts less the farther it is.
+        // Perspective correction: weights on the screen are divided by w.
         let shares = [cross(point, b, c) / whole, cross(a, point, c) / whole, cross(a, b, point) / whole];
         let shares: [f64; 3] = std::array::from_fn(|k| shares[k] / self.w[k]);
         let sum: f64 = shares.iter().sum();
@@ -155,14 +157,14 @@ struct Other<'a> {
 }
 
 impl<'a> Other<'a> {
-    /// `None` where nothing branches.
+    /// Returns `None` if the layer's lattice does not branch in that frame.
     fn of(sample: &'a TimeSample, layer: usize) -> Option<Self> {
         let state = &sample.layers[layer];
         let branches = state.solution.as_ref()?.branches.as_ref()?;
         Some(Self { branches, starts: &state.starts, mesh: sample.mesh() })
     }
 
-    /// The branch of a point of a triangle; `None` where the camera does not see it.
+    /// Returns the branch at a point of a triangle; `None` if the camera does not see it.
     fn branch(&self, triangle: &CutTriangle, weights: [f64; 3]) -> Option<usize> {
         let starts = &self.starts.iter().find(|own| own.part == triangle.part)?.starts;
         let [start, end] =

@@ -1,8 +1,8 @@
-//! The branches of a layer as parts of a picture: where each goes, how much it has of every pixel, and which lies in front.
+//! Splits a picture into the branches of a layer: the lattice of each branch, its share of every pixel, and the depth order.
 //!
-//! In: a [`PreparedShot`], a solved [`TimeSample`], a layer whose lattice branches. Out: [`BranchPart`]s from back to front. What a
-//! pixel of the unwarped picture shows is found by drawing the pieces of the branches, with the samples and the shutter of a render; a
-//! pixel beside the shape goes with the nearest one inside.
+//! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`BranchPart`]s from back
+//! to front. The pieces of the branches are rasterised over the unwarped picture with the samples and the shutter of a
+//! render; a pixel outside the shape gets the branch of the nearest pixel inside.
 
 mod depth_order;
 mod drawn_pieces;
@@ -27,45 +27,46 @@ use shares::Shares;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A branch, or what of it also hangs together in the frames around.
+/// A branch, or the portion of it whose points also share a branch in the neighbouring frames.
 #[derive(Clone, Debug)]
 pub(crate) struct BranchPart {
-    /// Where it goes; handles that do not act on it continue it smoothly.
+    /// The lattice that moves this part; handles that do not act on it continue it smoothly.
     pub(crate) lattice: ScreenLattice,
-    /// Where it goes in the frames before and after; `None` where it rests.
+    /// The lattices in the previous and the next frame, `None` where the part rests; `None` as a whole if no motion is wanted.
     pub(crate) around: Option<[Option<ScreenLattice>; 2]>,
-    /// Its share of every pixel of the frame; those of all parts sum to 1.
+    /// Share of this part in every pixel of the frame; the shares of all parts sum to 1.
     pub(crate) share: Arc<Coverage>,
-    /// How much of every pixel the shape covers; the same for all parts.
+    /// Coverage of the whole shape in every pixel; the same for all parts.
     pub(crate) covered: Arc<Coverage>,
 }
 
-/// When a picture was taken.
+/// The exposure of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exposure {
-    /// One sample of every pixel, at the time of the sample of the scene.
+    /// One sample per pixel, at the time of the scene's sample.
     Instant,
-    /// With the samples and the shutter of the shot, around the time of the sample.
+    /// The samples and the shutter of the shot, around the time of the scene's sample.
     Shutter,
 }
 
-/// What the pieces of a layer show, seen in one picture.
+/// The labels of a layer as seen in one picture.
 struct Seen {
     labels: Vec<Label>,
-    /// One a label.
+    /// One per label.
     lattices: Vec<ScreenLattice>,
     /// Labels from back to front.
     order: Vec<usize>,
-    /// One a label; `None`: nothing of it is seen.
+    /// Share of each label; `None` if nothing of it is visible.
     shares: Vec<Option<Coverage>>,
-    /// Of all together.
+    /// Coverage of all labels together.
     covered: Coverage,
 }
 
 impl PreparedShot {
-    /// The parts of a layer in a picture of that size of the unwarped scene, from back to front; `None` where its lattice has no
-    /// branches at that time. `around`: the samples of the frames before and after, where motion is wanted: then a part hangs together
-    /// in all three.
+    /// Returns the parts of a layer from back to front, for a picture of the given size of the unwarped scene; `None`
+    /// if the layer's lattice does not branch at that time.
+    ///
+    /// `around`: the samples of the previous and the next frame if motion is wanted; each part then moves as one in all three.
     pub(crate) fn branch_parts(
         &self,
         layer: usize,
@@ -90,13 +91,13 @@ impl PreparedShot {
         Some(order.into_iter().filter_map(part).collect())
     }
 
-    /// The branches of a layer as a lattice file holds them; `None` where its lattice has none.
+    /// Returns the branches of a layer as stored in a lattice file; `None` if its lattice does not branch.
     pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
         let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
         let seen = self.seen(layer, (now, None), (self.shot.size, Exposure::Instant));
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
         let OrderedParts { list, of_pieces } = OrderedParts::of(self, layer, (now, branches));
-        // Nothing of it is in the frame: then the largest is behind.
+        // Without any visible part, the largest branch is the rearmost.
         let order: Vec<OrderedPart> = order.unwrap_or_else(|| list.clone());
         let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = if list.iter().all(|part| part.order == 0) {
             let regions = branches.regions().into_iter().enumerate();
@@ -122,7 +123,7 @@ impl PreparedShot {
         let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, (now, branches), around);
         let (begin, plan) = self.passes_of(now, exposure);
         let pieces = DrawnPieces { prepared: self, now, pieces: &pieces, size };
-        // All passes at one time show the same.
+        // All passes at the same time share one projection.
         let mut placed: Vec<PlacedPieces> = Vec::new();
         let place = |time: f64, placed: &mut Vec<PlacedPieces>| {
             placed.iter().position(|pieces| pieces.time() == time).unwrap_or_else(|| {
@@ -138,7 +139,7 @@ impl PreparedShot {
         Some(Seen { labels, lattices, order, shares, covered })
     }
 
-    /// The passes that a picture is made of, and the time that theirs are counted from.
+    /// Returns the time from which the passes of a picture are counted, and the passes.
     fn passes_of(&self, now: &TimeSample, exposure: Exposure) -> (f64, Vec<PassPlan>) {
         match exposure {
             Exposure::Instant => (now.frame, plan_passes(1, CLOSED)),
@@ -150,8 +151,8 @@ impl PreparedShot {
     }
 }
 
-/// The parts of a picture that the branches of a lattice file cut out of it, from back to front. `around`: where they go in the frames
-/// before and after.
+/// Returns the parts of a picture that the branches of a lattice file define, from back to front. `around`: their
+/// lattices in the previous and the next frame.
 pub(crate) fn parts_of_file(
     branches: &LatticeBranches,
     lattices: Vec<ScreenLattice>,
@@ -174,19 +175,20 @@ pub(crate) fn parts_of_file(
     lattices.into_iter().zip(shares).enumerate().filter_map(part).collect()
 }
 
-/// Where parts go and what they have of the picture, and what the shape covers of it; `None`: there are none.
+/// Returns the field and the coverage of each part, and the coverage of the whole shape; `None` if there are no parts.
 pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<SharedParts> {
     let covered = (*parts.first()?.covered).clone();
     let field = |part: BranchPart| (Field::of_layer(part.lattice), Arc::unwrap_or_clone(part.share));
     Some((parts.into_iter().map(field).collect(), covered))
 }
 
-/// Samples of a pixel where nothing says how many.
+/// Samples per pixel for branches from a lattice file, which specifies no number.
 const FILE_SAMPLES: u32 = 16;
 
 const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 
-/// Labels from back to front, what each has of every pixel, and how much all cover; `None`: nothing is in the frame. `planned`: the moment of each pass.
+/// Returns labels from back to front, the share of each label in every pixel, and the coverage of all; `None` if
+/// nothing is in the frame. `planned`: each pass with the index of its projection in `placed`.
 fn drawn(
     (placed, planned): (&[PlacedPieces], &[(PassPlan, usize)]),
     (lattices, orders): (&[ScreenLattice], &[i32]),
@@ -206,7 +208,7 @@ fn drawn(
     Some((order, of_labels, shares.covered()))
 }
 
-/// The lattices of all branches, or the only one.
+/// Returns the lattices of all branches, or the single lattice of a layer that does not branch.
 fn lattices_of(solution: &Solution<2>) -> Vec<ScreenLattice> {
     match &solution.branches {
         Some(branches) => (0..branches.branch_count()).into_par_iter().map(|k| branches.extended_lattice(k)).collect(),

@@ -1,4 +1,4 @@
-//! How much every label has of every pixel of a frame.
+//! Computes the share of every label in every pixel of a frame.
 //!
 //! In: the labels that the passes of a picture show. Out: [`Coverage`]s that sum to 1 everywhere.
 
@@ -12,9 +12,9 @@ pub(super) struct Shares<'a> {
     seen: &'a [Vec<u32>],
     window: PixelRect,
     frame: FrameSize,
-    /// The label that has most of every pixel of the frame; of a pixel that nothing covers, that of the nearest one which something does.
+    /// Predominant label of every pixel of the frame; uncovered pixels have that of the nearest covered pixel.
     main: Vec<u32>,
-    /// One a label: the pixels of which it has something.
+    /// Bounding box of the pixels of each label: left, top, right, bottom, inclusive.
     bounds: Vec<Option<[u32; 4]>>,
 }
 
@@ -39,7 +39,7 @@ impl<'a> Shares<'a> {
         Self { seen, window, frame, main, bounds }
     }
 
-    /// Those of a label; `None`: it has none.
+    /// Returns the share of a label; `None` if it is not visible.
     pub(super) fn of_label(&self, label: u32) -> Option<Coverage> {
         let [x0, y0, x1, y1] = self.bounds[label as usize]?;
         let window = PixelRect { x: x0 as i32, y: y0 as i32, width: x1 - x0 + 1, height: y1 - y0 + 1 };
@@ -47,7 +47,7 @@ impl<'a> Shares<'a> {
         Some(Coverage { frame: self.frame, window, samples })
     }
 
-    /// How much of every pixel they cover.
+    /// Returns the coverage of all labels together.
     pub(super) fn covered(&self) -> Coverage {
         let count = self.seen.len().max(1) as f32;
         let shown = |place: usize| self.seen.iter().filter(|labels| labels[place] != NOTHING).count() as f32 / count;
@@ -69,7 +69,7 @@ impl<'a> Shares<'a> {
     }
 }
 
-/// The label that most passes show at a pixel, of several the first.
+/// Returns the label shown by most passes at a pixel; the first of several equal ones.
 fn most(seen: &[Vec<u32>], place: usize) -> Option<u32> {
     let mut counts: Vec<(u32, u32)> = Vec::new();
     for label in seen.iter().map(|labels| labels[place]).filter(|&label| label != NOTHING) {
@@ -81,7 +81,7 @@ fn most(seen: &[Vec<u32>], place: usize) -> Option<u32> {
     counts.into_iter().reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(label, _)| label)
 }
 
-/// Gives pixels without a label that of a neighbour, ring by ring.
+/// Gives unlabelled pixels the label of a neighbour, ring by ring outwards.
 fn spread(labels: &mut [u32], width: usize) {
     let mut ring: Vec<usize> = (0..labels.len()).filter(|&pixel| labels[pixel] != NOTHING).collect();
     while !ring.is_empty() {

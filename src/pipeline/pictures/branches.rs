@@ -1,4 +1,4 @@
-//! Draws a picture whose lattice branches: every branch is cut out, warped by its own lattice, and laid over those behind it.
+//! Draws a picture under a branching lattice: each part is cut out, warped by its own lattice, and composited over those behind.
 //!
 //! In: a [`FlatPicture`], a solved [`BranchedLattice`] and its [`OrderedParts`]. Out: the warped parts, from back to front.
 
@@ -9,25 +9,25 @@ use crate::lattice::ScreenLattice;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 
-/// No part.
+/// Label of pixels without a part.
 const NONE: u32 = u32::MAX;
 
-/// A part goes on under those before it by so many pixels, so that no seam shows where filters soften their edges.
+/// Number of pixels by which a part extends under the parts in front of it, so that filtered edges leave no visible seam.
 const OVERLAP: usize = 3;
 
-/// Lattices of two parts that differ by more than this at a pixel, in pixels, do not hang together there.
+/// Distance in pixels between the images of a pixel under two lattices above which the two parts are not connected there.
 const SAME_PLACE: f64 = 0.5;
 
-/// The part of every pixel of a picture, by window.
+/// The part of every pixel of a picture's window.
 pub(super) struct PartMap {
     window: PixelRect,
     frame: FrameSize,
-    /// #pixels; [`NONE`]: no part is near.
+    /// #pixels; [`NONE`] where no part is connected to the pixel.
     labels: Vec<u32>,
 }
 
 impl PartMap {
-    /// Pixels beside the shape belong to the nearest one inside.
+    /// Labels the pixels of the shape; covered pixels outside the shape get the part of the nearest pixel inside.
     pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Self {
         let (window, frame) = (flat_picture.window(), flat_picture.plate.frame_size());
         let mut map = Self { window, frame, labels: vec![NONE; window.area()] };
@@ -43,7 +43,7 @@ impl PartMap {
     /// Fills a convex polygon, given in pixels of the frame.
     fn fill(&mut self, part: u32, corners: &[[f64; 2]]) {
         let (width, height) = (self.window.width as usize, self.window.height as usize);
-        // From the centre of the first pixel on.
+        // Coordinates are relative to the centre of the first pixel.
         let origin = [f64::from(self.window.x) + 0.5, f64::from(self.window.y) + 0.5];
         let corners: Vec<[f64; 2]> = corners.iter().map(|&[x, y]| [x - origin[0], y - origin[1]]).collect();
         for row in pixels_within(corners.iter().map(|corner| corner[1]), height) {
@@ -54,7 +54,7 @@ impl PartMap {
         }
     }
 
-    /// Gives pixels that are covered the part of a neighbour, ring by ring.
+    /// Gives covered pixels without a part the part of a neighbour, ring by ring outwards.
     fn spread(&mut self, is_covered: impl Fn(usize) -> bool) {
         let mut ring: Vec<usize> = (0..self.labels.len()).filter(|&pixel| self.labels[pixel] != NONE).collect();
         while !ring.is_empty() {
@@ -82,7 +82,7 @@ impl PartMap {
         ]
     }
 
-    /// Where the centre of a pixel goes, in pixels.
+    /// Returns the image of a pixel's centre under a lattice, in pixels.
     fn image(&self, lattice: &ScreenLattice, pixel: usize) -> [f64; 2] {
         let width = self.window.width as usize;
         let place = |start: i32, step: usize| f64::from(start) + step as f64 + 0.5;
@@ -90,7 +90,7 @@ impl PartMap {
         self.frame.image_from_screen(lattice.warp(self.frame.screen_from_image(at))).0.to_array()
     }
 
-    /// The pixels of a part, and those of parts before it that hang together with it, up to [`OVERLAP`] pixels away.
+    /// Returns the pixels of a part, and those of connected parts in front of it up to [`OVERLAP`] pixels away.
     fn mask(&self, part: usize, lattices: &[&ScreenLattice]) -> Vec<bool> {
         let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == part as u32).collect();
         let mut ring: Vec<usize> = (0..mask.len()).filter(|&pixel| mask[pixel]).collect();
@@ -113,14 +113,14 @@ impl PartMap {
     }
 }
 
-/// Whole numbers from 0 to below `count` that lie between the least and the greatest of some values.
+/// Returns the integers in 0..`count` between the minimum and the maximum of some values.
 fn pixels_within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
     let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
     let start = low.ceil().clamp(0.0, count as f64) as usize;
     start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
 }
 
-/// Where a side meets the line at a height: nowhere, once, or, along the line, at both ends.
+/// Returns the x at which a side meets the line at height `y`: none, one, or both ends if the side lies on the line.
 fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
     if y < ay.min(by) || y > ay.max(by) {
         Vec::new()
@@ -131,7 +131,7 @@ fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
     }
 }
 
-/// The parts of a picture, from back to front, each warped by `warp`, with what that has to say.
+/// Returns the parts of a picture from back to front, each warped by `warp`, and the warnings of those warps.
 pub(super) fn warped_branches(
     flat_picture: &FlatPicture,
     (map, branches, parts): (&PartMap, &BranchedLattice<2>, &OrderedParts),
@@ -150,7 +150,7 @@ pub(super) fn warped_branches(
     (pictures, warnings)
 }
 
-/// The pixels of a mask, in the smallest window that holds them; `None`: there are none.
+/// Cuts out the pixels of a mask, in their bounding window; `None` if there are none.
 fn cut_out(flat_picture: &FlatPicture, map: &PartMap, mask: &[bool]) -> Option<Plate> {
     let width = map.window.width as usize;
     let rows: Vec<usize> =

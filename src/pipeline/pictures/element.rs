@@ -1,6 +1,6 @@
-//! What other programs want of a shot: its scene as a file, and single layers as they are.
+//! Exports the scene of a shot as a file, and prepares shots of single layers for other programs.
 //!
-//! In: a [`PreparedShot`]. Out: a packed glTF file, with textured cards where the shot has pictures; a shot of a layer alone.
+//! In: a [`PreparedShot`]. Out: a packed glTF file, with textured cards if the shot has pictures; a shot of one layer.
 
 use super::super::{PipelineError, PreparedShot};
 use super::Gallery;
@@ -11,10 +11,10 @@ use crate::shot::Shot;
 use std::path::PathBuf;
 
 impl PreparedShot {
-    /// The scene as a glTF file, ready to be edited.
+    /// Returns the scene as an editable glTF file.
     ///
     /// # Errors
-    /// [`PipelineError`] where the file of the scene cannot be read, or the shot has none and no pictures.
+    /// [`PipelineError`] if the scene file cannot be read, or the shot has neither a scene nor pictures.
     pub fn packed(&self) -> Result<Packed, PipelineError> {
         if let Some(gallery) = &self.gallery {
             return Ok(packed_cards(&self.scene, self.shot.size.aspect(), &gallery.png_files()?));
@@ -34,10 +34,10 @@ impl PreparedShot {
         Ok(packed)
     }
 
-    /// A shot of pictures with those of one layer alone, at rest; `None`: not a shot of pictures.
+    /// Returns the shot with the pictures of one layer only, at rest; `None` if it is not a shot of pictures.
     ///
     /// # Errors
-    /// [`PipelineError`] as from [`PreparedShot::new`].
+    /// As [`PreparedShot::new`].
     pub fn pictures_of(&self, layer: usize, output: PathBuf) -> Result<Option<Self>, PipelineError> {
         if self.gallery.is_none() {
             return Ok(None);
@@ -53,7 +53,7 @@ impl PreparedShot {
 }
 
 impl Gallery {
-    /// One a picture, as large as the frame: 8-bit sRGB.
+    /// Encodes each picture as an 8-bit sRGB PNG of the frame's size.
     fn png_files(&self) -> Result<Vec<Vec<u8>>, PipelineError> {
         let file = |flat_picture: &super::FlatPicture| {
             png_bytes(&flat_picture.path, &preview(&flat_picture.plate.clone().into_frame()))

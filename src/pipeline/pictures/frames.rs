@@ -1,6 +1,6 @@
-//! Renders the frames of a shot of pictures: one is solved and painted while the last is written.
+//! Renders the frames of a shot of pictures: one frame is solved and drawn while the previous one is written.
 //!
-//! In: what a render is asked. Out: files, events, a [`Summary`], as from any render.
+//! In: the options of a render. Out: files, events, and a [`Summary`], as from any render.
 
 use super::super::geometry_thread::facts;
 use super::super::passes::{PassPlan, mid_shutter, plan_passes};
@@ -14,21 +14,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
-/// What draws, in events and metadata.
+/// Name of the device in events and metadata.
 const DEVICE: &str = "the CPU, as pictures";
 
-/// Frames to render, and where to.
+/// The frames to render and their destination.
 pub(in crate::pipeline) struct Wanted<'a> {
     pub(in crate::pipeline) options: &'a RenderOptions,
     pub(in crate::pipeline) output: SequencePath,
-    /// Digest of the shot and of what its files hold.
+    /// Digest of the shot and of the contents of its files.
     pub(in crate::pipeline) digest: String,
     pub(in crate::pipeline) frames: Vec<i32>,
-    /// How many stay as they are.
+    /// Number of frames that are kept.
     pub(in crate::pipeline) kept: usize,
 }
 
-/// Renders them.
+/// Renders the frames.
 pub(in crate::pipeline) fn render_pictures(
     prepared: &PreparedShot,
     wanted: Wanted,
@@ -56,13 +56,13 @@ pub(in crate::pipeline) fn render_pictures(
             }
         }
         drop(drawn);
-        // A panic in the writer is passed on, not swallowed.
+        // Propagates a panic in the writer.
         writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     });
     Summary { kept, raster_ms: painting.busy_ms, ..writer.summary() }
 }
 
-/// Says which channels pictures do not have.
+/// Reports channels that pictures do not provide.
 fn tell_left_out(prepared: &PreparedShot, tell: &(dyn Fn(Event) + Sync)) {
     let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
     let names: Vec<String> = prepared
@@ -82,7 +82,7 @@ fn tell_left_out(prepared: &PreparedShot, tell: &(dyn Fn(Event) + Sync)) {
     }
 }
 
-/// The thread that solves and paints.
+/// The state of the thread that solves and draws.
 struct Painting<'a> {
     prepared: &'a PreparedShot,
     painter: Painter<'a>,
@@ -111,7 +111,7 @@ impl Painting<'_> {
     }
 }
 
-/// The pictures at some times, in the mean; `middle` gives their ids.
+/// Draws the mean of the pictures at some times; `middle` gives the ids.
 pub(in crate::pipeline) fn paint_frame(
     prepared: &PreparedShot,
     middle: &TimeSample,
@@ -123,7 +123,7 @@ pub(in crate::pipeline) fn paint_frame(
     Painter::new(gallery, prepared).frame(times, middle, sample_at)
 }
 
-/// The times of a frame's exposure; without a shutter its own.
+/// Returns the sample times of a frame's exposure; without a shutter, the frame's own time.
 pub(in crate::pipeline) fn times(prepared: &PreparedShot, frame: i32) -> Vec<f64> {
     let shutter = prepared.shot.shutter;
     if shutter.angle <= 0.0 {

@@ -1,6 +1,6 @@
-//! Shots of pictures: read once, solved like models, and drawn by warping the pictures themselves.
+//! Shots of pictures: the pictures are read once, solved like models, and drawn by warping them.
 //!
-//! In: the paths of a shot. Out: a [`Gallery`] and the scene it stands for; frames.
+//! In: the paths of a shot. Out: a [`Gallery`] and the scene that represents it; frames.
 
 mod branches;
 mod element;
@@ -19,21 +19,21 @@ use crate::space::FrameSize;
 use read::FlatPicture;
 use std::path::{Path, PathBuf};
 
-/// The pictures of a shot, from back to front, one a node of its scene.
+/// The pictures of a shot from back to front, one per node of its scene.
 #[derive(Clone, Debug)]
 pub(super) struct Gallery {
-    /// Their size as drawn; that of the frame where it was not scaled.
+    /// Size at which the pictures are drawn, which is that of the frame; they are scaled to it when loaded.
     frame: FrameSize,
     flat_pictures: Vec<FlatPicture>,
-    /// The finest of their channels.
+    /// Full float unless all pictures are half float.
     storage: Storage,
 }
 
 impl Gallery {
-    /// Reads all pictures, and lays them out as a scene.
+    /// Reads all pictures and lays them out as a scene.
     ///
     /// # Errors
-    /// [`PipelineError`] where a picture cannot be read, is empty, or does not fit the others or the frame.
+    /// [`PipelineError`] if a picture cannot be read, is empty, or does not match the size of the others or the shape of the frame.
     pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
         check_memory(paths)?;
         let (mut flat_pictures, mut left_out) = (Vec::new(), Vec::new());
@@ -65,7 +65,7 @@ impl Gallery {
         Ok((gallery, scene))
     }
 
-    /// The same pictures for another frame of the same shape.
+    /// Scales the pictures to another frame of the same shape.
     fn sized(self, size: FrameSize) -> Self {
         if [self.frame.width, self.frame.height] == [size.width, size.height] {
             return self;
@@ -76,7 +76,7 @@ impl Gallery {
     }
 }
 
-/// All pictures are held decoded, together with the frame that they make and one of them warped.
+/// Checks the memory for all decoded pictures, the rendered frame, and one warped picture.
 fn check_memory(paths: &[PathBuf]) -> Result<(), PipelineError> {
     let mut needed = 0;
     for path in paths {
@@ -98,7 +98,7 @@ fn unequal(shot: &Shot, (first, of): (FrameSize, &Path), (size, path): (FrameSiz
     PipelineError::mismatch(shot, "image", what, "save all pictures of a shot on canvases of one size")
 }
 
-/// A frame of another size shows the pictures scaled; of another shape it cannot.
+/// Checks the aspect ratio: a frame of another size shows the pictures scaled, one of another shape cannot.
 fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), PipelineError> {
     if shot.size.is_as_wide_as(frame.aspect()) {
         return Ok(());
@@ -108,7 +108,7 @@ fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), Pipelin
     Err(PipelineError::mismatch(shot, "size", what, "leave `size` out, or give one of the picture's shape"))
 }
 
-/// Layers, pins and pick tell pictures apart by their names.
+/// Checks that the pictures have different names, by which layers, pins and picks distinguish them.
 fn check_names(shot: &Shot, flat_pictures: &[FlatPicture]) -> Result<(), PipelineError> {
     for (index, flat_picture) in flat_pictures.iter().enumerate() {
         if let Some(other) = flat_pictures[..index].iter().find(|other| other.name == flat_picture.name) {

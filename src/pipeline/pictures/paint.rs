@@ -1,6 +1,6 @@
-//! Draws pictures: each is warped as its layer's lattice says, and laid over those behind it.
+//! Draws pictures: each is warped by its layer's lattice and composited over those behind it.
 //!
-//! In: a [`Gallery`] and solved samples. Out: a [`Frame`] of the whole frame. Where nothing moves, samples keep their bits.
+//! In: a [`Gallery`] and solved samples. Out: a [`Frame`]. Where nothing moves, samples keep their bits.
 
 use super::super::part_order::OrderedParts;
 use super::super::{PreparedShot, TimeSample};
@@ -15,23 +15,23 @@ use crate::solve::{BranchedLattice, Solution};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
-/// A pixel shows the first picture that covers at least this much of it, as with surfaces.
+/// Smallest coverage at which a picture counts as visible at a pixel, as for surfaces.
 const SEEN: f32 = 0.5;
 
-/// A picture as it lies in the frame at some time.
+/// A warped picture at some time.
 struct Laid {
-    /// What warped it; `None`: nothing.
+    /// The warp; `None` if the picture is at rest.
     warp: Option<Warp>,
-    /// Its parts from back to front: the pixels that each may cover, with [`CHANNELS`].
+    /// The parts from back to front, with [`CHANNELS`]; each covers the window of pixels that it may touch.
     pictures: Vec<Frame>,
-    /// The part of every pixel, where its lattice has branches.
+    /// The part of every pixel, if the lattice branches.
     part_map: Option<PartMap>,
-    /// That it lies over itself, where that is seen; in words.
+    /// Warnings, for example that the picture visibly overlaps itself.
     warnings: Vec<String>,
 }
 
 impl Gallery {
-    /// How much of every pixel of the frame the unwarped pictures that are `shown`, by index, cover together: 0 to 1.
+    /// Returns the combined coverage (0 to 1) of the unwarped pictures for whose index `shown` holds, per pixel of the frame.
     pub(in crate::pipeline) fn coverage(&self, shown: impl Fn(usize) -> bool) -> Vec<f32> {
         let window = self.frame.window();
         let mut covered = vec![0.0_f32; window.area()];
@@ -46,7 +46,7 @@ impl Gallery {
     }
 }
 
-/// What warps a picture.
+/// The warp of a picture.
 #[derive(Clone, Debug, PartialEq)]
 enum Warp {
     Plain(ScreenLattice),
@@ -67,11 +67,11 @@ fn alpha(picture: &Frame) -> &[f32] {
     &picture.channels[3].samples
 }
 
-/// Draws frames; remembers pictures that did not move between samples of an exposure.
+/// Draws frames, reusing pictures that do not move between the samples of an exposure.
 pub(super) struct Painter<'a> {
     gallery: &'a Gallery,
     prepared: &'a PreparedShot,
-    /// One a picture.
+    /// One per picture.
     laid: Vec<Option<Laid>>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Painter<'a> {
         Self { gallery, prepared, laid }
     }
 
-    /// The mean of several samples, with the ids of the middle one.
+    /// Returns the mean of the samples at `times`, with the ids of the sample `middle`.
     ///
     /// # Errors
     /// Those of `sample_at`.
@@ -116,12 +116,12 @@ impl<'a> Painter<'a> {
         Ok(Frame { display, data_window: display, pixel_aspect, channels }.crop_to_covered())
     }
 
-    /// What the pictures painted last have to say.
+    /// Returns the warnings of the pictures drawn last.
     pub(super) fn warnings(&self) -> Vec<String> {
         self.laid.iter().flatten().flat_map(|laid| laid.warnings.iter().cloned()).collect()
     }
 
-    /// All pictures over one another.
+    /// Composites all pictures.
     fn beauty(&mut self, sample: &TimeSample) -> [Vec<f32>; 4] {
         let window = self.gallery.frame.window();
         let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
@@ -131,7 +131,7 @@ impl<'a> Painter<'a> {
         canvas
     }
 
-    /// Layer and object of the front-most picture of every pixel.
+    /// Returns the layer id and the object id of the front-most picture at every pixel.
     fn ids(&mut self, sample: &TimeSample) -> [Vec<f32>; 2] {
         let window = self.gallery.frame.window();
         let mut ids = [vec![0.0; window.area()], vec![0.0; window.area()]];
@@ -149,7 +149,7 @@ impl<'a> Painter<'a> {
         ids
     }
 
-    /// A picture, warped as at a sample.
+    /// Returns a picture warped as in a sample.
     fn lay(&mut self, index: usize, sample: &TimeSample) -> &Laid {
         let owner = self.prepared.assignment.layer_of_part[index];
         let warp = owner.and_then(|layer| Warp::of(self.prepared, sample, layer));
@@ -169,8 +169,8 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
     Channel { name: name.to_owned(), storage, samples }
 }
 
-/// A picture as the layer of a plate that holds nothing else: where it lies over itself, what is behind shows. `last`: the same picture
-/// as it lay before.
+/// Warps a picture as the only layer of a plate; where it overlaps itself, the front shows. `last`: the same picture
+/// under its previous warp.
 fn warped(
     flat_picture: &FlatPicture,
     (layer, warp): (&str, Option<Warp>),
@@ -202,7 +202,7 @@ fn warped(
 }
 
 impl Laid {
-    /// The part of every pixel, where the picture hangs together as under other branches.
+    /// Returns the part map if the shape is split into the same pieces and parts under the given branches.
     fn part_map_of(self, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Option<PartMap> {
         match self.warp {
             Some(Warp::Branching(last, known)) if last.has_same_pieces(branches) && known == *parts => self.part_map,
@@ -211,14 +211,14 @@ impl Laid {
     }
 }
 
-/// Porter and Duff's over: what lies in front, and what it lets through. Nothing leaves bits as they are.
+/// Porter and Duff's over operator. Where nothing lies behind, the front keeps its bits.
 fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, picture: &Frame) {
     let rows = window.shared_rows(picture.data_window);
     for (plane, front) in canvas.iter_mut().zip(&picture.channels) {
         for [to, from] in rows.clone() {
             let (behind, front, alpha) = (&mut plane[to], &front.samples[from.clone()], &alpha(picture)[from]);
             for ((behind, front), alpha) in behind.iter_mut().zip(front).zip(alpha) {
-                // Filters with negative lobes overshoot.
+                // Filters with negative lobes can make alpha overshoot.
                 *behind = if *behind == 0.0 { *front } else { front + *behind * (1.0 - alpha.clamp(0.0, 1.0)) };
             }
         }
@@ -229,7 +229,7 @@ fn add(sum: &mut [f32], plane: &[f32]) {
     sum.par_iter_mut().zip(plane).for_each(|(sum, sample)| *sum += sample);
 }
 
-/// The mean of a sum; of one picture itself.
+/// Divides a sum by the number of samples; a single sample keeps its bits.
 fn scaled(mut planes: [Vec<f32>; 4], count: usize) -> [Vec<f32>; 4] {
     if count > 1 {
         let share = 1.0 / count as f32;

@@ -1,6 +1,6 @@
-//! One picture of a file: its colour and alpha, ready to be warped.
+//! Extracts the pictures of a file: colour and alpha, ready to be warped.
 //!
-//! In: a plate. Out: a [`FlatPicture`] for each of its layers that has colour: a plate of its own.
+//! In: a plate. Out: a [`FlatPicture`] for each of its colour layers, as a plate of its own.
 
 use super::super::PipelineError;
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
@@ -10,7 +10,7 @@ use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
 use std::path::{Path, PathBuf};
 
-/// The channels of a picture, in their order.
+/// The channels of a picture, in order.
 pub(super) const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// A flat picture.
@@ -18,16 +18,18 @@ pub(super) const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 pub(super) struct FlatPicture {
     pub(super) path: PathBuf,
     pub(super) name: String,
-    /// [`CHANNELS`], associated, in one part; its display window begins at 0, 0.
+    /// [`CHANNELS`], premultiplied, in one part; the display window begins at 0, 0.
     pub(super) plate: Plate,
-    /// The picture has an alpha of its own.
+    /// Whether the file has an alpha channel for the picture.
     has_alpha: bool,
-    /// The finest of its channels.
+    /// Half float if all colour channels are, otherwise full float.
     pub(super) storage: Storage,
 }
 
-/// All pictures of a plate, in the order of its parts and channels: channels `R`, `G`, `B`, `A` (or grey `Y`) are named
-/// after the file, or their part; `hair.R` and so on are `hair`. Then what is left out, in words.
+/// Returns all pictures of a plate, in the order of its parts and channels, and a list of what is left out.
+///
+/// Pictures in channels `R`, `G`, `B`, `A` (or luminance `Y`) are named after the file, or after their part; a picture
+/// in `hair.R` and so on is named `hair`.
 pub(super) fn flat_pictures(
     shot: &Shot,
     path: &Path,
@@ -49,7 +51,7 @@ pub(super) fn flat_pictures(
     Ok((flat_pictures.collect(), left_out))
 }
 
-/// The picture of a part. What it lacks of colour is 0, a missing alpha 1.
+/// Builds the picture of a part. Missing colour channels are 0, a missing alpha is 1.
 fn flat_picture(
     (path, name): (&Path, String),
     (plate, part): (&Plate, &PlatePart),
@@ -69,7 +71,7 @@ fn flat_picture(
     }
 }
 
-/// [`CHANNELS`] as a plate.
+/// Builds a plate from [`CHANNELS`].
 pub(super) fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
     let named = CHANNELS.into_iter().zip(planes);
     let channels = named.map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
@@ -78,41 +80,41 @@ pub(super) fn pictured(size: FrameSize, data_window: PixelRect, planes: impl Int
 }
 
 impl FlatPicture {
-    /// What it covers, for the scene.
+    /// Returns the outline data of the picture for the scene.
     pub(super) fn picture(&self) -> Picture<'_> {
         let part = self.part();
         let alpha = self.has_alpha.then_some(part.channels[3].samples.as_slice());
         Picture { path: self.path.clone(), name: self.name.clone(), window: part.data_window, alpha }
     }
 
-    /// The pixels that are stored.
+    /// Returns the window of stored pixels.
     pub(super) fn window(&self) -> PixelRect {
         self.part().data_window
     }
 
-    /// Samples of [`CHANNELS`], #pixels of the window each.
+    /// Returns the samples of [`CHANNELS`], each #pixels of the window.
     pub(super) fn planes(&self) -> impl Iterator<Item = &[f32]> {
         self.part().channels.iter().map(|channel| channel.samples.as_slice())
     }
 
-    /// How much of every pixel it covers.
+    /// Returns the coverage of every pixel.
     pub(super) fn alpha(&self) -> &[f32] {
         &self.part().channels[3].samples
     }
 
-    /// What holds its channels.
+    /// Returns the part that holds the channels.
     fn part(&self) -> &PlatePart {
         self.plate.parts.first().expect("a flat_picture is made of one part")
     }
 
-    /// The same place in the list, and nothing on it.
+    /// Returns an empty picture that keeps the index and name of this one.
     pub(super) fn blank(&self) -> Self {
         let nowhere = PixelRect { width: 0, height: 0, ..self.part().data_window };
         let plate = pictured(self.plate.frame_size(), nowhere, [const { Vec::new() }; 4]);
         Self { path: self.path.clone(), name: self.name.clone(), plate, ..*self }
     }
 
-    /// The same picture with other pixels: a filter as wide as they are where they are larger.
+    /// Resamples the picture to another frame size, with a filter as wide as the larger of source and destination pixels.
     pub(super) fn scaled(&self, from: FrameSize, to: FrameSize) -> Self {
         let factor = [f64::from(from.width) / f64::from(to.width), f64::from(from.height) / f64::from(to.height)];
         let along = |start: i32, length: u32, factor: f64| {
@@ -124,7 +126,7 @@ impl FlatPicture {
         let (x, width) = along(part.data_window.x, part.data_window.width, factor[0]);
         let (y, height) = along(part.data_window.y, part.data_window.height, factor[1]);
         let window = PixelRect { x, y, width, height };
-        // In the map's own pixels: the source of pixel (i, j) lies at ((i + .5) fx, (j + .5) fy).
+        // Coordinates are relative to the frame: the source of pixel (i, j) is ((i + .5) fx, (j + .5) fy).
         let mut map = WarpMap::identity(from, window);
         for (index, offset) in map.offsets.iter_mut().enumerate() {
             let place = [x + (index % width as usize) as i32, y + (index / width as usize) as i32];

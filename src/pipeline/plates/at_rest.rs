@@ -1,7 +1,7 @@
-//! The scene of a shot with all its layers at rest, drawn frame by frame.
+//! Renders the scene of a shot with all its layers at rest, frame by frame.
 //!
-//! In: a [`PreparedShot`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render of the shot
-//! gives to what is left.
+//! In: a [`PreparedShot`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render
+//! of the shot gives to the remaining layers.
 
 use super::super::draw::draw_frame;
 use super::super::{PipelineError, PreparedShot};
@@ -11,15 +11,15 @@ use crate::scene::Scene;
 use crate::shot::Shot;
 use crate::space::FrameSize;
 
-/// Draws the unwarped scene.
+/// Renders the unwarped scene.
 pub(super) struct SceneAtRest<'a> {
-    /// Without pins and handles.
+    /// The shot without pins, handles and transfers.
     shot: Shot,
     scene: &'a Scene,
-    /// Layers that are left out, by index.
+    /// Indices of the layers that are left out.
     hidden: Vec<usize>,
     device: &'a DeviceChoice,
-    /// Opened for frames of the size drawn last.
+    /// The device and the prepared shot, for the frame size drawn last.
     ready: Option<(Box<dyn Raster + Send>, PreparedShot)>,
 }
 
@@ -34,24 +34,24 @@ impl<'a> SceneAtRest<'a> {
         Self { shot, scene: &prepared.scene, hidden, device, ready: None }
     }
 
-    /// One sample a pixel at the middle of the exposure.
+    /// Sets one sample per pixel at mid-exposure.
     pub(super) fn with_one_sample(mut self) -> Self {
         (self.shot.samples, self.shot.shutter.angle) = (1, 0.0);
         self
     }
 
-    /// Its layers go by [`Self::number_of`], so that none is called as what no layer claims.
+    /// Names the layers by [`Self::number_of`], so that no name clashes with that of parts without a layer.
     pub(super) fn with_numbered_layers(mut self) -> Self {
         self.shot.layers.iter_mut().enumerate().for_each(|(index, layer)| layer.name = Self::number_of(index));
         self
     }
 
-    /// The name of a numbered layer.
+    /// Returns the name of a numbered layer.
     pub(super) fn number_of(layer: usize) -> String {
         format!("layer {layer}")
     }
 
-    /// A frame with these channels, and what its file would say about itself.
+    /// Renders a frame with the given channels, and returns the metadata of its file.
     pub(super) fn draw(
         &mut self,
         frame: i32,

@@ -1,7 +1,7 @@
-//! The mattes of layers over a scene that name none: each moves its own nodes, as in a render.
+//! Finds mattes for layers over a scene that name none, so that each moves its own nodes as in a render.
 //!
-//! In: a [`PreparedShot`], a plate. Out: one matte a layer, from a Cryptomatte of the plate that knows the nodes, else drawn from the
-//! scene at rest as a render draws it.
+//! In: a [`PreparedShot`] and a plate. Out: one matte per layer, from a Cryptomatte of the plate that contains the
+//! nodes, or else rendered from the scene at rest.
 
 use super::super::{LayerAssignment, PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
@@ -17,27 +17,28 @@ use std::sync::Arc;
 /// Finds the mattes of layers that name none.
 pub(super) struct DefaultMattes<'a> {
     prepared: &'a PreparedShot,
-    /// The layers, by index.
+    /// Indices of the layers.
     layers: Vec<usize>,
-    /// The nodes of each; `None` where a name belongs to several layers, so that no Cryptomatte tells them apart.
+    /// The node names of each layer; `None` if several layers share a name, so that no Cryptomatte can separate them.
     names: Option<Vec<Vec<String>>>,
     device: &'a DeviceChoice,
-    /// Opened when the first plate needs it.
+    /// Opened for the first plate that needs it.
     scene: Option<SceneAtRest<'a>>,
 }
 
 /// The mattes of one plate.
 #[derive(Debug, Default)]
 pub(super) struct FoundMattes {
-    /// By layer.
+    /// Mattes by layer.
     pub(super) mattes: BTreeMap<usize, Matte>,
-    /// Where they come from, in words.
+    /// Description of their source.
     pub(super) source: String,
 }
 
 impl PreparedShot {
-    /// Whether a layer that names no matte takes its own nodes out of a plate: something moves it, and the shot has a scene with
-    /// more in it than they. A lattice that branches would tear what surrounds the model, so its layer always does.
+    /// Whether a layer without a matte of its own takes its nodes out of a plate: the layer is moved, and the shot has
+    /// a scene with parts that the layer does not move. A branching layer always does, because it would tear its
+    /// surroundings.
     pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
         let settings = &self.shot.layers[layer];
         let is_moved = !settings.pins.is_empty() || !settings.handles.is_empty() || settings.transfer.is_some();
@@ -51,7 +52,7 @@ impl PreparedShot {
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }
 
-    /// What the user should know of layers that share a mesh: a plate is cut along their border.
+    /// Returns a note on layers that share a mesh: a plate is cut along their border.
     pub(super) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
         let shared: Vec<String> = layers
             .iter()
@@ -67,10 +68,10 @@ impl PreparedShot {
         })
     }
 
-    /// The names of what a layer moves.
+    /// Returns the names of the nodes that a layer moves.
     fn node_names(&self, layer: Option<usize>) -> BTreeSet<String> {
         let LayerAssignment { node_of_part, layer_of_part, shared_parts, .. } = &self.assignment;
-        // A shared part is everyone's: its name tells nobody apart.
+        // A shared part belongs to several layers, so its name does not identify one.
         let is_own = |part: &usize| layer_of_part[*part] == layer || shared_parts[*part].is_some();
         let nodes = (0..node_of_part.len()).filter(is_own).map(|part| node_of_part[part]);
         nodes.map(|node| clean_name(&self.scene.nodes[node].name)).collect()
@@ -78,7 +79,7 @@ impl PreparedShot {
 }
 
 impl<'a> DefaultMattes<'a> {
-    /// `None` where no layer needs one.
+    /// Creates the finder; `None` if no layer needs a matte.
     pub(super) fn of(prepared: &'a PreparedShot, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
         let layers: Vec<usize> = layers.iter().copied().filter(|&layer| prepared.moves_own_nodes(layer)).collect();
         let everyone = (0..prepared.shot.layers.len()).map(Some).chain([None]);
@@ -89,7 +90,7 @@ impl<'a> DefaultMattes<'a> {
         (!layers.is_empty()).then_some(Self { prepared, layers, names, device, scene: None })
     }
 
-    /// The mattes for a frame's plate.
+    /// Returns the mattes for a frame's plate.
     pub(super) fn at(
         &mut self,
         frame: i32,
@@ -109,7 +110,7 @@ impl<'a> DefaultMattes<'a> {
         Ok(FoundMattes { mattes: self.layers.iter().copied().zip(mattes).collect(), source })
     }
 
-    /// What each layer covers of the frame, with the samples and the shutter of a render.
+    /// Renders the coverage of each layer in the frame, with the samples and the shutter of a render.
     fn drawn(&mut self, frame: i32, plate: &Plate) -> Result<Vec<Matte>, PipelineError> {
         let scene = self
             .scene

@@ -1,6 +1,6 @@
-//! What the scene of a shot shows where a layer of a plate has moved away.
+//! Renders what lies behind the layers of a plate that have moved away.
 //!
-//! In: a shot with a scene, the layers that have a matte. Out: the unwarped scene of a frame, drawn without them.
+//! In: a shot with a scene, and the layers with mattes. Out: the unwarped scene of a frame without those layers.
 
 use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
@@ -9,11 +9,11 @@ use crate::plate::{WarpSettings, has_cryptomattes};
 use crate::raster::geometry::Piece;
 use crate::raster::{ChannelGroup, DeviceChoice};
 
-/// Draws what lies behind.
+/// Renders the background of matted layers.
 pub(super) struct Filler<'a>(SceneAtRest<'a>);
 
 impl<'a> Filler<'a> {
-    /// `None` where no layer has a matte, or nothing would be left to draw.
+    /// Creates the renderer; `None` if no layer has a matte, or nothing would be left to draw.
     pub(super) fn of(prepared: &'a PreparedShot, device: &'a DeviceChoice, layers: &[usize]) -> Option<Self> {
         let has_matte =
             |&&layer: &&usize| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer);
@@ -23,11 +23,11 @@ impl<'a> Filler<'a> {
         if !pieces().any(is_hidden) || pieces().all(is_hidden) {
             return None;
         }
-        // Layers that are left bend the whole picture, and this with it.
+        // The other layers bend the whole picture, including this background.
         Some(Self(SceneAtRest::new(prepared, device, hidden)))
     }
 
-    /// The unwarped frame without what has a matte, in pixels of a plate; it says of itself what a render says.
+    /// Renders the unwarped frame without matted layers, at the size of a plate, with the metadata of a render.
     pub(super) fn draw(
         &mut self,
         frame: i32,

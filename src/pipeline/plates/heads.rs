@@ -1,6 +1,6 @@
-//! What the heads of the first and the last frame tell before anything is written: misspelt names, missing files, shapes.
+//! Checks the headers of the first and the last frame before anything is written: unknown names, missing files, shapes.
 //!
-//! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would end with.
+//! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would cause.
 
 use super::super::PipelineError;
 use super::{PlateWarp, WarpJob};
@@ -10,15 +10,14 @@ use crate::plate::{Matte, check_plate, check_stmap};
 use crate::space::FrameSize;
 use std::path::Path;
 
-/// The sequences that frames are made of.
+/// The input sequences of a warp.
 pub(super) struct Sources<'a> {
     pub(super) plate: &'a SequencePath,
     pub(super) clean: Option<&'a SequencePath>,
     pub(super) maps: Option<&'a SequencePath>,
 }
 
-/// Refuses what would fail at every frame. A name that only some frames know, or a frame that is not there, is a fault of
-/// those frames.
+/// Refuses what would fail at every frame. An error that occurs in only one of the two frames is left to that frame.
 pub(super) fn check(
     job: &WarpJob,
     sources: &Sources,
@@ -41,7 +40,7 @@ pub(super) fn check(
     wanted.unwrap_or_else(|| Ok(Vec::new()))
 }
 
-/// At least one of the frames has to be there, as a regular file.
+/// Checks that at least one of the frames exists as a regular file.
 fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
     let Some(&first) = frames.first() else { return Ok(()) };
     let mut there = frames.iter().map(|&frame| source.path_of(frame)).filter(|path| path.exists()).peekable();
@@ -57,7 +56,7 @@ fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineErro
     Err(PipelineError::Unusable { what, hint: "check the path".into() })
 }
 
-/// `None` where a head cannot be read: then the frame tells why.
+/// Checks one frame; `None` if a header cannot be read, which is reported when the frame is warped.
 fn check_frame(
     job: &WarpJob,
     (sources, frame): (&Sources, i32),
@@ -77,7 +76,7 @@ fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
     check_stmap(&map, plate).map_err(|source| PipelineError::StMap { path: path.to_owned(), source })
 }
 
-/// Proxies and overscan have the shot's shape; another shape is another shot.
+/// Checks the aspect ratio of a plate: proxies and overscan have the shot's; any other belongs to another shot.
 pub(super) fn check_shape(warp: &PlateWarp, path: &Path, size: FrameSize) -> Result<(), PipelineError> {
     let (wanted, whose) = match warp {
         PlateWarp::Shot(prepared) => (prepared.shot.size.aspect(), "the shot is"),

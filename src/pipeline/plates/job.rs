@@ -1,4 +1,4 @@
-//! What a warp of finished frames is asked to do, and what it tells while it does.
+//! The options, events and reports of a warp of finished frames.
 
 use super::super::events::lossy;
 use super::super::{Existing, PreparedShot, Redone};
@@ -9,53 +9,53 @@ use crate::raster::DeviceChoice;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Finished frames, what warps them, and where they go.
+/// A warp of finished frames: plates, warp and destination.
 #[derive(Debug)]
 pub struct WarpJob<'a> {
-    /// The frames: a path with a counter, or one picture that holds for all frames. EXR, PNG or JPEG files.
+    /// The plates: a path with a frame counter, or one picture for all frames. EXR, PNG or JPEG files.
     pub plate: PathBuf,
-    /// Where they go: EXR files, or PNG files where the plate is PNG or JPEG.
+    /// The output: EXR files, or PNG files if the plate is PNG or JPEG.
     pub output: PathBuf,
-    /// What warps them.
+    /// The source of the warp.
     pub warp: PlateWarp<'a>,
-    /// Filter, semantics, motion, holes.
+    /// Filter, channel semantics, motion, holes.
     pub settings: WarpSettings,
-    /// There, or back again.
+    /// Whether the warp is applied or undone.
     pub direction: WarpDirection,
-    /// Layers that warp, by name; empty: all.
+    /// Names of the layers that warp; empty: all.
     pub layers: Vec<String>,
-    /// Frames in the order wanted; empty: the shot's range, else the frames that are there.
+    /// Frames in the order requested; empty: the shot's range, or else the frames found on disk.
     pub frames: Vec<i32>,
-    /// What happens to frames that are already there.
+    /// How to treat existing frames.
     pub existing: Existing,
-    /// What resamples colour, and draws the scene that fills holes.
+    /// The device that resamples colour and renders the scene to fill holes.
     pub device: DeviceChoice,
-    /// When a frame counts as written.
+    /// The point at which a frame counts as written.
     pub durability: Durability,
-    /// Files that were read for the job beside those that it names, such as the lattice file: no frame is written over them.
+    /// Files read for the job beyond those that it names, such as the lattice file; no frame may overwrite them.
     pub inputs: Vec<PathBuf>,
 }
 
-/// What warps plates.
+/// The source of a warp.
 #[derive(Debug)]
 pub enum PlateWarp<'a> {
     /// The layers of a shot, solved at every frame.
     Shot(&'a PreparedShot),
     /// Lattices that were solved before.
     Lattices {
-        /// All their layers of the screen.
+        /// The file, whose screen layers are all used.
         file: LatticeFile,
-        /// Scales how far they move.
+        /// Factor on the displacements.
         strength: f64,
-        /// The part of the plate that they move; `None`: the whole picture.
+        /// The part of the plate that is moved; `None`: the whole picture.
         matte: Option<Matte>,
     },
-    /// STMaps: a picture, or a sequence with a counter.
+    /// STMaps: a single picture, or a sequence with a frame counter.
     Maps(PathBuf),
 }
 
 impl PlateWarp<'_> {
-    /// Name and matte of a layer, by its place in the shot or file.
+    /// Returns name and matte of a layer, by its index in the shot or file.
     pub(super) fn layer(&self, index: usize) -> (&str, Option<&Matte>) {
         match self {
             Self::Shot(prepared) => {
@@ -68,99 +68,100 @@ impl PlateWarp<'_> {
     }
 }
 
-/// There, or back again.
+/// The direction of a warp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WarpDirection {
-    /// As the pins say.
+    /// The warp is applied.
     #[default]
     Forward,
     /// The warp is undone, where it is one-to-one.
     Inverse,
 }
 
-/// What a warp tells while it runs.
+/// An event of a running warp.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum WarpEvent {
-    /// Warping begins.
+    /// Warping starts.
     Started {
-        /// Frames to warp.
+        /// Number of frames to warp.
         frames: usize,
-        /// Frames kept from an earlier run.
+        /// Number of frames kept from an earlier run.
         kept: usize,
     },
-    /// Something the user should know about the job as a whole.
+    /// A note about the job as a whole.
     Note {
-        /// In words.
+        /// The note.
         text: String,
     },
-    /// A frame is there, but not as this run would write it: it is made again. One event for each, before `started`.
+    /// An existing frame differs from what this run would write and is warped again; sent once per frame before `started`.
     FrameRedone(Redone),
-    /// A frame is on disk.
+    /// A frame has been written.
     FrameDone(WarpReport),
-    /// A frame could not be made; the others go on.
+    /// A frame failed; the run continues with the others.
     FrameFailed {
-        /// Which.
+        /// The frame.
         frame: i32,
-        /// Why.
+        /// The cause.
         error: String,
     },
-    /// All frames were tried.
+    /// All frames have been attempted.
     Finished(WarpSummary),
 }
 
-/// What became of a plate.
+/// Report of one warped plate.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct WarpReport {
     /// Frame number.
     pub frame: i32,
-    /// The file.
+    /// Path of the file.
     #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
-    /// Milliseconds spent in reading and decoding.
+    /// Time spent reading and decoding, milliseconds.
     pub read_ms: f64,
-    /// Milliseconds spent in solving and warping.
+    /// Time spent solving and warping, milliseconds.
     pub warp_ms: f64,
-    /// Milliseconds spent in encoding and writing.
+    /// Time spent encoding and writing, milliseconds.
     pub write_ms: f64,
-    /// What resampled colour: `CPU`, or the name of a device.
+    /// The device that resampled colour: `CPU`, or its name.
     pub device: String,
-    /// Pixels that a layer left and nothing covers; filled ones are counted, too.
+    /// Number of pixels that a layer uncovered and no other layer covers, including those filled afterwards.
     pub hole_pixels: usize,
-    /// Pixels where a layer lies over itself; its front is seen, and the warp cannot be undone there. STMaps do not tell.
+    /// Number of pixels where a layer overlaps itself; its front is shown, and the warp cannot be undone there. Not
+    /// determined for STMaps.
     pub folded_pixels: usize,
-    /// Samples of colour that were no number or infinite.
+    /// Number of colour samples that were NaN or infinite.
     pub contained_samples: usize,
-    /// What every channel was taken for; only where it differs from the frame before.
+    /// The semantic assigned to every channel; empty if unchanged since the previous frame.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<ChannelReport>,
-    /// Where the mattes come from of layers that name none: a Cryptomatte of the plate, or the scene; only where it differs
-    /// from the frame before.
+    /// Source of the mattes of layers that name none: a Cryptomatte of the plate, or the scene; empty if unchanged
+    /// since the previous frame.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub mattes: String,
-    /// What the user should know about this frame.
+    /// Warnings about this frame.
     pub warnings: Vec<String>,
 }
 
-/// What became of a sequence of plates.
+/// Summary of a warped sequence.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct WarpSummary {
-    /// Frames written.
+    /// Number of frames written.
     pub warped: usize,
-    /// Frames kept from an earlier run.
+    /// Number of frames kept from an earlier run.
     pub kept: usize,
-    /// Frames that were there and were made again.
+    /// Number of existing frames that were warped again.
     pub redone: usize,
-    /// Frames that failed.
+    /// Number of frames that failed.
     pub failed: usize,
-    /// The user stopped it.
+    /// Whether the user stopped the warp.
     pub is_cancelled: bool,
     /// Wall time, seconds.
     pub wall_secs: f64,
-    /// Milliseconds the reader was busy over all frames.
+    /// Time for which the reader was busy over all frames, milliseconds.
     pub read_ms: f64,
-    /// Milliseconds spent in solving and warping.
+    /// Time spent solving and warping, milliseconds.
     pub warp_ms: f64,
-    /// Milliseconds the writer was busy.
+    /// Time for which the writer was busy, milliseconds.
     pub write_ms: f64,
 }

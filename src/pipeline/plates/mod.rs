@@ -1,11 +1,11 @@
-//! Warps finished frames: reading the next plate, warping this one and writing the last go on at the same time.
+//! Warps finished frames: one plate is read while the previous one is warped and the one before that is written.
 //!
-//! In: a [`WarpJob`]. Out: files, [`WarpEvent`]s on the way, a [`WarpSummary`].
+//! In: a [`WarpJob`]. Out: files, [`WarpEvent`]s during the run, and a [`WarpSummary`].
 //!
 //! ```text
 //! thread 1: read, decode ──Loaded──▶ this thread: solve, warp ──Warped──▶ thread 2: encode, write
 //! ```
-//! Nothing waits between the threads, so at most four plates are in memory, however long the sequence is.
+//! The channels between the threads have no buffer, so at most four plates are in memory, however long the sequence is.
 
 mod at_rest;
 mod default_mattes;
@@ -34,12 +34,12 @@ use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 use write::Writer;
 
-/// Warps the frames asked for.
+/// Warps the requested frames.
 ///
 /// `tell` is called from several threads. `cancel` ends the work after the frames in flight.
 ///
 /// # Errors
-/// [`PipelineError`] where nothing can be warped at all; single frames that fail are events and counted.
+/// [`PipelineError`] if nothing can be warped at all; frames that fail individually are reported as events and counted.
 pub fn warp_frames(
     job: &WarpJob,
     cancel: &AtomicBool,
@@ -73,7 +73,7 @@ pub fn warp_frames(
         let writing = scope.spawn(|| writer.run(warps, tell));
         stage.run(loads, &warped);
         drop(warped);
-        // A panic in the writer is passed on, not swallowed.
+        // Propagates a panic in the writer.
         writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     });
     let mut summary = writer.summary();

@@ -1,4 +1,4 @@
-//! What is to be done: which frames, from where to where. Refuses at once what would fail at every frame.
+//! Plans a warp: which frames, from which files to which. Refuses at once what would fail at every frame.
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
@@ -24,20 +24,20 @@ pub(super) struct Plan {
     pub(super) output: SequencePath,
     /// Clean plates that fill holes.
     pub(super) clean: Option<SequencePath>,
-    /// STMaps instead of lattices.
+    /// STMaps that replace lattices.
     pub(super) maps: Option<SequencePath>,
     /// Layers that warp, by index in the shot or file.
     pub(super) layers: Vec<usize>,
-    /// Frames to warp, and those that stay.
+    /// Frames to warp, and frames to keep.
     pub(super) todo: Todo,
-    /// What the user should know before it begins.
+    /// Notes for the user, reported before the run.
     pub(super) notes: Vec<String>,
-    /// What each frame says of all that it is made of.
+    /// Digest of each frame's inputs.
     pub(super) digests: FrameDigests,
 }
 
 impl Plan {
-    /// `device`: what resamples colour.
+    /// Creates the plan; `device`: the device that resamples colour.
     pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
         let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
@@ -76,13 +76,13 @@ impl Plan {
     }
 }
 
-/// What tells each frame from one that would be made of something else.
+/// Returns the digests of the settings and files from which each frame is made.
 fn digests(job: &WarpJob, layers: &[usize], sequences: [Option<&SequencePath>; 3]) -> FrameDigests {
     let shared = if let PlateWarp::Shot(prepared) = &job.warp { prepared.files().collect() } else { Vec::new() };
     FrameDigests::new(hash(job, layers), &shared, sequences.into_iter().flatten())
 }
 
-/// The frames to warp. A kept frame has the size of its plate.
+/// Returns the frames to warp. A kept frame must have the size of its plate.
 fn todo(
     job: &WarpJob,
     (wanted, plate, output): (Vec<i32>, &SequencePath, &SequencePath),
@@ -100,7 +100,7 @@ fn todo(
     })
 }
 
-/// Only picture files go in, and only such come out as can hold what went in.
+/// Checks that the plate is a picture file and that the output format can hold its channels.
 fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     let fault =
         |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
@@ -116,12 +116,12 @@ fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     }
 }
 
-/// What the shot has to say; of lattices and maps nothing.
+/// Returns the notes of the shot; lattices and maps have none.
 fn notes_of(warp: &PlateWarp) -> Vec<String> {
     if let PlateWarp::Shot(prepared) = warp { prepared.notes.clone() } else { Vec::new() }
 }
 
-/// The layers that warp, by index. Those of the scene cannot.
+/// Returns the indices of the layers that warp; world layers cannot.
 fn layers(job: &WarpJob, notes: &mut Vec<String>) -> Result<Vec<usize>, PipelineError> {
     let (place, all) = match &job.warp {
         PlateWarp::Shot(prepared) => (prepared.shot.path.display().to_string(), layers_of_shot(prepared)),
@@ -158,7 +158,7 @@ fn layers(job: &WarpJob, notes: &mut Vec<String>) -> Result<Vec<usize>, Pipeline
     Ok(flat.into_iter().map(|(index, _)| index).collect())
 }
 
-/// Names, and whether the lattice lies on the screen.
+/// Returns the layers' names, and whether each lattice lies on the screen.
 fn layers_of_shot(prepared: &PreparedShot) -> Vec<(&str, bool)> {
     let is_flat = |space: &LayerSpace| matches!(space, LayerSpace::Screen { .. });
     prepared.shot.layers.iter().map(|layer| (layer.name.as_str(), is_flat(&layer.space))).collect()
@@ -168,7 +168,7 @@ fn layers_of_file(file: &LatticeFile) -> Vec<(&str, bool)> {
     file.layers.iter().map(|layer| (layer.name.as_str(), matches!(layer.track, Track::Screen(_)))).collect()
 }
 
-/// One matte for several layers of a lattice file would move the same pixels as often.
+/// Refuses one matte for several layers of a lattice file, which would move the same pixels several times.
 fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let PlateWarp::Lattices { file, matte: Some(_), .. } = &job.warp else { return Ok(()) };
     if layers.len() <= 1 {
@@ -179,7 +179,8 @@ fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     Err(unusable(what, format!("choose one with --layer; {}", spelling::list(names))))
 }
 
-/// Says that several layers bend the whole picture, each the parts of the others, where nothing says that it is meant.
+/// Returns a note if several layers have no matte, and each therefore bends the whole picture including the other
+/// layers' parts, unless the shot declares that as intended.
 fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
     let is_whole = |&&layer: &&usize| match &job.warp {
         PlateWarp::Shot(prepared) => {
@@ -203,7 +204,7 @@ fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
     })
 }
 
-/// Two layers with the same matte would move the same pixels twice.
+/// Refuses two layers with the same matte, which would move the same pixels twice.
 fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     let PlateWarp::Shot(prepared) = &job.warp else { return Ok(()) };
     let mattes = || layers.iter().filter_map(|&layer| Some((layer, prepared.shot.layers[layer].matte.as_ref()?)));
@@ -217,7 +218,8 @@ fn check_mattes_differ(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineEr
     Ok(())
 }
 
-/// What mattes took apart cannot be put together again, since what lay behind is gone.
+/// Refuses to undo what has no inverse: branching lattices, STMaps, and warps with mattes, because what lay behind the moved
+/// layers is not in the plate.
 fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     if let (PlateWarp::Shot(prepared), WarpDirection::Inverse) = (&job.warp, job.direction) {
         check_plain(prepared, "a warp that is undone")?;
@@ -243,7 +245,7 @@ fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
     Ok(())
 }
 
-/// The frames that are wanted.
+/// Returns the requested frames.
 fn wanted(
     job: &WarpJob,
     (plate, maps): (&SequencePath, Option<&SequencePath>),
@@ -257,7 +259,7 @@ fn wanted(
     }
     let found = match plate.frames_on_disk()? {
         Some(found) => Some(found),
-        // One picture for all frames: then the warp knows how many there are.
+        // With one picture for all frames, the warp determines the frames.
         None => match (maps, &job.warp) {
             (Some(maps), _) => maps.frames_on_disk()?,
             (None, PlateWarp::Lattices { file, .. }) => Some(frames_of(file)),
@@ -278,7 +280,7 @@ fn wanted(
     }
 }
 
-/// All frames in which a lattice of the screen is listed.
+/// Returns all frames for which the file has a screen lattice.
 fn frames_of(file: &LatticeFile) -> Vec<i32> {
     let screens = file.layers.iter().filter_map(|layer| match &layer.track {
         Track::Screen(lattices) => Some(lattices),
@@ -288,7 +290,7 @@ fn frames_of(file: &LatticeFile) -> Vec<i32> {
     frames.into_iter().collect()
 }
 
-/// Digest of all settings that change the frames: what files are called counts, not where they lie.
+/// Returns a digest of all settings that affect the frames; files count by name, not by folder.
 fn hash(job: &WarpJob, layers: &[usize]) -> String {
     let mut settings = job.settings.clone();
     if let Holes::Plate(clean) = &mut settings.holes {

@@ -1,6 +1,6 @@
-//! First thread of a warp: reads and decodes what a frame is made of.
+//! First thread of a warp: reads and decodes the input pictures of each frame.
 //!
-//! In: a [`Plan`]. Out: a [`Loaded`] frame after the other.
+//! In: a [`Plan`]. Out: [`Loaded`] frames, one after the other.
 
 use super::super::PipelineError;
 use super::plan::Plan;
@@ -11,17 +11,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Instant;
 
-/// What a frame is made of.
+/// The input of one frame.
 pub(super) struct Loaded {
     pub(super) frame: i32,
     pub(super) pictures: Result<Pictures, PipelineError>,
     pub(super) read_ms: f64,
 }
 
-/// The pictures of a frame, and the memory that it takes until it is written.
+/// The pictures of a frame, and the memory reserved for it until it has been written.
 pub(super) struct Pictures {
     pub(super) plate: Plate,
-    /// What lies behind.
+    /// The clean plate that fills holes.
     pub(super) clean: Option<Plate>,
     /// The STMap.
     pub(super) map: Option<Plate>,
@@ -35,7 +35,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Reads all frames; ends early when cancelled or when nobody warps any more.
+    /// Reads all frames; stops early if cancelled or if the warping thread has ended.
     pub(super) fn run(&self, loaded: &SyncSender<Loaded>) {
         for &frame in &self.plan.todo.frames {
             if self.cancel.load(Ordering::Relaxed) {
@@ -53,7 +53,7 @@ impl Reader<'_> {
     fn pictures(&self, frame: i32) -> Result<Pictures, PipelineError> {
         let Plan { plate, clean, maps, digests, .. } = self.plan;
         let path = |path: &Option<SequencePath>| path.as_ref().map(|path| path.path_of(frame));
-        // Before the files are read: what changes while they are is another frame's.
+        // The digest is taken before the files are read, so that a file modified meanwhile makes the frame outdated.
         digests.of(frame);
         let (plate, clean, map) = (plate.path_of(frame), path(clean), path(maps));
         let others = [&clean, &map].into_iter().flatten();
@@ -65,13 +65,13 @@ impl Reader<'_> {
     }
 }
 
-/// Bytes of a picture that is only looked at: its samples as floats, and as they are stored while they are decoded.
+/// Returns the memory for a picture that is only sampled: its samples as floats, and as stored while being decoded.
 fn held_bytes(extent: PictureExtent) -> u128 {
     8 * extent.samples
 }
 
-/// Bytes of a plate that is warped and written: decoded, warped, and ready to be encoded; its map, and what lies behind in
-/// folds; shares and coverage of layers.
+/// Returns the memory for a plate that is warped and written: the decoded, the warped and the encoded samples, its map,
+/// the background of folds, and shares and coverage of layers.
 fn warped_bytes(extent: PictureExtent) -> u128 {
     12 * extent.samples + 40 * extent.pixels
 }

@@ -1,6 +1,6 @@
-//! What can be seen of the unwarped picture of a shot: where a map folds, what is transparent must not hide it.
+//! Computes the silhouette of a shot's unwarped picture: where a map folds, transparent pixels must not hide visible ones.
 //!
-//! In: a [`PreparedShot`]. Out: the [`Coverage`] of a frame: the model of a scene, the alpha of pictures or of a plate.
+//! In: a [`PreparedShot`]. Out: the [`Coverage`] of a frame: of the model of a scene, or the alpha of pictures or of a plate.
 
 use super::super::{Exposure, PipelineError, PreparedShot, fields_of};
 use super::at_rest::SceneAtRest;
@@ -9,19 +9,19 @@ use crate::plate::{Coverage, SharedParts, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
 use crate::space::FrameSize;
 
-/// What no layer moves counts less than what layers move, and more than nothing: half of a pixel decides.
+/// Coverage of parts that no layer moves: more than nothing, but below one half, at which a pixel counts as visible.
 const UNCLAIMED: f32 = 0.25;
 
-/// Finds what can be seen before the warp.
+/// Computes silhouettes.
 pub struct Silhouette<'a> {
     prepared: &'a PreparedShot,
-    /// Of this layer alone.
+    /// The only layer to include; `None`: all.
     layer: Option<usize>,
     scene: Option<SceneAtRest<'a>>,
 }
 
 impl<'a> Silhouette<'a> {
-    /// Of everything, or of the layer of that name alone.
+    /// Creates the silhouette of everything, or of one layer given by its name.
     #[must_use]
     pub fn of(prepared: &'a PreparedShot, layer: Option<&str>) -> Self {
         let layer = layer.and_then(|name| prepared.shot.layers.iter().position(|layer| layer.name == name));
@@ -29,10 +29,10 @@ impl<'a> Silhouette<'a> {
         Self { prepared, layer, scene: scene.map(SceneAtRest::with_one_sample) }
     }
 
-    /// The coverage of a frame; `None` where nothing says what can be seen.
+    /// Returns the coverage of a frame; `None` if nothing determines it.
     ///
     /// # Errors
-    /// [`PipelineError`] where the scene cannot be drawn.
+    /// [`PipelineError`] if the scene cannot be drawn.
     pub fn at(&mut self, frame: i32) -> Result<Option<Coverage>, PipelineError> {
         let size = self.prepared.shot.size;
         if let Some(scene) = &mut self.scene {
@@ -48,10 +48,10 @@ impl<'a> Silhouette<'a> {
         Ok(self.of_plate(frame))
     }
 
-    /// The coverage of each of these layers of a scene alone, in a frame; `None` where nothing of the scene is in the frame.
+    /// Returns the coverage of each of these layers of a scene by itself; `None` if nothing of the scene is in the frame.
     ///
     /// # Errors
-    /// [`PipelineError`] where the scene cannot be drawn.
+    /// [`PipelineError`] if the scene cannot be drawn.
     pub fn of_layers(&mut self, frame: i32, layers: &[usize]) -> Result<Option<Vec<Coverage>>, PipelineError> {
         let size = self.prepared.shot.size;
         let Some(scene) = &mut self.scene else { return Ok(None) };
@@ -59,11 +59,11 @@ impl<'a> Silhouette<'a> {
         Ok(layers.iter().map(|&layer| of_render(&drawn, size, Some(layer))).collect())
     }
 
-    /// The branches of a layer at a frame's own time, from back to front: where each goes and what it has of the unwarped picture, which
-    /// they share among them; and what the layer covers of it. `None` where its lattice has none.
+    /// Returns the branches of a layer at a frame's own time, from back to front: their fields and their shares of the
+    /// unwarped picture, and the coverage of the whole layer. `None` if its lattice does not branch.
     ///
     /// # Errors
-    /// [`PipelineError::Solve`] where a layer cannot be solved.
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn branches(&self, frame: i32, (layer, size): (&str, FrameSize)) -> Result<Option<SharedParts>, PipelineError> {
         let Some(index) = self.prepared.shot.layers.iter().position(|own| own.name == layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
@@ -71,7 +71,7 @@ impl<'a> Silhouette<'a> {
         Ok(parts.and_then(fields_of))
     }
 
-    /// The alpha of the shot's plate, where that is there and has one.
+    /// Returns the alpha of the shot's plate, if the plate exists and has one.
     fn of_plate(&self, frame: i32) -> Option<Coverage> {
         let path = SequencePath::parse(self.prepared.shot.plate.as_ref()?).ok()?.path_of(frame);
         let plate = read_any(&path).ok()?;
@@ -83,7 +83,8 @@ impl<'a> Silhouette<'a> {
     }
 }
 
-/// What layers move covers wholly, all else a little.
+/// Converts a render to coverage: parts that layers move count fully, all others with [`UNCLAIMED`]; given a layer, only its
+/// own parts count.
 fn of_render(drawn: &Frame, size: FrameSize, layer: Option<usize>) -> Option<Coverage> {
     let ids = drawn.channel("id.layer")?;
     let share = |(alpha, id): (&f32, &f32)| {

@@ -1,6 +1,6 @@
 //! Second stage of a warp: solves the lattices of a frame and warps its plate.
 //!
-//! In: [`Loaded`] frames. Out: [`Warped`] ones.
+//! In: [`Loaded`] frames. Out: [`Warped`] frames.
 
 use super::super::time_sample::ScreenWarp;
 use super::super::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
@@ -29,11 +29,11 @@ pub(super) struct Stage<'a> {
     warper: Warper,
 }
 
-/// A layer and what moves it; `None` where it is not moved.
+/// A layer and its warp; `None` where it is not moved.
 struct MovedLayer {
     layer: usize,
     now: Option<ScreenWarp>,
-    /// In the frames before and after.
+    /// The warps in the previous and the next frame.
     around: Option<[Option<ScreenWarp>; 2]>,
 }
 
@@ -43,8 +43,9 @@ impl MovedLayer {
     }
 }
 
-/// The parts that the branches of a track cut out of a plate; `None`: its lattice has none in that frame. In neighbouring frames that
-/// have other branches parts count as in this one.
+/// Returns the parts that the branches of a track cut out of a plate; `None` if its lattice has no branches in that
+/// frame. If a neighbouring frame has another number of branches, its parts are taken to be at rest relative to this
+/// frame.
 fn file_parts(
     track: &LatticeTrack,
     (frame, has_around): (i32, bool),
@@ -83,7 +84,7 @@ impl<'a> Stage<'a> {
         Self { job, plan, filler, default_mattes, warper }
     }
 
-    /// Warps everything that arrives.
+    /// Warps all plates that arrive.
     pub(super) fn run(&mut self, loads: Receiver<Loaded>, warped: &SyncSender<Warped>) {
         for Loaded { frame, pictures, read_ms } in loads {
             let begun = Instant::now();
@@ -116,7 +117,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The warped plate, what was done to it, and where the mattes come from of layers that name none.
+    /// Returns the warped plate, the report, and the source of the mattes of layers that name none.
     fn warp(&mut self, frame: i32, pictures: &Pictures) -> Result<(Plate, PlateReport, String), PipelineError> {
         let Pictures { plate, clean, map, .. } = pictures;
         let size = plate.frame_size();
@@ -155,7 +156,7 @@ impl<'a> Stage<'a> {
         self.plan.maps.as_ref().map(|maps| maps.path_of(frame)).unwrap_or_default()
     }
 
-    /// The layers that move in a frame. The neighbours' warps are looked at where motion is stored.
+    /// Returns the layers that move in a frame. The warps of the neighbouring frames are computed if the plate stores motion.
     fn moved(&self, frame: i32, has_motion: bool) -> Result<Vec<MovedLayer>, PipelineError> {
         let now = self.warps(frame)?;
         let around = if has_motion { Some([self.warps(frame - 1)?, self.warps(frame + 1)?]) } else { None };
@@ -166,7 +167,7 @@ impl<'a> Stage<'a> {
         Ok(layers.filter(|layer| !layer.is_still()).collect())
     }
 
-    /// The parts of a layer whose lattice branches in a frame.
+    /// Returns the parts of a layer whose lattice branches in a frame.
     fn parts(&self, frame: i32, moved: &MovedLayer, size: FrameSize) -> Result<Option<Vec<BranchPart>>, PipelineError> {
         let prepared = match &self.job.warp {
             PlateWarp::Shot(prepared) => prepared,
@@ -188,7 +189,7 @@ impl<'a> Stage<'a> {
         Ok(prepared.branch_parts(moved.layer, (&now, around), (size, Exposure::Shutter)))
     }
 
-    /// What warps a plate for the parts of a layer, from back to front.
+    /// Creates one job per part of a layer, from back to front.
     fn part_jobs(&self, layer: usize, parts: Vec<BranchPart>, found: &FoundMattes) -> Vec<LayerJob> {
         let (name, matte) = self.job.warp.layer(layer);
         let whole = matte.or_else(|| found.mattes.get(&layer)).unwrap_or(&Matte::Alpha);
@@ -202,7 +203,7 @@ impl<'a> Stage<'a> {
         parts.into_iter().map(job).collect()
     }
 
-    /// What warps a plate for a layer.
+    /// Creates the job of a layer.
     fn layer_job(&self, MovedLayer { layer, now, around }: MovedLayer, found: &FoundMattes) -> LayerJob {
         let (name, matte) = self.job.warp.layer(layer);
         let matte = matte.or_else(|| found.mattes.get(&layer)).cloned();
@@ -211,7 +212,7 @@ impl<'a> Stage<'a> {
         LayerJob { name: name.to_owned(), field: field(now), previous, next, matte: matte.clone() }
     }
 
-    /// What moves a frame: one a layer that warps; `None` where it is not moved.
+    /// Returns the warp of each layer in a frame; `None` where it is not moved.
     fn warps(&self, frame: i32) -> Result<Vec<Option<ScreenWarp>>, PipelineError> {
         let layers = self.plan.layers.iter();
         match &self.job.warp {

@@ -13,7 +13,7 @@ use crate::raster::DeviceClass;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-/// A frame that was warped, or the reason why not.
+/// A warped frame, or the error that prevented it.
 pub(super) struct Warped {
     pub(super) frame: i32,
     pub(super) outcome: Result<(Plate, WarpReport, Reservation), PipelineError>,
@@ -24,11 +24,11 @@ pub(super) struct Writer<'a> {
     plan: &'a Plan,
     rate: f64,
     durability: Durability,
-    /// What the channels of the frame before were taken for.
+    /// Channel semantics of the previous frame.
     told: Vec<ChannelReport>,
-    /// Where the mattes of the frame before came from.
+    /// Source of the previous frame's mattes.
     mattes_told: String,
-    /// What of the plates before was not read.
+    /// Parts of the plates that were not read, as reported so far.
     left_out: Vec<String>,
     summary: WarpSummary,
 }
@@ -52,7 +52,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes everything that arrives; one failed frame does not stop the others.
+    /// Writes all frames that arrive; one failed frame does not stop the others.
     pub(super) fn run(&mut self, warps: Receiver<Warped>, tell: &(dyn Fn(WarpEvent) + Sync)) {
         for Warped { frame, outcome } in warps {
             if let Ok((plate, _, _)) = &outcome {
@@ -71,7 +71,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// What a plate has and a warped one has not; frames of a sequence mostly agree, so each thing is told once.
+    /// Reports contents of a plate that the warped plate lacks, each only once, because the frames of a sequence mostly agree.
     fn tell_left_out(&mut self, frame: i32, plate: &Plate, tell: &(dyn Fn(WarpEvent) + Sync)) {
         for what in &plate.left_out {
             if !self.left_out.contains(what) {
@@ -81,7 +81,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Counts and times of what was written.
+    /// Returns the number of frames and the times.
     pub(super) fn summary(self) -> WarpSummary {
         self.summary
     }
@@ -116,7 +116,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The class of what resampled: files do not name the machine's own device.
+/// Returns the class of the device that resampled; files name the class, not the device.
 fn class_of(device: &str) -> DeviceClass {
     if device == DeviceClass::Cpu.to_string() { DeviceClass::Cpu } else { DeviceClass::Vulkan }
 }

@@ -1,6 +1,6 @@
-//! How much of every part a layer names, before other layers take from it.
+//! Computes how much of every part a layer selects, before other layers take precedence.
 //!
-//! In: the rules of a layer's selection, resolved. Out: a [`Coverage`] a part.
+//! In: the resolved rules of a layer's selection. Out: a [`Coverage`] per part.
 
 use super::feather::soften;
 use super::mesh_graph::MeshGraph;
@@ -9,22 +9,22 @@ use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
 
-/// Weights of skins and pixels of masks sum up to all and nothing only but for this.
+/// Tolerance to rounding in the weights of skins and the pixels of masks, within which a share counts as 0 or 1.
 const ROUNDING: f32 = 1e-4;
 
-/// How much of a part a layer names.
+/// How much of a part a layer selects.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Coverage {
     /// None of it.
     Nothing,
     /// All of it.
     All,
-    /// #vertices, 0 to 1.
+    /// #vertices, each 0 to 1.
     Vertices(Vec<f32>),
 }
 
 impl Coverage {
-    /// Nothing that is drawn is named.
+    /// Whether nothing that is drawn is selected.
     pub(super) const fn is_nothing(&self) -> bool {
         matches!(self, Self::Nothing)
     }
@@ -37,7 +37,8 @@ impl Coverage {
         }
     }
 
-    /// The same, told in short where all drawn vertices agree; what is all or nothing but for rounding is that.
+    /// Converts shares to the simplest form: rounds shares near 0 and 1, and reduces equal shares of all drawn vertices
+    /// to `Nothing` or `All`.
     fn simplified(mut shares: Vec<f32>, primitive: &Primitive) -> Self {
         for share in &mut shares {
             *share = if *share < ROUNDING { 0.0 } else { *share };
@@ -53,7 +54,8 @@ impl Coverage {
     }
 }
 
-/// One a part: what the rules name, its borders softened within each node's meshes. `width`: diagonals of a node's meshes.
+/// Returns the selected share of every part, with borders softened within the meshes of each node. `width`: relative to
+/// the diagonal of a node's meshes.
 pub(super) fn named(scene: &Scene, parts: &[PosedPart], rules: &Rules, width: f64) -> Vec<Coverage> {
     let mut named: Vec<Coverage> = parts.iter().map(|part| of_part(scene, part, rules)).collect();
     if rules.is_whole() {
@@ -82,13 +84,13 @@ fn of_part(scene: &Scene, part: &PosedPart, rules: &Rules) -> Coverage {
     if source.lines.is_empty() {
         return Coverage::simplified(shares, source);
     }
-    // A line has no width to be blended over: it goes where most of it belongs.
+    // A line has no width over which to blend: it belongs entirely to the side of its majority.
     let corners = || source.lines.iter().flatten();
     let sum: f32 = corners().map(|&corner| shares[corner as usize]).sum();
     if 2.0 * sum >= corners().count() as f32 { Coverage::All } else { Coverage::Nothing }
 }
 
-/// Softens what is named of the triangles of one node.
+/// Softens the selection on the triangles of one node.
 fn soften_node(named: &mut [Coverage], primitives: &[&Primitive], width: f64) {
     let surfaces: Vec<usize> = (0..named.len()).filter(|&part| primitives[part].lines.is_empty()).collect();
     let is_even =

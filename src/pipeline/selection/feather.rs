@@ -1,19 +1,20 @@
-//! Softens the border of what is selected, so that a mesh stretches between two layers instead of tearing.
+//! Softens the border of a selection, so that a mesh stretches between two layers instead of tearing.
 //!
-//! In: shares of the vertices of a mesh, 0 to 1. Out: the same where they change slowly; elsewhere changed so that they go from 0 to
-//! 1 over a given distance along the surface.
+//! In: shares of the vertices of a mesh, 0 to 1. Out: shares that pass from 0 to 1 over at least a given distance along
+//! the surface; unchanged where they already vary slowly.
 //!
-//! The mean of the least majorant and the greatest minorant whose slope is limited (Pasch-Hausdorff envelopes): it leaves alone what is
-//! soft already, keeps the middle of a hard border where it is, and a ramp over it is eased in and out.
+//! The result is the mean of the least majorant and the greatest minorant of limited slope (Pasch-Hausdorff envelopes),
+//! which leaves soft transitions alone and keeps the middle of a hard border in place. The ramp across it is eased in
+//! and out.
 
 use super::mesh_graph::MeshGraph;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Shares that differ by less are one.
+/// Shares that differ by less count as equal.
 const ROUNDING: f32 = 1e-5;
 
-/// Shares of the joint vertices of a mesh, softened over a width in metres. What has no finite number counts as 0.
+/// Softens the shares of a graph's vertices over a width in metres.
 pub(super) fn soften(graph: &MeshGraph, shares: &[f32], width: f32) -> Vec<f32> {
     if width.is_nan() || width <= 0.0 || shares.iter().all(|share| *share == shares[0]) {
         return shares.to_vec();
@@ -27,18 +28,18 @@ pub(super) fn soften(graph: &MeshGraph, shares: &[f32], width: f32) -> Vec<f32> 
         if (ramp - share).abs() <= ROUNDING {
             return share;
         }
-        // Painted greys are meant as they are; black and white border only where they meet.
+        // Only borders between 0 and 1 are eased; intermediate painted values are kept as they are.
         let hardness = (2.0 * share - 1.0).powi(2);
         ramp + (ramp * ramp * (3.0 - 2.0 * ramp) - ramp) * hardness
     };
     shares.iter().zip(above).zip(below).map(eased).collect()
 }
 
-/// The least values that are nowhere below the shares and nowhere steeper than `slope` a metre: Dijkstra's algorithm from the
-/// greatest share on.
+/// Returns the smallest values that are nowhere below the shares and nowhere steeper than `slope` per metre, by
+/// Dijkstra's algorithm starting at the largest shares.
 fn majorant(graph: &MeshGraph, shares: &[f32], slope: f32) -> Vec<f32> {
     let mut values = shares.to_vec();
-    // Positive floats are ordered as their bits are.
+    // The order of positive floats is that of their bits.
     let entry = |value: f32, vertex: u32| (value.to_bits(), Reverse(vertex));
     let is_source = |vertex: u32| {
         let own = shares[vertex as usize];

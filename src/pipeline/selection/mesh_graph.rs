@@ -1,31 +1,31 @@
-//! The meshes of a node as one graph: vertices that lie and move together are one, whatever primitive they belong to.
+//! Builds one graph of all meshes of a node, merging vertices of any primitive that coincide and move together.
 //!
-//! In: the parts of a node. Out: a [`MeshGraph`] with lengths at rest.
+//! In: the parts of a node. Out: a [`MeshGraph`] with edge lengths at rest.
 
 use crate::scene::Primitive;
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Vertices of a node's triangles, joined where they cannot come apart.
+/// The vertices of a node's triangles, merged where they cannot separate.
 #[derive(Debug, Default)]
 pub(super) struct MeshGraph {
-    /// #parts: the joint vertex of every vertex; [`Self::UNUSED`] where no triangle has it.
+    /// #parts: the merged vertex of every vertex; [`Self::UNUSED`] for vertices that no triangle uses.
     pub(super) joint_of: Vec<Vec<u32>>,
-    /// Number of joint vertices.
+    /// Number of merged vertices.
     pub(super) count: usize,
-    /// #joint vertices + 1: where the neighbours of each begin.
+    /// #merged vertices + 1: index of the first neighbour of each.
     starts: Vec<usize>,
-    /// Neighbours and their distances, metres at rest in the space of the node.
+    /// Neighbours and their distances at rest in the space of the node, metres.
     neighbours: Vec<(u32, f32)>,
-    /// Diagonal of all vertices at rest, metres.
+    /// Diagonal of the bounding box of all vertices at rest, metres.
     pub(super) diagonal: f32,
 }
 
 impl MeshGraph {
-    /// No triangle has this vertex.
+    /// Marks a vertex that no triangle uses.
     pub(super) const UNUSED: u32 = u32::MAX;
 
-    /// Of the primitives that a node draws.
+    /// Builds the graph of the primitives that a node draws.
     pub(super) fn of(primitives: &[&Primitive]) -> Self {
         let mut known: HashMap<([u32; 3], u64), u32> = HashMap::new();
         let mut places: Vec<Vec3> = Vec::new();
@@ -63,18 +63,18 @@ impl MeshGraph {
         }
     }
 
-    /// The neighbours of a joint vertex, with their distances.
+    /// Returns the neighbours of a merged vertex, with their distances.
     pub(super) fn around(&self, vertex: u32) -> &[(u32, f32)] {
         &self.neighbours[self.starts[vertex as usize]..self.starts[vertex as usize + 1]]
     }
 }
 
 fn bits(place: Vec3) -> [u32; 3] {
-    // 0 and -0 are one place.
+    // Adding 0 turns -0 into 0, so that both count as the same position.
     (place + 0.0).to_array().map(f32::to_bits)
 }
 
-/// A number over all that moves a vertex against others at its place: skin and morph targets. FNV-1a, 64 bits.
+/// Hashes everything that can move a vertex relative to others at the same position: skin and morph targets. FNV-1a, 64 bits.
 fn motion(primitive: &Primitive, vertex: usize) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |value: u32| hash = (hash ^ u64::from(value)).wrapping_mul(0x100_0000_01b3);

@@ -1,7 +1,8 @@
-//! Which layers move which part of the scene: by nodes, joints, materials, vertex colours and painted masks.
+//! Determines which layers move each part of the scene: by nodes, joints, materials, vertex colours and painted masks.
 //!
-//! In: the layers' selections and the posed parts. Out: [`PartLayers`], one a part; unknown names and layers that are left with
-//! nothing are errors. Where layers share a mesh, its vertices go from one to the other by weights, so nothing tears.
+//! In: the layers' selections and the posed parts. Out: one [`PartLayers`] per part; unknown names and layers left
+//! without any geometry are errors. Where layers share a mesh, weights blend its vertices from one layer to the other,
+//! so nothing tears.
 
 mod coverage;
 mod feather;
@@ -24,16 +25,16 @@ use rules::{RuleKeys, Rules};
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-/// What layers take of a scene.
+/// The result of all selections.
 #[derive(Debug)]
 pub(super) struct Selected {
-    /// One a part.
+    /// One per part.
     pub(super) layers_of_part: Vec<PartLayers>,
-    /// One a layer: the nodes that count as its joints, where it names some.
+    /// #layers: the nodes that count as the layer's joints, if it names some.
     pub(super) joints: Vec<Option<BTreeSet<usize>>>,
 }
 
-/// Gives every part to the layers that name it.
+/// Distributes all parts to the layers that select them.
 pub(super) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Selected, PipelineError> {
     let (mut named, mut joints): (Vec<Vec<Coverage>>, Vec<_>) = (Vec::new(), Vec::new());
     for (index, layer) in shot.layers.iter().enumerate() {
@@ -59,8 +60,8 @@ pub(super) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<
     }
 }
 
-/// Which triangles of a layer's parts a cut names, those of all parts counted through: where most of a triangle's corners are named.
-/// `keys`: index of the layer, number of the cut.
+/// Returns which triangles of a layer's parts a cut selects: those whose corners are mostly selected. Triangles are
+/// numbered consecutively over all parts. `keys`: index of the layer, number of the cut.
 pub(super) fn cut_off(
     (shot, scene): (&Shot, &Scene),
     keys: [usize; 2],
@@ -83,7 +84,7 @@ pub(super) fn cut_off(
 }
 
 impl PartLayers {
-    /// A layer moves some of the part.
+    /// Whether a layer moves some of the part.
     pub(super) fn have(&self, layer: usize) -> bool {
         match self {
             Self::Whole(owner) => *owner == Some(layer),
@@ -92,7 +93,7 @@ impl PartLayers {
     }
 }
 
-/// What a layer names is not there.
+/// Creates the error for a layer whose selection matches nothing.
 fn names_nothing(shot: &Shot, index: usize) -> PipelineError {
     let (name, rule) = (&shot.layers[index].name, &shot.layers[index].selection);
     if rule.is_whole() {
@@ -112,7 +113,7 @@ fn names_nothing(shot: &Shot, index: usize) -> PipelineError {
     PipelineError::mismatch(shot, &format!("layer[{index}].select"), what, hint)
 }
 
-/// Other layers take all that a layer names.
+/// Creates the error for a layer whose whole selection is taken by other layers.
 fn left_with_nothing(shot: &Shot, index: usize) -> PipelineError {
     let layer = &shot.layers[index];
     let name = &layer.name;

@@ -1,6 +1,6 @@
-//! Which layer gets what several name: the later one; what takes the rest gets what is left.
+//! Resolves overlapping selections: later layers take precedence, and a layer for the rest gets what remains.
 //!
-//! In: how much of every part each layer names. Out: which layers move a part, with weights that sum to no more than 1.
+//! In: how much of every part each layer selects. Out: the layers that move a part, with weights whose sum is at most 1.
 
 use super::coverage::Coverage;
 use super::shared_part::SharedPart;
@@ -9,13 +9,13 @@ use crate::scene::Primitive;
 /// The layers that move a part.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::pipeline) enum PartLayers {
-    /// One moves all of it, or none any of it.
+    /// One layer moves all of it, or none moves any of it.
     Whole(Option<usize>),
-    /// Several do, or one in parts.
+    /// Several layers move it, or one moves some of it.
     Shared(SharedPart),
 }
 
-/// `named`: layers and what they name of the part, the one that takes before all others first.
+/// Returns the layers of a part. `named`: layers and their selection of the part, in order of decreasing precedence.
 pub(super) fn layers_of<'a>(named: impl Iterator<Item = (usize, &'a Coverage)>, primitive: &Primitive) -> PartLayers {
     let mut left = vec![1.0_f32; primitive.positions.len()];
     let mut columns: Vec<(usize, Vec<f32>)> = Vec::new();

@@ -1,6 +1,6 @@
-//! The names of a layer's selection, found in the scene.
+//! Resolves the names in a layer's selection to indices of the scene.
 //!
-//! In: a layer and its scene. Out: [`Rules`], or what the scene does not have, with the nearest right name.
+//! In: a layer and its scene. Out: [`Rules`], or an error for a name that the scene lacks, with the nearest valid name.
 
 use super::super::PipelineError;
 use crate::image::PaintedMap;
@@ -11,32 +11,32 @@ use crate::shot::{ColorChannel, PaintedMask, Selection, Shot};
 use crate::spelling;
 use std::collections::BTreeSet;
 
-/// Shapes of two pictures that differ by less than this share count as one.
+/// Relative difference below which the aspect ratios of two pictures count as equal.
 const SAME_SHAPE: f64 = 0.01;
 
-/// What a layer names, as indices.
+/// A layer's selection, resolved to indices.
 #[derive(Debug)]
 pub(super) struct Rules {
-    /// Nodes whose meshes it takes.
+    /// Nodes whose meshes are selected.
     pub(super) nodes: BTreeSet<usize>,
-    /// Nodes that count as joints of it; `None`: whatever moves a vertex.
+    /// Nodes that count as joints of the layer; `None`: no restriction by joints.
     pub(super) joints: Option<BTreeSet<usize>>,
-    /// Materials; `None`: all.
+    /// Selected materials; `None`: all.
     materials: Option<BTreeSet<usize>>,
     vertex_color: Option<ColorChannel>,
-    /// A painted map and the UVs that it lies on.
+    /// A painted map and the index of its UV set.
     mask: Option<(PaintedMap, usize)>,
 }
 
 impl Rules {
-    /// Finds everything that a layer names.
+    /// Resolves the selection of a layer.
     pub(super) fn of(shot: &Shot, index: usize, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
         let layer = &shot.layers[index];
         let keys = RuleKeys { layer: index, nodes: "nodes".to_owned(), select: "select".to_owned() };
         Self::find((&layer.nodes, &layer.selection), keys, (shot, scene, parts))
     }
 
-    /// Finds everything that a pair of node patterns and rules names; `keys`: where they stand in the shot.
+    /// Resolves node patterns and rules; `keys`: their keys in the shot, for errors.
     pub(super) fn find(
         (nodes, rule): (&[String], &Selection),
         keys: RuleKeys,
@@ -55,12 +55,12 @@ impl Rules {
         })
     }
 
-    /// Whole meshes are named.
+    /// Whether whole meshes are selected.
     pub(super) const fn is_whole(&self) -> bool {
         self.joints.is_none() && self.materials.is_none() && self.vertex_color.is_none() && self.mask.is_none()
     }
 
-    /// How much of a vertex of a node's meshes is named, 0 to 1.
+    /// Returns the selected share of a vertex of a selected node's mesh, 0 to 1.
     pub(super) fn share(&self, scene: &Scene, part: &PosedPart, vertex: usize) -> f32 {
         let source = primitive(scene, part);
         if self.materials.as_ref().is_some_and(|materials| !materials.contains(&source.material)) {
@@ -78,7 +78,7 @@ impl Rules {
     }
 }
 
-/// How much of a vertex hangs on some joints: by its skin, else by what its node hangs on.
+/// Returns the share of a vertex that is bound to some joints: by its skin weights, or by its node if it has no skin.
 fn tied(scene: &Scene, part: &PosedPart, (source, vertex): (&Primitive, usize), joints: &BTreeSet<usize>) -> f32 {
     let (Some(skin), Some(influences)) = (scene.nodes[part.node].skin, source.influences.get(vertex)) else {
         return f32::from(u8::from(joints.contains(&part.node)));
@@ -90,18 +90,18 @@ fn tied(scene: &Scene, part: &PosedPart, (source, vertex): (&Primitive, usize), 
     (own / all).clamp(0.0, 1.0)
 }
 
-/// UVs that are all one point say nothing: a mesh without any has them where its textures need some.
+/// Whether a UV set is usable; a set in which all points are equal is only a placeholder for meshes without UVs.
 fn has_uvs(source: &Primitive, set: usize) -> bool {
     source.uvs[set].iter().any(|uv| *uv != source.uvs[set][0])
 }
 
-/// The name of a material; those without one go by their number.
+/// Returns the name of a material; unnamed ones are numbered.
 pub(in crate::pipeline) fn material_name(scene: &Scene, index: usize) -> String {
     let name = &scene.materials[index].name;
     if name.trim().is_empty() { format!("material_{index}") } else { name.clone() }
 }
 
-/// Where rules stand in a shot.
+/// The keys of rules in a shot, for errors.
 #[derive(Clone, Debug)]
 pub(super) struct RuleKeys {
     /// Index of the layer.
@@ -112,12 +112,12 @@ pub(super) struct RuleKeys {
     pub(super) select: String,
 }
 
-/// Looks names up for one layer.
+/// Resolves names for one layer.
 struct Search<'a> {
     shot: &'a Shot,
     keys: RuleKeys,
     scene: &'a Scene,
-    /// Nodes of the layer, once they are known.
+    /// Nodes of the layer, once resolved.
     nodes: BTreeSet<usize>,
     parts: &'a [PosedPart],
 }
@@ -129,17 +129,17 @@ impl Search<'_> {
         PipelineError::mismatch(self.shot, &key, format!("layer '{name}': {what}"), hint)
     }
 
-    /// The key of a rule within the layer.
+    /// Returns the key of a rule within the layer.
     fn rule(&self, name: &str) -> String {
         format!("{}.{name}", self.keys.select)
     }
 
-    /// Parts of the layer's nodes.
+    /// Returns the parts of the layer's nodes.
     fn own(&self) -> impl Iterator<Item = &PosedPart> + Clone {
         self.parts.iter().filter(|part| self.nodes.contains(&part.node))
     }
 
-    /// All nodes that fit the patterns that take, with their subtrees, without those that fit the patterns that take out.
+    /// Returns all nodes that match the including patterns, with their subtrees, except those that match excluding patterns (`!`).
     fn nodes(&self, patterns: &[String]) -> Result<BTreeSet<usize>, PipelineError> {
         Self::chosen(patterns, (0..self.scene.nodes.len()).collect(), |pattern| {
             let matched = self.scene.matching(pattern);
@@ -152,7 +152,7 @@ impl Search<'_> {
         })
     }
 
-    /// As for nodes; patterns have to fit a joint, or a node above one.
+    /// Resolves joints as the function `nodes` resolves nodes; each pattern must match a joint or an ancestor of one.
     fn joints(&self, patterns: &[String]) -> Result<BTreeSet<usize>, PipelineError> {
         let skins: BTreeSet<usize> = self.own().filter_map(|part| self.scene.nodes[part.node].skin).collect();
         let joints: BTreeSet<usize> = skins.iter().flat_map(|&skin| &self.scene.skins[skin].joints).copied().collect();
@@ -210,7 +210,7 @@ impl Search<'_> {
         Ok((map, set))
     }
 
-    /// A mask is painted over the same square as the texture that lies on the same UVs.
+    /// Checks that a mask has the shape of the texture on the same UVs, because both cover the same unit square.
     fn check_shape(&self, map: &PaintedMap, set: usize) -> Result<(), PipelineError> {
         let shape = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height.max(1));
         for part in self.own() {
@@ -231,7 +231,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// What patterns choose: of `all` where none of them takes anything, but only takes out.
+    /// Returns the choice of the patterns: those included minus those excluded, starting from `all` if no pattern includes.
     fn chosen(
         patterns: &[String],
         all: BTreeSet<usize>,

@@ -1,20 +1,20 @@
-//! A part of the scene that several layers move, each vertex by its weights.
+//! A part of the scene that several layers move, with weights per vertex.
 //!
-//! In: weights. Out: whose a triangle is, how much of it a layer moves.
+//! In: weights. Out: the layer of each triangle, and how much of it a layer moves.
 
-/// A part that more than one layer moves, or one layer in parts.
+/// A part that several layers move, or of which one layer moves a portion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SharedPart {
-    /// The layers, by their places in the shot, rising.
+    /// Indices of the layers in the shot, in increasing order.
     pub layers: Vec<usize>,
-    /// #vertices x #layers, rows one after the other, 0 to 1: how much a layer moves a vertex. What a row lacks to 1 rests.
+    /// #vertices x #layers, row by row, 0 to 1: how much a layer moves a vertex. The remainder of a row to 1 is at rest.
     pub weights: Vec<f32>,
-    /// #triangles: the layer that moves most of it; `None` where most of it rests.
+    /// #triangles: the layer that moves most of the triangle; `None` where most of it is at rest.
     pub layer_of_triangle: Vec<Option<usize>>,
 }
 
 impl SharedPart {
-    /// `columns`: layers and their weights of all vertices; in rising order of the layers.
+    /// Creates the part. `columns`: layers in increasing order, with their weights of all vertices.
     pub(crate) fn new(columns: &[(usize, Vec<f32>)], triangles: &[[u32; 3]]) -> Self {
         let vertices = columns.first().map_or(0, |(_, weights)| weights.len());
         let weights = (0..vertices).flat_map(|vertex| columns.iter().map(move |(_, weights)| weights[vertex]));
@@ -27,21 +27,21 @@ impl SharedPart {
         part
     }
 
-    /// Weights of all its layers at a vertex.
+    /// Returns the weights of all layers at a vertex.
     #[must_use]
     pub fn at(&self, vertex: u32) -> &[f32] {
         let count = self.layers.len();
         &self.weights[vertex as usize * count..][..count]
     }
 
-    /// How much of a triangle a layer moves: the mean over its corners. 0 for layers that it does not know.
+    /// Returns how much of a triangle a layer moves: the mean over its corners; 0 for layers that do not move the part.
     #[must_use]
     pub fn of_triangle(&self, layer: usize, corners: &[u32; 3]) -> f64 {
         let Some(column) = self.layers.iter().position(|&own| own == layer) else { return 0.0 };
         corners.iter().map(|&corner| f64::from(self.at(corner)[column])).sum::<f64>() / 3.0
     }
 
-    /// The layer that moves most of the part; `None` where most of it rests.
+    /// Returns the layer that moves the most triangles of the part; `None` if most triangles are at rest.
     #[must_use]
     pub fn most(&self) -> Option<usize> {
         let count = |layer: Option<usize>| self.layer_of_triangle.iter().filter(|owner| **owner == layer).count();
@@ -60,14 +60,14 @@ impl SharedPart {
 /// How much of a part a layer moves.
 #[derive(Clone, Copy, Debug)]
 pub enum LayerShare<'a> {
-    /// All of it.
+    /// The whole part.
     Whole,
-    /// Each vertex by its weight.
+    /// Each vertex by its weight; holds the part and the layer's index.
     Shared(&'a SharedPart, usize),
 }
 
 impl LayerShare<'_> {
-    /// How much of a triangle, 0 to 1.
+    /// Returns how much of a triangle the layer moves, 0 to 1.
     #[must_use]
     pub fn of(&self, corners: &[u32; 3]) -> f64 {
         match self {
@@ -76,13 +76,13 @@ impl LayerShare<'_> {
         }
     }
 
-    /// How much of a vertex, 0 to 1.
+    /// Returns how much of a vertex the layer moves, 0 to 1.
     #[must_use]
     pub fn at(&self, vertex: u32) -> f64 {
         self.of(&[vertex; 3])
     }
 
-    /// The layer moves some of a triangle.
+    /// Whether the layer moves some of a triangle.
     #[must_use]
     pub fn meets(&self, corners: &[u32; 3]) -> bool {
         self.of(corners) > 0.0

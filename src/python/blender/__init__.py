@@ -1,7 +1,7 @@
-"""Pinwarp in Blender: pins on the screen bend an animated shot.
+"""Pinwarp in Blender: pins on the screen deform an animated shot.
 
-The open scene and its camera become a shot; pins are empties that hang on the camera; a button solves and shows the lattice in the
-camera's view; another renders warped frames.
+The open scene and its camera are exported as a shot. Pins are empties parented to the camera. One button solves the shot and shows the
+lattice in the camera's view; another renders warped frames.
 """
 
 import bpy
@@ -10,7 +10,7 @@ from . import operators
 
 
 class Settings(bpy.types.PropertyGroup):
-    """What a scene says about its warp."""
+    """The warp settings that a scene stores."""
 
     columns: bpy.props.IntProperty(name="Columns", default=10, min=4, max=64)
     rows: bpy.props.IntProperty(name="Rows", default=10, min=4, max=64)

@@ -1,15 +1,15 @@
-"""The solved lattice in the camera's view: a cage of its handles, one shape key a frame."""
+"""Shows the solved lattice in the camera's view: a cage of its handles with one shape key per frame."""
 
 import bpy
 
 from . import pins, screen
 
-# The cage stands a little behind the near clip of the camera.
+# Distance of the cage from the camera, in near clip distances: a little behind the near plane.
 NEAR = 1.5
 
 
 def build(scene, layer, lattices):
-    """Makes the cage of a layer anew from lattices by frame; its object."""
+    """Rebuilds the cage of a layer from lattices by frame; returns its object."""
     name = f"pinwarp {layer}"
     old = bpy.data.objects.get(name)
     if old:
@@ -36,6 +36,6 @@ def build(scene, layer, lattices):
 
 
 def points(scene, handles):
-    """Handles (rows, columns, 2) as points of the camera's space."""
+    """Converts handles (rows, columns, 2) to points in camera space."""
     depth = NEAR * scene.camera.data.clip_start
     return [screen.camera_point(scene, x, y, depth) for x, y in handles.reshape(-1, 2)]

@@ -1,4 +1,4 @@
-"""What the buttons do."""
+"""The operators behind the buttons."""
 
 import bpy
 import pinwarp
@@ -7,7 +7,7 @@ from . import cage, pins, shot
 
 
 class Failing:
-    """Tells the person at the screen what went wrong, and in the scene nothing has changed."""
+    """Base of the operators: reports errors to the user and then cancels, so that the scene stays unchanged."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -73,7 +73,7 @@ class Render(Failing, bpy.types.Operator):
 
 
 def progress(done, of):
-    """Shows how far it is beside the pointer."""
+    """Shows the progress beside the mouse pointer."""
     manager = bpy.context.window_manager
     if done == 0:
         manager.progress_begin(0, of)

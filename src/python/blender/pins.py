@@ -1,7 +1,7 @@
-"""Pins: empties that hang on the camera, so that dragging one drags its place on the screen.
+"""Pins: empties parented to the camera, so that dragging one moves its position on the screen.
 
-A pin sits on the surface that was seen under it when it was made, and follows it. How far its empty has gone on the screen since is
-added to wherever that surface is; keyframes of the empty are keys of the pin.
+A pin is anchored to the surface that was visible under it when it was created, and follows that surface. The distance that its empty has
+moved on the screen since then is the pin's offset; keyframes of the empty become keys of the pin.
 """
 
 import bpy
@@ -13,7 +13,7 @@ COLLECTION = "Pinwarp"
 
 
 def collection(scene):
-    """Where the objects of this extension are kept."""
+    """Returns the collection that holds the objects of this extension."""
     found = bpy.data.collections.get(COLLECTION) or bpy.data.collections.new(COLLECTION)
     if found.name not in scene.collection.children:
         scene.collection.children.link(found)
@@ -21,13 +21,13 @@ def collection(scene):
 
 
 def pins(scene):
-    """The empties that are pins, in the order of their names."""
+    """Returns the empties that are pins, sorted by name."""
     objects = collection(scene).objects
     return sorted((thing for thing in objects if REST in thing), key=lambda thing: thing.name)
 
 
 def add(scene, point, name="pin"):
-    """A pin at a point of the world, in the scene's current frame."""
+    """Creates a pin at a point in world space, in the scene's current frame."""
     thing = bpy.data.objects.new(name, None)
     thing.empty_display_type = "SPHERE"
     thing.empty_display_size = 0.02 * screen.depth(scene, point)
@@ -41,12 +41,12 @@ def add(scene, point, name="pin"):
 
 
 def move(scene, pin, x, y):
-    """Puts a pin's empty to a place on the screen, as far from the camera as it is."""
+    """Moves a pin's empty to a position on the screen, keeping its distance from the camera."""
     pin.location = screen.camera_point(scene, x, y, -pin.location.z)
 
 
 def key_frames(pin):
-    """The frames at which the place of an empty is keyed."""
+    """Returns the frames at which the location of an empty is keyed."""
     action = pin.animation_data.action if pin.animation_data else None
     if action is None:
         return []
@@ -62,7 +62,7 @@ def key_frames(pin):
 
 
 def keys(scene, pin):
-    """Frames, and how far the empty has gone on the screen since the pin was made."""
+    """Returns the key frames, each with the distance that the empty has moved on the screen since the pin was created."""
     rest, kept = pin[REST], scene.frame_current
     found = []
     for frame in key_frames(pin) or [pin[FRAME]]:

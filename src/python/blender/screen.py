@@ -1,6 +1,6 @@
-"""The screen as pinwarp counts it, seen through the scene's camera.
+"""Conversions to pinwarp's screen coordinates, for the scene's camera.
 
-Places are in frame heights, x right, y up, from the lower left corner of the frame.
+Screen positions are in frame heights, x right, y up, from the lower left corner of the frame.
 """
 
 from bpy_extras.object_utils import world_to_camera_view
@@ -8,7 +8,7 @@ from mathutils import Vector
 
 
 def size(scene):
-    """Width and height of the frame in pixels, and the width of a pixel divided by its height."""
+    """Returns width and height of the frame in pixels, and the width of a pixel divided by its height."""
     render = scene.render
     scale = render.resolution_percentage / 100
     width, height = round(render.resolution_x * scale), round(render.resolution_y * scale)
@@ -16,25 +16,25 @@ def size(scene):
 
 
 def aspect(scene):
-    """Width of the frame in frame heights."""
+    """Returns the width of the frame in frame heights."""
     width, height, pixel_aspect = size(scene)
     return width * pixel_aspect / height
 
 
 def place(scene, point):
-    """Where a point of the world lies on the screen, in the scene's current frame."""
+    """Returns the screen position of a point in world space, in the scene's current frame."""
     x, y, _ = world_to_camera_view(scene, scene.camera, Vector(point))
     return x * aspect(scene), y
 
 
 def depth(scene, point):
-    """How far a point of the world lies along the camera's view."""
+    """Returns the distance of a point in world space along the camera's view axis."""
     return world_to_camera_view(scene, scene.camera, Vector(point))[2]
 
 
 def camera_point(scene, x, y, depth):
-    """The point of the camera's space that is seen at a place, so far along its view."""
-    # Corners of the frame from the upper right, clockwise; of a perspective camera at some depth.
+    """Returns the point in camera space at a screen position and a depth along the view axis."""
+    # view_frame lists the corners from the upper right, clockwise; for a perspective camera they lie at some depth.
     _, right, corner, upper = scene.camera.data.view_frame(scene=scene)
     seen = corner + (right - corner) * (x / aspect(scene)) + (upper - corner) * y
     if scene.camera.data.type == "ORTHO":

@@ -1,4 +1,4 @@
-"""The open scene as a shot: `scene.glb` and `shot.toml` in a folder."""
+"""Exports the open scene as a shot: `scene.glb` and `shot.toml` in a folder."""
 
 import json
 import pathlib
@@ -8,14 +8,14 @@ import bpy
 
 from . import pins, screen
 
-# Older versions of Blender lack some of these.
+# Options of the glTF exporter; older versions of Blender lack some of them.
 EXPORT = {
     "export_format": "GLB",
     "export_cameras": True,
     "export_lights": True,
     "export_extras": False,
     "export_animations": True,
-    # One animation of everything.
+    # A single animation for the whole scene.
     "export_animation_mode": "SCENE",
     "export_anim_scene_split_object": False,
     "export_force_sampling": True,
@@ -26,14 +26,14 @@ EXPORT = {
 
 
 def folder(scene):
-    """Where shot and frames go: beside the .blend file, else a temporary folder that stays the same for the session."""
+    """Returns the folder of shot and frames: beside the .blend file, or a temporary folder if the file is not saved."""
     if bpy.data.filepath:
         return pathlib.Path(bpy.data.filepath).with_suffix(".pinwarp")
     return pathlib.Path(tempfile.gettempdir()) / "blender.pinwarp" / scene.name
 
 
 def text(scene):
-    """The shot file."""
+    """Returns the text of the shot file."""
     width, height, pixel_aspect = screen.size(scene)
     rate = scene.render.fps / scene.render.fps_base
     settings = scene.pinwarp
@@ -41,7 +41,7 @@ def text(scene):
         "version = 1",
         'scene  = "scene.glb"',
         f"camera = {json.dumps(scene.camera.name)}",
-        # Frame f of Blender lies at f / rate seconds of the file.
+        # Frame f of Blender is at f / rate seconds in the file.
         f"frames = {{ first = {scene.frame_start}, last = {scene.frame_end}, rate = {rate!r}, clip_start = 0 }}",
         f"size   = [{width}, {height}]",
         f"pixel_aspect = {pixel_aspect!r}",
@@ -72,7 +72,7 @@ def text(scene):
 
 
 def export(scene):
-    """Writes both files; where the shot lies."""
+    """Writes both files; returns the path of the shot file."""
     if scene.camera is None:
         raise ValueError("the scene has no camera; add one and make it active (Ctrl Numpad 0)")
     place = folder(scene)
@@ -80,7 +80,7 @@ def export(scene):
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
     own = pins.collection(scene)
     hidden = own.hide_viewport
-    # Pins and cages are no part of the scene.
+    # Pins and cages are not part of the scene.
     own.hide_viewport = True
     try:
         options = {name: value for name, value in EXPORT.items() if name in known}

@@ -4,8 +4,8 @@
 >>> image = numpy.zeros((1080, 1920, 4), numpy.float32)
 >>> warped = pinwarp.warp(image, [[960, 540, 1060, 500]], units="pixels")
 
-Shot opens, checks and renders shot files; Scene projects glTF scenes; Lattice and LatticeFile hold lattices; solve is the bare solver,
-warp bends pictures in memory. Errors are pinwarp.Error and its kinds. docs/PYTHON.md is the guide.
+Shot opens, checks and renders shot files; Scene projects glTF scenes to the screen; Lattice and LatticeFile hold lattices; solve runs
+the solver alone; warp deforms pictures in memory. Errors are pinwarp.Error and its subclasses. docs/PYTHON.md is the guide.
 """
 
 from ._errors import Cancelled, Error, FileError, InputError, MissingFileError

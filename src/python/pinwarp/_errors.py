@@ -1,4 +1,4 @@
-"""What functions of this package raise."""
+"""The exceptions of this package."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from collections.abc import Sequence
 
 
 class Error(Exception):
-    """Something that could not be done. The text says what is wrong, where, and what to do.
+    """Base class of all errors. The message says what is wrong, where, and what to do.
 
-    file: the file at fault, else None. line: its line, from 1. key: the key of the file ("layer[0].pin[2].keys[1].ease") or the
-    argument ("pins[3]"). hint: what to do. faults: where a shot file has several faults, an exception for each.
+    file: path of the faulty file, or None.
+    line: line in that file, counted from 1.
+    key: key in the file ("layer[0].pin[2].keys[1].ease"), or the argument ("pins[3]").
+    hint: what to do.
+    faults: if a shot file has several faults, one exception for each.
     """
 
     def __init__(
@@ -37,7 +40,7 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """An argument, or what a file says, cannot be used."""
+    """An argument, or the content of a file, is invalid."""
 
 
 class FileError(Error, OSError):
@@ -45,7 +48,7 @@ class FileError(Error, OSError):
 
 
 class MissingFileError(FileError, FileNotFoundError):
-    """A file is not there."""
+    """A file does not exist."""
 
 
 class Cancelled(Error):
@@ -53,7 +56,7 @@ class Cancelled(Error):
 
 
 def _again(kind: type[Error], message: str, state: dict) -> Error:
-    """An exception that comes from another process."""
+    """Rebuilds a pickled exception, for example one from another process."""
     error = kind(message)
     error.__dict__.update(state)
     return error

@@ -6,10 +6,12 @@ import numpy
 
 
 class Frame(dict):
-    """Channels by their names in EXR files, each (H, W), rows from the top: float32, ids of other programs uint32.
+    """A dict of channels by their names in EXR files: arrays (H, W) with rows from the top, float32, or uint32 for ids of other programs.
 
-    number: the frame. size: width and height of the frame as the viewer sees it, pixels. data_window: (x, y, width, height) of the
-    arrays, from the frame's upper left corner. pixel_aspect: width of a pixel divided by its height.
+    number: frame number.
+    size: width and height of the display window in pixels.
+    data_window: (x, y, width, height) of the arrays, from the upper left corner of the display window.
+    pixel_aspect: width of a pixel divided by its height.
     """
 
     def __init__(
@@ -27,11 +29,11 @@ class Frame(dict):
         self.pixel_aspect = pixel_aspect
 
     def rgba(self, dtype: numpy.typing.DTypeLike = numpy.float32) -> numpy.ndarray:
-        """R, G, B and A as one array (H, W, 4), scene-linear, colour multiplied with alpha: a copy."""
+        """Returns a copy of R, G, B and A as one array (H, W, 4), scene-linear, colour multiplied with alpha."""
         return numpy.stack([self[name] for name in "RGBA"], axis=-1).astype(dtype, copy=False)
 
     def preview(self) -> numpy.ndarray:
-        """The picture over black as uint8 (H, W, 3), sRGB: for a look at it in a notebook."""
+        """Returns the picture over black as uint8 (H, W, 3), sRGB, to display it in a notebook."""
         light = numpy.stack([self[name] for name in "RGB"], axis=-1).clip(0.0, 1.0)
         code = numpy.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
         return (code * 255.0 + 0.5).astype(numpy.uint8)

@@ -1,4 +1,4 @@
-"""Types of the compiled part. Docstrings of the functions say more; stubtest compares them with what is there."""
+"""Types of the compiled module. The docstrings are in the module itself; stubtest compares both."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 _Path = str | PathLike[str]
-# Called with (done, of) on the thread that called; False cancels.
+# Called with (done, total) on the calling thread; False cancels.
 _Progress = Callable[[int, int], object]
 _Basis = Literal["bspline", "bernstein", "bilinear", "barytri"]
 _Guard = Literal["report", "limit"]

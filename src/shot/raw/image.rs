@@ -1,4 +1,4 @@
-//! `image` as written: one picture, or several from back to front.
+//! `image` as written in the shot file: one picture, or several from back to front.
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
@@ -9,9 +9,9 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(in crate::shot) enum RawImage {
-    /// One.
+    /// One picture.
     One(#[schemars(length(min = 1))] String),
-    /// Several, from back to front.
+    /// Several pictures, from back to front.
     Several(#[schemars(length(min = 1), inner(length(min = 1)))] Vec<String>),
 }
 

@@ -1,4 +1,4 @@
-//! `[warp]` and `matte` as written: how finished frames are warped, and which part of them a layer moves.
+//! `[warp]` and `matte` as written in the shot file: how finished frames are warped, and which part of them a layer moves.
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
@@ -13,28 +13,29 @@ use serde::Deserialize;
 pub(in crate::shot) struct RawWarp {
     /// How colour is resampled.
     pub(in crate::shot) filter: Filter,
-    /// Treatment of normals.
+    /// How normals are treated.
     pub(in crate::shot) normals: NormalMode,
-    /// What fills places that the warp uncovers.
+    /// What fills areas that the warp uncovers.
     pub(in crate::shot) holes: RawHoles,
-    /// How the plate stores motion vectors; default: not said, so those of other programs pass through as they are.
+    /// How the plate stores motion vectors. If unset, the vectors of pinwarp and Blender are recognised; those of other programs
+    /// pass through unchanged.
     #[schemars(example = serde_json::json!({ "unit": "pixels", "y": "down" }))]
     pub(in crate::shot) motion: Option<RawMotion>,
-    /// What channels mean whose names do not tell it; the first pattern that fits counts.
+    /// Meanings of channels whose names do not reveal them; the first matching pattern applies.
     #[schemars(example = serde_json::json!([{ "name": "zz.*", "meaning": "depth" }]))]
     pub(in crate::shot) channels: Vec<RawSemantic>,
 }
 
-/// What fills places that the warp uncovers.
+/// What fills areas that the warp uncovers.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawHoles {
-    /// Nothing: they stay transparent, and are counted.
+    /// Nothing: they stay transparent, and their pixels are counted.
     #[default]
     Leave,
     /// The shot's own scene, drawn without the layers that have a matte.
     Geometry,
-    /// Frames without the things that move, relative to the shot file.
+    /// A clean plate: frames without the moving objects, relative to the shot file.
     Plate(#[schemars(length(min = 1), example = &"clean.####.exr")] String),
 }
 
@@ -42,39 +43,40 @@ pub(in crate::shot) enum RawHoles {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawMotion {
-    /// What 1 means: a pixel, the whole frame (across and up), or this many pixels; default: pixels.
+    /// Length of a vector with the value 1: a pixel, the size of the frame (width for u, height for v), or this many pixels;
+    /// default: pixels.
     #[serde(default)]
     #[schemars(example = &"frame")]
     pub(in crate::shot) unit: RawMotionUnit,
-    /// Where positive u points.
+    /// Direction of positive u.
     #[serde(default)]
     pub(in crate::shot) x: RawAcross,
-    /// Where positive v points.
+    /// Direction of positive v.
     #[serde(default)]
     pub(in crate::shot) y: RawUpright,
 }
 
-/// What 1 means in a motion channel.
+/// The unit of a motion channel.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(in crate::shot) enum RawMotionUnit {
-    /// By name.
+    /// A unit with a name.
     Named(RawNamedUnit),
-    /// Pixels.
+    /// A number of pixels.
     Number(#[schemars(range(min = 0.000001, max = 1_000_000.0))] f64),
 }
 
-/// Units that have a name.
+/// Units with names.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawNamedUnit {
-    /// A pixel of the plate.
+    /// One pixel of the plate.
     Pixels,
     /// Width and height of the frame.
     Frame,
 }
 
-/// By hand, so that the two names stand beside the number in one list of choices.
+/// Written by hand, so that the two names appear in the same list of alternatives as the number.
 impl JsonSchema for RawNamedUnit {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "RawNamedUnit".into()
@@ -91,7 +93,7 @@ impl Default for RawMotionUnit {
     }
 }
 
-/// Where positive u points.
+/// The direction of positive u.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawAcross {
@@ -102,7 +104,7 @@ pub(in crate::shot) enum RawAcross {
     Left,
 }
 
-/// Where positive v points.
+/// The direction of positive v.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawUpright {
@@ -113,14 +115,14 @@ pub(in crate::shot) enum RawUpright {
     Down,
 }
 
-/// What channels mean.
+/// The meaning of channels.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawSemantic {
-    /// Full name of a channel, with its layer; * and ? stand for any letters.
+    /// Full name of a channel, including its layer; * and ? are wildcards.
     #[schemars(length(min = 1), example = &"zz.*")]
     pub(in crate::shot) name: String,
-    /// What it holds.
+    /// What the channel holds.
     #[schemars(example = &"depth")]
     pub(in crate::shot) meaning: Semantic,
 }
@@ -129,23 +131,23 @@ pub(in crate::shot) struct RawSemantic {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(in crate::shot) enum RawMatte {
-    /// `alpha`: all that is there, for pictures of one thing over nothing; `none`: the whole picture.
+    /// `alpha`: everything in the plate, for pictures of one thing over nothing; `none`: the whole picture.
     Named(RawNamedMatte),
-    /// What a channel, ids or a Cryptomatte select.
+    /// The part that a channel, ids or a Cryptomatte select.
     Part(RawPart),
 }
 
-/// Mattes that have a name.
+/// Mattes with names.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::shot) enum RawNamedMatte {
-    /// All that is there.
+    /// Everything in the plate, by its alpha.
     Alpha,
-    /// None: the layer moves the whole picture.
+    /// No matte: the layer moves the whole picture.
     None,
 }
 
-/// As for [`RawNamedUnit`].
+/// Written by hand for the same reason as that of [`RawNamedUnit`].
 impl JsonSchema for RawNamedMatte {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "RawNamedMatte".into()
@@ -156,23 +158,23 @@ impl JsonSchema for RawNamedMatte {
     }
 }
 
-/// A part of a plate: one of channel, id and cryptomatte.
+/// A part of a plate. Set one of channel, id and cryptomatte.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawPart {
-    /// The values of a channel, 0 to 1.
+    /// Name of a channel whose values, 0 to 1, are the matte.
     #[schemars(length(min = 1), example = &"mask.R")]
     pub(in crate::shot) channel: Option<String>,
-    /// A channel of ids; with `values`.
+    /// Name of a channel of ids; requires `values`.
     #[schemars(length(min = 1), example = &"id.object")]
     pub(in crate::shot) id: Option<String>,
-    /// The ids.
+    /// The ids that are selected.
     #[schemars(length(min = 1), inner(range(min = 0, max = 4_294_967_295u32)), example = serde_json::json!([3]))]
     pub(in crate::shot) values: Option<Vec<u32>>,
     /// Names in a Cryptomatte, with * and ?, or ids as eight hexadecimal digits.
     #[schemars(length(min = 1), inner(length(min = 1)), example = serde_json::json!(["Body*"]))]
     pub(in crate::shot) cryptomatte: Option<Vec<String>>,
-    /// The Cryptomatte that is asked; default: the only one that knows the names.
+    /// Name of the Cryptomatte to search; default: the only one that contains the names.
     #[schemars(length(min = 1), example = &"CryptoObject")]
     pub(in crate::shot) of: Option<String>,
 }
