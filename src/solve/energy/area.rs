@@ -245,8 +245,8 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
     }
 }
 
-/// Replaces four 2D gradients J by their area-weighted rotations, whose first columns are the unit vectors of (J00 + J11, J10 −
-/// J01). Returns a ‖J − R‖².
+/// Replaces four 2D gradients J by their area-weighted rotations. The first column of a rotation is the
+/// unit vector of (J00 + J11, J10 − J01). Returns a ‖J − R‖².
 #[inline(always)]
 fn fit_plane<S: Simd, const D: usize>(simd: S, values: &mut [[S::f64s; D]; D], areas: S::f64s) -> S::f64s {
     let along = simd.add_f64s(values[0][0], values[1][1]);

@@ -58,8 +58,8 @@ impl<const D: usize> OneRings<D> {
         [vertex(0), vertex(1), vertex(2), vertex(3)]
     }
 
-    /// Returns the best rotation of every one-ring for moved vertices, and Σ_i Σ_j w (‖v'_i − v'_j‖² − 2 (v'_i − v'_j)ᵀ R_i (v_i
-    /// − v_j)).
+    /// Returns the best rotation of every one-ring for moved vertices, and
+    /// Σ_i Σ_j w (‖v'_i − v'_j‖² − 2 (v'_i − v'_j)ᵀ R_i (v_i − v_j)).
     pub(super) fn rotations(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         dispatch(Rotations { one_rings: self, moved })
     }

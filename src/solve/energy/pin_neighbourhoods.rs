@@ -1,9 +1,9 @@
 //! Neighbourhoods of pins: discs that stay smooth, so that a pin pulls out a bulge and not a spike, and regions that move rigidly
 //! with their pin.
 //!
-//! In: pins and radii. Out: a [`Distortion`] that adds neighbourhoods to the energy of the shape, E = ... + Σ_p m r²/s² (a r²/(D
-//! + 6) ‖H‖² + g ‖J̄ − R‖²), where H is the second derivative around the pin, J̄ the mean gradient over the region, and R the
-//! rotation nearest to J̄.
+//! In: pins and radii. Out: a [`Distortion`], the energy of the shape with those of the neighbourhoods,
+//! E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²), where H is the second derivative around the pin, J̄ the mean gradient
+//! over the region, and R the rotation nearest to J̄.
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
 use super::rotation_hessian::{differential_row, rotation_differential};

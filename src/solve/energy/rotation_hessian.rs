@@ -1,9 +1,9 @@
 //! The rotation Hessian of energy `area` in 2D: because the best rotations follow the handles, the second derivative is smaller
 //! than the constant matrix, by one rank-one term per sample.
 //!
-//! In: ∇W at the samples, handles. Out: the matrix of all coordinates minus these terms. With along = J00 + J11, across = J10 −
-//! J01 and ρ = ‖(along, across)‖ = s1 + s2, the rotation R changes by dθ = (cos·d across − sin·d along)/ρ, and the second
-//! derivative of ‖J − R‖² is 2‖dJ‖² − 2ρ dθ².
+//! In: ∇W at the samples, handles. Out: the matrix of all coordinates minus these terms.
+//! With along = J00 + J11, across = J10 − J01 and ρ = ‖(along, across)‖ = s1 + s2, the rotation R changes by
+//! dθ = (cos·d across − sin·d along)/ρ, and the second derivative of ‖J − R‖² is 2‖dJ‖² − 2ρ dθ².
 
 use super::distortion::RotationHessian;
 use crate::solve::blocked_weights::{Block, BlockedWeights, gather, local_handles};

@@ -1,6 +1,6 @@
 //! Energy `spokes-and-rims`: 2 Σ_t Σ_{v∈t} A_t/3 ‖J_t − R_v‖²_F, with one rotation per vertex over all edges of its triangles,
-//! the spokes and rims (I. Chao et al., "A Simple Geometric Model for Elastic Deformations", 2010). R_v maximises tr(R_vᵀ Σ A_t
-//! J_t).
+//! the spokes and rims (I. Chao et al., "A Simple Geometric Model for Elastic Deformations", 2010).
+//! R_v maximises tr(R_vᵀ Σ A_t J_t).
 //!
 //! In: a mesh. Out: one edge set per vertex; weights are a third of the cotangents of `element`.
 

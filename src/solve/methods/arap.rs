@@ -99,8 +99,8 @@ impl<'a, const D: usize> System<'a, D> {
         Ok(Self { shape, edges, held, rows, tether, factor })
     }
 
-    /// One iteration: best rotations at `points` (equation 6 of the paper), then Σ_j w (p'_i − p'_j) = Σ_j w ½ (R_i + R_j) (p_i −
-    /// p_j) (equation 8), with held vertices on the right-hand side.
+    /// One iteration: best rotations at `points` (equation 6 of the paper), then
+    /// Σ_j w (p'_i − p'_j) = Σ_j w ½ (R_i + R_j) (p_i − p_j) (equation 8), with held vertices on the right-hand side.
     fn step(&self, points: &[[f64; D]]) -> Vec<[f64; D]> {
         let rest = &self.shape.points;
         let rotations: Vec<_> = (0..rest.len())
