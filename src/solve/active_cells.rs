@@ -1,6 +1,8 @@
-//! Active cells of a grid: those that contain some of the model. Folds elsewhere are invisible.
+//! Finds the active cells of a grid: those that a triangle or stroke of the model touches. Only folds in active cells are visible.
 //!
-//! In: a grid and a shape. Out: one flag per cell. Parts outside the box count for the nearest cell, whose displacement they have.
+//! In: a grid and a shape. Out: one flag per cell. Parts of the model outside the box mark the nearest cell, because they move
+//! with it.
+//! Method: separating axis test of each triangle against the cells of its bounding box.
 
 use super::linalg::small_matrix::{dot, minus};
 use super::problem::Shape;
@@ -10,8 +12,8 @@ use rayon::prelude::*;
 /// Triangles per task.
 const CHUNK: usize = 1 << 15;
 
-/// One flag per cell, x fastest. A shape without triangles and strokes fills the box. In 3D a large triangle may
-/// also mark cells that it passes within the distance of a cell.
+/// Returns one flag per cell, x fastest. A shape without triangles and strokes marks every cell. In 3D, where only the normals of
+/// the edges are tested, a large triangle may also mark cells up to one cell away from it.
 pub(crate) fn active_cells<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<bool> {
     if shape.triangles.is_empty() && shape.strokes.is_empty() {
         return vec![true; grid.cell_count()];
@@ -35,9 +37,9 @@ pub(crate) fn active_cells<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> 
     is_active
 }
 
-/// Marks the cells that a triangle touches.
+/// Marks the cells that a triangle touches. `per_cell` holds the reciprocal of the cell size along each axis.
 fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; D]; 3], is_active: &mut [bool]) {
-    // In units of cells, clamped to the box.
+    // Corners in units of cells, clamped to the box.
     let spans = grid.dims.map(|count| grid.basis.spans(count));
     let corners = corners.map(|corner| -> [f64; D] {
         std::array::from_fn(|axis| ((corner[axis] - grid.lo[axis]) * per_cell[axis]).max(0.0).min(spans[axis] as f64))
@@ -65,13 +67,13 @@ fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; 
     }
 }
 
-/// An edge of the triangle separates it from the unit cell at `place` (separating axis test).
+/// Whether an edge of the triangle separates the triangle from the unit cell at `place` (separating axis test).
 fn is_apart<const D: usize>(corners: &[[f64; D]; 3], place: &[usize; D]) -> bool {
     let middle: [f64; D] = std::array::from_fn(|axis| place[axis] as f64 + 0.5);
     (0..3).any(|k| {
         let (from, to, third) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
         let (edge, inwards) = (minus(&to, &from), minus(&third, &from));
-        // Normal of the edge within the triangle's plane, towards the third corner.
+        // Normal of the edge in the plane of the triangle, pointing to the third corner.
         let square = dot(&edge, &edge);
         let share = if square > 0.0 { dot(&edge, &inwards) / square } else { 0.0 };
         let normal: [f64; D] = std::array::from_fn(|d| inwards[d] - share * edge[d]);

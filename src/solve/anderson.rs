@@ -1,27 +1,29 @@
 //! Anderson acceleration of a fixed-point iteration (Y. Peng et al., "Anderson Acceleration for Geometry Optimization
 //! and Physics Simulation", 2018).
 //!
-//! In: a state and its plain successor. Out: an accelerated successor, from the last few steps.
+//! In: a state and its plain successor (one step of the iteration). Out: an accelerated successor, extrapolated from the last few
+//! steps.
 
 /// Maximum number of stored steps.
 const MAX_WINDOW: usize = 12;
 
-/// History of steps; all vectors are flat and as long as the state.
+/// History of the last steps; all vectors are flat and as long as the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Anderson {
     window: usize,
-    /// Differences of successive residuals and of successive plain successors; newest last.
+    /// Per stored step the differences ΔF of successive residuals and ΔG of successive plain successors, newest last.
     differences: Vec<[Vec<f64>; 2]>,
+    /// Residual and plain successor of the previous step.
     last: Option<[Vec<f64>; 2]>,
 }
 
 impl Anderson {
-    /// Stores up to `window` steps (at most twelve); 0 disables acceleration.
+    /// Creates a history of up to `window` steps (at most twelve); 0 disables acceleration.
     pub(crate) fn new(window: usize) -> Self {
         Self { window: window.min(MAX_WINDOW), differences: Vec::new(), last: None }
     }
 
-    /// Whether the next step will differ from the plain one.
+    /// Whether the next step is accelerated; the first one after a reset is plain.
     pub(crate) fn has_history(&self) -> bool {
         self.window > 0 && self.last.is_some()
     }
@@ -32,7 +34,7 @@ impl Anderson {
         self.last = None;
     }
 
-    /// Replaces `successor`, the plain one of `state`, by the accelerated one.
+    /// Replaces the plain `successor` of `state` by the accelerated one.
     pub(crate) fn step<const D: usize>(&mut self, state: &[[f64; D]], successor: &mut [[f64; D]]) {
         if self.window == 0 {
             return;
@@ -53,8 +55,8 @@ impl Anderson {
         self.last = Some([residual, plain]);
     }
 
-    /// θ that minimises ‖F − Σ θ_k ΔF_k‖: normal equations of unit columns, by Cholesky from the newest column on;
-    /// a column that depends linearly on newer ones gets the coefficient 0.
+    /// Returns the θ that minimises ‖F − Σ θ_k ΔF_k‖, from the normal equations of the normalised columns ΔF_k. Cholesky starts
+    /// at the newest column; a column that depends linearly on newer ones gets the coefficient 0.
     fn coefficients(&self, residual: &[f64]) -> [f64; MAX_WINDOW] {
         let count = self.differences.len();
         let column = |k: usize| &self.differences[count - 1 - k][0];
@@ -79,12 +81,12 @@ impl Anderson {
     }
 }
 
-/// 1/√x, or 0 where a unit column is linearly dependent.
+/// Returns 1/√x, or 0 where the pivot x shows that the unit column is linearly dependent.
 fn inverse_root(x: f64) -> f64 {
     if x > 1e-10 { 1.0 / x.sqrt() } else { 0.0 }
 }
 
-/// a·b with eight partial sums.
+/// Dot product with eight partial sums.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];

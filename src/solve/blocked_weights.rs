@@ -1,8 +1,8 @@
-//! SIMD-blocked sparse matrices over handles (rows of W or ∇W): four rows form a packet, one per lane.
+//! Sparse matrices over handles (rows of W or ∇W), stored for SIMD: four rows form a packet, one row per lane.
 //!
-//! In: rest points and a grid. Out: products with the handles, and products of the transpose with values at the rows.
-//! Rows with the same handles form a block; C coefficients per row and handle (1: weight, D: gradient).
-//! All code paths use fused multiply-add, so results have the same bits on every processor.
+//! In: rest points and a grid. Out: products with the handles, and products of the transpose with values at the rows. Rows with
+//! the same support form a block, which stores C coefficients per row and handle (1 for the weight, D for the gradient). All code
+//! paths use fused multiply-add, so results have the same bits on every processor.
 
 use super::cancel::{Cancel, WorkMeter};
 use super::linalg::normal_matrix::index_extent;
@@ -10,42 +10,42 @@ use super::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
 use crate::lattice::Grid;
 use pulp::{Simd, WithSimd};
 
-/// Blocks with more handles than this make up most of their matrix; memory for them is reserved at once.
+/// Memory is reserved exactly for blocks with more handles than this, because they make up most of their matrix.
 const FEW: usize = 64;
 
-/// Key of the handles of a row, see [`Grid::support`], and the row.
+/// The support key of a row, see [`Grid::support`], and the index of the row.
 type KeyedRow = ([usize; 2], usize);
 
-/// Rows with the same handles.
+/// Rows with the same support.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// Handles, as many as columns.
+    /// The support, in the order of the coefficients.
     pub(crate) handles: Vec<usize>,
-    /// Its packets.
+    /// Range of packets.
     pub(crate) packets: std::ops::Range<usize>,
-    /// Where its coefficients start: [packet][handle].
+    /// Index of the first coefficient; the order is [packet][handle].
     start: usize,
 }
 
 impl Block {
-    /// The block with some of its packets.
+    /// Returns the block restricted to a range of its packets.
     pub(crate) fn part(&self, packets: std::ops::Range<usize>) -> Self {
         let start = self.start + (packets.start - self.packets.start) * self.handles.len();
         Self { handles: self.handles.clone(), packets, start }
     }
 }
 
-/// The matrix.
+/// Matrix of rows in blocks and packets.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockedWeights<const C: usize> {
     pub(crate) blocks: Vec<Block>,
-    /// Original row of each lane; lanes without a row hold `usize::MAX` and zero coefficients.
+    /// Original row of each lane; unused lanes hold `usize::MAX` and coefficients of zero.
     pub(crate) order: Vec<[usize; LANES]>,
     coefficients: Vec<[Lanes; C]>,
 }
 
 impl<const C: usize> BlockedWeights<C> {
-    /// Builds the matrix; `coefficients` selects from weight and gradient what a row stores.
+    /// Builds the matrix at `points`. `coefficients` selects what a row stores from a handle's weight and gradient.
     pub(crate) fn new<const D: usize>(
         grid: &Grid<D>,
         points: &[[f64; D]],
@@ -77,7 +77,7 @@ impl<const C: usize> BlockedWeights<C> {
         }
         let mut meter = cancel.meter();
         for chunk in rows.chunks(LANES) {
-            // A weight takes some ten multiplications.
+            // A weight takes about ten multiplications.
             if meter.spend(10 * LANES * handles.len()) {
                 break;
             }
@@ -98,8 +98,8 @@ impl<const C: usize> BlockedWeights<C> {
         self.blocks.push(Block { handles, packets: first..self.order.len(), start });
     }
 
-    /// The matrix over the same places of several cells of a grid whose basis functions are the same in all cells; `places` are 0 to 1
-    /// within a cell. Each cell has a block, and all share their coefficients.
+    /// Builds the matrix at the same `places` (0 to 1 within a cell) of several cells, for a grid whose basis functions are the
+    /// same in all cells. Each cell has its own block; all blocks share their coefficients.
     pub(crate) fn in_cells<const D: usize>(
         grid: &Grid<D>,
         cells: &[usize],
@@ -132,13 +132,13 @@ impl<const C: usize> BlockedWeights<C> {
         matrix
     }
 
-    /// Replaces handles by other unknowns, in the same order.
+    /// Replaces the handle indices of all blocks by those of other unknowns, in the same order.
     pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
         let handles = self.blocks.iter_mut().flat_map(|block| &mut block.handles);
         handles.for_each(|handle| *handle = unknown_of(*handle));
     }
 
-    /// Adds the rows of another matrix; `order` of what is added counts from its own first row.
+    /// Appends the rows of another matrix. Their entries in `order` keep counting from the first row of that matrix.
     pub(crate) fn append(&mut self, other: Self) {
         let (packets, coefficients) = (self.order.len(), self.coefficients.len());
         self.order.extend(other.order);
@@ -155,7 +155,7 @@ impl<const C: usize> BlockedWeights<C> {
         self.blocks.iter().filter_map(|block| index_extent(block.handles.iter().copied())).max().unwrap_or(0)
     }
 
-    /// Adds coefficient_k · values of all packets of a block to the sums of its handles (of all handles), lane by lane; true where
+    /// Adds Wᵀ · values of all packets of a block to `sums`, which holds a sum per handle of the grid and lane. Returns true if
     /// the solve was cancelled.
     #[inline(always)]
     pub(crate) fn scatter_block<S: Simd, const D: usize>(
@@ -187,14 +187,14 @@ impl<const C: usize> BlockedWeights<C> {
         false
     }
 
-    /// Coefficients of all packets of a block: #handles each.
+    /// Coefficients of a block, packet by packet, one per handle of the block.
     #[inline(always)]
     pub(crate) fn packets(&self, block: &Block) -> std::slice::ChunksExact<'_, [Lanes; C]> {
         let count = block.handles.len();
         self.coefficients[block.start..][..count * block.packets.len()].chunks_exact(count)
     }
 
-    /// Coefficients of one packet: #handles of its block.
+    /// Coefficients of one packet, one per handle of its block.
     pub(crate) fn packet(&self, block: &Block, packet: usize) -> &[[Lanes; C]] {
         let start = block.start + (packet - block.packets.start) * block.handles.len();
         &self.coefficients[start..start + block.handles.len()]
@@ -202,7 +202,7 @@ impl<const C: usize> BlockedWeights<C> {
 }
 
 impl<const D: usize> BlockedWeights<D> {
-    /// Of rows of ∇W: the gradient of the lattice at all rows, [packet][row][column][lane].
+    /// Gradient of the lattice at all rows of a matrix of ∇W, packet by packet, as [row][column][lane].
     pub(crate) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
         dispatch(Gradients { weights: self, handles })
     }
@@ -231,13 +231,13 @@ impl<const D: usize> WithSimd for Gradients<'_, D> {
     }
 }
 
-/// Copies the handles of a block.
+/// Copies the handles that a block refers to into `local`.
 pub(crate) fn local_handles<const D: usize>(block: &Block, handles: &[[f64; D]], local: &mut Vec<[f64; D]>) {
     local.clear();
     local.extend(block.handles.iter().map(|&handle| handles[handle]));
 }
 
-/// Σ_k coefficient_k P_k for four rows: `[coordinate][coefficient]`.
+/// Returns Σ_k coefficient_k P_k for the four rows of a packet, as `[coordinate][coefficient]`.
 #[inline(always)]
 pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(
     simd: S,
@@ -256,7 +256,7 @@ pub(crate) fn gather<S: Simd, const C: usize, const D: usize>(
     sums
 }
 
-/// [`gather`] for several packets at once, which hides the latency of the additions.
+/// [`gather`] for several packets at once, to hide the latency of the additions.
 #[inline(always)]
 pub(crate) fn gather_group<S: Simd, const C: usize, const D: usize, const N: usize>(
     simd: S,
@@ -278,7 +278,7 @@ pub(crate) fn gather_group<S: Simd, const C: usize, const D: usize, const N: usi
     sums
 }
 
-/// Adds coefficient_k · values of several packets to every handle's sum, lane by lane, one packet after the other.
+/// Adds coefficient_k · values of several packets to the sum of each handle, lane by lane and packet after packet.
 #[inline(always)]
 pub(crate) fn scatter_group<S: Simd, const C: usize, const D: usize, const N: usize>(
     simd: S,
@@ -301,7 +301,7 @@ pub(crate) fn scatter_group<S: Simd, const C: usize, const D: usize, const N: us
     }
 }
 
-/// Adds the lanes of a block's sums to the right side.
+/// Adds the lane totals of a block's sums, multiplied by `scale`, to the right-hand side.
 pub(crate) fn add_sums<const D: usize>(block: &Block, sums: &[[Lanes; D]], scale: f64, right_side: &mut [[f64; D]]) {
     for (&handle, sum) in block.handles.iter().zip(sums) {
         (0..D).for_each(|d| right_side[handle][d] += scale * sum[d].iter().sum::<f64>());

@@ -1,14 +1,14 @@
 //! Cancellation of solves: a hook of the caller that all long loops poll.
 //!
-//! In: a hook. Out: whether to continue. After it has returned true once it is not called again.
+//! In: a hook that returns true to cancel. Out: whether to stop. Once the hook has returned true it is not called again.
 
 use std::cell::Cell;
 use std::fmt;
 
-/// Multiplications between two polls: a few milliseconds.
+/// Multiplications between two polls, which take a few milliseconds.
 const WORK_PER_POLL: usize = 1 << 22;
 
-/// Ends solves early. Long loops poll the hook every few milliseconds, on the calling thread.
+/// Cancels a solve early. Long loops poll the hook every few milliseconds, on the calling thread.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
@@ -28,19 +28,19 @@ pub struct Cancel<'a> {
 }
 
 impl<'a> Cancel<'a> {
-    /// Nothing cancels the solve.
+    /// A `Cancel` that never stops the solve.
     #[must_use]
     pub const fn never() -> Self {
         Self { hook: None, is_requested: Cell::new(false) }
     }
 
-    /// The solve ends as soon as `hook` returns true.
+    /// A `Cancel` that stops the solve as soon as `hook` returns true.
     #[must_use]
     pub const fn when(hook: &'a dyn Fn() -> bool) -> Self {
         Self { hook: Some(hook), is_requested: Cell::new(false) }
     }
 
-    /// Polls the hook.
+    /// Polls the hook; true once the solve is to stop.
     #[must_use]
     pub fn is_requested(&self) -> bool {
         if let (false, Some(hook)) = (self.is_requested.get(), self.hook) {
@@ -49,12 +49,12 @@ impl<'a> Cancel<'a> {
         self.is_requested.get()
     }
 
-    /// Polls the hook between two parts of a solve.
+    /// Polls the hook; [`Cancelled`] if the solve is to stop.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.is_requested() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Counts the work of a loop and polls the hook accordingly.
+    /// Returns a counter of work, which polls the hook every few million multiplications.
     pub(crate) fn meter(&self) -> WorkMeter<'_> {
         WorkMeter { cancel: self, work: 0 }
     }
@@ -66,18 +66,18 @@ impl fmt::Debug for Cancel<'_> {
     }
 }
 
-/// The caller no longer wants the result.
+/// Error of a cancelled computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cancelled;
 
-/// Work since the last poll.
+/// Counter of multiplications since the last poll.
 pub(crate) struct WorkMeter<'a> {
     cancel: &'a Cancel<'a>,
     work: usize,
 }
 
 impl WorkMeter<'_> {
-    /// Counts multiplications; true where the loop has to end. Its result must not be used then.
+    /// Adds to the count. Returns true if the loop must stop, whose result must then be discarded.
     #[must_use]
     pub(crate) fn spend(&mut self, multiplications: usize) -> bool {
         self.work += multiplications;
@@ -88,7 +88,7 @@ impl WorkMeter<'_> {
         self.cancel.is_requested()
     }
 
-    /// The loop has ended early.
+    /// Whether the solve has been cancelled, without polling the hook.
     pub(crate) fn is_stopped(&self) -> bool {
         self.cancel.is_requested.get()
     }

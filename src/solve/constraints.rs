@@ -1,8 +1,8 @@
-//! Hard constraints: rows of pins and moved handles that hold exactly.
+//! Hard constraints: rows of pins and moved handles that are met exactly.
 //!
-//! In: the factored matrix A, and C, the rows of full weight of pins and moved handles, with the compliance Z of those that give way.
-//! Out: after every linear solve P ← P + A⁻¹Cᵀ (C A⁻¹ Cᵀ + Z)⁺ (d − C P), the solution of the KKT system
-//! (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 16.2, the Schur-complement method).
+//! In: the factored matrix A; C, the full-weight rows of pins and moved handles; Z, the compliance of pins that give way.
+//! Out: after every linear solve P ← P + A⁻¹Cᵀ (C A⁻¹ Cᵀ + Z)⁺ (d − C P), the solution of the KKT system (J. Nocedal and S.
+//! Wright, "Numerical Optimization", 2006, section 16.2, the Schur-complement method).
 
 use super::cancel::{Cancel, Cancelled};
 use super::least_squares::LeastSquaresRows;
@@ -14,20 +14,21 @@ use super::problem::PointPin;
 use super::settings::{PinHold, Settings};
 use super::terms::Terms;
 
-/// Directions of C A⁻¹ Cᵀ below this part of the largest eigenvalue fade out: a tenth of it is not enforced. A contains the rows at the weight of the pins
-/// already, so only directions that cost ten thousand times as much shape energy as pin energy fall below: pins closer than
-/// about 1e-5 of the box, and more pins in a cell than it has handles.
+/// Eigenvectors of C A⁻¹ Cᵀ with eigenvalues below this fraction of the largest fade out; below a tenth of it they are not
+/// enforced. A already contains the rows with the weight of the pins, so only directions that cost ten thousand times as much
+/// shape energy as pin energy are affected: those of pins closer than about 1e-5 of the box, and of more pins in a cell than it
+/// has handles.
 const CUTOFF: f64 = 1e-4;
 
-/// Part of a row's direction that must be left out before the row counts as in conflict.
+/// Part of a row that must lie in the directions left out for the row to count as in conflict.
 const MIN_CONFLICT: f64 = 1e-3;
 
 /// A row that is enforced exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ConstraintRow {
-    /// Row of the pin terms, and the pin it belongs to.
+    /// A row of the pin terms, and the index of its pin.
     Pin { row: usize, pin: usize },
-    /// Entry of the moved handles.
+    /// An entry of the moved handles.
     Handle { row: usize },
 }
 
@@ -37,28 +38,28 @@ enum ConstraintRow {
 pub enum ConstraintOwner {
     /// A pin, by index.
     Pin(usize),
-    /// An entry of the moved handles.
+    /// A moved handle, by its index in the list.
     Handle(usize),
 }
 
-/// All rows that are enforced exactly, and the operator that does it.
+/// All rows that are enforced exactly, with the operator that enforces them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Constraints {
     held: Vec<ConstraintRow>,
     correction: Correction,
-    /// For a row in conflict, the row of another pin or handle that it depends on most; its own index where only
-    /// rows of the same pin contradict it.
+    /// For each row in conflict the row of another pin or handle on which it depends most; its own index where only rows of the
+    /// same pin contradict it.
     rivals: Vec<Option<usize>>,
 }
 
-/// Correction of the handles for given residuals of the rows.
+/// Operator that maps residuals of the rows to a correction of the handles.
 #[derive(Clone, Debug)]
 enum Correction {
-    /// A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺, #rows times #handles.
+    /// A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺, #rows × #handles.
     ByRow(Vec<f64>),
-    /// For many rows the factors (C A⁻¹ Cᵀ)⁺ and A⁻¹Cᵀ: forming their product would cost more than it saves.
+    /// The factors (C A⁻¹ Cᵀ)⁺ and A⁻¹Cᵀ, for many rows: forming their product would cost more than it saves.
     Factored { inverse: Vec<f64>, responses: Vec<f64> },
-    /// For more rows than handles: #handles², acts on Cᵀ times the residuals, see [`Overdetermined`].
+    /// A matrix of #handles² that acts on Cᵀ times the residuals, for more rows than handles; see [`Overdetermined`].
     ByHandle(Vec<f64>),
 }
 
@@ -69,7 +70,7 @@ impl Default for Correction {
 }
 
 impl Constraints {
-    /// Eliminates the rows of full weight.
+    /// Collects the rows of full weight and computes the correction operator.
     pub(crate) fn new<const D: usize>(
         (normal, factor): (&NormalMatrix, &Factorization),
         terms: &Terms<D>,
@@ -112,7 +113,7 @@ impl Constraints {
         Ok(Self { rivals: rivals(&dropped, &held), held, correction })
     }
 
-    /// Corrects the handles of a linear solve so that all rows hold. `residuals` is scratch space.
+    /// Corrects the handles after a linear solve so that all rows are met. `residuals` is scratch space.
     pub(crate) fn enforce<const D: usize>(
         &self,
         terms: &Terms<D>,
@@ -124,7 +125,7 @@ impl Constraints {
         self.correct(terms, residuals, handles);
     }
 
-    /// Removes from a direction what would move the rows.
+    /// Projects a direction onto those that move no row.
     pub(crate) fn project<const D: usize>(
         &self,
         terms: &Terms<D>,
@@ -164,7 +165,7 @@ impl Constraints {
         Some(std::iter::once(first).chain(owners).find(|owner| *owner != ConstraintOwner::Pin(pin)).unwrap_or(first))
     }
 
-    /// The rows of a pin: they are contiguous and in the order of the pins.
+    /// Indices of the rows of a pin, which are contiguous and in the order of the pins.
     fn rows_of(&self, wanted: usize) -> std::ops::Range<usize> {
         let is_before = |row: &ConstraintRow, last: usize| matches!(row, ConstraintRow::Pin { pin, .. } if *pin < last);
         let start = self.held.partition_point(|row| is_before(row, wanted));
@@ -197,7 +198,7 @@ impl ConstraintRow {
         rows.miss(row, handles)
     }
 
-    /// The rows that it is one of; a pin that gives way has one of its own.
+    /// Returns the set that holds the row, and its index there. A pin that gives way has a row in the set of yielding rows.
     fn place<const D: usize>(self, terms: &Terms<D>) -> (&LeastSquaresRows<D>, usize) {
         match self {
             Self::Pin { row, .. } => {
@@ -209,12 +210,12 @@ impl ConstraintRow {
     }
 }
 
-/// Rows of the pins that have not begun to fade, and of all moved handles.
+/// Lists the rows of pins of full weight and of all moved handles.
 fn constraint_rows<const D: usize>(pins: &[PointPin<D>], handles: usize) -> Vec<ConstraintRow> {
     let mut held = Vec::new();
     let mut row = 0;
     for (pin, point) in pins.iter().enumerate() {
-        // A pin that holds a gradient has one additional row per axis.
+        // A pin that prescribes a gradient has one additional row per axis.
         let count = 1 + point.gradient.map_or(0, |_| D);
         if point.weight >= 1.0 {
             held.extend((row..row + count).map(|row| ConstraintRow::Pin { row, pin }));
@@ -225,7 +226,7 @@ fn constraint_rows<const D: usize>(pins: &[PointPin<D>], handles: usize) -> Vec<
     held
 }
 
-/// Adds the compliance of pins that give way to C A⁻¹ Cᵀ, #held².
+/// Adds the compliance of pins that give way to C A⁻¹ Cᵀ, a matrix of #held².
 fn add_compliance<const D: usize>(terms: &Terms<D>, held: &[ConstraintRow], schur: &mut [f64]) {
     let entries = terms.yielding.as_ref().map_or(&[][..], |yielding| yielding.compliance());
     let is_row =
@@ -238,10 +239,10 @@ fn add_compliance<const D: usize>(terms: &Terms<D>, held: &[ConstraintRow], schu
     }
 }
 
-/// Rows that are solved for together.
+/// Number of rows that are solved together.
 const BATCH: usize = 8;
 
-/// A⁻¹Cᵀ: one column of #handles after the other.
+/// Returns A⁻¹Cᵀ, column by column, each of length #handles.
 fn responses<const D: usize>(
     factor: &Factorization,
     terms: &Terms<D>,
@@ -264,10 +265,10 @@ fn responses<const D: usize>(
     Ok(responses)
 }
 
-/// Maximum number of rows for which the product of inverse and responses is formed.
+/// Maximum number of rows for which the inverse and the responses are multiplied in advance.
 const MAX_MULTIPLIED: usize = 128;
 
-/// A square matrix of #rows times a matrix of #rows × #columns, row by row.
+/// Product of a square matrix (#rows²) and a matrix of #rows × #columns, both row-major.
 fn product(square: &[f64], other: &[f64], rows: usize) -> Vec<f64> {
     let columns = other.len() / rows;
     let mut product = vec![0.0; other.len()];
@@ -279,7 +280,7 @@ fn product(square: &[f64], other: &[f64], rows: usize) -> Vec<f64> {
     product
 }
 
-/// Subtracts Σ row · value from the handles; rows are #handles.
+/// Subtracts Σ row · value from the handles; each row has #handles entries.
 fn subtract_product<const D: usize>(rows: &[f64], values: &[[f64; D]], handles: &mut [[f64; D]]) {
     for (row, value) in rows.chunks_exact(handles.len().max(1)).zip(values) {
         for (handle, factor) in handles.iter_mut().zip(row) {
@@ -288,8 +289,8 @@ fn subtract_product<const D: usize>(rows: &[f64], values: &[[f64; D]], handles: 
     }
 }
 
-/// For each row with a component in the dropped directions, the row of another pin or handle with the largest common component, or
-/// itself where there is none.
+/// Returns, for each row with a component in the dropped directions, the row of another pin or handle with the largest common
+/// component, or the row itself where no other has one.
 fn rivals(dropped: &[f64], held: &[ConstraintRow]) -> Vec<Option<usize>> {
     let of = |(row, shares): (usize, &[f64])| {
         let others = (0..held.len()).filter(|&other| held[other].owner() != held[row].owner());
@@ -307,7 +308,7 @@ mod tests {
     #[test]
     fn a_pin_is_its_own_rival_only_where_nobody_else_is() {
         let row = |row: usize, pin: usize| ConstraintRow::Pin { row, pin };
-        // Two pins with a place and two axes each; rows along the diagonal share with those named.
+        // Two pins with one position row and two gradient rows each; `share` sets the common components of two rows.
         let held: Vec<ConstraintRow> = (0..6).map(|k| row(k, k / 3)).collect();
         let mut dropped = vec![0.0; 36];
         let mut share = |a: usize, b: usize, x: f64| [6 * a + b, 6 * b + a].into_iter().for_each(|k| dropped[k] = x);

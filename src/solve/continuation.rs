@@ -1,7 +1,7 @@
-//! Continuation: solves along a path of targets, each started from the last, to wind parts past half a turn.
+//! Continuation: solves along a path of targets, each started from the previous result, to wind parts beyond half a turn.
 //!
 //! In: a prefactored system and targets. Out: the result at the end of the path. Local-global iterations converge to the winding
-//! nearest to their start, so the path selects it.
+//! nearest to their start, so the path determines the winding.
 
 use super::cancel::Cancel;
 use super::error::SolveError;
@@ -11,17 +11,18 @@ use super::system::System;
 use super::targets::Targets;
 use super::winding;
 
-/// Windings above this, radians, are solved step by step (150 degrees; a solve from the rigid fit jumps at 180).
+/// Winding above which a path is solved step by step, in radians (150 degrees; a solve from the rigid fit jumps at 180).
 const WOUND: f64 = 2.618;
 
-/// Largest rotation of a step (45 degrees).
+/// Largest rotation of a step, in radians (45 degrees).
 const MAX_STEP: f64 = 0.785;
 
-/// Tolerance and limit of solves on the way.
+/// Tolerance and iteration limit of the solves before the last.
 const COARSE: (f64, usize) = (1e-4, 40);
 
 impl<const D: usize> System<D> {
-    /// Follows a path that winds parts of the shape; `None` where it does not, and its end can be solved directly.
+    /// Solves along a path that winds parts of the shape. Returns `None` where the path does not, or where the settings start at
+    /// rest; its end is then solved directly.
     pub(crate) fn follow_winding(
         &self,
         path: &[Targets<D>],
@@ -35,7 +36,8 @@ impl<const D: usize> System<D> {
         self.follow(&winding::steps(path, &rotations, MAX_STEP), cancel)
     }
 
-    /// Solves for all targets, each from the last, coarsely but for the end; `None`: there are none.
+    /// Solves for each of the targets in turn, starting from the previous result; all but the last are solved coarsely. Returns
+    /// `None` for an empty path.
     fn follow(&self, path: &[Targets<D>], cancel: &Cancel) -> Result<Option<MinimizationResult<D>>, SolveError> {
         let coarse = Settings {
             tolerance: self.settings().tolerance.max(COARSE.0),

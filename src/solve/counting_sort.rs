@@ -1,10 +1,10 @@
 //! Counting sort by a small integer key, such as the first vertex of an edge.
 //!
-//! In: items and their keys. Out: the items in order, several times as fast as a comparison sort.
+//! In: items and their keys. Out: the sorted items. It is several times as fast as a comparison sort.
 
 use std::cmp::Ordering;
 
-/// Sorts by key (below `count`), then by `order`.
+/// Sorts by key (below `count`), and items of equal key by `order`.
 pub(crate) fn counting_sort_then_by<T: Copy>(
     items: &mut Vec<T>,
     count: usize,
@@ -18,14 +18,14 @@ pub(crate) fn counting_sort_then_by<T: Copy>(
     }
 }
 
-/// Stable sort by key (below `count`); returns the end of each key's range.
+/// Sorts stably by key (below `count`); returns the end of the range of each key.
 pub(crate) fn counting_sort<T: Copy>(items: &mut Vec<T>, count: usize, bucket: impl Fn(&T) -> usize) -> Vec<usize> {
     let mut ends = vec![0; count + 1];
     items.iter().for_each(|item| ends[bucket(item) + 1] += 1);
     for number in 0..count {
         ends[number + 1] += ends[number];
     }
-    // Each start advances to the end of its range.
+    // While items are placed, each range start advances to the end of its range.
     let mut placed = items.clone();
     for item in items.iter() {
         let slot = &mut ends[bucket(item)];
@@ -37,7 +37,7 @@ pub(crate) fn counting_sort<T: Copy>(items: &mut Vec<T>, count: usize, bucket: i
     ends
 }
 
-/// Slices up to here are sorted by insertion.
+/// Maximum length of slices that are sorted by insertion.
 const FEW: usize = 24;
 
 fn insert_sorted<T: Copy>(items: &mut [T], order: &impl Fn(&T, &T) -> Ordering) {

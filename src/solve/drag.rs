@@ -1,7 +1,7 @@
-//! Drags: the lattice follows pins from move to move, reusing a factorised second derivative.
+//! Drags: the lattice follows moving pins, reusing a factorised second derivative from move to move.
 //!
-//! In: a solver, a lattice to start from; then targets, move by move. Out: lattices, at the end a solution.
-//! A move is a step along the tangent of the last state and two or three corrections, one triangular solve each.
+//! In: a solver and a start lattice, then targets, move by move. Out: a lattice per move, and a solution when the drag settles.
+//! The first step of a move goes along the tangent of the last state; two or three corrections follow, each one triangular solve.
 
 use super::branching::BranchedLattice;
 use super::cancel::Cancel;
@@ -19,17 +19,18 @@ use crate::spelling::counted;
 /// Maximum number of Newton steps per move.
 const STEPS: usize = 5;
 
-/// Maximum number of local-global steps per move where there is no Newton's method, to keep up with the hand.
+/// Maximum number of local-global steps per move where Newton's method is not available, so that the drag keeps up with the hand.
 const LOCAL_GLOBAL_STEPS: usize = 14;
 
-/// A move also ends when no handle moves farther than this part of the box diagonal and a tenth of it remains: a hundredth
-/// of a pixel at 1080 lines.
+/// A move also ends when no handle moves farther than this fraction of the box diagonal and a tenth of it is estimated to remain:
+/// less than a hundredth of a pixel at 1080 lines.
 const TOLERANCE: f64 = 3e-5;
 
-/// The second derivative is looked at again where a handle has moved farther than this part of the box diagonal.
+/// `settle` checks the second derivative again if a handle has moved farther than this fraction of the box diagonal since the
+/// last check.
 const UNCHECKED: f64 = 0.02;
 
-/// A drag in progress. Where the energy has several minima its result depends on the path of the pins; that of a solve does not.
+/// A drag in progress. Where the energy has several minima, the result depends on the path of the pins, unlike that of a solve.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
@@ -52,19 +53,19 @@ const UNCHECKED: f64 = 0.02;
 #[derive(Debug)]
 pub struct Drag<'a, const D: usize> {
     solver: &'a Solver<D>,
-    /// Handles, or copies of them.
+    /// Positions of the unknowns: the handles, or their copies where the lattice branches.
     handles: Vec<[f64; D]>,
     factor: CachedFactor,
-    /// Where the second derivative was last looked at.
+    /// State at which the second derivative was last checked.
     checked: Option<Vec<[f64; D]>>,
     cancel: Option<&'a Cancel<'a>>,
 }
 
 impl<const D: usize> Solver<D> {
-    /// Starts a drag from a plain lattice, usually the last solution.
+    /// Starts a drag from a plain lattice, usually that of the last solution.
     ///
     /// # Errors
-    /// [`SolveError`] where the lattice has another number of handles, and where the solver's lattice branches.
+    /// [`SolveError`] if the lattice has a different number of handles or if the lattice of the solver branches.
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
         if self.system().has_branches() {
             return Err(SolveError::Invalid {
@@ -78,7 +79,7 @@ impl<const D: usize> Solver<D> {
     /// Starts a drag from a solution of this solver, with all its branches.
     ///
     /// # Errors
-    /// [`SolveError`] where the solution is one of another solver.
+    /// [`SolveError`] if the solution belongs to another solver.
     pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
         match &from.branches {
             Some(branches) if self.system().has_pieces_of(branches) => self.drag_unknowns(branches.copies()),
@@ -103,33 +104,33 @@ impl<const D: usize> Solver<D> {
 }
 
 impl<'a, const D: usize> CancellableSolver<'a, D> {
-    /// As [`Solver::drag`]. A move that is cancelled leaves the drag where it was.
+    /// Same as [`Solver::drag`], but cancellable. A cancelled move leaves the drag in its previous state.
     ///
     /// # Errors
-    /// As [`Solver::drag`].
+    /// Those of [`Solver::drag`].
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'a, D>, SolveError> {
         Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag(from)? })
     }
 
-    /// As [`Solver::drag_from`]. A move that is cancelled leaves the drag where it was.
+    /// Same as [`Solver::drag_from`], but cancellable. A cancelled move leaves the drag in its previous state.
     ///
     /// # Errors
-    /// As [`Solver::drag_from`].
+    /// Those of [`Solver::drag_from`].
     pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'a, D>, SolveError> {
         Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag_from(from)? })
     }
 }
 
 impl<const D: usize> Drag<'_, D> {
-    /// Follows the pins of the problem to new targets in a few steps, without a report. Pins reach their targets at once; the shape
-    /// follows in the same move or, after a jump, within a few (docs/METHOD.md, "Convergence", has how far it lags).
-    /// Of a lattice with branches it gives the largest; [`Self::branches`] has all.
+    /// Moves pins and handles to new targets in a few steps, without a report. Pins reach their targets at once; the shape
+    /// follows in the same move or, after a jump, within a few moves (docs/METHOD.md, "Convergence", gives the lag). Returns the
+    /// largest branch of a lattice that branches; [`Self::branches`] returns all of them.
     ///
     /// # Errors
-    /// As [`Solver::update`].
+    /// Those of [`Solver::update`].
     pub fn follow(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Lattice<D>, SolveError> {
         let settings = Settings { tolerance: TOLERANCE, ..self.solver.system().settings().clone() };
-        // At most one factorisation per move, at its beginning, so that no move takes much longer than others.
+        // At most one factorisation per move, at its start, so that all moves take about the same time.
         let factors = usize::from(!self.factor.is_some());
         self.run(pins, handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
         Ok(match self.branches() {
@@ -138,17 +139,18 @@ impl<const D: usize> Drag<'_, D> {
         })
     }
 
-    /// The branches as the last move left them; `None` where the solver's lattice is plain.
+    /// Branches after the last move; `None` where the lattice of the solver is plain.
     #[must_use]
     pub fn branches(&self) -> Option<BranchedLattice<D>> {
         self.solver.system().branches(&self.handles)
     }
 
-    /// Follows to the tolerance of the settings, with a report: the end of a drag, or every move of one. Where a handle is
-    /// farther than a fiftieth of the box diagonal from where that was last done, the second derivative is looked at, and a saddle is left.
+    /// Moves pins and handles to new targets, converges to the tolerance of the settings and returns a report. Call it at the end
+    /// of a drag, or for every move. If a handle has moved by more than a fiftieth of the box diagonal since the last check, the
+    /// second derivative is checked, and the solve leaves a saddle.
     ///
     /// # Errors
-    /// As [`Solver::update`].
+    /// Those of [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
@@ -173,7 +175,8 @@ impl<const D: usize> Drag<'_, D> {
         Ok(solution)
     }
 
-    /// One move; limits of the steps with and without Newton's method, and of new factorisations.
+    /// Takes one move. `limits` are the maximum numbers of steps with and without Newton's method; `factors` is the maximum
+    /// number of new factorisations.
     fn run(
         &mut self,
         pins: &[PointPin<D>],

@@ -3,7 +3,7 @@
 use super::cancel::Cancelled;
 use crate::lattice::LatticeError;
 
-/// A problem that cannot be solved.
+/// A problem that cannot be solved, or a cancelled solve.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -21,12 +21,12 @@ pub enum SolveError {
     /// The matrix is singular: some handles are not constrained.
     #[error("the equations of {what} have no single solution; {hint}")]
     Singular {
-        /// Energy and regulariser.
+        /// Energy and regulariser whose equations are singular.
         what: String,
         /// How to fix it.
         hint: String,
     },
-    /// The caller asked to stop, see [`super::Cancel`].
+    /// The caller cancelled the solve, see [`super::Cancel`].
     #[error("the solve was cancelled")]
     Cancelled,
 }

@@ -1,13 +1,13 @@
-//! Least-squares rows over handles: pins, moved handles and regularisers are all of the form Σ w ‖row·P − target‖².
+//! Least-squares rows over handles: pins, moved handles and regularisers all have the form Σ w ‖row·P − target‖².
 //!
-//! In: sparse rows with weight and target. Out: their contribution to the normal matrix, right side and energy.
+//! In: sparse rows, each with a weight and a target. Out: their contributions to the normal matrix, right-hand side and energy.
 
 use super::cancel::Cancel;
 use super::linalg::normal_matrix::{NormalMatrix, index_extent};
 use super::linalg::syrk::SyrkRows;
 use pulp::Simd;
 
-/// Sparse rows of one term.
+/// Sparse rows of one energy term.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeastSquaresRows<const D: usize> {
     ends: Vec<usize>,
@@ -17,12 +17,12 @@ pub(crate) struct LeastSquaresRows<const D: usize> {
 }
 
 impl<const D: usize> LeastSquaresRows<D> {
-    /// No rows.
+    /// Creates a term without rows.
     pub(crate) fn new() -> Self {
         Self { ends: Vec::new(), entries: Vec::new(), weights: Vec::new(), targets: Vec::new() }
     }
 
-    /// Adds a row.
+    /// Appends a row of (handle, coefficient).
     pub(crate) fn push(&mut self, weight: f64, row: impl IntoIterator<Item = (usize, f64)>, target: [f64; D]) {
         self.entries.extend(row);
         self.ends.push(self.entries.len());
@@ -30,14 +30,14 @@ impl<const D: usize> LeastSquaresRows<D> {
         self.targets.push(target);
     }
 
-    /// Adds all rows of another term.
+    /// Appends all rows of another term.
     pub(crate) fn extend(&mut self, other: &Self) {
         for index in 0..other.len() {
             self.push(other.weights[index], other.row(index).iter().copied(), other.targets[index]);
         }
     }
 
-    /// The rows over other unknowns, without the entries of handles that have none.
+    /// Returns the rows over other unknowns; entries of handles without an unknown are left out.
     pub(crate) fn mapped(&self, unknown_of: impl Fn(usize) -> Option<usize>) -> Self {
         let mut mapped = Self::new();
         for index in 0..self.len() {
@@ -58,17 +58,17 @@ impl<const D: usize> LeastSquaresRows<D> {
         self.targets[row] = target;
     }
 
-    /// The weight of a row.
+    /// Weight of a row.
     pub(crate) fn weight(&self, row: usize) -> f64 {
         self.weights[row]
     }
 
-    /// The target of a row.
+    /// Target of a row.
     pub(crate) fn target(&self, row: usize) -> [f64; D] {
         self.targets[row]
     }
 
-    /// The entries of a row: handles and coefficients.
+    /// Entries of a row as (handle, coefficient).
     pub(crate) fn row(&self, index: usize) -> &[(usize, f64)] {
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.entries[start..self.ends[index]]
@@ -79,7 +79,7 @@ impl<const D: usize> LeastSquaresRows<D> {
         (0..self.len()).filter_map(|index| index_extent(self.row(index).iter().map(|entry| entry.0))).max().unwrap_or(0)
     }
 
-    /// Adds Σ w rowᵀ row.
+    /// Adds scale · Σ w rowᵀ row to the normal matrix.
     pub(crate) fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
         let is_full = |row: &[(usize, f64)]| row.len() == normal.size && row.is_sorted_by(|a, b| a.0 < b.0);
         if (0..self.len()).all(|index| is_full(self.row(index))) {
@@ -90,7 +90,7 @@ impl<const D: usize> LeastSquaresRows<D> {
         }
     }
 
-    /// Adds Σ w rowᵀ target.
+    /// Adds scale · Σ w rowᵀ target to the right-hand side.
     pub(crate) fn add_right_side(&self, scale: f64, right_side: &mut [[f64; D]]) {
         for index in 0..self.len() {
             let (weight, target) = (scale * self.weights[index], self.targets[index]);
@@ -100,7 +100,7 @@ impl<const D: usize> LeastSquaresRows<D> {
         }
     }
 
-    /// row·P.
+    /// Returns row·P.
     pub(crate) fn image(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
         let mut image = [0.0; D];
         for &(handle, coefficient) in self.row(index) {
@@ -109,7 +109,7 @@ impl<const D: usize> LeastSquaresRows<D> {
         image
     }
 
-    /// row·P − target.
+    /// Returns the residual row·P − target.
     pub(crate) fn miss(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
         let mut miss = self.targets[index].map(|x| -x);
         for &(handle, coefficient) in self.row(index) {
@@ -118,7 +118,7 @@ impl<const D: usize> LeastSquaresRows<D> {
         miss
     }
 
-    /// Σ w ‖row·P − target‖².
+    /// Energy Σ w ‖row·P − target‖².
     pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
         (0..self.len())
             .map(|index| {
@@ -129,7 +129,7 @@ impl<const D: usize> LeastSquaresRows<D> {
     }
 }
 
-/// Rows on all handles, in their order.
+/// Rows with an entry for every handle, in order.
 struct FullRows<'a, const D: usize>(&'a LeastSquaresRows<D>);
 
 impl<const D: usize> SyrkRows for FullRows<'_, D> {

@@ -1,6 +1,6 @@
-//! The local-global iteration: best rotations, then one linear solve, until it converges or Newton's method takes over.
+//! Local-global iteration: alternates best rotations and one linear solve until it converges or Newton's method takes over.
 //!
-//! In: a minimisation and a first state. Out: handles, and how the iteration ended.
+//! In: a minimisation and a start state. Out: handles, and whether the iteration converged.
 
 use super::anderson::Anderson;
 use super::cancel::Cancelled;
@@ -8,13 +8,13 @@ use super::minimization::{Energies, Minimization, MinimizationResult, SAFEGUARD,
 use super::newton::NewtonSwitch;
 
 impl<const D: usize> Minimization<'_, D> {
-    /// Iterates to the tolerance or the limit.
+    /// Iterates to the tolerance or the iteration limit, then enforces the barrier if there is one.
     ///
-    /// `observe` is called with the terms after every local-global step, under the rotations it was solved with, then at every iterate
-    /// that Newton's method accepts, under the best rotations; finally with those of the result.
+    /// `observe` receives the energy terms after every local-global step, with the rotations of that step, then at every iterate
+    /// that Newton's method accepts, with the best rotations, and once more for the result if the barrier has changed it.
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the caller cancels.
     pub(crate) fn run(
         &self,
         mut observe: Option<&mut dyn FnMut(Energies)>,
@@ -31,7 +31,7 @@ impl<const D: usize> Minimization<'_, D> {
         Ok(result)
     }
 
-    /// As [`Self::run`], without the barrier.
+    /// Same as [`Self::run`], without the barrier.
     pub(crate) fn run_freely(
         &self,
         mut observe: Option<&mut dyn FnMut(Energies)>,
@@ -51,7 +51,7 @@ impl<const D: usize> Minimization<'_, D> {
         for iteration in 1..=self.settings.iteration_limit {
             let mut next = constant.clone();
             let mut energy = self.local_energy(&state, &mut next);
-            // The safeguard: an accelerated state with a higher energy than the last one is replaced by the plain one.
+            // Safeguard: an accelerated state with a higher energy than the previous state is replaced by the plain one.
             if (energy.is_nan() || energy > last_energy * (1.0 + SAFEGUARD))
                 && let Some(plain) = plain.take()
             {
@@ -91,7 +91,7 @@ impl<const D: usize> Minimization<'_, D> {
             }
             state = next;
         }
-        // An accelerated state whose energy was not checked is not returned.
+        // The plain state is returned, because the energy of the accelerated one has not been checked.
         let handles = plain.unwrap_or(state);
         Ok(MinimizationResult {
             handles,

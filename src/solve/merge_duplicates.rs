@@ -1,12 +1,12 @@
 //! Merges duplicate vertices, so that texture seams do not split one-rings.
 //!
-//! In: a shape. Out: the same shape over its distinct points, in order of first appearance.
+//! In: a shape. Out: the same shape with distinct points, in order of first appearance.
 
 use super::problem::Shape;
 use foldhash::fast::FixedState;
 use std::collections::HashMap;
 
-/// Merges vertices whose coordinates are equal to the last bit (0 and −0 are equal).
+/// Merges vertices with bitwise equal coordinates (0 and −0 are equal).
 pub(crate) fn merge_duplicates<const D: usize>(shape: &Shape<D>) -> Shape<D> {
     let mut first: HashMap<[u64; D], u32, FixedState> =
         HashMap::with_capacity_and_hasher(shape.points.len(), FixedState::default());

@@ -1,6 +1,6 @@
-//! The minimisation problem of one solve: its energy, its right sides and its prefactored matrix.
+//! The minimisation of one solve: its energy, right-hand sides and prefactored matrix.
 //!
-//! In: a prefactored system and targets. Out: energies, right sides, and how a minimisation ended.
+//! In: a prefactored system and targets. Out: energies, right-hand sides, and the type of the result.
 
 use super::barrier::Barrier;
 use super::cancel::Cancel;
@@ -11,36 +11,37 @@ use super::linalg::normal_matrix::NormalMatrix;
 use super::settings::Settings;
 use super::terms::{Scales, Terms};
 
-/// Relative increase of the energy that is accepted: below it rounding dominates, and rejecting good steps costs more than it saves.
+/// Relative increase of the energy that still counts as none: smaller differences are rounding errors, and rejecting good steps
+/// costs more than it saves.
 pub(crate) const SAFEGUARD: f64 = 1e-8;
 
-/// The method that ends an iteration.
+/// Method with which an iteration ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FinalPhase {
-    /// Newton's method, where the energy implements its second derivative.
+    /// Newton's method, if the energy implements its second derivative.
     Newton,
-    /// Local-global steps alone.
+    /// Local-global steps only.
     LocalGlobal,
 }
 
-/// One solve: the energy, its matrix and its targets.
+/// One solve: the energy with its matrix and targets.
 pub(crate) struct Minimization<'a, const D: usize> {
     pub(crate) distortion: &'a dyn Distortion<D>,
-    /// The constant matrix of one coordinate.
+    /// Constant matrix of one coordinate.
     pub(crate) normal: &'a NormalMatrix,
     pub(crate) factor: &'a Factorization,
     pub(crate) constraints: &'a Constraints,
     pub(crate) scales: Scales,
     pub(crate) terms: &'a Terms<D>,
     pub(crate) settings: &'a Settings,
-    /// Length relative to which steps are measured.
+    /// Diagonal of the rest box, the unit in which steps are measured.
     pub(crate) diagonal: f64,
-    /// The rigid fit or rest: initial handles unless others are given, and centre of the Tikhonov term.
+    /// Rigid fit of the pins, or the rest handles: the start state unless `initial` is given, and the centre of the Tikhonov term.
     pub(crate) start: Vec<[f64; D]>,
-    /// Initial handles instead of `start`.
+    /// Start state in place of `start`.
     pub(crate) initial: Option<&'a [[f64; D]]>,
     pub(crate) final_phase: FinalPhase,
-    /// What keeps cells from folding; `None`: nothing does.
+    /// Barrier that keeps cells from folding, if there is one.
     pub(crate) barrier: Option<&'a Barrier<D>>,
     pub(crate) cancel: &'a Cancel<'a>,
 }
@@ -51,31 +52,31 @@ pub(crate) struct MinimizationResult<const D: usize> {
     pub(crate) handles: Vec<[f64; D]>,
     pub(crate) iterations: usize,
     pub(crate) is_converged: bool,
-    /// Some pins gave way to the barrier.
+    /// Whether some pins gave way to the barrier.
     pub(crate) has_given_way: bool,
-    /// The second derivative is positive definite there; `None`: nobody looked.
+    /// Whether the second derivative is positive definite at the result; `None` if it was not checked.
     pub(crate) is_minimum: Option<bool>,
-    /// The energy without the barrier; `None`: nobody asked.
+    /// Energy of the result without the barrier; `None` if it was not computed.
     pub(crate) energy: Option<f64>,
 }
 
-/// Unweighted terms and their weighted sum.
+/// Energy terms without their weights, and the weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Energies {
-    /// Distortion.
+    /// Distortion of the shape, E_ml.
     pub ml: f64,
-    /// Pins.
+    /// Pins, E_mp.
     pub mp: f64,
-    /// Moved handles.
+    /// Moved handles, E_gp.
     pub gp: f64,
-    /// Regulariser.
+    /// Regulariser, E_gr.
     pub gr: f64,
-    /// Weighted sum.
+    /// Weighted sum, including the proximal term.
     pub total: f64,
 }
 
 impl<const D: usize> Minimization<'_, D> {
-    /// The terms at `handles` under the rotations that are best at `rotations_at`.
+    /// Energy terms at `handles` with the rotations that are best at `rotations_at`.
     pub(crate) fn energies(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> Energies {
         let ml = self.distortion.energy(handles, rotations_at);
         let mp = self.terms.acting_pins().energy(handles);
@@ -87,7 +88,8 @@ impl<const D: usize> Minimization<'_, D> {
         Energies { ml, mp, gp, gr, total }
     }
 
-    /// Local step: adds its right side and gives the total energy at `state`.
+    /// Local step: adds the right-hand side of the best rotations at `state` and returns the total energy there. Plain iterations
+    /// without a barrier do not need the energy and get 0.
     pub(crate) fn local_energy(&self, state: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
         let ml = self.distortion.local_step(state, self.scales.shape, right_side, self.cancel);
         if self.settings.acceleration == 0 && self.barrier.is_none() {
@@ -101,12 +103,12 @@ impl<const D: usize> Minimization<'_, D> {
             + self.scales.proximal * self.terms.proximal.energy(state)
     }
 
-    /// The total energy at `handles`, for which the iteration is accelerated.
+    /// Total energy at `handles`; 0 for plain iterations without a barrier, see [`Self::local_energy`].
     pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
         self.local_energy(handles, &mut vec![[0.0; D]; handles.len()])
     }
 
-    /// The part of the right side that does not depend on rotations.
+    /// The part of the right-hand side that does not depend on rotations.
     pub(crate) fn constant_right_side(&self) -> Vec<[f64; D]> {
         let mut right_side: Vec<[f64; D]> = self.start.iter().map(|x| x.map(|x| x * self.scales.tikhonov)).collect();
         self.terms.acting_pins().add_right_side(self.scales.pins, &mut right_side);
@@ -117,7 +119,7 @@ impl<const D: usize> Minimization<'_, D> {
     }
 }
 
-/// Largest distance a handle moves.
+/// Largest distance that a handle moves between two states; NaN if one is NaN.
 pub(crate) fn largest_step<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
     let squares = from.iter().zip(to).map(|(a, b)| squared_gap(a, b));
     squares.fold(0.0, |most: f64, square| if square <= most { most } else { square }).sqrt()

@@ -1,4 +1,4 @@
-//! Stage 6: pins, handles and a shape become the lattice that bends it with the least distortion.
+//! Stage 6: finds the lattice that brings pins and moved handles to their targets with the least distortion of a shape.
 //!
 //! lp-FFD: Fukusato, Maejima and Igarashi 2024, <https://arxiv.org/abs/2405.07450>.
 

@@ -1,8 +1,8 @@
 //! Newton's method, which ends an iteration where local-global steps converge slowly.
 //!
-//! In: a state near the solution. Out: converged handles, usually with one factorisation.
-//! Factorisations are reused with acceleration while that costs less than a new one; where the energy would rise, steps fall
-//! back to convexified matrices and then to local-global steps.
+//! In: a state near the solution. Out: converged handles, usually with one factorisation. A factorisation is reused, with
+//! Anderson acceleration, while that costs less than a new one. Where a step would raise the energy, convexified matrices and
+//! finally the local-global step are tried.
 
 use super::anderson::Anderson;
 use super::cancel::Cancelled;
@@ -11,40 +11,42 @@ use super::linalg::factorization::Factorization;
 use super::minimization::FinalPhase;
 use super::minimization::{Minimization, MinimizationResult, SAFEGUARD, largest_step};
 
-/// Local-global steps before Newton's method where they converge slowly: they rotate parts farther than a tangent step could.
+/// Number of local-global steps before Newton's method where these converge slowly. They can rotate parts farther than a step
+/// along the tangent.
 const FIRST_STEPS: usize = 8;
 
-/// Steps over which the convergence rate is measured.
+/// Number of steps over which the convergence rate is measured.
 const SPAN: usize = 5;
 
-/// Newton's method takes over at a local-global step this small (in box diagonals).
+/// Newton's method takes over when a local-global step is at most this long, in box diagonals.
 const NEAR: f64 = 3e-3;
 
-/// Window of the acceleration of steps with a reused factorisation.
+/// Window of the Anderson acceleration of steps with a reused factorisation.
 const ANDERSON_WINDOW: usize = 5;
 
-/// Steps that a new factorisation is expected to need.
+/// Number of steps that a new factorisation is expected to need.
 const STEPS_PER_FACTOR: f64 = 2.0;
 
-/// A step below the tolerance is the last if the next one would be below this part of it.
+/// A step below the tolerance is the last one if the next would be below this fraction of the tolerance.
 const CERTAIN: f64 = 0.1;
 
-/// A factorisation whose last step is above this many tolerances is not reused for the next move.
+/// A factorisation whose last step exceeds this many tolerances is not reused for the next move.
 const STALE: f64 = 3.0;
 
-/// A step this small (in box diagonals) is rounding: the state has converged, however flat the energy is. The first step
-/// from the rigid fit may be as large as the tolerance: where all pins move rigidly, so do weakly constrained parts.
+/// Length of a step, in box diagonals, below which it is rounding error: the state has converged, however flat the energy is. The
+/// first step from the rigid fit only has to be below the tolerance, because where all pins move rigidly, weakly constrained
+/// parts do so too.
 const AT_REST: f64 = 1e-10;
 
-/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, one without the largest of its
-/// negative contributions, and one without any (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies",
-/// 2019); past the last a step is the plain local-global one, which never raises the energy.
+/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, one without its largest negative contributions,
+/// and one without any (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies", 2019). Beyond the last limit
+/// the plain local-global step is taken, which never raises the energy.
 const CONVEXITY_LIMITS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
 
-/// Step lengths that are tried where the full step would raise the energy; they cost no solve.
+/// Step lengths that are tried where the full step would raise the energy; trying them costs no solve.
 const STEP_LENGTHS: [f64; 3] = [0.5, 0.25, 0.0625];
 
-/// A factorised second derivative for reuse, and the buffer of the last one that was dropped.
+/// A factored second derivative for reuse, and the memory of the factor that was dropped last.
 #[derive(Debug, Default)]
 pub(crate) struct CachedFactor {
     factor: Option<Factorization>,
@@ -52,7 +54,7 @@ pub(crate) struct CachedFactor {
 }
 
 impl CachedFactor {
-    /// There is a factor.
+    /// Whether there is a factor.
     pub(crate) fn is_some(&self) -> bool {
         self.factor.is_some()
     }
@@ -64,22 +66,23 @@ impl CachedFactor {
     }
 }
 
-/// Decides when Newton's method takes over, by the convergence rate of local-global steps and the relative cost of Newton's.
+/// Decides when Newton's method takes over, from the convergence rate of the local-global steps and the relative cost of Newton's
+/// method.
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonSwitch {
-    /// All steps.
+    /// Lengths of all steps so far.
     steps: Vec<f64>,
     /// Cost of a Newton matrix and its factorisation, in local-global steps.
     matrix: f64,
-    /// Step at which Newton's method takes over.
+    /// Length of a step at which Newton's method takes over.
     near: f64,
-    /// The iteration ends at a first step this small; at later ones as small as `rest`.
+    /// The iteration has converged if the first step is at most `tolerance`, or a later one at most `rest`.
     tolerance: f64,
     rest: f64,
 }
 
 impl NewtonSwitch {
-    /// `None` where Newton's method is not available.
+    /// Creates the switch; `None` if Newton's method is not available.
     pub(crate) fn of<const D: usize>(problem: &Minimization<D>) -> Option<Self> {
         let is_wanted = problem.settings.acceleration > 0 && problem.final_phase == FinalPhase::Newton;
         let flops = problem.distortion.flops().filter(|_| is_wanted)?;
@@ -92,7 +95,7 @@ impl NewtonSwitch {
         Some(Self { steps: Vec::new(), matrix, near, tolerance, rest })
     }
 
-    /// Records a step; true where Newton's method takes over from there.
+    /// Records the length of a step; returns true if Newton's method takes over after it.
     pub(crate) fn should_switch(&mut self, step: f64) -> bool {
         self.steps.push(step);
         let count = self.steps.len();
@@ -104,21 +107,21 @@ impl NewtonSwitch {
             || count >= FIRST_STEPS && steps_left(step / self.near, self.rate()) > self.matrix
     }
 
-    /// Convergence rate of the last steps.
+    /// Convergence rate of the last [`SPAN`] steps.
     fn rate(&self) -> f64 {
         let count = self.steps.len();
         (self.steps[count - 1] / self.steps[count - 1 - SPAN]).powf(1.0 / SPAN as f64)
     }
 }
 
-/// Steps until `left` shrinks to 1 at a rate.
+/// Number of steps until `left` has shrunk to 1 at the given rate.
 fn steps_left(left: f64, rate: f64) -> f64 {
     if rate < 1.0 { -left.ln() / rate.ln() } else { f64::INFINITY }
 }
 
 impl<const D: usize> Minimization<'_, D> {
-    /// Continues from `handles`; every linear solve counts as an iteration, `iterations` of them so far. `notify` is called with
-    /// every accepted iterate and the last one.
+    /// Continues from `handles`. `iterations` is the number of linear solves so far, each of which counts as an iteration.
+    /// `notify` receives every accepted iterate and the result.
     pub(crate) fn newton(
         &self,
         handles: &[[f64; D]],
@@ -148,13 +151,13 @@ impl<const D: usize> Minimization<'_, D> {
         })
     }
 
-    /// Newton's method is available and cheap.
+    /// Whether Newton's method is available and cheap.
     pub(crate) fn has_newton(&self) -> bool {
         self.settings.acceleration > 0 && self.distortion.flops().is_some() && self.normal.is_banded_enough()
     }
 
-    /// Continues from handles that had converged for similar targets, with the factorisation used there; at most `factors`
-    /// new ones. A factorisation whose last step is too large is not cached.
+    /// Continues from handles that had converged for similar targets, with the factorisation `cached` there and at most `factors`
+    /// new ones. A factorisation whose last step was too long is not kept in the cache.
     pub(crate) fn newton_from(
         &self,
         mut handles: Vec<[f64; D]>,
@@ -214,21 +217,21 @@ impl<const D: usize> Minimization<'_, D> {
     }
 }
 
-/// Handles with their energy and the right side of a local-global step.
+/// Handles with their energy and the right-hand side of a local-global step.
 struct NewtonIterate<const D: usize> {
     handles: Vec<[f64; D]>,
     energy: f64,
     right_side: Vec<[f64; D]>,
 }
 
-/// How a step ended.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StepOutcome {
     /// The energy did not rise.
     Accepted,
     /// The energy would have risen.
     Rejected,
-    /// Below the tolerance.
+    /// The step was below the tolerance.
     Converged,
 }
 
@@ -238,16 +241,16 @@ struct Descent<'a, const D: usize> {
     constant: Vec<[f64; D]>,
     iterate: NewtonIterate<D>,
     cached: CachedFactor,
-    /// The factorisation was made at the iterate of the first of `steps`.
+    /// Whether the factorisation was computed at the iterate from which the first of `steps` started.
     is_fresh: bool,
-    /// Remaining new factorisations.
+    /// Number of new factorisations that are still allowed.
     factors_left: usize,
     /// Cost of a new factorisation, in steps with a reused one.
     factor_cost: f64,
     anderson: Anderson,
-    /// Steps with this factorisation.
+    /// Lengths of the steps with this factorisation.
     steps: Vec<f64>,
-    /// Which of [`CONVEXITY_LIMITS`] is in use.
+    /// Index into [`CONVEXITY_LIMITS`].
     level: usize,
 }
 
@@ -290,7 +293,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(self.accept_or_reject(next))
     }
 
-    /// A step below the tolerance after which little remains, in flat directions too.
+    /// Whether the step was below the tolerance and little distance remains, also along flat directions.
     fn is_last(&self) -> bool {
         let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
         let step = self.steps[self.steps.len() - 1];
@@ -303,7 +306,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         (last / first).powf(1.0 / (self.steps.len() - 1) as f64)
     }
 
-    /// The accelerated step where it lowers the energy, else the plain one, else a shorter one.
+    /// Returns the accelerated iterate if that does not raise the energy, else the plain one, else one at a shorter step.
     fn line_search(&mut self, plain: Vec<[f64; D]>, by: &[[f64; D]]) -> Result<NewtonIterate<D>, Cancelled> {
         let problem = self.problem;
         let has_history = self.anderson.has_history();
@@ -316,7 +319,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             self.anderson.reset();
             next = problem.iterate(plain, &self.constant)?;
         }
-        // The matrix is positive definite: a short enough step along `by` lowers the energy.
+        // The matrix is positive definite, so a short enough step along `by` lowers the energy.
         for share in STEP_LENGTHS {
             if self.is_lower(&next) || !self.cached.is_some() {
                 break;
@@ -327,7 +330,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(next)
     }
 
-    /// The handles plus a multiple of `by`.
+    /// Returns the handles plus a multiple of `by`.
     fn ahead(&self, by: &[[f64; D]], share: f64) -> Vec<[f64; D]> {
         let next = by.iter().zip(&self.iterate.handles);
         next.map(|(by, from)| std::array::from_fn(|d| from[d] + share * by[d])).collect()
@@ -337,7 +340,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         next.energy <= self.iterate.energy * (1.0 + SAFEGUARD)
     }
 
-    /// Accepts a step that does not raise the energy; otherwise the factorisation is dropped.
+    /// Accepts an iterate that does not raise the energy; otherwise drops the factorisation.
     fn accept_or_reject(&mut self, next: NewtonIterate<D>) -> StepOutcome {
         if !self.is_lower(&next) && self.cached.is_some() {
             self.level += usize::from(self.steps.len() == 1);
@@ -352,14 +355,14 @@ impl<'a, const D: usize> Descent<'a, D> {
         StepOutcome::Accepted
     }
 
-    /// The remaining steps would cost more than a new factorisation and two steps.
+    /// Whether the remaining steps would cost more than a new factorisation and the steps that it needs.
     fn is_stale(&self) -> bool {
         let tolerance = self.problem.settings.tolerance.max(AT_REST) * self.problem.diagonal;
         let step = self.steps[self.steps.len() - 1];
         self.steps.len() > 1 && steps_left(step / tolerance, self.rate()) > self.factor_cost + STEPS_PER_FACTOR
     }
 
-    /// The last step was well above the tolerance.
+    /// Whether the last step was well above the tolerance.
     fn is_far(&self) -> bool {
         let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
         self.steps.last().is_none_or(|&step| step > STALE * tolerance)
@@ -371,8 +374,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.steps.clear();
     }
 
-    /// Factors the second derivative at this iterate, convexified until it is positive definite; none past the last limit,
-    /// nor where no factorisations remain.
+    /// Factors the second derivative at the present iterate, and convexifies it until it is positive definite. Leaves no factor
+    /// beyond the last limit, or when no more factorisations are allowed.
     fn refactor(&mut self) -> Result<(), Cancelled> {
         while let (false, 1.., Some(&limit)) =
             (self.cached.is_some(), self.factors_left, CONVEXITY_LIMITS.get(self.level))

@@ -1,64 +1,64 @@
-//! Newton's method with conjugate gradients, for lattices in space: their second derivative is too wide a band to be factored.
+//! Newton's method with conjugate gradients, for lattices in 3D, whose second derivative has too wide a band to be factored.
 //!
-//! In: a state near the solution. Out: converged handles. A step solves with the second derivative by conjugate gradients,
-//! preconditioned by the factor of local-global steps and projected onto directions that move no hard pin (N. Gould, M. Hribar
-//! and J. Nocedal, "On the Solution of Equality Constrained Quadratic Programming Problems Arising in Optimization", 2001). The
-//! first direction is the local-global step itself; a direction of negative curvature ends the search (T. Steihaug, "The
-//! Conjugate Gradient Method and Trust Regions in Large Scale Optimization", 1983).
+//! In: a state near the solution. Out: converged handles. Each step solves with the second derivative by conjugate gradients,
+//! preconditioned by the factor of the local-global steps and projected onto directions that move no hard pin (N. Gould, M.
+//! Hribar and J. Nocedal, "On the Solution of Equality Constrained Quadratic Programming Problems Arising in Optimization",
+//! 2001). The first direction is the local-global step itself. A direction of negative curvature ends the solve (T. Steihaug,
+//! "The Conjugate Gradient Method and Trust Regions in Large Scale Optimization", 1983).
 
 use super::cancel::Cancelled;
 use super::energy::RotationResponse;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult, SAFEGUARD, largest_step};
 
-/// Local-global steps before Newton's method: they rotate parts farther than a tangent step could.
+/// Number of local-global steps before Newton's method. They can rotate parts farther than a step along the tangent.
 const FIRST_STEPS: usize = 6;
 
-/// Newton's method takes over at a local-global step this small (in box diagonals).
+/// Newton's method takes over when a local-global step is at most this long, in box diagonals.
 const NEAR: f64 = 3e-3;
 
-/// Limits of 1/(s1 + s2), tried in this order: the second derivative itself, then what of it is convex.
+/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, then its convex part.
 const CONVEXITY_LIMITS: [f64; 2] = [f64::INFINITY, 0.5];
 
 /// Step lengths that are tried where the full step would raise the energy.
 const STEP_LENGTHS: [f64; 3] = [0.5, 0.25, 0.0625];
 
-/// Step lengths that are tried along a direction of negative curvature.
+/// Multiples of the step length that are tried along a direction of negative curvature.
 const FAR_LENGTHS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// Negative curvature where a local-global step is below this many tolerances belongs to a saddle between symmetric
-/// solutions: the solve stays there, as one by factorisation would.
+/// Where the local-global step is below this many tolerances, negative curvature belongs to a saddle between symmetric solutions.
+/// The solve stays at the saddle, as it does with a factored matrix.
 const SYMMETRIC: f64 = 100.0;
 
-/// Part of its first length to which the residual of a step is brought: at most, and at least.
+/// Largest and smallest fraction of its initial norm to which the residual of a step is reduced.
 const FORCING: [f64; 2] = [0.3, 1e-2];
 
-/// Directions of a step at most.
+/// Maximum number of directions per step.
 const DIRECTIONS: usize = 100;
 
-/// Length of a step, in box diagonals, beyond which it is not solved any further: rotations are far from their tangents.
+/// Length of a step, in box diagonals, at which its solve is ended: beyond it the linearised rotations are inaccurate.
 const LONGEST: f64 = 0.1;
 
-/// Curvature over that of the constant matrix below which a direction counts as flat.
+/// Ratio of the curvature to that of the constant matrix below which a direction counts as flat.
 const FLAT: f64 = 1e-9;
 
-/// A last step is solved until a direction moves no handle by more than this part of the tolerance.
+/// The last step is solved until a direction moves no handle by more than this fraction of the tolerance.
 const CERTAIN: f64 = 0.1;
 
-/// A step this small (in box diagonals) is rounding.
+/// Length of a step, in box diagonals, below which it is rounding error.
 const AT_REST: f64 = 1e-10;
 
 type Vectors<const D: usize> = Vec<[f64; D]>;
 
 impl<const D: usize> Minimization<'_, D> {
-    /// Whether Newton's method takes over from the local-global step of this number and length at `handles`.
+    /// Whether Newton's method takes over after the local-global step of the given number and length.
     pub(crate) fn should_switch_in_space(&self, (number, step): (usize, f64)) -> bool {
         let is_wanted = D == 3 && self.settings.acceleration > 0 && self.final_phase == FinalPhase::Newton;
         let rest = if number == 1 { self.step_tolerance() } else { AT_REST * self.diagonal };
         is_wanted && step > rest && (number >= FIRST_STEPS || step <= NEAR * self.diagonal)
     }
 
-    /// Continues from `handles`, after so many linear solves; each step counts as one. `None` where the energy has no second
-    /// derivative in space. `notify` is called with every accepted iterate and the last one.
+    /// Continues from `handles`. `iterations` is the number of linear solves so far; each step counts as one. Returns `None` if
+    /// the energy does not implement its second derivative in 3D. `notify` receives every iterate and the result.
     pub(crate) fn newton_in_space(
         &self,
         handles: &[[f64; D]],
@@ -106,7 +106,7 @@ impl<const D: usize> Minimization<'_, D> {
         Ok(State { handles, energy, right_side })
     }
 
-    /// The local-global step for a residual, which moves no hard row.
+    /// Returns the local-global step for a residual, projected so that it moves no hard row.
     fn preconditioned(&self, residual: &[[f64; D]], scratch: &mut Vectors<D>) -> Vectors<D> {
         let mut step = residual.to_vec();
         self.factor.solve(&mut step);
@@ -115,21 +115,21 @@ impl<const D: usize> Minimization<'_, D> {
     }
 }
 
-/// Handles with their energy and the right side of a local-global step.
+/// Handles with their energy and the right-hand side of a local-global step.
 struct State<const D: usize> {
     handles: Vectors<D>,
     energy: f64,
     right_side: Vectors<D>,
 }
 
-/// A step of conjugate gradients.
+/// Step found by conjugate gradients.
 struct Direction<const D: usize> {
     by: Vectors<D>,
     /// The local-global step.
     first: Vectors<D>,
-    /// What is left is negligible, also for a last step.
+    /// Whether the remaining residual is negligible, also for a last step.
     is_solved: bool,
-    /// The direction of negative curvature at which it ended.
+    /// Direction of negative curvature at which the solve ended.
     curve: Option<Vectors<D>>,
 }
 
@@ -138,17 +138,18 @@ struct Descent<'a, const D: usize> {
     problem: &'a Minimization<'a, D>,
     constant: Vectors<D>,
     state: State<D>,
-    /// Which of [`CONVEXITY_LIMITS`] is in use.
+    /// Index into [`CONVEXITY_LIMITS`].
     level: usize,
-    /// Where to return to after a step: 0, or 1 near a saddle, whose symmetry is kept.
+    /// Level to which the descent returns after a step: 0, or 1 near a saddle whose symmetry is kept.
     least_level: usize,
+    /// Fraction to which the residual of the present step is reduced.
     forcing: f64,
     /// Squared residual of the last step, in the norm of the preconditioner.
     last_square: f64,
 }
 
 impl<const D: usize> Descent<'_, D> {
-    /// One step; true where it was the last.
+    /// Takes a step; returns whether it was the last, or `None` if the energy does not implement its second derivative in 3D.
     fn step(&mut self) -> Result<Option<bool>, Cancelled> {
         let problem = self.problem;
         let limit = CONVEXITY_LIMITS[self.level];
@@ -190,7 +191,7 @@ impl<const D: usize> Descent<'_, D> {
         Ok(Some(false))
     }
 
-    /// A local-global step from a state: far steps along tangents of rotations stretch the shape, which this takes back.
+    /// Takes a local-global step, which removes the stretch that a long step along the tangents of rotations introduces.
     fn relaxed(&self, state: State<D>) -> Result<State<D>, Cancelled> {
         let mut residual = state.right_side;
         self.problem.normal.subtract_matvec(&state.handles, &mut residual);
@@ -199,7 +200,7 @@ impl<const D: usize> Descent<'_, D> {
         self.problem.state_in_space(handles, &self.constant)
     }
 
-    /// Follows a direction of negative curvature as long as the energy falls, with steps of growing length.
+    /// Follows a direction of negative curvature in steps of growing length while the energy falls.
     fn descend(&self, mut state: State<D>, curve: &[[f64; D]], step: f64) -> Result<State<D>, Cancelled> {
         let origin = state.handles.clone();
         let unit = step / length(curve);
@@ -219,7 +220,7 @@ impl<const D: usize> Descent<'_, D> {
         next.energy <= self.state.energy * (1.0 + SAFEGUARD)
     }
 
-    /// The handles plus a multiple of `by`.
+    /// Returns the handles plus a multiple of `by`.
     fn ahead(&self, by: &[[f64; D]], share: f64) -> Vectors<D> {
         let mut next = self.state.handles.clone();
         add(&mut next, share, by);
@@ -236,7 +237,7 @@ impl<const D: usize> Descent<'_, D> {
         let mut scratch = Vec::new();
         let first = self.problem.preconditioned(&residual, &mut scratch);
         let (mut along, mut by) = (first.clone(), vec![[0.0; D]; first.len()]);
-        // The constant matrix times `along`, but for forces of hard rows, which do no work along any direction.
+        // Product of the constant matrix and `along`, except for forces of hard rows, which do no work along projected directions.
         let mut image = residual.clone();
         let mut square = dot(&residual, &along);
         let shrunk = if self.last_square.is_finite() { 0.9 * square / self.last_square } else { FORCING[0] };
@@ -273,7 +274,7 @@ impl<const D: usize> Descent<'_, D> {
     }
 }
 
-/// Σ a·b.
+/// Dot product over all coordinates, with eight partial sums.
 fn dot<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
     let (a, b) = (a.as_flattened(), b.as_flattened());
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
@@ -284,17 +285,17 @@ fn dot<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum::<f64>()
 }
 
-/// Largest length of a vector.
+/// Length of the longest vector.
 fn length<const D: usize>(vectors: &[[f64; D]]) -> f64 {
     vectors.iter().map(|x| x.iter().map(|x| x * x).sum::<f64>()).fold(0.0, f64::max).sqrt()
 }
 
-/// sums + factor · by.
+/// Adds factor · by to `sums`.
 fn add<const D: usize>(sums: &mut [[f64; D]], factor: f64, by: &[[f64; D]]) {
     sums.as_flattened_mut().iter_mut().zip(by.as_flattened()).for_each(|(sum, x)| *sum += factor * x);
 }
 
-/// factor · sums + by.
+/// Replaces `sums` by factor · sums + by.
 fn scale_add<const D: usize>(sums: &mut [[f64; D]], factor: f64, by: &[[f64; D]]) {
     sums.as_flattened_mut().iter_mut().zip(by.as_flattened()).for_each(|(sum, x)| *sum = factor * *sum + x);
 }

@@ -1,8 +1,8 @@
-//! Hard constraints with more rows than handles: they determine the handles, and cannot all hold.
+//! Hard constraints with more rows than handles: the rows determine the handles and cannot all be met.
 //!
 //! In: the normal matrix A = L Lᵀ and n rows C. Out: the map from Cᵀ(C P − d) to the correction of the handles, a matrix of
-//! #handles², and for each row its rival. With B = C L⁻ᵀ and BᵀB = V Σ Vᵀ, A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺ = L⁻ᵀ V Σ⁻¹ Vᵀ L⁻¹ Cᵀ: the work
-//! grows with n, not with n³.
+//! #handles², and for each row in conflict its rival. With B = C L⁻ᵀ and BᵀB = V Σ Vᵀ, A⁻¹Cᵀ(C A⁻¹ Cᵀ)⁺ = L⁻ᵀ V Σ⁺ Vᵀ L⁻¹ Cᵀ. The
+//! cost grows with n, not with n³.
 
 use super::cancel::{Cancel, Cancelled};
 use super::linalg::normal_matrix::NormalMatrix;
@@ -15,24 +15,24 @@ use std::collections::BTreeMap;
 
 /// Correction of the handles, and the rivals of the rows.
 pub(crate) struct Overdetermined {
-    /// #handles², row by row; symmetric.
+    /// Symmetric matrix of #handles², row-major.
     pub(crate) correction: Vec<f64>,
-    /// For each row in conflict the row that it depends on most, or itself.
+    /// For each row in conflict the row on which it depends most, or its own index.
     pub(crate) rivals: Vec<Option<usize>>,
 }
 
-/// Limits on directions.
+/// Limits below which eigenvectors and rows are left out.
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
-    /// Directions whose eigenvalue is below this part of the largest fade out.
+    /// Eigenvectors with eigenvalues below this fraction of the largest fade out.
     pub(crate) cutoff: f64,
-    /// Part of a row's direction that must be left out before the row is in conflict.
+    /// Part of a row that must lie in the directions left out for the row to count as in conflict.
     pub(crate) conflict: f64,
 }
 
 impl Overdetermined {
-    /// `rows`: entries of C; `owner`: number of the pin or handle that a row belongs to. `None` where A is not positive
-    /// definite.
+    /// Computes the correction for the rows C, given by their entries. `owner` returns the index of the pin or handle that a row
+    /// belongs to. Returns `None` if A is not positive definite.
     pub(crate) fn new(
         normal: &NormalMatrix,
         (rows, owner): (&[&[(usize, f64)]], &impl Fn(usize) -> usize),
@@ -80,7 +80,8 @@ impl Overdetermined {
     }
 }
 
-/// For each row in conflict the row of another owner that it shares most with: one on the same handles where there is one.
+/// Returns for each row in conflict the row of another owner with the largest common component, among the rows with the same
+/// first handle; the row itself if there is none.
 fn rivals(
     shares: &[Vec<f64>],
     (rows, owner): (&[&[(usize, f64)]], &impl Fn(usize) -> usize),
@@ -113,7 +114,7 @@ fn rivals(
     Ok(found)
 }
 
-/// A row of B, twice.
+/// Rows of B, as both factors of the product.
 struct Squares<'a>(&'a [Vec<f64>]);
 
 impl SyrkRows for Squares<'_> {
@@ -129,7 +130,7 @@ impl SyrkRows for Squares<'_> {
     }
 }
 
-/// L by its columns, each from the diagonal on.
+/// The factor L, column by column from the diagonal on.
 struct Lower {
     columns: Vec<Vec<f64>>,
 }
@@ -140,7 +141,7 @@ fn column(llt: &Llt<f64>, j: usize) -> Vec<f64> {
 }
 
 impl Lower {
-    /// L⁻¹ times a sparse vector.
+    /// Returns L⁻¹ times a sparse vector.
     fn forward(&self, entries: &[(usize, f64)]) -> Vec<f64> {
         let mut x = vec![0.0; self.columns.len()];
         entries.iter().for_each(|&(handle, coefficient)| x[handle] += coefficient);
@@ -154,7 +155,7 @@ impl Lower {
         x
     }
 
-    /// L⁻ᵀ times a vector.
+    /// Returns L⁻ᵀ times a vector.
     fn backward(&self, vector: &[f64]) -> Vec<f64> {
         let mut x = vector.to_vec();
         for j in (0..x.len()).rev() {

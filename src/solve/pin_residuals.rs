@@ -1,6 +1,6 @@
-//! Why a pin is off its target.
+//! Pins that miss their targets, with the reasons.
 //!
-//! In: a finished solve. Out: one entry per pin off its target, with the reason as an enum and in words.
+//! In: a finished solve. Out: one entry per pin that misses its target, with the reason as an enum and in words.
 
 use super::constraints::{ConstraintOwner, Constraints};
 use super::problem::PointPin;
@@ -8,44 +8,45 @@ use super::settings::{PinHold, Settings};
 use super::yielding::YieldingPair;
 use serde::Serialize;
 
-/// Residuals below this part of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
+/// Residuals below this fraction of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
 const LEAST: f64 = 1e-5;
 
-/// A pin that is off its target.
+/// A pin that misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PinResidual {
     /// Index of the pin.
     pub pin: usize,
-    /// Distance from its target, in units of the space.
+    /// Distance from the target, in units of the space.
     pub distance: f64,
-    /// Why.
+    /// Reason of the residual.
     pub reason: ResidualReason,
 }
 
-/// Why a pin is off its target.
+/// Reason why a pin misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ResidualReason {
-    /// Another pin or moved handle contradicts it: the solution is a compromise (least squares).
+    /// Another pin or moved handle contradicts it; the solution is a compromise (least squares).
     Conflict(ConstraintOwner),
-    /// It lies outside the box, where the nearest box point is held for it, and another pin or handle holds that point.
+    /// The pin lies outside the box, so that the nearest point of the box is held instead, which another pin or handle also holds.
     Outside(ConstraintOwner),
-    /// Its position, rotation and scale together over-constrain the handles around it.
+    /// Position, rotation and scale of the pin together over-constrain the handles around it.
     Overloaded,
-    /// It and another pin, less than a span of the lattice apart, ask for more stretch than the settings allow: both give way.
+    /// The pin and another one, less than a span of the lattice apart, demand more stretch than the settings allow, so both give
+    /// way.
     Yielding(ConstraintOwner),
-    /// It is fading out: its weight is below 1.
+    /// The pin is fading out: its weight is below 1.
     Fading,
-    /// Pins are soft in these settings: the shape pulls it back.
+    /// The settings make pins soft, and the shape pulls the pin back.
     Soft,
-    /// It gave way to the barrier, because the lattice would fold.
+    /// The pin gave way to the barrier, because the lattice would fold.
     Guard,
-    /// The iteration ended before it reached its target.
+    /// The iteration ended before the pin reached its target.
     Unconverged,
 }
 
 impl ResidualReason {
-    /// The reason in words, to follow "the pin is off its target: "; `name_of` gives the name of a pin by its index.
+    /// Returns the reason in words, to follow "the pin is off its target: ". `name_of` returns the name of a pin for its index.
     #[must_use]
     pub fn words(&self, name_of: impl Fn(usize) -> String) -> String {
         let holder = |holder: &ConstraintOwner| match *holder {
@@ -85,29 +86,29 @@ impl ResidualReason {
     }
 }
 
-/// What reasons are derived from.
+/// Data from which the reasons are derived.
 pub(crate) struct Evidence<'a, const D: usize> {
     pub(crate) pins: &'a [PointPin<D>],
     pub(crate) settings: &'a Settings,
     pub(crate) constraints: &'a Constraints,
     /// Pairs of pins that give way.
     pub(crate) yielding: &'a [YieldingPair],
-    /// Some pins gave way to the barrier.
+    /// Whether some pins gave way to the barrier.
     pub(crate) is_held_back: bool,
-    /// Corners of the box.
+    /// Lower and upper corner of the box.
     pub(crate) bounds: [[f64; D]; 2],
-    /// The box diagonal.
+    /// Diagonal of the box.
     pub(crate) diagonal: f64,
 }
 
-/// The pins off their targets; `errors`: distances of all pins from their targets.
+/// Lists the pins that miss their targets; `errors` holds the distance of each pin from its target.
 pub(crate) fn residuals<const D: usize>(evidence: &Evidence<D>, errors: &[f64]) -> Vec<PinResidual> {
     let far = errors.iter().enumerate().filter(|(_, error)| **error > LEAST * evidence.diagonal);
     far.map(|(pin, &distance)| PinResidual { pin, distance, reason: evidence.reason(pin) }).collect()
 }
 
 impl<const D: usize> Evidence<'_, D> {
-    /// The other pin of the most compliant pair that a pin is in.
+    /// Returns the other pin of the most compliant pair that contains a pin.
     fn yields_to(&self, index: usize) -> Option<usize> {
         let own = self.yielding.iter().filter(|pair| pair.pins.contains(&index));
         let most = own.reduce(|most, pair| if pair.compliance > most.compliance { pair } else { most })?;

@@ -1,6 +1,6 @@
 //! Pins and moved handles as least-squares rows, the rigid motion that fits them best, and conflicts among them.
 //!
-//! In: pins, handles, settings. Out: rows, a rigid motion, warnings.
+//! In: pins, handles, settings. Out: rows, a rigid motion, conflicts.
 
 use super::least_squares::LeastSquaresRows;
 use super::linalg::small_matrix::{SquareMatrix, apply, best_rotation, distance, identity, minus};
@@ -9,29 +9,30 @@ use super::settings::{OutsidePins, Settings};
 use crate::lattice::Grid;
 use std::collections::BTreeMap;
 
-/// x ↦ R (x − from) + to.
+/// The rigid motion x ↦ R (x − from) + to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RigidMotion<const D: usize> {
     rotation: SquareMatrix<D>,
     from: [f64; D],
     to: [f64; D],
-    /// How definite the rotation is, 0 or more: in 2D |z| / Σ w |rest|², z = Σ w rest̄·now in complex numbers about the
-    /// means. It is 1 for a rigid motion; at 0 every rotation fits as well. In 3D, and where all pins share a point, 1.
+    /// Measure of how well the targets determine the rotation, 0 or more: in 2D |z| / Σ w |rest|², z = Σ w rest̄·now, in complex
+    /// numbers relative to the means. It is 1 for a rigid motion and 0 where all rotations fit equally well. It is set to 1 in
+    /// 3D, and where all pins are at one point.
     definiteness: f64,
 }
 
-/// Rotations at least this definite are followed as they are, see [`RigidMotion::continuous`].
+/// Definiteness from which on the rotation is used unchanged, see [`RigidMotion::continuous`].
 const DEFINITE: f64 = 0.25;
 
 impl<const D: usize> RigidMotion<D> {
-    /// Where a point goes.
+    /// Image of a point.
     pub(crate) fn image(&self, point: &[f64; D]) -> [f64; D] {
         let turned = apply(&self.rotation, &minus(point, &self.from));
         std::array::from_fn(|d| turned[d] + self.to[d])
     }
 
-    /// The same motion where the rotation is definite; towards the places where it is not, all points draw together at
-    /// the mean target, so that the images are continuous in the targets.
+    /// Makes the motion continuous in the targets. A definite rotation is unchanged; as the definiteness falls to 0, the rotation
+    /// matrix is scaled down to 0, so that all images contract to the mean target.
     pub(crate) fn continuous(mut self) -> Self {
         let t = (self.definiteness / DEFINITE).clamp(0.0, 1.0);
         let share = t * t * (3.0 - 2.0 * t);
@@ -39,12 +40,12 @@ impl<const D: usize> RigidMotion<D> {
         self
     }
 
-    /// Its rotation.
+    /// The rotation matrix, scaled down after [`Self::continuous`].
     pub(crate) fn rotation(&self) -> SquareMatrix<D> {
         self.rotation
     }
 
-    /// The motion that fits pins and moved handles to their targets best.
+    /// Returns the motion that best fits pins and moved handles to their targets.
     pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
         let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
         let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
@@ -64,7 +65,7 @@ impl<const D: usize> RigidMotion<D> {
             }
         };
         pairs.iter().for_each(|(rest, now, weight)| add(weight / total, minus(rest, &from), minus(now, &to)));
-        // A wanted gradient contributes the images of the axes, with a lever of a tenth of the box.
+        // A prescribed gradient contributes the images of the axes, with a lever of a tenth of the box diagonal.
         let lever = 0.01 * grid.diagonal().powi(2);
         for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
             for (axis, image) in gradient.into_iter().enumerate() {
@@ -73,7 +74,8 @@ impl<const D: usize> RigidMotion<D> {
             }
         }
         let spread: f64 = (0..D).map(|d| s[d].iter().map(|x| x.abs()).sum::<f64>()).sum();
-        // Rounding must not choose a direction; where many rotations are best, the smallest one is taken.
+        // A small multiple of the identity, so that rounding does not choose a rotation; where several are best, the smallest is
+        // taken.
         let noise = 1e-13 * grid.diagonal().powi(2);
         let square = |rest: &[f64; D]| minus(rest, &from).iter().map(|x| x * x).sum::<f64>();
         let extent = pairs.iter().map(|(rest, _, weight)| weight / total * square(rest)).sum::<f64>();
@@ -84,7 +86,7 @@ impl<const D: usize> RigidMotion<D> {
     }
 }
 
-/// Rows of the pins, λmp = 1 (paper, equation 6); pins that hold a gradient add one row per axis.
+/// Rows of the pins with λmp = 1 (paper, equation 6). A pin that prescribes a gradient has one additional row per axis.
 pub(crate) fn pin_rows<const D: usize>(
     grid: &Grid<D>,
     pins: &[PointPin<D>],
@@ -95,7 +97,7 @@ pub(crate) fn pin_rows<const D: usize>(
     rows
 }
 
-/// Adds the rows of one pin.
+/// Appends the rows of one pin.
 pub(crate) fn push_pin<const D: usize>(
     rows: &mut LeastSquaresRows<D>,
     grid: &Grid<D>,
@@ -106,13 +108,13 @@ pub(crate) fn push_pin<const D: usize>(
     rows.push(pin.weight, grid.weights(at), held_target(grid, pin, settings));
     for (axis, image) in pin.gradient.iter().flatten().enumerate() {
         let mut row = Vec::new();
-        // Times the box diagonal, so that residuals of gradients are lengths like those of pins.
+        // Multiplied by the box diagonal, so that residuals of gradients are lengths, like those of positions.
         grid.for_each_weight(at, |term| row.push((term.handle, term.gradient[axis] * grid.diagonal())));
         rows.push(pin.weight, row, image.map(|x| x * grid.diagonal()));
     }
 }
 
-/// Where the row of a pin is evaluated.
+/// Returns the point at which the row of a pin is evaluated.
 pub(crate) fn held_point<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
     match settings.outside_pins {
         OutsidePins::Nearest => grid.clamp_to_box(pin.at),
@@ -120,7 +122,7 @@ pub(crate) fn held_point<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, sett
     }
 }
 
-/// Target of a pin's row: outside the box the nearest box point gets the same displacement.
+/// Returns the target of a pin's row. For a pin outside the box the nearest point of the box gets the displacement of the pin.
 pub(crate) fn held_target<const D: usize>(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> [f64; D] {
     let held = held_point(grid, pin, settings);
     std::array::from_fn(|d| pin.target[d] + (held[d] - pin.at[d]))
@@ -144,7 +146,7 @@ pub(crate) fn retarget<const D: usize>(
     }
 }
 
-/// Rows of points of the model, together of weight 1.
+/// Rows of points of the model at their rest positions, with a total weight of 1.
 pub(crate) fn point_rows<const D: usize>(grid: &Grid<D>, points: &[ModelPoint<D>]) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     let weight = 1.0 / points.len().max(1) as f64;
@@ -152,13 +154,13 @@ pub(crate) fn point_rows<const D: usize>(grid: &Grid<D>, points: &[ModelPoint<D>
     rows
 }
 
-/// Adds the row of a point; its target is where it rests.
+/// Appends the row of a point, whose target is its rest position.
 pub(crate) fn push_point<const D: usize>(rows: &mut LeastSquaresRows<D>, grid: &Grid<D>, point: [f64; D], weight: f64) {
     let point = grid.clamp_to_box(point);
     rows.push(weight, grid.weights(point), point);
 }
 
-/// Rows of the moved handles, λgp = 1 (paper, equation 7).
+/// Rows of the moved handles with λgp = 1 (paper, equation 7).
 pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     for handle in handles {
@@ -167,8 +169,8 @@ pub(crate) fn handle_rows<const D: usize>(handles: &[HandlePin<D>]) -> LeastSqua
     rows
 }
 
-/// Pairs of pins on one point with different targets, by the later pin. Pins are compared along the first axis only with
-/// those that lie within reach, so that many cost little more than few.
+/// Returns the pairs of pins at the same point with different targets, sorted by the later pin. Pins are sorted along the first
+/// axis and compared only with near ones, so the cost is low for many pins.
 pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>]) -> Vec<[usize; 2]> {
     let mut order: Vec<usize> = (0..pins.len()).collect();
     order.sort_by(|&a, &b| pins[a].at[0].total_cmp(&pins[b].at[0]));
@@ -187,14 +189,14 @@ pub(crate) fn conflicts<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>]) ->
     pairs
 }
 
-/// Points nearer than this part of the box diagonal are one.
+/// Distance, in box diagonals, up to which two points count as the same.
 const NEAR: f64 = 1e-9;
 
 fn is_near<const D: usize>(grid: &Grid<D>, a: &[f64; D], b: &[f64; D]) -> bool {
     distance(a, b) <= NEAR * grid.diagonal()
 }
 
-/// Handles that cannot all be satisfied, in words.
+/// Describes the handles that have several different targets, in words.
 pub(crate) fn handle_conflicts<const D: usize>(grid: &Grid<D>, handles: &[HandlePin<D>]) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut entries: BTreeMap<usize, Vec<usize>> = BTreeMap::new();

@@ -1,6 +1,6 @@
-//! What is factored for given pins: the matrix of one coordinate, its factor, and the operator that enforces hard rows.
+//! Factored data for given pins: the matrix of one coordinate, its factor, and the operator that enforces hard rows.
 //!
-//! In: a matrix and terms. Out: [`Prefactored`], [`TargetTerms`].
+//! In: a matrix and terms. Out: [`Prefactored`], and the types that combine it with targets.
 
 use super::cancel::Cancel;
 use super::constraints::Constraints;
@@ -20,7 +20,7 @@ pub(crate) struct Prefactored {
 }
 
 impl Prefactored {
-    /// Factors a matrix; the terms are those it was assembled from.
+    /// Factors a matrix that was assembled from `terms`.
     pub(crate) fn new<const D: usize>(
         normal: NormalMatrix,
         terms: &Terms<D>,
@@ -36,14 +36,14 @@ impl Prefactored {
     }
 }
 
-/// Terms with other targets, and what is factored for them where some pins give way.
+/// Terms with new targets; if some pins give way for these targets, also the matrix that was factored for them.
 #[derive(Debug)]
 pub(crate) struct Retargeted<const D: usize> {
     pub(crate) terms: Terms<D>,
     pub(crate) yielded: Option<Prefactored>,
 }
 
-/// Targets, the terms that contain them, and what is factored for them.
+/// Targets, the terms that contain them, and the factored matrix for them.
 pub(crate) struct TargetTerms<'a, const D: usize> {
     pub(crate) pins: &'a [PointPin<D>],
     pub(crate) handles: &'a [HandlePin<D>],

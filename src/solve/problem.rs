@@ -7,24 +7,24 @@ use super::settings::Settings;
 use crate::lattice::Grid;
 use std::sync::Arc;
 
-/// The shape inside the lattice: #vertices points, triangles over them (any orientation; slivers allowed) and lines.
+/// The shape inside the lattice: points, triangles of any orientation (slivers are allowed) and polylines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape<const D: usize> {
-    /// Rest points, #vertices.
+    /// Rest positions, #vertices.
     pub points: Vec<[f64; D]>,
-    /// Corners.
+    /// Vertex indices of the corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// Polylines: vertices one after the other; a closed one repeats its first.
+    /// Polylines as lists of vertex indices; a closed one repeats its first vertex.
     pub strokes: Vec<Vec<u32>>,
-    /// Stiffness of each triangle, 0 or more, #triangles; empty: 1 everywhere.
+    /// Stiffness of each triangle, 0 or more, #triangles; empty for 1 everywhere.
     pub stiffness: Vec<f64>,
-    /// Which triangles hang together, for [`Topology::Branching`](super::Topology::Branching); `None`: those that share an edge as
-    /// the shape lies here, and islands with what is nearest.
+    /// Links that connect triangles, for [`Topology::Branching`](super::Topology::Branching). `None` links the triangles that
+    /// share an edge at rest, and isolated parts to the nearest ones.
     pub links: Option<Arc<Vec<Link>>>,
 }
 
 impl<const D: usize> Shape<D> {
-    /// Triangles of uniform stiffness.
+    /// Creates a shape of triangles of uniform stiffness.
     #[must_use]
     pub fn of_triangles(points: Vec<[f64; D]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { points, triangles, ..Self::default() }
@@ -34,9 +34,9 @@ impl<const D: usize> Shape<D> {
 /// A point of the model at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelPoint<const D: usize> {
-    /// Its place; outside the box it counts where it is nearest to it.
+    /// Rest position; a point outside the box counts as the nearest point of the box.
     pub at: [f64; D],
-    /// The triangle of the shape that it lies on, where parts of the shape lie over each other; `None`: the nearest one.
+    /// Triangle of the shape on which the point lies, for shapes that overlap themselves; `None` for the nearest triangle.
     pub triangle: Option<u32>,
 }
 
@@ -45,47 +45,47 @@ pub struct ModelPoint<const D: usize> {
 pub struct PointPin<const D: usize> {
     /// Rest position of the point.
     pub at: [f64; D],
-    /// Its target.
+    /// Target position.
     pub target: [f64; D],
-    /// 0..=1, times the pin weight of the settings; a pin fades out with it.
+    /// Weight from 0 to 1, multiplied by the pin weight of the settings; a pin fades out as its weight falls to 0.
     pub weight: f64,
-    /// Wanted gradient at the pin (columns: images of the axes), for pins that hold a rotation and scale.
+    /// Prescribed gradient at the pin (columns: images of the axes), for pins that hold a rotation and a scale.
     pub gradient: Option<[[f64; D]; D]>,
-    /// The neighbourhood that moves with the pin; `None`: the point alone.
+    /// Neighbourhood that moves with the pin; `None` for the point alone.
     pub region: Option<Region>,
-    /// The triangle of the shape that the point lies on, where parts of the shape lie over each other; `None`: the nearest one.
+    /// Triangle of the shape on which the point lies, for shapes that overlap themselves; `None` for the nearest triangle.
     pub triangle: Option<u32>,
 }
 
 impl<const D: usize> PointPin<D> {
-    /// A pin of full weight that holds only its point.
+    /// Creates a pin of full weight that holds only its position.
     #[must_use]
     pub fn new(at: [f64; D], target: [f64; D]) -> Self {
         Self { at, target, weight: 1.0, gradient: None, region: None, triangle: None }
     }
 }
 
-/// The neighbourhood that moves with a pin, fading out smoothly from the pin to the rim.
+/// Neighbourhood that moves with a pin; its effect fades out smoothly from the pin to the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// Distance of the rim from the pin at rest, in units of the space.
+    /// Radius of the rim around the pin at rest, in units of the space.
     pub radius: f64,
-    /// How rigidly the neighbourhood moves with the pin, 0 (not at all) to 1 (rigidly).
+    /// Rigidity with which the neighbourhood moves with the pin, from 0 (none) to 1 (rigid).
     pub rigidity: f64,
-    /// Multiplier of the stiffness of the shape at the pin; 1 at the rim.
+    /// Factor by which the stiffness of the shape is multiplied at the pin; it falls to 1 at the rim.
     pub stiffness: f64,
 }
 
 /// A handle with a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandlePin<const D: usize> {
-    /// Handle index.
+    /// Index of the handle.
     pub index: usize,
-    /// Its target.
+    /// Target position.
     pub target: [f64; D],
 }
 
-/// Everything a solve needs.
+/// All data of a solve.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a, const D: usize> {
     /// The rest grid.

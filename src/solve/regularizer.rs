@@ -1,6 +1,6 @@
-//! Regularisers, which determine handles that neither pins nor the shape constrain.
+//! Regularisers, which determine the handles that neither pins nor the shape constrain.
 //!
-//! In: the grid and the moved handles. Out: least-squares rows, and for `affine` a projector.
+//! In: the grid, and which handles are moved explicitly. Out: least-squares rows, and for `affine` a projector.
 
 use super::cancel::Cancel;
 use super::least_squares::LeastSquaresRows;
@@ -12,24 +12,24 @@ use crate::lattice::Grid;
 /// A regulariser with λgr = 1: least-squares rows, or the distance from the affine images of the rest handles.
 #[derive(Clone, Debug)]
 pub(crate) enum RegularizerTerm<const D: usize> {
-    /// Rows.
+    /// Least-squares rows.
     Rows(LeastSquaresRows<D>),
-    /// Distance from the affine images.
+    /// Distance from the affine images of the rest handles.
     Affine(Affine),
 }
 
-/// weight · Σ ‖((I − Π)P')_i‖² over free handles; Π = QQᵀ projects onto span{1, P⁰}, the affine images of the rest.
+/// weight · Σ ‖((I − Π)P')_i‖² over free handles, where Π = QQᵀ projects onto span{1, P⁰}, the affine images of the rest handles.
 #[derive(Clone, Debug)]
 pub(crate) struct Affine {
     weight: f64,
     /// Handles that are not moved explicitly.
     free: Vec<usize>,
-    /// Orthonormal columns of Q: up to D + 1, #handles each, zero at moved handles.
+    /// Orthonormal columns of Q: up to D + 1, #handles each, zero at handles that are moved explicitly.
     columns: Vec<Vec<f64>>,
 }
 
 impl<const D: usize> RegularizerTerm<D> {
-    /// The regulariser of a grid; `moved` marks handles that are moved explicitly.
+    /// Builds the regulariser of a grid; `moved` marks handles that are moved explicitly.
     pub(crate) fn new(kind: Regularizer, grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
         match kind {
             Regularizer::Rest => Self::Rows(rest(grid, moved, scaling)),
@@ -39,7 +39,7 @@ impl<const D: usize> RegularizerTerm<D> {
         }
     }
 
-    /// Largest difference of handle indices that meet in the matrix; the projector is not part of the band.
+    /// Largest difference between handle indices that share a matrix entry; the projector is not part of the band.
     pub(crate) fn bandwidth(&self) -> usize {
         match self {
             Self::Rows(rows) => rows.bandwidth(),
@@ -47,7 +47,7 @@ impl<const D: usize> RegularizerTerm<D> {
         }
     }
 
-    /// Adds the constant matrix.
+    /// Adds `scale` times the constant matrix.
     pub(crate) fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel) {
         match self {
             Self::Rows(rows) => rows.add_normal(scale, normal, cancel),
@@ -59,14 +59,14 @@ impl<const D: usize> RegularizerTerm<D> {
         }
     }
 
-    /// Adds the right side; affine images of the rest have none.
+    /// Adds `scale` times the right-hand side, which is 0 for `affine`.
     pub(crate) fn add_right_side(&self, scale: f64, right_side: &mut [[f64; D]]) {
         if let Self::Rows(rows) = self {
             rows.add_right_side(scale, right_side);
         }
     }
 
-    /// The energy.
+    /// Energy of the regulariser.
     pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
         match self {
             Self::Rows(rows) => rows.energy(handles),
@@ -76,11 +76,11 @@ impl<const D: usize> RegularizerTerm<D> {
 }
 
 impl Affine {
-    /// Plain: a sum; dimensionless: the mean over free handles, in box diagonals.
+    /// Plain scaling gives a sum; dimensionless scaling gives the mean over free handles, in units of the box diagonal.
     fn new<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Self {
         let free: Vec<usize> = (0..moved.len()).filter(|&index| !moved[index]).collect();
         let coordinate = |axis: usize| {
-            // Indices span the same space as coordinates, and are exact wherever the box is.
+            // Indices span the same space as coordinates, and are exact wherever the box lies.
             let value = |index: usize| grid.handle_coords(index)[axis] as f64;
             (0..moved.len()).map(|index| if moved[index] { 0.0 } else { value(index) }).collect::<Vec<f64>>()
         };
@@ -107,7 +107,8 @@ impl Affine {
     }
 }
 
-/// Adds the part of `column` that is orthogonal to the others (Gram-Schmidt, twice), unless it is linearly dependent.
+/// Appends the component of `column` that is orthogonal to `columns`, normalised (Gram-Schmidt, twice), unless it is linearly
+/// dependent.
 fn push_orthonormal(columns: &mut Vec<Vec<f64>>, mut column: Vec<f64>) {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let before = product(&column, &column);
@@ -125,7 +126,7 @@ fn push_orthonormal(columns: &mut Vec<Vec<f64>>, mut column: Vec<f64>) {
     }
 }
 
-/// Weight that turns a plain sum of squared distances into the mean over `count`, in box diagonals.
+/// Weight that turns a plain sum of squared distances into the mean of `count` terms, in units of `diagonal`.
 fn weight_of_mean(scaling: Scaling, count: usize, diagonal: f64) -> f64 {
     match scaling {
         Scaling::Plain => 1.0,
@@ -133,7 +134,8 @@ fn weight_of_mean(scaling: Scaling, count: usize, diagonal: f64) -> f64 {
     }
 }
 
-/// Σ ‖P'_i − P⁰_i‖² over handles that are not moved explicitly (paper, equation 8); dimensionless: the mean, in box diagonals.
+/// Σ ‖P'_i − P⁰_i‖² over handles that are not moved explicitly (paper, equation 8); if dimensionless, the mean in units of the
+/// box diagonal.
 fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> LeastSquaresRows<D> {
     let free = moved.iter().filter(|&&is_moved| !is_moved).count();
     let weight = weight_of_mean(scaling, free, grid.diagonal());
@@ -144,9 +146,9 @@ fn rest<const D: usize>(grid: &Grid<D>, moved: &[bool], scaling: Scaling) -> Lea
     rows
 }
 
-/// Neighbour offsets of handles: Σ ‖(P'_a − P'_b) − (P⁰_a − P⁰_b)‖² over all grid edges.
+/// Differences of neighbouring handles: Σ ‖(P'_a − P'_b) − (P⁰_a − P⁰_b)‖² over all grid edges.
 ///
-/// Dimensionless: the mean over edges, each in units of its rest length, which tends to the mean of ‖J − I‖²/D.
+/// If dimensionless, it is the mean over the edges, each in units of its rest length, which tends to the mean of ‖J − I‖²/D.
 pub(crate) fn noh<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> LeastSquaresRows<D> {
     let counts = (0..D).map(|axis| grid.handle_count() / grid.dims[axis] * (grid.dims[axis] - 1));
     let edges: usize = counts.sum();

@@ -1,17 +1,17 @@
 //! Second differences of handles: over the whole grid (regulariser `bend`) or around a pin (its disc).
 //!
-//! In: a grid. Out: least-squares rows. A row has three handles in a line or four in a square, so it does not widen the
-//! band of a matrix.
+//! In: a grid. Out: least-squares rows. A stencil has three handles in a line or four in a square, so it does not widen the band
+//! of a matrix.
 
 use super::least_squares::LeastSquaresRows;
 use super::linalg::small_matrix::{dot, minus};
 use super::settings::Scaling;
 use crate::lattice::Grid;
 
-/// Σ |Δaa|² + 2 Σ |Δab|²: second differences along axes, mixed ones for every pair of axes.
+/// Regulariser `bend`: Σ |Δaa|² + 2 Σ |Δab|², the second differences along each axis and the mixed ones of each pair of axes.
 ///
-/// Dimensionless: s²·(mean |Δaa|²/ha⁴ + 2 mean |Δab|²/(ha²hb²)), s the box diagonal, ha the handle distance,
-/// which tends to s² times the mean squared second derivative whatever the dims.
+/// If dimensionless, it is s²·(mean |Δaa|²/ha⁴ + 2 mean |Δab|²/(ha²hb²)), with s the box diagonal and ha the handle spacing,
+/// which tends to s² times the mean squared second derivative for any number of handles.
 pub(crate) fn bend<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     for kind in SecondDifferences::of(grid) {
@@ -23,9 +23,9 @@ pub(crate) fn bend<const D: usize>(grid: &Grid<D>, scaling: Scaling) -> LeastSqu
     rows
 }
 
-/// Second differences around a point: Σ ω (Σ_a |Δaa|²/ha⁴ + 2 Σ_ab |Δab|²/(ha²hb²)) / Σ ω with ω fading to the rim, the mean
-/// squared second derivative there. A rim nearer than a handle and a half is moved out, so that there is always something
-/// inside and nothing jumps as the point moves. Points outside the box count as the nearest box point.
+/// Second differences around a point: Σ ω (Σ_a |Δaa|²/ha⁴ + 2 Σ_ab |Δab|²/(ha²hb²)) / Σ ω, the mean squared second derivative
+/// with weights ω that fade to the rim. The radius of the rim is at least one and a half handle spacings, so that it always
+/// contains a stencil and nothing jumps as the point moves. A point outside the box counts as the nearest point of the box.
 pub(crate) fn bend_around<const D: usize>(
     kinds: &[SecondDifferences<D>],
     grid: &Grid<D>,
@@ -50,24 +50,24 @@ pub(crate) fn bend_around<const D: usize>(
     rows
 }
 
-/// Falls from 1 at a pin to 0 at the rim of its neighbourhood, C1: (1 − t²)², t the distance in radii.
+/// Weight that falls from 1 at a pin to 0 at the rim of its neighbourhood and is C1: (1 − t²)², with t the distance in radii.
 pub(crate) fn fade(t: f64) -> f64 {
     (1.0 - t * t).max(0.0).powi(2)
 }
 
-/// All second differences of one kind: Δaa along an axis, or Δab mixed.
+/// All second differences of one kind: Δaa along an axis, or the mixed Δab.
 pub(crate) struct SecondDifferences<const D: usize> {
-    /// 1 along an axis, 2 for a mixed one, which also represents Δba.
+    /// 1 along an axis, 2 for a mixed difference, which also represents Δba.
     share: f64,
-    /// ha·hb: a difference divided by it is a second derivative.
+    /// ha·hb, by which a difference is divided to give a second derivative.
     cell: f64,
     stencil: Vec<(usize, f64)>,
-    /// First handle of each difference, and the centre of its handles at rest.
+    /// First handle of each difference, and the centre of its stencil at rest.
     starts: Vec<(usize, [f64; D])>,
 }
 
 impl<const D: usize> SecondDifferences<D> {
-    /// All kinds that a grid has.
+    /// Returns all kinds of a grid.
     pub(crate) fn of(grid: &Grid<D>) -> Vec<Self> {
         let places: Vec<[usize; D]> = (0..grid.handle_count()).map(|index| grid.handle_coords(index)).collect();
         let pairs = (0..D).flat_map(|a| (a..D).map(move |b| [a, b]));
@@ -91,7 +91,7 @@ impl<const D: usize> SecondDifferences<D> {
         kinds.collect()
     }
 
-    /// Weight of one difference among all of the grid.
+    /// Weight of one of the differences of this kind over the whole grid.
     pub(crate) fn weight(&self, grid: &Grid<D>, scaling: Scaling) -> f64 {
         let mean = self.share * grid.diagonal().powi(2) / self.starts.len().max(1) as f64;
         match scaling {
@@ -100,13 +100,13 @@ impl<const D: usize> SecondDifferences<D> {
         }
     }
 
-    /// Handles and coefficients of the difference that begins at a handle.
+    /// Handles and coefficients of the difference that starts at a handle.
     pub(crate) fn entries(&self, start: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.stencil.iter().map(move |&(step, c)| (start + step, c))
     }
 }
 
-/// Index steps and coefficients of one second difference.
+/// Offsets of handle indices, with the coefficients, of one second difference.
 fn stencil<const D: usize>(grid: &Grid<D>, a: usize, b: usize) -> Vec<(usize, f64)> {
     let (along, across) = (grid.stride(a), grid.stride(b));
     if a == b {

@@ -1,33 +1,33 @@
-//! Rows of the weights of a basis of global support, for linear combinations of a few points.
+//! Rows of the weights of a basis of global support, and of linear combinations of a few points.
 //!
-//! In: the factors of separable weights. Out: rows over all handles. Where all weights fit into the cache
-//! they are expanded once.
+//! In: the factors of separable weights. Out: rows over all handles. The weights are multiplied out once if all of them fit into
+//! the cache.
 
 use super::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
 use super::linalg::syrk::ROW_PADDING;
 use pulp::{Simd, WithSimd};
 
-/// Maximum number of weights that are expanded: half a second-level cache.
+/// Maximum number of weights that are multiplied out: half a second-level cache.
 const MOST: usize = 1 << 16;
 
-/// Registers per row that are computed together.
+/// Number of registers per row that are computed together.
 const UNROLL: usize = 4;
 
-/// The weights.
+/// Weights of some points, as factors or multiplied out.
 pub(crate) struct SeparableRows {
-    /// Handles of a row along x, and rows.
+    /// Number of handles in a row of handles along x, and number of these rows.
     counts: [usize; 2],
     points: usize,
-    /// For each point the functions of x, then those of the rows, both padded to whole registers.
+    /// For each point the basis functions of x, then those of the rows; both are padded to whole registers.
     factors: Vec<f64>,
-    /// Sums in rows of whole registers.
+    /// Sums of a linear combination; each row of handles is padded to whole registers.
     sums: Vec<Lanes>,
-    /// All weights of each point in whole registers, with padding for one read beyond them; empty where there are too many.
+    /// All weights of each point in whole registers, with padding for a read beyond the last; empty if they are too many.
     whole: Vec<Lanes>,
 }
 
 impl SeparableRows {
-    /// Weights by their factors: of each point the functions of x, then those of the rows, both in whole registers.
+    /// Creates the weights from factors in the order of the field `factors`.
     pub(super) fn new(counts: [usize; 2], points: usize, factors: Vec<f64>) -> Self {
         let sums = vec![[0.0; LANES]; counts[1] * counts[0].div_ceil(LANES)];
         let mut weights = Self { counts, points, factors, sums, whole: Vec::new() };
@@ -40,12 +40,13 @@ impl SeparableRows {
         weights
     }
 
-    /// Registers that the weights of a point take.
+    /// Number of registers for the weights of a point.
     fn registers(&self) -> usize {
         (self.counts[0] * self.counts[1]).div_ceil(LANES)
     }
 
-    /// Writes Σ coefficient · weights of a point, #handles; `mixed` has the points. [`ROW_PADDING`] numbers after the row may be overwritten.
+    /// Writes Σ coefficient · weights, #handles, for the (point, coefficient) pairs of `mixed`. Up to [`ROW_PADDING`] numbers
+    /// after the row may be overwritten.
     #[inline(always)]
     pub(crate) fn write<S: Simd>(&mut self, simd: S, mixed: &[(usize, f64)], row: &mut [f64]) {
         if self.whole.is_empty() {
@@ -86,12 +87,12 @@ impl SeparableRows {
         }
     }
 
-    /// Numbers per point of the factors.
+    /// Number of factors per point, with padding.
     fn stride(&self) -> usize {
         self.counts.iter().map(|count| count.next_multiple_of(LANES)).sum()
     }
 
-    /// Sums up rows of N registers.
+    /// Sums rows of N registers.
     #[inline(always)]
     fn mix<S: Simd, const N: usize>(&mut self, simd: S, mixed: &[(usize, f64)]) {
         let stride = self.stride();
@@ -112,7 +113,7 @@ impl SeparableRows {
         }
     }
 
-    /// Sums up rows of any length.
+    /// Sums rows of any length.
     #[inline(always)]
     fn mix_any<S: Simd>(&mut self, simd: S, mixed: &[(usize, f64)]) {
         let (stride, registers) = (self.stride(), self.counts[0].div_ceil(LANES));
@@ -129,7 +130,7 @@ impl SeparableRows {
     }
 }
 
-/// Kernel that expands all weights.
+/// Kernel that multiplies out all weights.
 struct MultiplyOut<'a> {
     weights: &'a mut SeparableRows,
     whole: &'a mut [Lanes],

@@ -1,5 +1,5 @@
-//! Separable weights of a basis of global support (Bernstein): a weight is a function of x times one
-//! of the other axes, so a point needs 30 numbers where a 15 x 15 lattice has 225 weights.
+//! Separable weights of a basis of global support (Bernstein): a weight is a function of x times a function of the other axes, so
+//! a point needs 30 numbers where a 15 × 15 lattice has 225 weights.
 //!
 //! In: points and a grid. Out: products with the handles, and products of the transpose with values at the points.
 
@@ -8,21 +8,21 @@ use super::separable_rows::SeparableRows;
 use crate::lattice::{Grid, bernstein_values};
 use pulp::{Simd, WithSimd};
 
-/// Packets of four points that are processed together.
+/// Number of packets of four points that are processed together.
 const GROUP: usize = 4;
 
-/// The factors of all weights at some points.
+/// Factors of all weights at some points.
 #[derive(Clone, Debug)]
 pub(crate) struct SeparableWeights {
-    /// Handles of a row along x, and rows.
+    /// Number of handles in a row of handles along x, and number of these rows.
     pub(crate) counts: [usize; 2],
     points: usize,
-    /// For each packet of four points: the functions of x, then those of the rows; whole groups of packets.
+    /// For each packet of four points the basis functions of x, then those of the rows; padded to whole groups of packets.
     factors: Vec<Lanes>,
 }
 
 impl SeparableWeights {
-    /// The factors at some points; `None` where the basis is local.
+    /// Evaluates the factors at some points; `None` if the basis is local.
     pub(crate) fn new<const D: usize>(grid: &Grid<D>, points: &[[f64; D]]) -> Option<Self> {
         if grid.basis.is_local() {
             return None;
@@ -39,17 +39,17 @@ impl SeparableWeights {
         self.counts[0] * self.counts[1]
     }
 
-    /// Σ_h w_h P_h at every point.
+    /// Returns Σ_h w_h P_h at every point.
     pub(crate) fn moved<const D: usize>(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
         dispatch(Moved { separable: self, handles })
     }
 
-    /// Adds scale · Σ w_h · value to every handle; values are #points.
+    /// Adds scale · Σ w_h · value to every handle; `values` has one entry per point.
     pub(crate) fn add_transposed<const D: usize>(&self, values: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) {
         dispatch(Transposed { separable: self, values, scale, right_side });
     }
 
-    /// The factors of a few packets at a time.
+    /// Factors, a group of packets at a time.
     #[inline(always)]
     fn groups(&self) -> impl Iterator<Item = Group<'_>> {
         let [inner, outer] = self.counts;
@@ -64,7 +64,7 @@ impl SeparableWeights {
         })
     }
 
-    /// The same weights, point after point.
+    /// Returns the same weights, stored point after point.
     pub(crate) fn by_point(&self) -> SeparableRows {
         let [inner, outer] = self.counts;
         let strides = self.counts.map(|count| count.next_multiple_of(LANES));
@@ -83,9 +83,9 @@ impl SeparableWeights {
 
 /// Factors of a group of packets.
 struct Group<'a> {
-    /// The functions of x.
+    /// Basis functions of x.
     xs: [&'a [Lanes]; GROUP],
-    /// Those of the rows.
+    /// Basis functions of the rows.
     rows: [&'a [Lanes]; GROUP],
 }
 
@@ -130,11 +130,11 @@ impl<const D: usize> WithSimd for Evaluate<'_, D> {
     }
 }
 
-/// Expands the known rows, which come first: one copy for every value, times that value.
+/// Multiplies the known rows at the start of `rows` by each of the values, which gives one copy per value.
 #[inline(always)]
 fn multiply_rows(rows: &mut [Lanes], values: &[Lanes]) {
     let known = rows.len() / values.len();
-    // From the last on, so that the known rows are overwritten last.
+    // From the last value on, so that the known rows are overwritten last.
     for (number, value) in values.iter().enumerate().rev() {
         for row in 0..known {
             let before = rows[row];

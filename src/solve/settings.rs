@@ -1,13 +1,13 @@
-//! Settings of a solve: what is minimised, in which units, and when to stop.
+//! Settings of a solve: the energy that is minimised, its units, and when to stop.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Distortion measure.
+/// Distortion energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Energy {
-    /// The gradient of the lattice at samples of the model (default); `stroke` for shapes of lines only.
+    /// Gradient of the lattice at samples of the model (default); shapes that have only lines use `stroke`.
     Area,
     /// One rotation per vertex over its one-ring (the paper's).
     Edge,
@@ -22,7 +22,7 @@ pub enum Energy {
 }
 
 impl Energy {
-    /// Whether [`EdgeWeights`] apply.
+    /// Whether [`EdgeWeights`] apply to this energy.
     #[must_use]
     pub const fn has_edge_weights(self) -> bool {
         match self {
@@ -32,13 +32,13 @@ impl Energy {
     }
 }
 
-/// Term that determines handles which nothing else constrains.
+/// Term that determines handles which neither pins nor the shape constrain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Regularizer {
     /// Distance from the rest handles (the paper's E_gr).
     Rest,
-    /// Offsets of neighbouring handles.
+    /// Differences of neighbouring handles from those at rest.
     Noh,
     /// Distance from the affine images of the rest handles.
     Affine,
@@ -52,43 +52,44 @@ pub enum Regularizer {
 pub enum EdgeWeights {
     /// 1 per mesh edge.
     Uniform,
-    /// Cotangents.
+    /// Cotangents of the angles opposite the edge.
     Cot,
 }
 
 /// Units of the four terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// Sums as the paper writes them; the balance shifts with mesh density, grid size and model scale.
+    /// Plain sums as in the paper; their balance depends on mesh density, grid size and model scale.
     Plain,
     /// Means: mean ‖J−R‖² over the area, pins in units of the box diagonal s, bend = s²·mean(second derivative²).
     Dimensionless,
 }
 
-/// Where [`Energy::Area`] samples the gradient, and [`Energy::Stroke`] lines.
+/// Points at which [`Energy::Area`] samples the gradient and [`Energy::Stroke`] samples lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Points that match the model's area, centroid and covariance in every sub-cell; on lines evenly spaced points.
+    /// Samples that match the area, centroid and covariance of the model in every sub-cell; on lines evenly spaced points.
     Subcells,
-    /// One point per triangle; on lines their own points. A shape without triangles, or lines, has no energy.
+    /// One sample per triangle; on lines their own points. Energies are used as requested, even if the shape has no triangles or
+    /// no lines for them.
     Centroids,
 }
 
-/// Initial state of the iteration.
+/// Start state of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// The rigid motion that brings the pins nearest to their targets.
+    /// The rigid motion that best fits the pins to their targets.
     RigidFit,
-    /// The rest pose, all rotations the identity.
+    /// The rest pose, with the identity as every rotation.
     Rest,
 }
 
 /// Treatment of pins outside the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutsidePins {
-    /// They hold the nearest box point, with the same displacement, like [`crate::lattice::Lattice::warp`].
+    /// The pin moves the nearest point of the box by its displacement, like [`crate::lattice::Lattice::warp`].
     Nearest,
-    /// They hold the extended polynomial.
+    /// The pin holds its own point, with the basis polynomials extrapolated beyond the box.
     Extended,
 }
 
@@ -101,12 +102,12 @@ pub enum PinHold {
     Hard,
 }
 
-/// The disc around every pin that stays smooth, so that a pin pulls a bulge and not a spike.
+/// Disc around every pin that stays smooth, so that a pin pulls out a bulge and not a spike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothingDisc {
-    /// Radius as a fraction of the box diagonal; 0: pins act on their points alone.
+    /// Radius as a fraction of the box diagonal; 0 for pins that act on their points alone.
     pub radius: f64,
-    /// Weight of the disc, as a multiple of that of the model.
+    /// Weight of the disc, as a multiple of the weight of the model.
     pub weight: f64,
 }
 
@@ -117,16 +118,16 @@ pub enum Topology {
     /// All points near a handle, however far apart they are along the shape.
     #[default]
     Plain,
-    /// Those that hang together near the handle: every connected piece has a copy of it.
+    /// Points near a handle that are connected near it: every connected piece of the shape has its own copy of the handle.
     Branching,
 }
 
-/// Which minimum a solve without neighbours in time ends in.
+/// Minimum in which a solve ends that is not part of a trajectory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Minima {
-    /// The one that the rigid fit leads to: continuous in the targets as long as it exists.
+    /// The minimum that the solve from the rigid fit reaches. It is continuous in the targets as long as it exists.
     Nearest,
-    /// The least that several starts lead to; from frame to frame another one may be it.
+    /// The lowest of the minima that several starts lead to. It may change from frame to frame.
     #[default]
     Least,
 }
@@ -138,17 +139,17 @@ pub enum Guard {
     /// Folds are reported.
     #[default]
     Report,
-    /// Cells that hold some of the shape do not fold: a barrier keeps det J above 0 there, and pins that would need more force than it has
-    /// give way (docs/METHOD.md, "Barrier").
+    /// Cells that contain some of the shape cannot fold: a barrier keeps det J above 0 there, and pins that need more force than
+    /// its limit give way (docs/METHOD.md, "Barrier").
     Limit,
 }
 
-/// Treatment of duplicate vertices, in energies over the edges of a mesh.
+/// Treatment of duplicate vertices in energies over the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DuplicateVertices {
-    /// They are merged, so that seams of texture coordinates do not tear.
+    /// Duplicates are merged, so that the mesh does not tear at texture seams.
     Merged,
-    /// The mesh as it is given.
+    /// The mesh is used as given.
     Separate,
 }
 
@@ -165,10 +166,10 @@ pub struct Lambdas {
     pub regularizer: f64,
 }
 
-/// Settings of a solve; [`Settings::default`] is the default of this program, [`Settings::paper`] the paper's preset.
+/// Settings of a solve; [`Settings::default`] has the defaults of this program, [`Settings::paper`] the paper's preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Distortion measure.
+    /// Distortion energy.
     pub energy: Energy,
     /// Regulariser.
     pub regularizer: Regularizer,
@@ -180,33 +181,34 @@ pub struct Settings {
     pub scaling: Scaling,
     /// Samples of [`Energy::Area`] and [`Energy::Stroke`].
     pub sampling: Sampling,
-    /// Initial state.
+    /// Start state of the iteration.
     pub start: Start,
     /// Enforcement of pins and moved handles.
     pub pin_hold: PinHold,
-    /// Stretch, above 1, up to which two hard pins less than a span of the lattice apart hold exactly; nearer than 0.44 spans less. Beyond
-    /// they give way (docs/METHOD.md, "Pins that give way").
+    /// Stretch, above 1, up to which two hard pins less than a span of the lattice apart hold exactly; the limit falls for pins
+    /// less than 0.44 spans apart. Beyond the limit they give way (docs/METHOD.md, "Pins that give way").
     pub max_stretch: f64,
-    /// The smooth disc around a pin.
+    /// Smooth disc around each pin.
     pub disc: SmoothingDisc,
-    /// Pins outside the box.
+    /// Treatment of pins outside the box.
     pub outside_pins: OutsidePins,
-    /// Which points share handles.
+    /// Which points of the shape share handles.
     pub topology: Topology,
-    /// Folds.
+    /// Handling of folds.
     pub guard: Guard,
-    /// Which minimum is looked for.
+    /// Minimum in which a solve ends.
     pub minima: Minima,
-    /// Duplicate vertices.
+    /// Treatment of duplicate vertices.
     pub duplicate_vertices: DuplicateVertices,
     /// Maximum number of linear solves.
     pub iteration_limit: usize,
-    /// Stop when no handle moves farther than this fraction of the box diagonal; 0 runs to the limit.
+    /// The iteration stops when no handle moves farther than this fraction of the box diagonal; 0 stops only at steps of zero or
+    /// rounding size, and with negative values plain iterations run to the limit.
     pub tolerance: f64,
-    /// Window of the Anderson acceleration, which precedes Newton steps (docs/METHOD.md, "Convergence");
-    /// 0: the plain local-global iteration without either.
+    /// Window of the Anderson acceleration, which precedes Newton steps (docs/METHOD.md, "Convergence"); 0 gives the plain
+    /// local-global iteration without acceleration and Newton steps.
     pub acceleration: usize,
-    /// Temporal weight, frames: how firmly a [`super::Trajectory`] holds neighbouring times together; 0: each time is solved alone.
+    /// Temporal weight in frames: how strongly a [`super::Trajectory`] couples neighbouring times; 0 solves each time alone.
     pub temporal: f64,
 }
 
@@ -214,7 +216,7 @@ impl Settings {
     /// λgr of [`Regularizer::Bend`] in dimensionless units, tuned on poses (docs/METHOD.md).
     pub const BEND: f64 = 3e-5;
 
-    /// Temporal weight that keeps a layer of a shot from snapping between frames, frames.
+    /// Temporal weight in frames that keeps a layer of a shot from snapping between frames.
     pub const TEMPORAL: f64 = 0.3;
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
     pub const REST: f64 = 5.3;
@@ -223,7 +225,7 @@ impl Settings {
     /// λgr of [`Regularizer::Affine`] in dimensionless units: 1e-3 of the plain sum at 10 x 10.
     pub const AFFINE: f64 = 1.1;
 
-    /// The paper's preset: `edge`, uniform weights, `rest`, plain sums, λ = 1, 1e2, 1e2, 1e-2, started at rest.
+    /// Returns the paper's preset: `edge`, uniform weights, `rest`, plain sums, λ = 1, 1e2, 1e2, 1e-2, started at rest.
     #[must_use]
     pub fn paper() -> Self {
         Self {
@@ -239,7 +241,7 @@ impl Settings {
         }
     }
 
-    /// The same settings with another regulariser at its default weight.
+    /// Returns the same settings with another regulariser at its default weight.
     #[must_use]
     pub fn with_regularizer(mut self, regularizer: Regularizer) -> Self {
         self.lambdas.regularizer = match (self.scaling, regularizer) {
@@ -254,7 +256,7 @@ impl Settings {
         self
     }
 
-    /// Which of these settings a branching lattice cannot have, and what to do; `None`: it can have them all.
+    /// Returns a setting that a branching lattice does not support, and what to use instead; `None` if it supports all settings.
     #[must_use]
     pub fn branching_fault(&self) -> Option<[&'static str; 2]> {
         if self.energy != Energy::Area || self.sampling != Sampling::Subcells {
@@ -266,8 +268,9 @@ impl Settings {
         }
     }
 
-    /// The same settings with a smoother warp (above 1) or a less smooth one: the weight of the regulariser is multiplied by
-    /// the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one smooth deformation.
+    /// Returns the same settings with a smoother warp (`smoothness` above 1) or a less smooth one. The weight of the regulariser
+    /// is multiplied by the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one
+    /// smooth deformation.
     #[must_use]
     pub fn with_smoothness(mut self, smoothness: f64) -> Self {
         self.lambdas.regularizer *= smoothness.powi(3);
@@ -276,7 +279,7 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// `area` and `bend`, dimensionless, accelerated, pins exact.
+    /// `area` and `bend`, dimensionless, accelerated, with exact pins.
     fn default() -> Self {
         Self {
             energy: Energy::Area,

@@ -1,4 +1,4 @@
-//! The solver: a problem is factored once, then solved for any number of targets.
+//! The solver: factors a problem once, then solves it for any number of targets.
 //!
 //! In: grid, shape, pins, handles, settings; later only targets, or paths of targets. Out: solutions.
 
@@ -13,15 +13,15 @@ use super::system::{Parts, System};
 use super::targets::Targets;
 use crate::lattice::{Folds, Lattice};
 
-/// Solves for the handles.
+/// Solves a problem for its handles.
 ///
 /// # Errors
-/// [`SolveError`] where the problem is malformed (dims, indices, non-finite numbers) or the factorisation fails.
+/// [`SolveError`] if the problem is malformed (dims, indices, non-finite numbers) or the factorisation fails.
 pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveError> {
     Ok(Solver::new(problem)?.solve())
 }
 
-/// A prefactored problem: the grid, the shape's samples, which points are pinned and which handles are moved.
+/// A problem with its factored matrix, for fixed grid, shape, pinned points and moved handles.
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
@@ -47,69 +47,69 @@ impl<const D: usize> Solver<D> {
     /// Samples the shape and factors the matrix.
     ///
     /// # Errors
-    /// [`SolveError`] where the problem is malformed or its matrix is singular.
+    /// [`SolveError`] if the problem is malformed or its matrix is singular.
     pub fn new(problem: &Problem<D>) -> Result<Self, SolveError> {
         Self::build(problem, &Cancel::never())
     }
 
-    /// Like [`Self::new`], unless it is cancelled.
+    /// Same as [`Self::new`], but cancellable.
     ///
     /// # Errors
-    /// As [`Self::new`], and [`SolveError::Cancelled`].
+    /// Those of [`Self::new`], and [`SolveError::Cancelled`].
     pub fn build(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
         Ok(Self { system: System::new(problem, cancel)? })
     }
 
-    /// Factors a checked problem whose parts are built already.
+    /// Factors a checked problem from components that are already built.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>) -> Result<Self, SolveError> {
         let mut system = System::assemble(problem, parts, &Cancel::never())?;
         system.mark_active_cells(problem.shape);
         Ok(Self { system })
     }
 
-    /// The solver, with a hook that may end its solves early.
+    /// Returns the solver with a hook that may cancel its solves.
     #[must_use]
     pub const fn with_cancel<'a>(&'a self, cancel: &'a Cancel<'a>) -> CancellableSolver<'a, D> {
         CancellableSolver { solver: self, cancel }
     }
 
-    /// Solves for the targets the problem was given with.
+    /// Solves for the targets in the problem.
     #[must_use]
     pub fn solve(&self) -> Solution<D> {
         self.with_cancel(&Cancel::never()).solve().expect("the targets are checked, and nothing cancels the solve")
     }
 
-    /// Like [`Self::solve`]; `observe` is called with the energies of every step, the last ones being the solution's.
+    /// Same as [`Self::solve`]; `observe` receives the energies of every step, and at the end those of the solution.
     pub(crate) fn solve_observed(&self, mut observe: impl FnMut(Energies)) -> Solution<D> {
         let solved = self.with_cancel(&Cancel::never()).run(&self.system.own_targets(), Some(&mut observe));
         solved.expect("the targets are checked, and nothing cancels the solve")
     }
 
-    /// Solves for new targets (and wanted gradients) of the same pins and handles.
+    /// Solves for new targets and prescribed gradients of the same pins and handles.
     ///
     /// # Errors
-    /// [`SolveError`] where the pins or handles are not those of the problem, or a target is not a number.
+    /// [`SolveError`] if the pins or handles are not those of the problem, or a target is not finite.
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         self.with_cancel(&Cancel::never()).update(pins, handles)
     }
 
-    /// Solves for the last targets of a path. Where pins and handles wind parts of the shape up on the way (in the plane,
-    /// pairs of them against each other by more than 150 degrees), the path decides in which direction and how often:
-    /// every step is solved from the last. Elsewhere this is [`Self::update`], and the path does not matter.
+    /// Solves for the last targets of a path. If the path winds parts of the shape (in 2D, if pairs of pins rotate against each
+    /// other by more than 150 degrees), it determines the direction and number of turns, and every step is solved from the
+    /// previous one. Otherwise this is [`Self::update`], and the path does not matter.
     ///
     /// # Errors
-    /// As [`Self::update`], for any targets of the path.
+    /// Those of [`Self::update`], for any targets of the path.
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         self.with_cancel(&Cancel::never()).follow(path)
     }
 
-    /// The folded cells of a lattice over the same grid, and which of them are active.
+    /// Returns the folded cells of a lattice over the same grid, and which of them are active.
     #[must_use]
     pub fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
         self.system.folds(lattice)
     }
 
-    /// The prefactored problem.
+    /// The factored problem.
     pub(crate) fn system(&self) -> &System<D> {
         &self.system
     }
@@ -123,7 +123,7 @@ pub struct CancellableSolver<'a, const D: usize> {
 }
 
 impl<const D: usize> CancellableSolver<'_, D> {
-    /// As [`Solver::solve`].
+    /// Same as [`Solver::solve`].
     ///
     /// # Errors
     /// [`SolveError::Cancelled`].
@@ -131,19 +131,19 @@ impl<const D: usize> CancellableSolver<'_, D> {
         self.run(&self.solver.system.own_targets(), None)
     }
 
-    /// As [`Solver::update`].
+    /// Same as [`Solver::update`].
     ///
     /// # Errors
-    /// As [`Solver::update`], and [`SolveError::Cancelled`].
+    /// Those of [`Solver::update`], and [`SolveError::Cancelled`].
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let to = self.solver.system.retargeted(pins, handles, self.cancel)?;
         self.run(&self.solver.system.targets((pins, handles), &to), None)
     }
 
-    /// As [`Solver::follow`].
+    /// Same as [`Solver::follow`].
     ///
     /// # Errors
-    /// As [`Solver::follow`], and [`SolveError::Cancelled`].
+    /// Those of [`Solver::follow`], and [`SolveError::Cancelled`].
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         let Some(goal) = path.last() else { return self.solve() };
         match self.solver.system.follow_winding(path, self.cancel)? {

@@ -1,4 +1,4 @@
-//! Local stiffness of the shape: painted on its triangles, and multiplied by regions of pins.
+//! Local stiffness of the shape: the stiffness of its triangles, multiplied by that of the regions of pins.
 //!
 //! In: a shape, pins with regions. Out: stiffness relative to the default of 1.
 
@@ -12,7 +12,7 @@ impl<const D: usize> Shape<D> {
         self.stiffness.get(triangle).copied().unwrap_or(1.0)
     }
 
-    /// The same shape with the stiffness of the regions of pins multiplied in, at the centroid of each triangle.
+    /// Returns the same shape with the stiffness of each triangle multiplied by that of the regions at its centroid.
     pub(crate) fn with_region_stiffness(&self, pins: &[PointPin<D>]) -> Self {
         if !has_stiff_regions(pins) {
             return self.clone();
@@ -26,7 +26,7 @@ impl<const D: usize> Shape<D> {
         Self { stiffness: stiffness.collect(), ..self.clone() }
     }
 
-    /// Mean stiffness over the area; 1 where there is none.
+    /// Area-weighted mean stiffness; 1 if the shape has no stiffness per triangle.
     pub(crate) fn mean_stiffness(&self) -> f64 {
         let area = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|corner| &self.points[corner as usize]);
@@ -41,7 +41,7 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// Some pin changes the stiffness of its region.
+/// Whether some pin changes the stiffness of its region.
 fn has_stiff_regions<const D: usize>(pins: &[PointPin<D>]) -> bool {
     pins.iter().any(|pin| pin.region.is_some_and(|region| region.stiffness != 1.0))
 }
@@ -51,8 +51,8 @@ pub(crate) fn region_stiffness_at<const D: usize>(pins: &[PointPin<D>], point: [
     pins.iter().map(|pin| region_stiffness(pin, point)).product()
 }
 
-/// The stiffness multiplier of a pin's region at a point: full at the pin, fading to 1 at the rim of the region, and fading with the
-/// pin.
+/// Stiffness multiplier of a pin's region at a point: the full value at the pin, falling to 1 at the rim of the region, and
+/// weaker as the pin fades out.
 pub(crate) fn region_stiffness<const D: usize>(pin: &PointPin<D>, point: [f64; D]) -> f64 {
     let Some(region) = pin.region else { return 1.0 };
     let away = minus(&point, &pin.at);

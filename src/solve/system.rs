@@ -1,6 +1,6 @@
-//! A prefactored problem: everything that does not depend on targets is computed and factored once, then minimised often.
+//! A factored problem: computes and factors once what does not depend on targets, for any number of minimisations.
 //!
-//! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and the reports of their results.
+//! In: grid, shape, pins, handles, settings; later only targets. Out: minimisations, and reports of their results.
 
 use super::active_cells::active_cells;
 use super::barrier::{Barrier, BarrierPart};
@@ -30,29 +30,29 @@ use crate::spelling::counted;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The grid, the shape's samples, which points are pinned, which handles are moved, and the factored matrix.
+/// Grid, samples of the shape, pinned points and moved handles, with the factored matrix.
 #[derive(Debug)]
 pub(crate) struct System<const D: usize> {
     grid: Grid<D>,
     settings: Settings,
     distortion: Box<dyn Distortion<D>>,
-    /// The matrix without the proximal term.
+    /// Matrix without the proximal term; empty if there is no such term.
     constant: NormalMatrix,
-    /// With pins that all hold.
+    /// Matrix and factor under the assumption that all pins hold exactly.
     prefactored: Prefactored,
-    /// For the targets that the problem was given with, where some pins give way.
+    /// Matrix and factor for the targets in the problem, if some pins give way for them.
     yielded: Option<Prefactored>,
     scales: Scales,
     pins: Vec<PointPin<D>>,
     handles: Vec<HandlePin<D>>,
     terms: Terms<D>,
-    /// Copies of handles; `None`: every handle is one unknown.
+    /// Copies of handles; `None` if every handle is one unknown.
     branching: Option<Arc<Branching<D>>>,
-    /// Which cells hold some of the shape; empty where nobody asks ([`Self::mark_active_cells`]).
+    /// Active cells; empty until [`Self::mark_active_cells`] is called.
     is_active: Vec<bool>,
-    /// What keeps them from folding, where the settings ask for it.
+    /// Barrier that keeps active cells from folding, if the settings ask for it.
     barrier: Option<Barrier<D>>,
-    /// How firmly the shape holds each unknown: the diagonal of its matrix.
+    /// Stiffness of the shape at each unknown: the diagonal of the matrix of its energy.
     stiffness: Vec<f64>,
     /// Warnings about the shape.
     warnings: Vec<String>,
@@ -64,15 +64,15 @@ pub(crate) struct Parts<const D: usize> {
     pub(crate) pin_rows: LeastSquaresRows<D>,
     pub(crate) branching: Option<Branching<D>>,
     pub(crate) warnings: Vec<String>,
-    /// Points of the model, each a row of the proximal term.
+    /// Rows of the proximal term, one per point of the model.
     pub(crate) proximal: LeastSquaresRows<D>,
 }
 
-/// Weight of known displacements, where others are interpolated, relative to that of the shape.
+/// Weight of known displacements when others are interpolated, relative to the stiffness of the shape.
 const INTERPOLATION: f64 = 100.0;
 
-/// Part of the mean diagonal of shape and regulariser that draws handles to the rigid fit (Tikhonov regularisation): it
-/// determines what nothing else constrains, and changes the rest by less than the tolerance.
+/// Weight of the Tikhonov term, which draws handles to the rigid fit, as a fraction of the mean diagonal of shape and
+/// regulariser. It determines handles that nothing else constrains, and changes the others by less than the tolerance.
 const TIKHONOV: f64 = 1e-9;
 
 impl<const D: usize> System<D> {
@@ -83,12 +83,12 @@ impl<const D: usize> System<D> {
         Ok(system)
     }
 
-    /// Finds the cells that hold some of the shape, for reports; not needed before.
+    /// Finds the active cells, which only reports need.
     pub(crate) fn mark_active_cells(&mut self, shape: &Shape<D>) {
         self.is_active = active_cells(&self.grid, shape);
     }
 
-    /// As [`Self::new`], with points of the model that a proximal term may draw to places ([`Self::draw_points`]), and without active cells.
+    /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term ([`Self::draw_points`]).
     pub(crate) fn with_points(
         problem: &Problem<D>,
         points: &[ModelPoint<D>],
@@ -120,7 +120,7 @@ impl<const D: usize> System<D> {
         Self::assemble(problem, parts, cancel)
     }
 
-    /// Factors a checked problem whose parts are built already.
+    /// Factors a checked problem from components that are already built.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
         let Parts { distortion, pin_rows, branching, warnings, proximal } = parts;
         let (grid, settings) = (problem.grid, problem.settings);
@@ -185,14 +185,14 @@ impl<const D: usize> System<D> {
         Ok(system)
     }
 
-    /// Lets pins give way where the problem's own targets ask for too much.
+    /// Lets pins give way for the targets in the problem, where these demand too much.
     fn let_yield(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
         let Retargeted { terms, yielded } = self.yielding((&self.pins, &self.handles), self.terms.clone(), cancel)?;
         (self.terms, self.yielded) = (terms, yielded);
         Ok(())
     }
 
-    /// Terms in which pins give way where the targets ask for too much.
+    /// Returns the terms in which pins give way where the targets demand too much, and the matrix factored for them.
     fn yielding(
         &self,
         (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
@@ -211,7 +211,7 @@ impl<const D: usize> System<D> {
     }
 
     fn yielding_pairs(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Vec<YieldingPair> {
-        // More rows than handles cannot hold: least squares share what they ask.
+        // If pins and moved handles outnumber the handles of the grid, least squares spread the residual, and no pair yields.
         if pins.len() + handles.len() > self.grid.handle_count() {
             return Vec::new();
         }
@@ -224,7 +224,7 @@ impl<const D: usize> System<D> {
         pairs
     }
 
-    /// A matrix with pins that hold, with the rows of those that give way instead.
+    /// Returns a matrix in which the rows of `terms` that yield replace the rows of pins that hold exactly.
     fn softened(&self, normal: &NormalMatrix, terms: &Terms<D>, cancel: &Cancel) -> NormalMatrix {
         let Some(yielding) = &terms.yielding else { return normal.clone() };
         let mut softened = normal.widened(yielding.rows.bandwidth());
@@ -233,7 +233,7 @@ impl<const D: usize> System<D> {
         softened
     }
 
-    /// Draws the points of the proximal term to `places` with this weight.
+    /// Draws the points of the proximal term to `places` with the given weight.
     pub(crate) fn draw_points(
         &mut self,
         places: impl IntoIterator<Item = [f64; D]>,
@@ -252,8 +252,8 @@ impl<const D: usize> System<D> {
         self.let_yield(cancel)
     }
 
-    /// Whether energy and proximal term of this weight are convex at `handles`: their second derivative is positive definite.
-    /// True where the energy does not implement it.
+    /// Whether the second derivative of the energy with a proximal term of the given weight is positive definite at `handles`.
+    /// True if the energy does not implement its second derivative.
     pub(crate) fn is_convex(&self, handles: &[[f64; D]], weight: f64, cancel: &Cancel) -> bool {
         if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
             return true;
@@ -266,13 +266,13 @@ impl<const D: usize> System<D> {
         Factorization::of_positive(second, cancel).is_some()
     }
 
-    /// The unknowns by what tells them apart at any time; empty where every handle is one.
+    /// Names of the unknowns, which identify them at any time; empty if every handle is one unknown.
     pub(crate) fn copy_names(&self) -> Vec<CopyName> {
         self.branching.as_ref().map_or_else(Vec::new, |branching| branching.copy_names())
     }
 
-    /// The displacements of all unknowns that go best with those that are known and with those of the points of the proximal term, in
-    /// least squares of gradients over the shape; `None` where they are not determined.
+    /// Interpolates the displacements of all unknowns from the known ones and from those of the points of the proximal term, by
+    /// least squares of the gradients over the shape. Returns `None` if they are not determined, or there is no proximal term.
     pub(crate) fn interpolated(
         &self,
         known: &[Option<[f64; D]>],
@@ -301,17 +301,17 @@ impl<const D: usize> System<D> {
         Some(displacements)
     }
 
-    /// Where the points of the proximal term are drawn to; at first, where they rest.
+    /// Positions to which the points of the proximal term are drawn; initially their rest positions.
     pub(crate) fn point_targets(&self) -> Vec<[f64; D]> {
         (0..self.terms.proximal.len()).map(|row| self.terms.proximal.target(row)).collect()
     }
 
-    /// Where the points of the proximal term are under `handles`.
+    /// Positions of the points of the proximal term under `handles`.
     pub(crate) fn point_images(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
         (0..self.terms.proximal.len()).map(|row| self.terms.proximal.image(row, handles)).collect()
     }
 
-    /// The grid at rest.
+    /// The rest grid.
     pub(crate) fn grid(&self) -> &Grid<D> {
         &self.grid
     }
@@ -321,13 +321,13 @@ impl<const D: usize> System<D> {
         &self.settings
     }
 
-    /// The targets that the problem was given with.
+    /// The targets in the problem, with their terms.
     pub(crate) fn own_targets(&self) -> TargetTerms<'_, D> {
         let prefactored = self.yielded.as_ref().unwrap_or(&self.prefactored);
         TargetTerms { pins: &self.pins, handles: &self.handles, terms: &self.terms, prefactored }
     }
 
-    /// Other targets, whose terms are these.
+    /// Combines other targets with their terms and the factored matrix.
     pub(crate) fn targets<'a>(
         &'a self,
         (pins, handles): (&'a [PointPin<D>], &'a [HandlePin<D>]),
@@ -337,7 +337,7 @@ impl<const D: usize> System<D> {
         TargetTerms { pins, handles, terms: &to.terms, prefactored }
     }
 
-    /// The terms with other targets for the same pins and handles.
+    /// Returns the terms for other targets of the same pins and handles.
     pub(crate) fn retargeted(
         &self,
         pins: &[PointPin<D>],
@@ -354,12 +354,12 @@ impl<const D: usize> System<D> {
         self.yielding((pins, handles), terms, cancel)
     }
 
-    /// The rigid motion that brings pins and handles nearest to their targets.
+    /// Returns the rigid motion that best fits pins and handles to their targets.
     pub(crate) fn fitted(&self, targets: &TargetTerms<D>) -> RigidMotion<D> {
         RigidMotion::fit(&self.grid, targets.pins, targets.handles)
     }
 
-    /// The minimisation for given targets.
+    /// Returns the minimisation for the given targets.
     pub(crate) fn minimization<'a>(
         &'a self,
         targets: &TargetTerms<'a, D>,
@@ -390,12 +390,12 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// The folded cells of a lattice over the same grid, and which of them are active.
+    /// Returns the folded cells of a lattice over the same grid, and which of them are active.
     pub(crate) fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
         lattice.folds(&self.is_active)
     }
 
-    /// The solution without pins and moved handles: the grid at rest.
+    /// Returns the solution of a problem without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
@@ -410,7 +410,7 @@ impl<const D: usize> System<D> {
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 
-    /// The solution and report of a minimisation for `goal`.
+    /// Converts the result of a minimisation for `goal` to a solution with its report.
     pub(crate) fn finish(&self, goal: &Targets<D>, result: MinimizationResult<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.extend(pins::handle_conflicts(&self.grid, &goal.handles));
@@ -477,27 +477,27 @@ impl<const D: usize> System<D> {
         Solution { lattice, branches, report }
     }
 
-    /// Some handles have copies.
+    /// Whether the lattice branches, so that some handles have copies.
     pub(crate) fn has_branches(&self) -> bool {
         self.branching.is_some()
     }
 
-    /// The branches are copies of the same handles over the same shape.
+    /// Whether branches have the same copies of handles over the same shape as this system.
     pub(crate) fn has_pieces_of(&self, branches: &BranchedLattice<D>) -> bool {
         self.branching.as_ref().is_some_and(|own| branches.is_of(own))
     }
 
-    /// How firmly the shape holds each unknown.
+    /// Stiffness of the shape at each unknown.
     pub(crate) fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }
 
-    /// The unknowns of the solve at rest: handles, or copies of them.
+    /// Rest positions of the unknowns, which are handles or copies of them.
     pub(crate) fn rest(&self) -> Vec<[f64; D]> {
         self.branching.as_ref().map_or_else(|| self.grid.rest_handles(), |branching| branching.rest())
     }
 
-    /// The points of the shape that pins hold.
+    /// Returns the pins with the points that they hold on the shape.
     fn held<'a>(&self, pins: &'a [PointPin<D>]) -> Cow<'a, [PointPin<D>]> {
         match &self.branching {
             Some(branching) => pins.iter().map(|pin| branching.held(pin).0).collect(),
@@ -505,12 +505,12 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// The branches of a state; `None` where every handle is one unknown.
+    /// Returns the branches of a state; `None` if every handle is one unknown.
     pub(crate) fn branches(&self, unknowns: &[[f64; D]]) -> Option<BranchedLattice<D>> {
         self.branching.as_ref().map(|branching| BranchedLattice::new(branching, unknowns.to_vec()))
     }
 
-    /// How far a moved handle, or the farthest of its copies, is from its target.
+    /// Distance of a moved handle from its target, or of the farthest of its copies.
     fn handle_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, handle: &HandlePin<D>) -> f64 {
         match branches {
             Some(branches) => {
@@ -532,7 +532,7 @@ impl<const D: usize> System<D> {
     }
 }
 
-/// The unknowns that moved handles are.
+/// Converts moved handles to moved unknowns.
 fn moved_unknowns<'a, const D: usize>(
     branching: Option<&Branching<D>>,
     handles: &'a [HandlePin<D>],

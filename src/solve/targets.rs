@@ -1,6 +1,6 @@
-//! Targets of all pins and moved handles, and interpolation between two of them.
+//! Targets of all pins and moved handles, and interpolation between two sets of targets.
 //!
-//! In: targets of the same pins and handles. Out: targets between them.
+//! In: two sets of targets of the same pins and handles. Out: targets between them.
 
 use super::linalg::small_matrix::{SquareMatrix, best_rotation, rotation_part, times, transpose};
 use super::problem::{HandlePin, PointPin};
@@ -9,14 +9,14 @@ use crate::lattice::Grid;
 /// Targets of all pins and moved handles, at one point of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Targets<const D: usize> {
-    /// Pins.
+    /// Pins with their targets.
     pub pins: Vec<PointPin<D>>,
-    /// Moved handles.
+    /// Moved handles with their targets.
     pub handles: Vec<HandlePin<D>>,
 }
 
 impl<const D: usize> Targets<D> {
-    /// Interpolation to other targets: positions linearly, gradients by rotation and stretch.
+    /// Interpolates towards other targets: positions linearly, gradients by rotation and stretch.
     pub(crate) fn interpolated(&self, to: &Self, t: f64) -> Self {
         let mix = |a: [f64; D], b: [f64; D]| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t);
         let pins = self.pins.iter().zip(&to.pins).map(|(a, b)| PointPin {
@@ -29,7 +29,7 @@ impl<const D: usize> Targets<D> {
         Self { pins: pins.collect(), handles: handles.collect() }
     }
 
-    /// All pins and moved handles are where they rest, to the bit.
+    /// Whether all pins and moved handles have exactly their rest positions as targets.
     pub(crate) fn are_at_rest(&self, grid: &Grid<D>) -> bool {
         let is_identity = |columns: &[[f64; D]; D]| {
             (0..D).all(|row| (0..D).all(|column| columns[column][row] == f64::from(u8::from(row == column))))
@@ -38,7 +38,7 @@ impl<const D: usize> Targets<D> {
             && self.handles.iter().all(|handle| handle.target == grid.rest_handle(handle.index))
     }
 
-    /// Rest positions and targets of all pins and handles with a positive weight.
+    /// Rest positions and targets of the pins with a positive weight and of all moved handles.
     pub(crate) fn ends(&self, grid: &Grid<D>) -> Vec<[[f64; D]; 2]> {
         let pins = self.pins.iter().filter(|pin| pin.weight > 0.0).map(|pin| [pin.at, pin.target]);
         let handles = self.handles.iter().map(|handle| [grid.rest_handle(handle.index), handle.target]);
@@ -46,10 +46,10 @@ impl<const D: usize> Targets<D> {
     }
 }
 
-/// Interpolation of gradients (columns: images of the axes), split into rotation and stretch.
+/// Interpolates gradients (columns: images of the axes), split into rotation and stretch.
 fn interpolate_gradients<const D: usize>(a: &SquareMatrix<D>, b: &SquareMatrix<D>, t: f64) -> SquareMatrix<D> {
     let [(turn_a, stretch_a), (turn_b, stretch_b)] = [a, b].map(|columns| {
-        // S of `best_rotation` is Σ (axis)(image)ᵀ: the columns as rows.
+        // The matrix S of `best_rotation` is Σ (axis)(image)ᵀ, whose rows are the columns of the gradient.
         let rotation = best_rotation(columns);
         (rotation, times(&transpose(&rotation), &transpose(columns)))
     });
@@ -79,7 +79,7 @@ mod tests {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
         let (found, expected) = (found.gradient.unwrap_or_default(), expected.gradient.unwrap_or_default());
         assert!(found.as_flattened().iter().zip(expected.as_flattened()).all(near), "{found:?}");
-        // In space: half of a half turn about x is a quarter turn.
+        // In 3D: half of a rotation by 180 degrees about x is one by 90 degrees.
         let half = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
         let quarter = interpolate_gradients(&crate::solve::linalg::small_matrix::identity::<3>(), &half, 0.5);
         assert!(

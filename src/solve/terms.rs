@@ -1,4 +1,4 @@
-//! The terms of the energy without rotations, and the factors of all terms.
+//! The energy terms without rotations, and the factors of all terms.
 //!
 //! In: settings and rows. Out: [`Terms`], [`Scales`].
 
@@ -9,7 +9,7 @@ use super::yielding_rows::YieldingRows;
 use crate::lattice::Grid;
 use std::sync::Arc;
 
-/// Factors of the four terms and of the Tikhonov term towards the rigid fit.
+/// Factors of the energy terms, including the Tikhonov term towards the rigid fit and the proximal term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scales {
     pub(crate) shape: f64,
@@ -17,7 +17,7 @@ pub(crate) struct Scales {
     pub(crate) handles: f64,
     pub(crate) regularizer: f64,
     pub(crate) tikhonov: f64,
-    /// Of the proximal term: 0 in a solve of one time alone.
+    /// Factor of the proximal term; 0 in a solve of a single time.
     pub(crate) proximal: f64,
 }
 
@@ -26,16 +26,16 @@ pub(crate) struct Scales {
 pub(crate) struct Terms<const D: usize> {
     pub(crate) pins: LeastSquaresRows<D>,
     pub(crate) handles: LeastSquaresRows<D>,
-    /// Shared: it does not depend on targets.
+    /// Shared, because it does not depend on targets.
     pub(crate) regularizer: Arc<RegularizerTerm<D>>,
-    /// Points of the model and the places they are drawn to; none in a solve of one time alone.
+    /// Points of the model with the positions to which they are drawn; none in a solve of a single time.
     pub(crate) proximal: LeastSquaresRows<D>,
-    /// The rows of the pins where some give way.
+    /// Rows of the pins if some give way.
     pub(crate) yielding: Option<Arc<YieldingRows<D>>>,
 }
 
 impl<const D: usize> Terms<D> {
-    /// The rows of the pins as they act: where some give way, mixed.
+    /// Rows of the pins in the energy: those of yielding pins if some give way.
     pub(crate) fn acting_pins(&self) -> &LeastSquaresRows<D> {
         self.yielding.as_ref().map_or(&self.pins, |yielding| &yielding.rows)
     }
@@ -46,7 +46,7 @@ impl Scales {
         let lambdas = settings.lambdas;
         let [shape, pins] = match settings.scaling {
             Scaling::Plain => [1.0, 1.0],
-            // Negative cotangents can make the mass zero.
+            // Negative cotangents can make the mass zero or negative.
             Scaling::Dimensionless => [if mass > 0.0 { 1.0 / mass } else { 1.0 }, 1.0 / grid.diagonal().powi(2)],
         };
         Self {

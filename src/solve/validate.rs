@@ -1,12 +1,12 @@
-//! Validation of problems before anything is computed.
+//! Validation of problems before any computation.
 //!
-//! In: a problem. Out: its first fault, in words.
+//! In: a problem. Out: the first fault that is found, in words.
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Region, Shape};
 use crate::spelling::counted;
 
-/// Largest coordinate: products of four stay finite.
+/// Largest absolute coordinate, for which products of four coordinates stay finite.
 const FURTHEST: f64 = 1e50;
 
 /// Checks grid, shape, pins and handles.
@@ -117,7 +117,7 @@ fn pin<const D: usize>(index: usize, pin: &PointPin<D>) -> Result<(), SolveError
     Err(invalid(format!("pin {index} has weight {}", pin.weight), "use a weight from 0 to 1".into()))
 }
 
-/// The pins of an update have to be those of the problem.
+/// Checks that the pins of an update are those of the problem.
 pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin<D>]) -> Result<(), SolveError> {
     same_count(known.len(), given.len(), ["pin", "pins"])?;
     for (index, (a, b)) in known.iter().zip(given).enumerate() {
@@ -130,7 +130,7 @@ pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin
     Ok(())
 }
 
-/// The handles of an update have to be those of the problem.
+/// Checks that the handles of an update are those of the problem.
 pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[HandlePin<D>]) -> Result<(), SolveError> {
     same_count(known.len(), given.len(), ["moved handle", "moved handles"])?;
     for (entry, (a, b)) in known.iter().zip(given).enumerate() {

@@ -1,4 +1,4 @@
-//! How far pins and handles rotate parts of a shape against each other along a path of targets.
+//! Measures how far pins and handles rotate parts of a shape against each other along a path of targets.
 //!
 //! In: a path. Out: rotation angles of pairs, unwrapped along the path, and the path in small steps.
 
@@ -7,11 +7,11 @@ use super::targets::Targets;
 use crate::lattice::Grid;
 use std::f64::consts::{PI, TAU};
 
-/// Each point forms pairs with this many following ones: all pairs of up to 24 points.
+/// Number of following points with which each point forms pairs; up to 24 points form all pairs.
 const PARTNERS: usize = 23;
 
-/// Rotation angles of pairs of points and of wanted gradients along a path: one row per point of the path, radians, unwrapped from the
-/// first on. Empty in 3D, where nothing is unwrapped.
+/// Returns the rotation angles of pairs of points and of prescribed gradients along a path, in radians: one row per point of the
+/// path, unwrapped from the first row on. Empty in 3D, where angles cannot be unwrapped.
 pub(crate) fn rotations<const D: usize>(grid: &Grid<D>, path: &[Targets<D>]) -> Vec<Vec<f64>> {
     if D != 2 {
         return Vec::new();
@@ -46,14 +46,14 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * ((angle + PI) / TAU).floor()
 }
 
-/// Range of the angles of a row: how far parts are wound against each other.
+/// Range of the angles of a row, which measures how far parts are wound against each other.
 pub(crate) fn spread(row: &[f64]) -> f64 {
     let [low, high] =
         row.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &turn| [low.min(turn), high.max(turn)]);
     (high - low).max(0.0)
 }
 
-/// A subset of the path in which consecutive angles differ by no more than `most` radians, with interpolated targets where the path
+/// Returns points of the path whose consecutive angles differ by at most `most` radians, with interpolated targets where the path
 /// itself has larger steps.
 pub(crate) fn steps<const D: usize>(path: &[Targets<D>], rotations: &[Vec<f64>], most: f64) -> Vec<Targets<D>> {
     let turn = |from: usize, to: usize| {
@@ -90,7 +90,7 @@ mod tests {
         };
         let path: Vec<_> = [0.0, 100.0, 210.0, 330.0, 400.0].map(state).to_vec();
         let rotations = rotations(&grid, &path);
-        // The turned pair against pairs across, which sway by a few degrees.
+        // The rotated pair is compared with pairs across, which sway by a few degrees.
         assert!((spread(&rotations[4]).to_degrees() - 400.0).abs() < 6.0, "{rotations:?}");
         let steps = steps(&path, &rotations, 50_f64.to_radians());
         assert_eq!((steps.len(), &steps[0], steps.last()), (1 + 2 + 3 + 3 + 2, &path[0], path.last()));

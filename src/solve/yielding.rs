@@ -1,7 +1,7 @@
-//! Pins that give way: pairs less than a span of the lattice apart that ask for more than it can do between them.
+//! Pins that give way: pairs less than a span of the lattice apart whose targets demand more than the lattice can do between them.
 //!
-//! In: pins with their targets, settings. Out: pairs with their compliances: 0 below the limit, where pins are exact, and a
-//! smooth function of places, targets and weights above it (docs/METHOD.md, "Pins that give way").
+//! In: pins with their targets, settings. Out: pairs with their compliances, which are 0 up to the limit, where pins are exact,
+//! and a smooth function of positions, targets and weights above it (docs/METHOD.md, "Pins that give way").
 
 use super::linalg::small_matrix::{apply, distance, minus};
 use super::pins::{RigidMotion, held_point, held_target};
@@ -9,20 +9,21 @@ use super::problem::{HandlePin, PointPin};
 use super::settings::{PinHold, Settings};
 use crate::lattice::Grid;
 
-/// Distances are longer by this part of a span: pins on one point have a finite compliance.
+/// Added to distances, in spans, so that pins at the same point have a finite compliance.
 const LEAST_DISTANCE: f64 = 1e-4;
 
-/// Pins nearer than this many spans may ask for less stretch, and to turn less: the lattice has to turn and stretch a whole span.
+/// Distance in spans below which pins may demand less stretch and less rotation, because the lattice has to rotate and stretch a
+/// whole span with them.
 const NEAR: f64 = 0.44;
 
-/// Compliance of a span that two pins stretch, in units of the squared distance of the pins times the cells over the stiffness of the
-/// whole shape: between 0.2 and 0.8 where cells are full and where they are not.
+/// Compliance of a span that two pins stretch, in units of the squared distance of the pins times the number of cells over the
+/// stiffness of the shape. Measured values are between 0.2 and 0.8, depending on how full the cells are.
 const SPAN_COMPLIANCE: f64 = 0.25;
 
-/// Pairs give way at a constant force up to about this many times the limit, and at less and less beyond.
+/// Up to about this multiple of the limit pairs yield with a constant force, and beyond it with a decreasing one.
 const OUTRAGEOUS: f64 = 10.0;
 
-/// The greatest compliance, in units of that of a pin that holds.
+/// Upper limit of the compliance, in units of that of a pin that holds exactly.
 const SOFTEST: f64 = 1e6;
 
 /// Two pins whose difference yields.
@@ -30,11 +31,12 @@ const SOFTEST: f64 = 1e6;
 pub(crate) struct YieldingPair {
     /// Indices of the pins.
     pub(crate) pins: [usize; 2],
-    /// k times the stiffness of a pin that holds, above 0.
+    /// Compliance k times the stiffness of a pin that holds exactly; above 0.
     pub(crate) compliance: f64,
 }
 
-/// The pairs of pins that yield. `firmness`: stiffness of a pin that holds over that of the whole shape, one over squared length.
+/// Returns the pairs of pins that yield. `firmness` is the stiffness of a pin that holds exactly over that of the shape, in units
+/// of one over squared length.
 pub(crate) fn yielding_pairs<const D: usize>(
     grid: &Grid<D>,
     (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
@@ -66,7 +68,8 @@ pub(crate) fn yielding_pairs<const D: usize>(
     pairs
 }
 
-/// What a pair of pins asks for: from one pin to the other, at rest and by their targets, and as the rigid fit of all pins takes it.
+/// Demand of a pair: the vector from one pin to the other at rest, between their targets, and at rest but rotated by the rigid
+/// fit of all pins.
 struct Demand<const D: usize> {
     rest: [f64; D],
     now: [f64; D],
@@ -74,7 +77,7 @@ struct Demand<const D: usize> {
 }
 
 impl<const D: usize> Demand<D> {
-    /// The compliance that the pair gets: 0 where it is a span apart and where it asks for no more than it may.
+    /// Compliance of the pair; 0 where the pins are a span or more apart, or demand no more than they may.
     fn compliance(&self, grid: &Grid<D>, max_stretch: f64, firmness: f64) -> f64 {
         let square: f64 = (0..D).map(|d| (self.rest[d] / grid.spacing(d)).powi(2)).sum();
         if square >= 1.0 {
@@ -83,17 +86,17 @@ impl<const D: usize> Demand<D> {
         let spans = square.sqrt() + LEAST_DISTANCE;
         let origin = [0.0; D];
         let [rest, now] = [&self.rest, &self.now].map(|between| distance(between, &origin));
-        // The mean span along the pair.
+        // Mean span along the direction of the pair.
         let span = if square > 0.0 { rest / square.sqrt() } else { grid.spacing(0) };
         let least = span * LEAST_DISTANCE;
         let length = rest + least;
         let times = (now + least) / length;
-        // To press pins together is as much as to draw them apart.
+        // Compressing a pair counts as much as stretching it.
         let stretch = (times - 1.0).max(1.0 / times - 1.0);
         let change = distance(&self.now, &self.turned) / length;
         let t = (spans / NEAR).min(1.0);
         let freedom = t * t * (3.0 - 2.0 * t);
-        // Far pairs may turn freely, near ones with the rest of the pins.
+        // Far pairs may rotate freely, near ones only with the other pins.
         let turning = (change * change - (times - 1.0).powi(2)).max(0.0);
         let asked = (stretch * stretch + (1.0 - freedom) * turning).sqrt();
         let excess = asked / ((max_stretch - 1.0) * freedom) - 1.0;
@@ -101,7 +104,7 @@ impl<const D: usize> Demand<D> {
             return 0.0;
         }
         let fade = (1.0 - square).powi(3);
-        // The compliance of the span that the pair would have to stretch.
+        // Compliance of the span that the pair would have to stretch.
         let lattice = SPAN_COMPLIANCE * firmness * grid.cell_count() as f64 * length * length;
         let compliance = lattice * fade * excess * excess / (1.0 + excess) * (1.0 + excess / OUTRAGEOUS);
         compliance / (1.0 + compliance / SOFTEST)

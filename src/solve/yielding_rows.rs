@@ -1,32 +1,33 @@
 //! Rows of pins of which some pairs give way.
 //!
-//! In: rows, pins, pairs with their compliances k. Out: the rows mixed by them.
-//! With K = Σ k (e_i − e_j)(e_i − e_j)ᵀ over the pairs, W the weights of the pins and w the stiffness of a pin that holds, pins act
-//! with the stiffness w M, M = (W⁻¹ + w K)⁻¹: the mean of two rows stays as firm as ever, their difference yields.
+//! In: rows, pins, pairs with their compliances k. Out: rows that are combinations of those of the pins.
+//! With K = Σ k (e_i − e_j)(e_i − e_j)ᵀ over the pairs, W the weights of the pins and w the stiffness of a pin that holds
+//! exactly, pins act with the stiffness w M, M = (W⁻¹ + w K)⁻¹: the mean of two rows stays as stiff as before, and their
+//! difference yields.
 
 use super::least_squares::LeastSquaresRows;
 use super::problem::PointPin;
 use super::yielding::YieldingPair;
 use std::collections::BTreeMap;
 
-/// Entries and target of a combination of rows.
+/// Entries and target of a linear combination of rows.
 type Combination<const D: usize> = (Vec<(usize, f64)>, [f64; D]);
 
-/// Rows of pins, mixed by the pairs that yield.
+/// Rows of pins, combined by the pairs that yield.
 #[derive(Clone, Debug)]
 pub(crate) struct YieldingRows<const D: usize> {
-    /// For the energy: all rows of the pins, those that yield as combinations G C with GᵀG = M.
+    /// Rows for the energy: those of all pins, of which the yielding ones are the combinations G C with GᵀG = M.
     pub(crate) rows: LeastSquaresRows<D>,
-    /// Rows M C of hard pins that yield, and their targets M d.
+    /// Rows M C of the hard pins that yield, with their targets M d.
     held: LeastSquaresRows<D>,
-    /// Where rows of pins are in `held`.
+    /// Index in `held` for each pin row that is there.
     places: BTreeMap<usize, usize>,
-    /// Pairs of rows of hard pins with their entry of Z = (I − M)/w.
+    /// Entries of Z = (I − M)/w for pairs of rows of hard pins.
     compliance: Vec<([usize; 2], f64)>,
 }
 
 impl<const D: usize> YieldingRows<D> {
-    /// Mixes the rows of pins; `stiffness`: of a pin that holds, w.
+    /// Combines the rows of pins. `stiffness` is w, that of a pin that holds exactly.
     pub(crate) fn new(
         rows: &LeastSquaresRows<D>,
         pins: &[PointPin<D>],
@@ -63,18 +64,19 @@ impl<const D: usize> YieldingRows<D> {
         Self { rows: all, held, places, compliance }
     }
 
-    /// M C and M d for a row of a hard pin that yields: the rows and the index of this one.
+    /// Returns the set of the rows M C with targets M d, and the index in it for a pin row; `None` if the pin is not a hard pin
+    /// that yields.
     pub(crate) fn held(&self, row: usize) -> Option<(&LeastSquaresRows<D>, usize)> {
         Some((&self.held, *self.places.get(&row)?))
     }
 
-    /// Entries of Z = (I − M)/w, by pairs of rows of hard pins.
+    /// Entries of Z = (I − M)/w for pairs of rows of hard pins.
     pub(crate) fn compliance(&self) -> &[([usize; 2], f64)] {
         &self.compliance
     }
 }
 
-/// The row of each pin's place; pins that hold a gradient have one more an axis.
+/// Returns the position row of each pin. A pin that prescribes a gradient has one additional row per axis.
 fn first_rows<const D: usize>(pins: &[PointPin<D>]) -> Vec<usize> {
     let mut next = 0;
     let mut first = |pin: &PointPin<D>| {
@@ -85,7 +87,7 @@ fn first_rows<const D: usize>(pins: &[PointPin<D>]) -> Vec<usize> {
     pins.iter().map(&mut first).collect()
 }
 
-/// Σ share · row, entries in ascending order, and Σ share · target.
+/// Returns Σ share · row, with entries in ascending order, and Σ share · target.
 fn combined<const D: usize>(rows: &LeastSquaresRows<D>, own: &[usize], shares: &[f64]) -> Combination<D> {
     let (mut entries, mut target) = (BTreeMap::new(), [0.0; D]);
     for (&row, share) in own.iter().zip(shares).filter(|(_, share)| **share != 0.0) {
@@ -97,7 +99,7 @@ fn combined<const D: usize>(rows: &LeastSquaresRows<D>, own: &[usize], shares: &
     (entries.into_iter().collect(), target)
 }
 
-/// Pins that hang together by pairs, in ascending order.
+/// Returns groups of pins that are connected by pairs, each in ascending order.
 fn groups(pairs: &[YieldingPair]) -> Vec<Vec<usize>> {
     let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -116,7 +118,7 @@ fn groups(pairs: &[YieldingPair]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// G of a group, #members²: L⁻¹ where M⁻¹ = L Lᵀ.
+/// Returns G for a group, #members²: L⁻¹ where M⁻¹ = L Lᵀ.
 fn root<const D: usize>(members: &[usize], pins: &[PointPin<D>], pairs: &[YieldingPair]) -> Vec<Vec<f64>> {
     let count = members.len();
     let mut lower = vec![vec![0.0; count]; count];
@@ -156,7 +158,7 @@ mod tests {
         (0..3).for_each(|k| rows.push(1.0, [(k, 1.0)], [k as f64, 0.0]));
         let mixed = YieldingRows::new(&rows, &pins, &[YieldingPair { pins: [0, 1], compliance: 2.0 }], 1.0);
         let energy = |x: [f64; 3]| mixed.rows.energy(&x.map(|x| [x, 0.0]));
-        // The mean of the targets is ½; the difference has the stiffness 1/(1 + 2·2) of before.
+        // The mean of the targets is ½; the stiffness of the difference is 1/(1 + 2·2) of the former one.
         assert!((energy([1.5, 2.5, 2.0]) - 4.5).abs() < 1e-12, "{}", energy([1.5, 2.5, 2.0]));
         assert!((energy([0.5, 0.5, 2.0]) - 0.5 / 5.0).abs() < 1e-12, "{}", energy([0.5, 0.5, 2.0]));
         assert!((energy([0.0, 1.0, 5.0]) - 9.0).abs() < 1e-12);

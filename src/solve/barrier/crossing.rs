@@ -1,17 +1,19 @@
-//! How far a state may go along a direction before a point of the barrier is pressed to a determinant.
+//! Bounds a step so that det J stays above a given value at all points of the barrier.
 //!
-//! In: two states. Out: a share of the way. det J is a polynomial of degree D along a line (J. Smith and S. Schaefer, "Bijective
-//! Parameterization with Free Boundaries", 2015, bound their steps so).
+//! In: two states. Out: the fraction of the way between them that may be taken. Along a line det J is a polynomial of degree D,
+//! whose first root is found by bisection of its Bernstein form; J. Smith and S. Schaefer, "Bijective Parameterization with Free
+//! Boundaries", 2015, bound their steps in this way.
 
 use super::points::BarrierPoints;
 use crate::solve::linalg::simd::lane_of;
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
 
-/// Bisections of a root, after Newton's method would have converged.
+/// Maximum depth of the bisection: a root is located to 2⁻⁴⁰ of the interval.
 const BISECTIONS: usize = 40;
 
 impl<const D: usize> BarrierPoints<D> {
-    /// The greatest share of the way between two states up to which every determinant is above `least`: 1 where all of it is.
+    /// Returns the largest fraction of the way from `from` to `to` up to which det J exceeds `least` at every point; 1 where the
+    /// whole way is free.
     pub(super) fn way_to_crossing(&self, from: &[[f64; D]], to: &[[f64; D]], least: f64) -> f64 {
         let (before, after) = (self.gradients_at(from), self.gradients_at(to));
         let mut share = 1.0;
@@ -22,13 +24,13 @@ impl<const D: usize> BarrierPoints<D> {
     }
 }
 
-/// Where the determinant between two matrices first falls to `least`, at most at `share`.
+/// Returns where between two matrices the determinant first falls to `least`, as a fraction of the way, at most `share`.
 fn first_root<const D: usize>(from: &SquareMatrix<D>, to: &SquareMatrix<D>, (least, share): (f64, f64)) -> f64 {
     let at = |t: f64| -> SquareMatrix<D> {
         std::array::from_fn(|row| std::array::from_fn(|axis| from[row][axis] * (1.0 - t) + to[row][axis] * t))
     };
     let gap = |t: f64| determinant(&at(t)) - least;
-    // The polynomial by its Bernstein coefficients over 0..share: from its values at evenly spaced places.
+    // Bernstein coefficients of the polynomial over 0..share, from its values at four evenly spaced parameters.
     let values: [f64; 4] = std::array::from_fn(|k| gap(share * k as f64 / 3.0));
     if values.iter().any(|x| x.is_nan()) {
         return 0.0;
@@ -41,7 +43,7 @@ fn first_root<const D: usize>(from: &SquareMatrix<D>, to: &SquareMatrix<D>, (lea
     first_of([a, inner[0], inner[1], d], 0, [0.0, share]).unwrap_or(share)
 }
 
-/// The first root of a cubic in Bernstein form over an interval, by bisection; `None`: it has none.
+/// Returns the first root of a cubic in Bernstein form over an interval, by bisection; `None` where it has no root.
 fn first_of([a, b, c, d]: [f64; 4], depth: usize, [low, high]: [f64; 2]) -> Option<f64> {
     if a <= 0.0 {
         return Some(low);
@@ -65,7 +67,7 @@ mod tests {
 
     #[test]
     fn the_first_of_several_roots_is_found() {
-        // det = (1 − 2t)(1 − 4t): 0 at ¼ and at ½.
+        // det J = (1 − 2t)(1 − 4t) has roots at ¼ and ½.
         let (from, to) = ([[1.0, 0.0], [0.0, 1.0]], [[-1.0, 0.0], [0.0, -3.0]]);
         assert!((first_root(&from, &to, (0.0, 1.0)) - 0.25).abs() < 1e-9);
         assert_eq!(first_root(&from, &to, (0.0, 0.2)), 0.2);

@@ -1,18 +1,19 @@
-//! First and second derivative of the potential of one sample by its gradient J.
+//! First and second derivative of the barrier potential φ(det J) of one sample with respect to its gradient J.
 //!
-//! In: J, the derivatives of the potential. Out: φ' cof J, and the second derivative as a sum of weighted squares of matrices
-//! (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies", 2019: for a function of det J the eigenmatrices are
-//! twists and flips of pairs of singular vectors, and combinations of the stretches along them).
+//! In: J, φ' and φ''. Out: the cofactor matrix of J (the first derivative is φ' cof J), and the eigendecomposition of the second
+//! derivative.
+//! B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies", 2019: for a function of det J the eigenmatrices
+//! are twists and flips of pairs of singular vectors, and combinations of the stretches along the singular vectors.
 
 use crate::solve::linalg::small_matrix::{SquareMatrix, symmetric_eigen};
 
-/// Least singular value that is divided by.
+/// Lower bound of singular values, which are divided by.
 const LEAST: f64 = 1e-9;
 
-/// A direction Q of change of J with its eigenvalue: the second derivative along dJ is Σ value ⟨Q, dJ⟩².
+/// An eigenvalue and its eigenmatrix Q: the second derivative along dJ is Σ value ⟨Q, dJ⟩².
 pub(super) type Curve<const D: usize> = (f64, SquareMatrix<D>);
 
-/// The matrix of cofactors: the derivative of det J.
+/// Returns the cofactor matrix, the derivative of det J.
 pub(super) fn cofactors<const D: usize>(j: &SquareMatrix<D>) -> SquareMatrix<D> {
     if D == 2 {
         return std::array::from_fn(|row| {
@@ -27,7 +28,8 @@ pub(super) fn cofactors<const D: usize>(j: &SquareMatrix<D>) -> SquareMatrix<D> 
     })
 }
 
-/// The eigenmatrices of the second derivative at a gradient of positive determinant; where it is to be convex, without negative values.
+/// Returns the eigenpairs of the second derivative at a J of positive determinant, `slope` = φ', `bend` = φ''. With `is_convex`,
+/// pairs with a negative eigenvalue are left out.
 pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2], is_convex: bool) -> Vec<Curve<D>> {
     let gram: SquareMatrix<D> =
         std::array::from_fn(|a| std::array::from_fn(|b| (0..D).map(|row| j[row][a] * j[row][b]).sum()));
@@ -40,7 +42,7 @@ pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2
         std::array::from_fn(|row| std::array::from_fn(|axis| left[row][p] * right[axis][q]))
     };
     let det: f64 = stretches.iter().product();
-    // Of det J by the stretches p and q.
+    // Second derivative of det J with respect to the stretches p and q.
     let mixed = |p: usize, q: usize| det / (stretches[p] * stretches[q]);
     let scaling: SquareMatrix<D> = std::array::from_fn(|p| {
         std::array::from_fn(|q| {
@@ -60,7 +62,7 @@ pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2
     for p in 0..D {
         for q in p + 1..D {
             for sign in [1.0, -1.0] {
-                // A flip, then a twist.
+                // The positive sign gives the flip, the negative one the twist.
                 let mut along = [[0.0; D]; D];
                 add(&mut along, std::f64::consts::FRAC_1_SQRT_2, &outer(p, q));
                 add(&mut along, sign * std::f64::consts::FRAC_1_SQRT_2, &outer(q, p));

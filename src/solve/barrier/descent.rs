@@ -1,7 +1,8 @@
-//! Newton's method for the energy with the barrier, from a state in which nothing folds to a minimum in which nothing folds.
+//! Newton's method for the energy with the barrier: descends from a state without folds to a minimum without folds.
 //!
-//! In: the minimum without the barrier. Out: itself where every point of the barrier is clear, else a minimum with it. Steps end before a
-//! determinant reaches the pole, and lower the energy.
+//! In: the minimum of the energy without the barrier. Out: the same state if every point of the barrier is clear (det J ≥ 0.2),
+//! else a minimum with the barrier. Every step lowers the energy and ends before det J reaches the pole of the potential at any
+//! point.
 
 use super::points::{BarrierPoints, FINE};
 use super::potential::{CLEAR, POLE};
@@ -12,52 +13,53 @@ use crate::solve::linalg::factorization::Factorization;
 use crate::solve::minimization::{Minimization, MinimizationResult, largest_step};
 use std::collections::BTreeMap;
 
-/// Strength of the barrier, in units of the shape's stiffness.
+/// Strength of the barrier, in units of the stiffness of the shape.
 const STRENGTH: f64 = 1.0;
 
-/// The least determinant of a first state.
+/// Minimum det J of the start state where the descent starts from the problem itself.
 const FIRST: f64 = 2.5 * POLE;
 
-/// The least determinant of a last state, from which a similar problem is continued.
+/// Minimum det J that the previous state of a similar problem must have for the descent to start from it.
 const LAST: f64 = 1.01 * POLE;
 
-/// Part of the way to the pole that a step may go.
+/// Fraction of the distance to the pole that a step may take.
 const CAUTION: f64 = 0.9;
 
-/// Changes of the multipliers of pins.
+/// Maximum number of updates of the pins' multipliers.
 const ROUNDS: usize = 3;
 
-/// Pins this near to their targets (in box diagonals) hold.
+/// A pin within this distance of its target, in box diagonals, counts as held.
 const HELD: f64 = 1e-9;
 
-/// Steps above this (in box diagonals) that lower the energy by more than [`SLOW`] are made with a convex matrix: they come from far.
+/// After a step longer than this, in box diagonals, that lowered the energy by more than [`SLOW`], the next step uses a convex
+/// matrix: the state is still far from the minimum.
 const NEAR: f64 = 1e-2;
 
-/// A small part of the energy.
+/// Fraction of the energy up to which a decrease counts as small.
 const SLOW: f64 = 0.1;
 
-/// A step that is cut to less than this part was not a good one.
+/// After a step that was shortened to less than this fraction, the next step uses a convex matrix.
 const SHORT: f64 = 0.05;
 
-/// Upper limits of 1/(s1 + s2), tried in this order: the second derivative, then matrices that are more and more convex, as in Newton's method
-/// without the barrier.
+/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, then increasingly convex matrices, as in
+/// Newton's method without the barrier.
 const LEVELS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
 
-/// How often cells that fold between points get twice as many along an axis.
+/// Maximum number of refinements, each of which doubles the points per axis in the cells that fold between their points.
 const REFINEMENTS: usize = 2;
 
-/// Halvings of a step.
+/// Maximum number of trials of the line search, each with half the step.
 const HALVINGS: usize = 20;
 
-/// Part of the descent along the tangent that a step has to make.
+/// Armijo constant: the fraction of the linear prediction by which a step must lower the energy.
 const DESCENT: f64 = 1e-4;
 
-/// Rounding of energies.
+/// Relative rounding error of energies.
 const ROUNDING: f64 = 1e-11;
 
 type Vectors<const D: usize> = Vec<[f64; D]>;
 
-/// A state with its energy and minus half of its derivative.
+/// A state with its energy and residual, which is minus half the derivative of the energy.
 struct State<const D: usize> {
     handles: Vectors<D>,
     energy: f64,
@@ -65,12 +67,14 @@ struct State<const D: usize> {
 }
 
 impl<const D: usize> Minimization<'_, D> {
-    /// The unit of the shape's energy: its greatest value is of this order.
+    /// Stiffness of the shape: the unit in which the energies of barrier and pins are measured, of the order of the largest shape
+    /// energy.
     pub(super) fn stiffness(&self) -> f64 {
         self.scales.shape * self.distortion.mass()
     }
 
-    /// A minimum without the barrier where that is clear, else one with it. `before`: a state of a similar problem, from which it continues.
+    /// Returns `free`, the minimum without the barrier, if it is clear, else a minimum with the barrier. The descent starts from
+    /// `before`, the state of a similar problem, where that is given and has no point close to the pole.
     pub(crate) fn kept_clear(
         &self,
         free: MinimizationResult<D>,
@@ -78,7 +82,8 @@ impl<const D: usize> Minimization<'_, D> {
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let Some(barrier) = self.barrier.filter(|barrier| !barrier.is_clear(&free.handles)) else { return Ok(free) };
         let mut reactions = Reactions::new(self);
-        // Pins do not give way all at once where the barrier begins to act.
+        // The force limits of the pins rise with the remaining determinant, so that pins do not give way suddenly where the
+        // barrier begins to act.
         let t = (barrier.least_det(&free.handles) / CLEAR).clamp(0.0, 1.0);
         reactions.start_from(&self.softly_solved(&free.handles)?, t * t * (3.0 - 2.0 * t));
         let mut result = free;
@@ -112,7 +117,8 @@ impl<const D: usize> Minimization<'_, D> {
         Ok(result)
     }
 
-    /// A step of the local-global iteration that enforces nothing: hard rows are off by their forces over their stiffness.
+    /// Takes one local-global step without enforcing hard constraints. Each hard row then misses its target by its force divided
+    /// by its stiffness.
     fn softly_solved(&self, handles: &[[f64; D]]) -> Result<Vectors<D>, Cancelled> {
         let mut next = self.constant_right_side();
         self.local_energy(handles, &mut next);
@@ -122,28 +128,28 @@ impl<const D: usize> Minimization<'_, D> {
     }
 }
 
-/// (1 − t) · from + t · to.
+/// Returns (1 − t) · from + t · to.
 fn blend<const D: usize>(from: &[[f64; D]], to: &[[f64; D]], t: f64) -> Vectors<D> {
     from.iter().zip(to).map(|(a, b)| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t)).collect()
 }
 
-/// from + t · by.
+/// Returns from + t · by.
 fn ahead<const D: usize>(from: &[[f64; D]], by: &[[f64; D]], t: f64) -> Vectors<D> {
     from.iter().zip(by).map(|(a, b)| std::array::from_fn(|d| t.mul_add(b[d], a[d]))).collect()
 }
 
-/// The descent.
+/// State of the descent.
 struct Descent<'a, const D: usize> {
     problem: &'a Minimization<'a, D>,
     points: &'a BarrierPoints<D>,
     reactions: Reactions<'a, D>,
     iterations: usize,
-    /// 0: the second derivative, 1: a convex matrix.
+    /// Index into [`LEVELS`]: 0 is the true second derivative, higher levels are convex matrices.
     level: usize,
 }
 
 impl<const D: usize> Descent<'_, D> {
-    /// Minimises, with multipliers that follow the forces of the pins.
+    /// Minimises the energy, and updates the multipliers to the forces of the pins after each minimum.
     fn run(&mut self, first: Vectors<D>) -> Result<MinimizationResult<D>, Cancelled> {
         let problem = self.problem;
         let mut handles = first;
@@ -169,7 +175,7 @@ impl<const D: usize> Descent<'_, D> {
         })
     }
 
-    /// The minimum for these multipliers, and whether the steps converged to it.
+    /// Returns the minimum for the present multipliers, and whether the steps converged.
     fn minimized(&mut self, first: Vectors<D>) -> Result<(Vectors<D>, bool), Cancelled> {
         let problem = self.problem;
         let tolerance = problem.settings.tolerance.max(1e-10) * problem.diagonal;
@@ -212,7 +218,7 @@ impl<const D: usize> Descent<'_, D> {
         Ok(State { handles, energy, residual })
     }
 
-    /// A step along the direction that lowers the energy; `None`: there is none.
+    /// Line search along `by` (backtracking with the Armijo condition); `None` if no trial lowers the energy enough.
     fn searched(&self, state: &State<D>, by: &[[f64; D]]) -> Result<Option<State<D>>, Cancelled> {
         let way = self.points.way_to_crossing(&state.handles, &ahead(&state.handles, by, 1.0), POLE);
         let mut share = if way < 1.0 { CAUTION * way } else { 1.0 };
@@ -227,7 +233,8 @@ impl<const D: usize> Descent<'_, D> {
         Ok(None)
     }
 
-    /// The step of Newton's method, with a convex matrix where the second derivative is not positive definite.
+    /// Returns the Newton step. Raises the level until the matrix is positive definite; if none is, the constant matrix of the
+    /// local-global steps takes its place.
     fn direction(&mut self, state: &State<D>) -> Result<Vectors<D>, Cancelled> {
         let Self { problem, points, reactions, .. } = self;
         let Minimization { distortion, cancel, .. } = **problem;

@@ -1,8 +1,8 @@
-//! The barrier: what keeps cells that hold some of the model from folding.
+//! The barrier: an energy that keeps active cells from folding.
 //!
-//! In: a grid and its active cells. Out: an energy, the mean over the points of a fine grid in these cells of a potential that is 0
-//! where det J ≥ 0.2; its derivatives; and minima of the whole energy in which every point has a positive determinant.
-//! docs/METHOD.md, "Barrier", has what is guaranteed.
+//! In: a grid and its active cells. Out: the barrier energy, which is the mean, over a fine grid of points in these cells, of a
+//! potential that is 0 where det J ≥ 0.2; its derivatives; and minima of the total energy in which det J is positive at every
+//! point. docs/METHOD.md, "Barrier", states what is guaranteed.
 
 mod crossing;
 mod curvature;
@@ -19,13 +19,13 @@ use potential::CLEAR;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// Points of a cell along an axis, in the plane and in space: for a first look.
+/// Points per axis in a cell, in 2D and 3D, for the coarse test.
 const ROUGH: [usize; 2] = [5, 3];
 
-/// A rough look that is above this finds all that is clear.
+/// A state whose coarse points all have at least this det J counts as clear without a test of the fine points.
 const SURELY_CLEAR: f64 = 0.3;
 
-/// The barrier of a lattice.
+/// Barrier of a lattice, with the coarse points and, once needed, the fine ones.
 #[derive(Debug)]
 pub(crate) struct Barrier<const D: usize> {
     grid: Grid<D>,
@@ -35,35 +35,35 @@ pub(crate) struct Barrier<const D: usize> {
 }
 
 impl<const D: usize> Barrier<D> {
-    /// Over some cells of a grid.
+    /// Creates the barrier over the cells of `parts`.
     pub(crate) fn new(grid: &Grid<D>, parts: Vec<BarrierPart>, cancel: &Cancel) -> Self {
         let rough = BarrierPoints::new(grid, &parts, |_| ROUGH[usize::from(D > 2)], cancel);
         Self { grid: grid.clone(), parts, rough, fine: OnceLock::new() }
     }
 
-    /// Every point is clear: the barrier is 0, and so are its derivatives.
+    /// Whether det J ≥ 0.2 at every point, so that the barrier and its derivatives vanish.
     pub(crate) fn is_clear(&self, handles: &[[f64; D]]) -> bool {
         let least = self.rough.least_det(handles);
         least >= SURELY_CLEAR || least >= CLEAR && self.points().least_det(handles) >= CLEAR
     }
 
-    /// The least determinant of the first look.
+    /// Smallest det J at the coarse points.
     fn least_det(&self, handles: &[[f64; D]]) -> f64 {
         self.rough.least_det(handles)
     }
 
-    /// The points of the barrier.
+    /// Fine points; built at the first call.
     fn points(&self) -> &BarrierPoints<D> {
         self.fine.get_or_init(|| self.refined(&BTreeMap::new()))
     }
 
-    /// Points of which some cells have more.
+    /// Returns fine points, with the number per axis given by `finer` in the cells listed there.
     fn refined(&self, finer: &BTreeMap<CellOfPart, usize>) -> BarrierPoints<D> {
         let side = |cell: CellOfPart| finer.get(&cell).copied().unwrap_or(FINE[usize::from(D > 2)]);
         BarrierPoints::new(&self.grid, &self.parts, side, &Cancel::never())
     }
 
-    /// The cells that fold, in proven bounds.
+    /// Returns the cells in which det J ≤ 0 somewhere, by proven bounds instead of samples.
     fn folded(&self, unknowns: &[[f64; D]]) -> Vec<CellOfPart> {
         let mut folded = Vec::new();
         for (number, part) in self.parts.iter().enumerate() {

@@ -1,6 +1,7 @@
-//! The points of a barrier: its energy and derivatives.
+//! Sample points of the barrier: energy and derivatives.
 //!
-//! In: a grid, cells, how many points they have. Out: the mean over the cells of the means of the potential over their points.
+//! In: a grid, cells, and the number of points per axis in each. Out: the mean over all cells of the mean potential over their
+//! points. Cells with more than the usual number of points weigh more.
 
 use super::curvature::{cofactors, curves};
 use super::potential::{CLEAR, potential};
@@ -12,38 +13,39 @@ use crate::solve::linalg::simd::{LANES, Lanes, lane_of};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
 use std::collections::BTreeMap;
 
-/// Points of a cell along an axis, in the plane and in space.
+/// Points per axis in a cell, in 2D and 3D.
 pub(super) const FINE: [usize; 2] = [10, 6];
 
-/// Cells over which a barrier is, and the unknown of each handle there; `None`: the handles are the unknowns.
+/// The cells that one part of the barrier covers, and the unknown of each handle there. `None`: handles are the unknowns
+/// themselves.
 #[derive(Clone, Debug)]
 pub(crate) struct BarrierPart {
     pub(crate) cells: Vec<usize>,
     pub(crate) unknowns: Option<Vec<Option<usize>>>,
 }
 
-/// Number of a part, and of a cell.
+/// Index of a part, and of a cell of the grid.
 pub(super) type CellOfPart = [usize; 2];
 
-/// Points of some cells.
+/// Sample points of a set of cells.
 #[derive(Clone, Debug)]
 pub(super) struct BarrierPoints<const D: usize> {
-    /// Rows of ∇W.
+    /// Rows of ∇W at the points.
     weights: BlockedWeights<D>,
-    /// The weight of a point of each block.
+    /// Weight of a point in the energy, per block.
     shares: Vec<f64>,
 }
 
-/// A point whose determinant is below [`CLEAR`].
+/// A point where det J is below [`CLEAR`].
 pub(super) struct NarrowPoint<const D: usize> {
-    /// Its packet and lane, and the block of both.
+    /// Block, packet and lane of the point.
     place: [usize; 3],
     gradient: SquareMatrix<D>,
     det: f64,
 }
 
 impl<const D: usize> BarrierPoints<D> {
-    /// Evenly spaced points of some cells, so many along an axis as `side` says.
+    /// Places evenly spaced points in the cells, `side` of them per axis.
     pub(super) fn new(
         grid: &Grid<D>,
         parts: &[BarrierPart],
@@ -58,13 +60,13 @@ impl<const D: usize> BarrierPoints<D> {
             for (side, cells) in by_side {
                 let mut weights = in_cells(grid, &cells, side, cancel);
                 if let Some(unknowns) = &part.unknowns {
-                    // Every handle that acts on a cell of a branch has a copy there.
+                    // Every handle that acts on a cell of a branch has a copy there, so the default is not used.
                     weights.relabel(|handle| unknowns[handle].unwrap_or(0));
                 }
-                // Cells with more points have a stronger barrier.
+                // Refined cells keep the weight per point, so their barrier is stronger.
                 let share = 1.0 / (count * FINE[usize::from(D > 2)].min(side).pow(D as u32)) as f64;
                 let shares = weights.blocks.iter().map(|block| {
-                    // Where cells have several blocks, or one has all cells, points count alike all the same.
+                    // Every point has the same weight, whether its block holds part of a cell, one cell or several.
                     if block.packets.is_empty() { 0.0 } else { share }
                 });
                 let shares: Vec<f64> = shares.collect();
@@ -80,12 +82,12 @@ impl<const D: usize> BarrierPoints<D> {
         points.unwrap_or_else(|| Self { weights: in_cells(grid, &[], 1, cancel), shares: Vec::new() })
     }
 
-    /// Largest difference of handle indices that meet in the matrix.
+    /// Largest difference between handle indices that share a matrix entry.
     pub(super) fn bandwidth(&self) -> usize {
         self.weights.bandwidth()
     }
 
-    /// The least determinant of all points.
+    /// Smallest det J at all points; −∞ where one is NaN.
     pub(super) fn least_det(&self, handles: &[[f64; D]]) -> f64 {
         let gradients = self.gradients_at(handles);
         let mut least = f64::INFINITY;
@@ -96,14 +98,14 @@ impl<const D: usize> BarrierPoints<D> {
         if least.is_nan() { f64::NEG_INFINITY } else { least }
     }
 
-    /// The narrow points of a state.
+    /// Returns the points where det J is below [`CLEAR`].
     pub(super) fn narrow_points(&self, handles: &[[f64; D]]) -> Vec<NarrowPoint<D>> {
         let gradients = self.gradients_at(handles);
         let mut narrow = Vec::new();
         self.for_each_point(|place| {
             let gradient = lane_of(&gradients[place[1]], place[2]);
             let det = determinant(&gradient);
-            // A NaN is not clear, either.
+            // A NaN also counts as narrow.
             let is_clear = det >= CLEAR;
             if !is_clear {
                 narrow.push(NarrowPoint { place, gradient, det });
@@ -112,14 +114,14 @@ impl<const D: usize> BarrierPoints<D> {
         narrow
     }
 
-    /// The mean of the potential, and the narrow points.
+    /// Returns the mean potential and the narrow points.
     pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<NarrowPoint<D>>) {
         let narrow = self.narrow_points(handles);
         let sum: f64 = narrow.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
         (sum, narrow)
     }
 
-    /// Subtracts half of the derivative of the energy times a scale from a right side.
+    /// Subtracts `scale` times half the derivative of the energy from `right_side`.
     pub(super) fn subtract_derivative(&self, scale: f64, narrow: &[NarrowPoint<D>], right_side: &mut [[f64; D]]) {
         for point in narrow {
             let factor = -0.5 * scale * self.shares[point.place[0]] * potential(point.det)[1];
@@ -132,7 +134,7 @@ impl<const D: usize> BarrierPoints<D> {
         }
     }
 
-    /// Adds half of the second derivative of the energy times a scale to the matrix of all coordinates (rows D·handle + coordinate).
+    /// Adds `scale` times half the second derivative of the energy to the matrix of all coordinates (row D·handle + coordinate).
     pub(super) fn add_curvature(
         &self,
         scale: f64,
@@ -156,7 +158,7 @@ impl<const D: usize> BarrierPoints<D> {
         }
     }
 
-    /// Handles and ∇W of a point.
+    /// Handles that act on a point, with their ∇W.
     fn row(&self, point: &NarrowPoint<D>) -> impl Iterator<Item = (usize, [f64; D])> {
         let [block, packet, lane] = point.place;
         let block = &self.weights.blocks[block];
@@ -164,7 +166,7 @@ impl<const D: usize> BarrierPoints<D> {
         block.handles.iter().zip(coefficients).map(move |(&handle, lanes)| (handle, lanes.map(|x| x[lane])))
     }
 
-    /// Calls `visit` with block, packet and lane of every point.
+    /// Calls `visit` with the block, packet and lane of every point.
     pub(super) fn for_each_point(&self, mut visit: impl FnMut([usize; 3])) {
         for (number, block) in self.weights.blocks.iter().enumerate() {
             for packet in block.packets.clone() {
@@ -174,16 +176,17 @@ impl<const D: usize> BarrierPoints<D> {
         }
     }
 
-    /// J at all points, packet by packet: [row][column][lane].
+    /// J at all points, packet by packet, as [row][column][lane].
     pub(super) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
         self.weights.gradients_at(handles)
     }
 }
 
-/// Points on the border of a cell lie this far inside, in spans: what is beside it belongs to other handles.
+/// Distance in spans by which points on the border of a cell are moved inside, so that they depend on the handles of that cell.
 const INSIDE: f64 = 1e-6;
 
-/// ∇W at evenly spaced points of cells, up to their borders: beside a cell that holds nothing det J falls steeply.
+/// Returns ∇W at evenly spaced points of the cells. The points include the borders, because det J falls steeply beside inactive
+/// cells.
 fn in_cells<const D: usize>(grid: &Grid<D>, cells: &[usize], side: usize, cancel: &Cancel) -> BlockedWeights<D> {
     let place = |number: usize| -> [f64; D] {
         let even = |axis: usize| (number / side.pow(axis as u32) % side) as f64 / side.max(2).saturating_sub(1) as f64;

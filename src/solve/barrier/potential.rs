@@ -1,15 +1,16 @@
-//! The potential of the barrier, a function of det J alone: 0 from [`CLEAR`] on, and without bound at [`POLE`].
+//! Barrier potential, a function of det J alone: 0 from [`CLEAR`] upwards, growing without bound towards [`POLE`].
 //!
-//! In: det J. Out: value and derivatives. M. Li et al., "Incremental Potential Contact", 2020, equation 6, of det J instead of a distance:
-//! φ = −u² ln((d − d₀)/(d₁ − d₀)), u = (d₁ − d)/d₁. As the logarithm vanishes with u, φ falls to 0 like u³: it is C2 there.
+//! In: d = det J. Out: the value and its first two derivatives. M. Li et al., "Incremental Potential Contact", 2020, equation 6,
+//! with det J in place of a distance: φ = −u² ln((d − d₀)/(d₁ − d₀)), u = (d₁ − d)/d₁. At d₁ the logarithm vanishes together with
+//! u, so φ falls to 0 like u³ and is C2.
 
-/// d₁: gradients of a greater determinant know nothing of the barrier.
+/// d₁: from this determinant upwards the potential is 0.
 pub(crate) const CLEAR: f64 = 0.2;
 
-/// d₀: no sample is pressed to this. Above 0, so that det J stays positive between samples.
+/// d₀: the determinant at which the potential is infinite. It is above 0 so that det J stays positive between the samples.
 pub(crate) const POLE: f64 = 0.02;
 
-/// φ and its first two derivatives at a determinant above the pole.
+/// Returns φ, φ' and φ''; infinite at and below the pole.
 pub(crate) fn potential(det: f64) -> [f64; 3] {
     if det >= CLEAR {
         return [0.0; 3];

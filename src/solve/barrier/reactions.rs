@@ -1,30 +1,31 @@
-//! Pins beside the barrier: they hold with a limited force, and give way where the barrier would need more.
+//! Pins under the barrier: each holds with a limited force, and gives way where the barrier would need more.
 //!
-//! In: rows of pins and moved handles, multipliers λ. Out: an energy in place of w‖C P − d‖², its derivatives. A row acts as
-//! w‖s‖², s = C P − d + λ/w, up to the force w‖s‖ = L, and as 2 L‖s‖ − L²/w beyond (P. Huber, "Robust Estimation of a Location
-//! Parameter", 1964). With λ ← the force, limited to L, this is the method of multipliers for L‖C P − d‖ (R. T. Rockafellar,
-//! "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976), which holds exactly with
-//! any force below L. Derivatives are halved, as in the matrices.
+//! In: rows of pins and moved handles, with multipliers λ. Out: an energy that replaces w‖C P − d‖², and its derivatives. A row
+//! acts as w‖s‖², s = C P − d + λ/w, up to the force w‖s‖ = L, and as 2 L‖s‖ − L²/w beyond (P. Huber, "Robust Estimation of a
+//! Location Parameter", 1964). If λ is then set to the force, limited to L, this is the method of multipliers for L‖C P − d‖ (R.
+//! T. Rockafellar, "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976), under
+//! which a row is met exactly with any force below L. Derivatives are halved, as in the matrices.
 
 use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::minimization::Minimization;
 
-/// Greatest force of a row, in units of the shape's stiffness over the box diagonal.
+/// Maximum force of a row, in units of the stiffness of the shape divided by the box diagonal.
 const FORCE: f64 = 10.0;
 
-/// A row with its multiplier.
+/// A row with its multiplier and force limit.
 #[derive(Clone, Debug)]
 struct Reaction<const D: usize> {
-    /// Row of the pins, then of the handles.
+    /// Index among the rows of the pins, followed by those of the moved handles.
     row: usize,
-    /// w, of this row.
+    /// Weight w of the row.
     weight: f64,
     multiplier: [f64; D],
+    /// Maximum force L.
     limit: f64,
 }
 
-/// All rows of pins and moved handles.
+/// All rows of pins and moved handles that have a weight.
 #[derive(Clone)]
 pub(super) struct Reactions<'a, const D: usize> {
     rows: [&'a LeastSquaresRows<D>; 2],
@@ -46,8 +47,8 @@ impl<'a, const D: usize> Reactions<'a, D> {
         Self { rows, list }
     }
 
-    /// Sets the multipliers to the forces at a state without them: close to those of a minimum without the barrier. A share of these forces
-    /// is added to the limits.
+    /// Sets the multipliers to the forces at a state that was solved without multipliers; they are close to those at the minimum
+    /// without the barrier. Adds the fraction `share` of each force to the limit of its row.
     pub(super) fn start_from(&mut self, handles: &[[f64; D]], share: f64) {
         let rows = self.rows;
         for reaction in &mut self.list {
@@ -57,7 +58,7 @@ impl<'a, const D: usize> Reactions<'a, D> {
         self.advance(handles);
     }
 
-    /// Sets the multipliers to the forces at a state. Returns the farthest that a row is off which does not give way.
+    /// Sets the multipliers to the forces at a state, limited to L. Returns the largest residual of the rows that do not give way.
     pub(super) fn advance(&mut self, handles: &[[f64; D]]) -> f64 {
         let (rows, mut farthest) = (self.rows, 0.0_f64);
         for reaction in &mut self.list {
@@ -73,12 +74,13 @@ impl<'a, const D: usize> Reactions<'a, D> {
         farthest
     }
 
-    /// Some row gives way.
+    /// Whether the force of a row exceeds its limit.
     pub(super) fn give_way(&self, handles: &[[f64; D]]) -> bool {
         self.list.iter().any(|reaction| norm(&reaction.force(self.rows, handles)) > reaction.limit)
     }
 
-    /// What replaces w‖C P − d‖² by the energy of the reactions: added to the energy, and to the right side.
+    /// Replaces w‖C P − d‖² by the energy of the reactions: returns the difference of the energies, and subtracts half its
+    /// derivative from `right_side`.
     pub(super) fn correct(&self, handles: &[[f64; D]], right_side: &mut [[f64; D]]) -> f64 {
         let mut energy = 0.0;
         for reaction in &self.list {
@@ -102,7 +104,8 @@ impl<'a, const D: usize> Reactions<'a, D> {
         energy
     }
 
-    /// The same for the matrix of all coordinates. A convex one leads rows that give way to their targets, the true one lets them be.
+    /// Makes the same replacement in the matrix of all coordinates. A row that gives way has no stiffness along its force; the
+    /// convex matrix still gives it the stiffness that it has across.
     pub(super) fn correct_curvature(&self, handles: &[[f64; D]], is_convex: bool, normal: &mut NormalMatrix) {
         for reaction in &self.list {
             let force = reaction.force(self.rows, handles);
@@ -127,7 +130,7 @@ impl<'a, const D: usize> Reactions<'a, D> {
 }
 
 impl<const D: usize> Reaction<D> {
-    /// w s = w (C P − d) + λ.
+    /// Force of the row: w s = w (C P − d) + λ.
     fn force(&self, rows: [&LeastSquaresRows<D>; 2], handles: &[[f64; D]]) -> [f64; D] {
         let (set, place) = place(rows, self.row);
         let miss = set.miss(place, handles);
@@ -135,7 +138,7 @@ impl<const D: usize> Reaction<D> {
     }
 }
 
-/// The rows that a row is one of, and its number there.
+/// Returns the set that a row belongs to, and its index in the set.
 fn place<const D: usize>([pins, handles]: [&LeastSquaresRows<D>; 2], row: usize) -> (&LeastSquaresRows<D>, usize) {
     if row < pins.len() { (pins, row) } else { (handles, row - pins.len()) }
 }

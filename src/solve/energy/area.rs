@@ -1,6 +1,8 @@
-//! Energy `area`: 2 Σ_q a_q ‖J_q − R_q‖², J_q = Σ_h P_h ∇W_h(x_q)ᵀ, the gradient of the lattice at sample points.
+//! Energy `area`: 2 Σ_q a_q ‖J_q − R_q‖², with J_q = Σ_h P_h ∇W_h(x_q)ᵀ, the gradient of the lattice at sample q, and R_q the
+//! nearest rotation.
 //!
-//! In: samples (position, area, stiffness). Independent of the density and defects of the mesh.
+//! In: samples (position, area, stiffness). Out: the terms of [`Distortion`]. The energy does not depend on density or defects of
+//! the mesh.
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
 use super::rotation_hessian::SubtractRotationHessian;
@@ -17,17 +19,18 @@ use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::samples::Sample;
 use pulp::{Simd, WithSimd};
 
-/// The energy at fixed samples.
+/// Energy `area` at fixed samples.
 #[derive(Debug)]
 pub(crate) struct Area<const D: usize> {
-    /// Rows of ∇W.
+    /// Rows of ∇W, one per sample.
     pub(super) gradients: BlockedWeights<D>,
-    /// Area times stiffness of each lane's sample; 0 where a lane has none.
+    /// Area times stiffness of the sample in each lane; 0 in unused lanes.
     pub(super) areas: Vec<Lanes>,
-    /// Area alone.
+    /// Area of the sample in each lane.
     plain_areas: Vec<Lanes>,
+    /// Sum of the areas.
     total: f64,
-    /// Of passes over the samples in space; none in the plane.
+    /// Blocks grouped into the parallel tasks of a pass over the samples, in 3D; empty in 2D.
     pub(super) tasks: Vec<Vec<Block>>,
 }
 
@@ -45,12 +48,12 @@ impl<const D: usize> Area<D> {
         Self { gradients, areas, plain_areas, total, tasks }
     }
 
-    /// Replaces handles by other unknowns, in the same order.
+    /// Replaces the handle indices by those of other unknowns, in the same order.
     pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
         self.gradients.relabel(unknown_of);
     }
 
-    /// The sum of several energies.
+    /// Joins several energies into their sum.
     pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut parts = parts.into_iter();
         let mut joined = parts.next().expect("there is a first part");
@@ -63,12 +66,12 @@ impl<const D: usize> Area<D> {
         joined
     }
 
-    /// Gradients at all samples: [packet][row][column][lane].
+    /// Gradients at all samples, packet by packet, as [row][column][lane].
     fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
         self.gradients.gradients_at(handles)
     }
 
-    /// Adds Gram matrices of blocks; for local bases.
+    /// Adds the Gram matrix of each block, for bases of local support.
     fn add_sparse_normal(&self, scale: f64, normal: &mut NormalMatrix) {
         let mut gram = GramMatrix::default();
         for block in &self.gradients.blocks {
@@ -89,7 +92,7 @@ impl<const D: usize> Area<D> {
     }
 }
 
-/// Rows of √a ∇W of a block, twice; for bases of global support.
+/// Rows of √a ∇W of a block, as both factors of the product, for bases of global support.
 struct GradientSquares<'a, const D: usize> {
     energy: &'a Area<D>,
     block: &'a Block,
@@ -136,7 +139,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
         dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side, meter: cancel.meter() })
     }
 
-    /// Each coefficient is used with D coordinates in both directions.
+    /// A local step uses each coefficient with D coordinates twice: to gather handles and to scatter values.
     fn flops(&self) -> Option<Flops> {
         let mut flops = Flops::default();
         for block in &self.gradients.blocks {
@@ -198,7 +201,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
     }
 }
 
-/// Kernel of the local step in the plane: rotations, their right side and the energy in one pass.
+/// Kernel of the local step in 2D: rotations, right-hand side and energy in one pass.
 struct LocalStep<'a, const D: usize> {
     energy: &'a Area<D>,
     handles: &'a [[f64; D]],
@@ -242,8 +245,8 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
     }
 }
 
-/// Replaces four 2D gradients by their area-weighted rotations, the unit vectors of (J00 + J11, J10 − J01);
-/// returns a ‖J − R‖².
+/// Replaces four 2D gradients J by their area-weighted rotations. The first column of a rotation is the
+/// unit vector of (J00 + J11, J10 − J01). Returns a ‖J − R‖².
 #[inline(always)]
 fn fit_plane<S: Simd, const D: usize>(simd: S, values: &mut [[S::f64s; D]; D], areas: S::f64s) -> S::f64s {
     let along = simd.add_f64s(values[0][0], values[1][1]);

@@ -1,6 +1,6 @@
 //! Energy `area` in 3D: rotations of four samples at once, and products of the second derivative with directions.
 //!
-//! In: samples' gradients of the lattice, handles, directions. Out: weighted rotations, responses, products.
+//! In: ∇W at the samples, handles, directions of the handles. Out: weighted rotations, their responses, products.
 
 use super::area::Area;
 use super::polar::{LaneMatrix, nearest_rotations};
@@ -11,16 +11,16 @@ use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, sto
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Tasks between two polls of the hook that cancels a solve.
+/// Number of tasks between two polls of the cancellation hook.
 const ROUND: usize = 16;
 
-/// What a pass makes of the gradients of a packet of four samples.
+/// Transform that a pass applies to the gradients of a packet of four samples.
 trait Transform<const D: usize>: Sync {
-    /// Replaces the gradients; returns a term of the energy for each.
+    /// Replaces the gradients; returns one energy per sample.
     fn apply<S: Simd>(&self, simd: S, packet: usize, gradients: &mut LaneMatrix<S, D>) -> S::f64s;
 }
 
-/// The rotations nearest to the gradients.
+/// Transform of gradients into their nearest rotations.
 struct Rotations;
 
 impl<const D: usize> Transform<D> for Rotations {
@@ -39,7 +39,7 @@ impl<const D: usize> Transform<D> for Rotations {
     }
 }
 
-/// How the rotations follow a change of the gradients.
+/// Transform of a change of the gradients into the change of their rotations.
 struct RotationChange<'a, const D: usize>(&'a RotationResponse<D>);
 
 impl<const D: usize> Transform<D> for RotationChange<'_, D> {
@@ -51,7 +51,7 @@ impl<const D: usize> Transform<D> for RotationChange<'_, D> {
 }
 
 impl<const D: usize> Area<D> {
-    /// The local step: adds 2 scale Σ a R ∇W; returns the energy.
+    /// Local step: adds 2 scale Σ a R ∇W to the right-hand side; returns the energy.
     pub(super) fn local_step_in_space(
         &self,
         (handles, scale): (&[[f64; D]], f64),
@@ -61,14 +61,14 @@ impl<const D: usize> Area<D> {
         2.0 * self.pass((handles, &Rotations), 2.0 * scale, right_side, cancel)
     }
 
-    /// How rotations follow the handles, see [`RotationResponse`].
+    /// Computes the derivative of the rotations at `handles`, see [`RotationResponse`].
     pub(super) fn response_in_space(&self, handles: &[[f64; D]], limit: f64) -> RotationResponse<D> {
         let of = |blocks: &[Block]| dispatch(Responses { energy: self, blocks, handles, limit });
         let parts: Vec<_> = self.tasks.par_iter().map(|blocks| of(blocks)).collect();
         RotationResponse { packets: parts.concat(), regions: Vec::new() }
     }
 
-    /// Subtracts scale times 2 Σ a dR ∇W for a direction of the handles.
+    /// Subtracts 2 scale Σ a dR ∇W, where dR is the change of the rotations along a direction of the handles.
     pub(super) fn subtract_turned(
         &self,
         response: &RotationResponse<D>,
@@ -79,7 +79,7 @@ impl<const D: usize> Area<D> {
         self.pass((direction, &RotationChange(response)), -2.0 * scale, product, cancel);
     }
 
-    /// Adds scale Σ a T(J) ∇W, T the transform, and returns Σ a times its energy.
+    /// Adds scale Σ a T(J) ∇W, with T the transform, and returns Σ a times the energies of T.
     fn pass(
         &self,
         (handles, transform): (&[[f64; D]], &impl Transform<D>),

@@ -1,33 +1,33 @@
-//! The interface of all distortion measures, and the distortion metrics of reports.
+//! The interface of all distortion energies, and the distortion metrics of reports.
 //!
-//! In: handles. Out: the constant normal matrix, per iteration rotations and right side, metrics.
+//! In: handles. Out: the constant normal matrix; per iteration the rotations and their right-hand side; metrics.
 
 use super::rotation_response::RotationResponse;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::linalg::small_matrix::{SquareMatrix, area_of, determinant, dot, minus};
 
-/// A sum of squares that is quadratic in the handles for fixed rotations. Results of methods that were interrupted by a
-/// cancellation must not be used.
+/// A sum of squares that is quadratic in the handles while its rotations are fixed. After a cancellation the results of an
+/// interrupted method must be discarded.
 pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// Divisor that turns the sum into a mean of ‖J−R‖²: twice the area it covers.
+    /// Divisor that turns the sum into the mean of ‖J − R‖²: twice the area that the energy covers.
     fn mass(&self) -> f64;
 
-    /// Largest difference of handle indices that meet in the matrix.
+    /// Largest difference between handle indices that share an entry of the normal matrix.
     fn bandwidth(&self) -> usize;
 
-    /// Adds the constant matrix.
+    /// Adds `scale` times the constant normal matrix.
     fn add_normal(&self, scale: f64, normal: &mut NormalMatrix, cancel: &Cancel);
 
-    /// Local step: the best rotations at `handles`. Adds their right side, times `scale`, and returns the energy.
+    /// Local step: finds the best rotations at `handles`, adds `scale` times their right-hand side, and returns the energy.
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], cancel: &Cancel) -> f64;
 
-    /// Cost of a local step and of [`Self::subtract_rotation_hessian`]; `None` where the latter is not implemented.
+    /// Costs of a local step and of [`Self::subtract_rotation_hessian`]; `None` if the latter is not implemented.
     fn flops(&self) -> Option<Flops> {
         None
     }
 
-    /// Subtracts the rotation Hessian from the constant matrix of all coordinates (rows D·handle + coordinate), which gives
+    /// Subtracts the rotation Hessian from the constant matrix of all coordinates (row D·handle + coordinate). The difference is
     /// the second derivative at `handles`.
     fn subtract_rotation_hessian(
         &self,
@@ -38,13 +38,14 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     ) {
     }
 
-    /// How best rotations follow the handles, their changes limited as in [`RotationHessian`]; `None` where
+    /// Computes the derivative of the best rotations with respect to the handles, limited as in [`RotationHessian`]; `None` if
     /// [`Self::subtract_rotation_product`] is not implemented.
     fn rotation_response(&self, _handles: &[[f64; D]], _limit: f64) -> Option<RotationResponse<D>> {
         None
     }
 
-    /// Subtracts the rotation Hessian times a direction of the handles, and times a factor, from a product with the constant matrix.
+    /// Subtracts the rotation Hessian times a direction of the handles, multiplied by a factor, from the product of the constant
+    /// matrix and that direction.
     fn subtract_rotation_product(
         &self,
         _response: &RotationResponse<D>,
@@ -54,32 +55,32 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
     ) {
     }
 
-    /// The energy at `handles` under the rotations that are best at `rotations_at`.
+    /// Energy at `handles` with the rotations that are best at `rotations_at`.
     fn energy(&self, handles: &[[f64; D]], rotations_at: &[[f64; D]]) -> f64;
 
     /// Distortion metrics at `handles`.
     fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics;
 }
 
-/// Numbers of fused multiply-adds.
+/// Costs in fused multiply-adds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Flops {
-    /// Of a local step.
+    /// Cost of a local step.
     pub(crate) local_step: f64,
-    /// Of the rotation Hessian.
+    /// Cost of the rotation Hessian.
     pub(crate) rotation_hessian: f64,
 }
 
-/// Parameters of the rotation Hessian: the part of the second derivative that vanishes because rotations follow the handles.
+/// Parameters of the rotation Hessian: the part by which the change of the best rotations reduces the second derivative.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RotationHessian {
-    /// Factor of the energy.
+    /// Factor by which the energy is multiplied.
     pub(crate) scale: f64,
-    /// Upper limit of 1/(s1 + s2), s1 and s2 the singular values of a sample: up to ½ every sample stays convex.
+    /// Upper limit of 1/(s1 + s2), where s1 and s2 are the singular values of a sample; with at most ½ every sample is convex.
     pub(crate) limit: f64,
 }
 
-/// Area-weighted sums over samples.
+/// Distortion of a shape, accumulated from samples weighted by area.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistortionMetrics {
     min_det: f64,
@@ -93,15 +94,15 @@ impl DistortionMetrics {
         Self { min_det: f64::INFINITY, area: 0.0, angular_sum: 0.0, area_sum: 0.0 }
     }
 
-    /// Adds a sample by its gradient.
+    /// Adds a sample with the gradient J of the lattice.
     pub(crate) fn add<const D: usize>(&mut self, area: f64, gradient: &SquareMatrix<D>) {
         let det = determinant(gradient);
         let norm: f64 = gradient.iter().flatten().map(|x| x * x).sum();
-        // In 2D s1² + s2² = ‖J‖² and s1·s2 = |det J|; in 3D these are means over the three directions.
+        // In 2D s1² + s2² = ‖J‖² and s1·s2 = |det J|; in 3D the arguments are means over the three directions.
         self.add_measured(area, det, norm / D as f64, if D == 2 { det.abs() } else { det.abs().powf(2.0 / D as f64) });
     }
 
-    /// Adds a triangle by its rest and moved corners; degenerate triangles are ignored.
+    /// Adds a triangle with its rest and moved corners; degenerate triangles are ignored.
     pub(crate) fn add_triangle<const D: usize>(&mut self, rest: [&[f64; D]; 3], moved: [&[f64; D]; 3]) {
         let sides = |corners: [&[f64; D]; 3]| [minus(corners[1], corners[0]), minus(corners[2], corners[0])];
         let ([u, v], [a, b]) = (sides(rest), sides(moved));
@@ -109,7 +110,8 @@ impl DistortionMetrics {
         if doubled <= 0.0 {
             return;
         }
-        // In an orthonormal frame of the rest triangle the map is a 2 x 2 (or 3 x 2) matrix.
+        // In orthonormal coordinates of the rest triangle the map is a 2 × 2 (in 3D a 3 × 2) matrix with columns `first` and
+        // `second`.
         let along = dot(&u, &u).sqrt();
         let (shear, height) = (dot(&u, &v) / along, doubled / along);
         let first: [f64; D] = std::array::from_fn(|d| a[d] / along);
@@ -120,7 +122,8 @@ impl DistortionMetrics {
         self.add_measured(0.5 * doubled, det, 0.5 * (dot(&first, &first) + dot(&second, &second)), det.abs());
     }
 
-    /// Adds a sample by determinant, mean squared singular value, and squared geometric mean of them.
+    /// Adds a sample with its determinant, the mean square (`power`) and the squared geometric mean (`volume`) of its singular
+    /// values.
     fn add_measured(&mut self, area: f64, det: f64, power: f64, volume: f64) {
         let volume = volume.max(1e-12);
         self.min_det = self.min_det.min(det);

@@ -1,6 +1,6 @@
-//! General edge sets in SIMD packets: four sets with their edges, and four edges with their sets.
+//! General edge sets in SIMD packets of two layouts: four sets with their edges, and four edges with the sets that contain them.
 //!
-//! In: edges of sets, sorted; moved vertices. Out: the best rotation of every set, and the right side of the edges.
+//! In: sorted edges of sets; moved vertices. Out: the best rotation of every set, and the right-hand side.
 
 use super::packets::{Ids, add_edge, points_of, rotate, rotations_of, slot_starts};
 use super::set_edges::SetEdge;
@@ -8,7 +8,7 @@ use crate::solve::linalg::simd::{LANES, Lanes, add_multiple, dispatch, load, mul
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
 use pulp::{Simd, WithSimd};
 
-/// One edge of each of four sets; lanes without an edge have weight 0.
+/// One edge of each of four sets; the weight is 0 in unused lanes.
 #[derive(Clone, Debug)]
 struct SetSlot<const D: usize> {
     /// Vertices i and j.
@@ -19,28 +19,29 @@ struct SetSlot<const D: usize> {
     weight: Lanes,
 }
 
-/// Four edges with their sets.
+/// Four edges, with the slots that list their sets.
 #[derive(Clone, Debug)]
 struct EdgePacket<const D: usize> {
     /// Vertices i and j.
     ends: [Ids; 2],
-    /// v_i − v_j; zero in lanes without an edge.
+    /// v_i − v_j; 0 in unused lanes.
     edge: [Lanes; D],
+    /// Range of the slots in `edge_slots`.
     sets: std::ops::Range<usize>,
 }
 
-/// One set of each of four edges.
+/// One set that contains each of four edges, with the weight of the edge in it.
 #[derive(Clone, Debug)]
 struct EdgeSlot {
     sets: Ids,
     weight: Lanes,
 }
 
-/// The edges of all sets and the sets of all edges.
+/// Edges of all sets, and sets of all edges.
 #[derive(Debug)]
 pub(super) struct EdgeSetPackets<const D: usize> {
     set_count: usize,
-    /// Where the slots of every four sets start, and where the last ones end.
+    /// First slot of every group of four sets, and the end of the last group.
     starts: Vec<usize>,
     set_slots: Vec<SetSlot<D>>,
     edges: Vec<EdgePacket<D>>,
@@ -48,7 +49,7 @@ pub(super) struct EdgeSetPackets<const D: usize> {
 }
 
 impl<const D: usize> EdgeSetPackets<D> {
-    /// Packs edges that are sorted by their ends, with each set of an edge once.
+    /// Packs edges that are sorted by their ends; each pair of edge and set occurs once.
     pub(super) fn new(rest: &[[f64; D]], members: &[SetEdge]) -> Self {
         let set_count = members.iter().map(|member| member.set as usize + 1).max().unwrap_or(0);
         let mut packets =
@@ -97,17 +98,17 @@ impl<const D: usize> EdgeSetPackets<D> {
         }
     }
 
-    /// The best rotation of every set for moved vertices, and Σ_s Σ w (‖v'_i − v'_j‖² − 2 v'ᵀR_s v).
+    /// Returns the best rotation of every set for moved vertices, and Σ_s Σ w (‖v'_i − v'_j‖² − 2 (v'_i − v'_j)ᵀ R_s (v_i − v_j)).
     pub(super) fn rotations(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         dispatch(Rotations { packets: self, moved })
     }
 
-    /// b_i = Σ_s Σ_{(i,j)∈s} w R_s (v_i − v_j), for each of `count` vertices.
+    /// Returns b_i = Σ_s Σ_{(i,j)∈s} w R_s (v_i − v_j) for each of `count` vertices.
     pub(super) fn right_side(&self, rotations: &[SquareMatrix<D>], count: usize) -> Vec<[f64; D]> {
         dispatch(RightSide { packets: self, rotations, count })
     }
 
-    /// Σ_s Σ w ‖(v'_i − v'_j) − R_s (v_i − v_j)‖².
+    /// Energy Σ_s Σ w ‖(v'_i − v'_j) − R_s (v_i − v_j)‖².
     pub(super) fn energy(&self, rotations: &[SquareMatrix<D>], moved: &[[f64; D]]) -> f64 {
         let mut sum = 0.0;
         for packet in &self.edges {

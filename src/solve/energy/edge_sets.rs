@@ -1,7 +1,8 @@
-//! Energies Σ_s Σ_{(i,j)∈s} w ‖(v'_i − v'_j) − R_s (v_i − v_j)‖²: sets of edges with one rotation each (A. Jacobson et
-//! al., "Fast automatic skinning transformations", 2012). Files `edge`, `element`, `spokes_and_rims` and `stroke` define the sets.
+//! Energies of edge sets, Σ_s Σ_{(i,j)∈s} w ‖(v'_i − v'_j) − R_s (v_i − v_j)‖², with one rotation per set (A. Jacobson et al.,
+//! "Fast automatic skinning transformations", 2012). Files `edge`, `element`, `spokes_and_rims` and `stroke` define the sets.
 //!
-//! In: vertices, edges of sets. Normal matrix WᵀLW with each edge's weights of all sets added up; right side Wᵀb.
+//! In: vertices, and edges with their sets. Out: the normal matrix WᵀLW, in which each edge has the sum of its weights in all
+//! sets, and the right-hand side Wᵀb.
 
 use super::area::Area;
 use super::distortion::{Distortion, DistortionMetrics};
@@ -17,12 +18,12 @@ use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::separable_rows::SeparableRows;
 use pulp::Simd;
 
-/// What the distortion metrics are measured on.
+/// Where the distortion metrics are measured.
 #[derive(Debug)]
 pub(crate) enum MetricSource<const D: usize> {
-    /// Triangles over the vertices.
+    /// On triangles of the vertices.
     Triangles(Vec<[u32; 3]>),
-    /// The gradient of the lattice at samples.
+    /// On the gradient of the lattice at samples.
     Samples(Area<D>),
 }
 
@@ -35,21 +36,21 @@ enum Sets<const D: usize> {
     Any(EdgeSetPackets<D>),
 }
 
-/// The energy.
+/// The energy of all sets.
 #[derive(Debug)]
 pub(crate) struct EdgeSets<const D: usize> {
     pub(crate) vertices: EmbeddedVertices<D>,
     sets: Sets<D>,
-    /// All edges, with the sum of their weights in all sets.
+    /// All edges, each with the sum of its weights in all sets.
     edges: Vec<Edge>,
-    /// Σ_s Σ w ‖v_i − v_j‖².
+    /// Constant part of the energy, Σ_s Σ w ‖v_i − v_j‖².
     squares: f64,
     seen: MetricSource<D>,
     mean_stiffness: f64,
 }
 
 impl<const D: usize> EdgeSets<D> {
-    /// One set per vertex; `edges` are sorted and distinct.
+    /// Builds the energy whose sets are the one-rings of the vertices. `edges` are sorted and distinct.
     pub(crate) fn around_vertices(vertices: EmbeddedVertices<D>, mut edges: Vec<Edge>, seen: MetricSource<D>) -> Self {
         edges.retain(|edge| edge.weight != 0.0);
         let one_rings = OneRings::new(&vertices.rest, &edges);
@@ -57,7 +58,7 @@ impl<const D: usize> EdgeSets<D> {
         Self::of_sets(vertices, Sets::OneRings(one_rings), edges, seen)
     }
 
-    /// Edges of any sets, sorted by their ends and sets, each set of an edge once.
+    /// Builds the energy of general sets. `members` are sorted by ends, then by set; each pair of edge and set occurs once.
     pub(crate) fn new(vertices: EmbeddedVertices<D>, members: &[SetEdge], seen: MetricSource<D>) -> Self {
         let sum = |same: &[SetEdge]| same.iter().map(|member| member.weight).sum();
         let edges = members.chunk_by(|a, b| a.ends == b.ends);
@@ -76,17 +77,17 @@ impl<const D: usize> EdgeSets<D> {
         Self { vertices, sets, edges, squares, seen, mean_stiffness: 1.0 }
     }
 
-    /// Sets the mean stiffness contained in the weights, so that stiff parts do not soften the rest.
+    /// Sets the mean stiffness that the weights contain. The mass is divided by it, so that stiff parts do not soften the rest.
     pub(crate) fn with_mean_stiffness(self, mean_stiffness: f64) -> Self {
         Self { mean_stiffness, ..self }
     }
 
-    /// The best rotation of every set for moved vertices.
+    /// Returns the best rotation of every set for moved vertices.
     pub(crate) fn rotations(&self, moved: &[[f64; D]]) -> Vec<SquareMatrix<D>> {
         self.turn(moved).0
     }
 
-    /// The rotations, and the change of the energy that they bring.
+    /// Returns the best rotations, and the energy under them without its constant part `squares`.
     fn turn(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         match &self.sets {
             Sets::OneRings(one_rings) => one_rings.rotations(moved),
@@ -94,7 +95,7 @@ impl<const D: usize> EdgeSets<D> {
         }
     }
 
-    /// Σ w (W_i − W_j)ᵀ(W_i − W_j); for local bases.
+    /// Adds Σ w (W_i − W_j)ᵀ(W_i − W_j), for bases of local support.
     fn add_sparse_normal(&self, scale: f64, normal: &mut NormalMatrix) {
         let rows = self.vertices.rows();
         let mut difference = Vec::new();
@@ -108,7 +109,7 @@ impl<const D: usize> EdgeSets<D> {
     }
 }
 
-/// Rows of W and LW; for bases of global support.
+/// Rows of W and LW, for bases of global support.
 struct LaplacianRows {
     weights: SeparableRows,
     half_edges: HalfEdges,
@@ -128,7 +129,7 @@ impl SyrkRows for LaplacianRows {
     }
 }
 
-/// Adds a multiple of one sparse row to another.
+/// Adds a multiple of a sparse row to another; entries of `row` are (handle, coefficient).
 pub(super) fn add_to_row(row: &mut Vec<(usize, f64)>, other: &[(usize, f64)], factor: f64) {
     let known = row.len();
     for &(handle, w) in other {
@@ -140,12 +141,12 @@ pub(super) fn add_to_row(row: &mut Vec<(usize, f64)>, other: &[(usize, f64)], fa
 }
 
 impl<const D: usize> Distortion<D> for EdgeSets<D> {
-    /// Over the half-edges of a cotangent mesh Σ w ‖e‖² is 4 × its area.
+    /// Half of Σ w ‖e‖², which over the half-edges of a cotangent mesh is 4 × its area.
     fn mass(&self) -> f64 {
         0.5 * self.squares / self.mean_stiffness
     }
 
-    /// Edges may connect vertices of distant cells.
+    /// Edges may connect vertices of distant cells, so the bandwidth can exceed that of a row of W.
     fn bandwidth(&self) -> usize {
         if self.vertices.separable().is_some() {
             return self.vertices.bandwidth();

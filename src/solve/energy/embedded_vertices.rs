@@ -1,6 +1,6 @@
 //! Vertices embedded in the lattice: V' = W P' (paper, equation 4), and products with Wᵀ.
 //!
-//! In: rest points and a grid. Out: moved points, rows of W.
+//! In: rest points and a grid. Out: moved points, rows of W, products Wᵀ x.
 
 use crate::lattice::Grid;
 use crate::solve::blocked_weights::{BlockedWeights, add_sums, gather_group, local_handles, scatter_group};
@@ -9,7 +9,7 @@ use crate::solve::linalg::simd::{LANES, dispatch, load, store};
 use crate::solve::separable_weights::SeparableWeights;
 use pulp::{Simd, WithSimd};
 
-/// Packets that are processed together.
+/// Number of packets that are processed together.
 const GROUP: usize = 4;
 
 /// Rest points with their rows of W.
@@ -20,12 +20,12 @@ pub(crate) struct EmbeddedVertices<const D: usize> {
     weights: Weights,
 }
 
-/// W.
+/// The matrix W.
 #[derive(Debug)]
 enum Weights {
-    /// Of a local basis.
+    /// For a basis of local support.
     Local(BlockedWeights<1>),
-    /// Of a basis of global support.
+    /// For a basis of global support.
     Everywhere(SeparableWeights),
 }
 
@@ -38,7 +38,7 @@ impl<const D: usize> EmbeddedVertices<D> {
         Self { rest, weights }
     }
 
-    /// V' = W P', #vertices.
+    /// Returns V' = W P', #vertices.
     pub(crate) fn moved(&self, handles: &[[f64; D]]) -> Vec<[f64; D]> {
         match &self.weights {
             Weights::Local(weights) => dispatch(Moved { weights, count: self.rest.len(), handles }),
@@ -46,7 +46,7 @@ impl<const D: usize> EmbeddedVertices<D> {
         }
     }
 
-    /// Adds scale · Wᵀ values; values are #vertices.
+    /// Adds scale · Wᵀ values to the right-hand side; `values` has one entry per vertex.
     pub(crate) fn add_transposed(&self, values: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]]) {
         match &self.weights {
             Weights::Local(weights) => dispatch(Transposed { weights, values, scale, right_side }),
@@ -54,7 +54,7 @@ impl<const D: usize> EmbeddedVertices<D> {
         }
     }
 
-    /// W of a basis of global support.
+    /// W, if the basis has global support.
     pub(crate) fn separable(&self) -> Option<&SeparableWeights> {
         match &self.weights {
             Weights::Local(_) => None,
@@ -62,7 +62,7 @@ impl<const D: usize> EmbeddedVertices<D> {
         }
     }
 
-    /// Largest difference of handle indices within a row.
+    /// Largest difference of handle indices within a row of W.
     pub(crate) fn bandwidth(&self) -> usize {
         match &self.weights {
             Weights::Local(weights) => weights.bandwidth(),
@@ -70,14 +70,14 @@ impl<const D: usize> EmbeddedVertices<D> {
         }
     }
 
-    /// W, row by row, of a local basis.
+    /// Rows of W as (handle, weight), for a basis of local support.
     pub(crate) fn rows(&self) -> Vec<Vec<(usize, f64)>> {
         let mut rows = vec![Vec::new(); self.rest.len()];
         self.each_weight(|vertex, handle, weight| rows[vertex].push((handle, weight)));
         rows
     }
 
-    /// Smallest and largest handle index of each vertex, for a local basis.
+    /// Smallest and largest handle index of each row, for a basis of local support.
     pub(crate) fn ranges(&self) -> Vec<[usize; 2]> {
         let mut ranges = vec![[usize::MAX, 0]; self.rest.len()];
         self.each_weight(|vertex, handle, _| {
@@ -86,7 +86,7 @@ impl<const D: usize> EmbeddedVertices<D> {
         ranges
     }
 
-    /// Calls `visit(vertex, handle, weight)` for all entries of W of a local basis.
+    /// Calls `visit(vertex, handle, weight)` for every entry of W, for a basis of local support.
     fn each_weight(&self, mut visit: impl FnMut(usize, usize, f64)) {
         let Weights::Local(weights) = &self.weights else { return };
         for block in &weights.blocks {
@@ -133,7 +133,7 @@ impl<const D: usize> WithSimd for Moved<'_, D> {
     }
 }
 
-/// Writes the coordinates of four rows to their vertices.
+/// Writes the coordinates of the four rows of a packet to their vertices.
 #[inline(always)]
 fn put<const D: usize>(rows: [usize; LANES], values: &[[f64; LANES]; D], moved: &mut [[f64; D]]) {
     for (lane, &row) in rows.iter().enumerate() {

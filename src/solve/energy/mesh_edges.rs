@@ -1,6 +1,6 @@
 //! Edges of a mesh with their weights: uniform or cotangent for a whole mesh, or the cotangents of one triangle.
 //!
-//! In: points, triangles. Out: distinct edges with w_ij, or the neighbours of every vertex.
+//! In: points and triangles. Out: distinct edges with w_ij, or the neighbours of every vertex.
 
 use crate::solve::counting_sort::counting_sort;
 use crate::solve::linalg::small_matrix::{area_of, dot, minus};
@@ -17,23 +17,23 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// An edge between two vertices.
+    /// Creates an edge between two vertices, in either order.
     pub(super) fn new([i, j]: [usize; 2], weight: f64) -> Self {
         Self { ends: [i.min(j) as u32, i.max(j) as u32], weight }
     }
 }
 
-/// Neighbours of all vertices, one vertex after the other.
+/// Neighbours of all vertices, vertex after vertex.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HalfEdges {
-    /// #vertices + 1 offsets.
+    /// First entry of each vertex, and the end of the last: #vertices + 1.
     starts: Vec<usize>,
-    /// (j, w_ij), sorted by j.
+    /// (j, w_ij), sorted by j within a vertex.
     entries: Vec<(usize, f64)>,
 }
 
 impl HalfEdges {
-    /// Both directions of edges that are sorted by their ends.
+    /// Lists both directions of edges that are sorted by their ends.
     pub(crate) fn new(vertex_count: usize, edges: &[Edge]) -> Self {
         let mut starts = vec![0; vertex_count + 1];
         edges.iter().flat_map(|edge| edge.ends).for_each(|end| starts[end as usize + 1] += 1);
@@ -52,12 +52,12 @@ impl HalfEdges {
         Self { starts, entries }
     }
 
-    /// Number of vertices, isolated ones included.
+    /// Number of vertices, including isolated ones.
     pub(crate) fn vertex_count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// (L x)_i = Σ_j w_ij (x_i − x_j); L is symmetric.
+    /// Returns (L x)_i = Σ_j w_ij (x_i − x_j); L is symmetric.
     pub(crate) fn laplacian<const D: usize>(&self, x: &[[f64; D]]) -> Vec<[f64; D]> {
         let sum_at = |i: usize| {
             let mut sum = [0.0; D];
@@ -69,7 +69,7 @@ impl HalfEdges {
         (0..self.vertex_count()).map(sum_at).collect()
     }
 
-    /// Overwrites `row` with a row of L: vertices with their coefficients.
+    /// Overwrites `row` with a row of L, as (vertex, coefficient).
     pub(crate) fn laplacian_row(&self, vertex: usize, row: &mut Vec<(usize, f64)>) {
         let neighbours = self.of(vertex);
         row.clear();
@@ -83,8 +83,8 @@ impl HalfEdges {
     }
 }
 
-/// Finds the edges, sorted by their ends. Cotangents: w_ij = ½(cot α + cot β), unclamped, over unsigned areas; triangles
-/// without area give no weight but keep their edges.
+/// Lists the distinct edges of a mesh, sorted by their ends. Cotangent weights are w_ij = ½(cot α + cot β), unclamped, with
+/// unsigned areas; triangles without area contribute weight 0, but their edges are listed.
 pub(crate) fn edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> Vec<Edge> {
     let mut found = Vec::with_capacity(shape.triangles.len() * 3);
     for triangle in 0..shape.triangles.len() {
@@ -100,13 +100,13 @@ pub(crate) fn edges<const D: usize>(shape: &Shape<D>, weights: EdgeWeights) -> V
     }
     let sum = |same: &[Edge]| same.iter().map(|edge| edge.weight).sum::<f64>();
     match weights {
-        // The mean stiffness of its triangles, 1 where nothing is painted.
+        // A uniform weight is the mean stiffness of the triangles at the edge, 1 where no stiffness is painted.
         EdgeWeights::Uniform => merged(found, shape.points.len(), |same| sum(same) / same.len() as f64),
         EdgeWeights::Cot => merged(found, shape.points.len(), sum),
     }
 }
 
-/// Sorts edges between `count` vertices by their ends and merges duplicates.
+/// Sorts edges between `count` vertices by their ends and merges duplicates; `weight` computes the weight of the merged edge.
 pub(super) fn merged(mut edges: Vec<Edge>, count: usize, weight: impl Fn(&[Edge]) -> f64) -> Vec<Edge> {
     for end in [1, 0] {
         counting_sort(&mut edges, count, |edge| edge.ends[end] as usize);
@@ -117,7 +117,7 @@ pub(super) fn merged(mut edges: Vec<Edge>, count: usize, weight: impl Fn(&[Edge]
         let next = first + edges[first..].iter().take_while(|edge| edge.ends == ends).count();
         let same = &mut edges[first..next];
         if same.len() > 2 {
-            // So that sums do not depend on the order of triangles.
+            // Sorted, so that sums do not depend on the order of the triangles.
             same.sort_by(|a, b| a.weight.total_cmp(&b.weight));
         }
         edges[known] = Edge { ends, weight: weight(same) };
@@ -127,21 +127,21 @@ pub(super) fn merged(mut edges: Vec<Edge>, count: usize, weight: impl Fn(&[Edge]
     edges
 }
 
-/// The edges of a triangle, each with the cotangent of the angle it faces, times its stiffness: 0 where the triangle has no area but the
-/// rounding of its sides.
+/// Returns the edges of a triangle, each with the cotangent of the opposite angle times the stiffness of the triangle. The
+/// cotangent is 0 where the area of the triangle is within the rounding error of its sides.
 pub(crate) fn triangle_edges<const D: usize>(shape: &Shape<D>, triangle: usize) -> [([usize; 2], f64); 3] {
     let stiffness = shape.stiffness_of(triangle);
     sides(shape, triangle)
         .map(|[apex, i, j]| ([i, j], stiffness * cotangent(&shape.points[apex], &shape.points[i], &shape.points[j])))
 }
 
-/// The sides of a triangle, each after its opposite corner.
+/// Returns the sides of a triangle as [opposite corner, from, to].
 fn sides<const D: usize>(shape: &Shape<D>, triangle: usize) -> [[usize; 3]; 3] {
     let corners = shape.triangles[triangle].map(|corner| corner as usize);
     std::array::from_fn(|k| std::array::from_fn(|step| corners[(k + step) % 3]))
 }
 
-/// Cotangent of the angle at `apex`, over the unsigned area.
+/// Cotangent of the angle at `apex`, with the unsigned area.
 fn cotangent<const D: usize>(apex: &[f64; D], i: &[f64; D], j: &[f64; D]) -> f64 {
     let (u, v) = (minus(i, apex), minus(j, apex));
     let doubled = area_of(&u, &v);

@@ -1,6 +1,6 @@
-//! Distortion measures: one per file, all behind [`Distortion`].
+//! Distortion energies: one per file, all behind [`Distortion`].
 //!
-//! In: rest grid and shape. Out: the measure that the settings ask for.
+//! In: rest grid, shape, pins and settings. Out: the energy that the settings name.
 
 mod area;
 mod area_in_space;
@@ -42,7 +42,7 @@ use embedded_vertices::EmbeddedVertices;
 use set_edges::SetEdge;
 use vertex::Vertex;
 
-/// Builds the measure that the settings ask for, or the one that suits the shape, see [`fitting`].
+/// Builds the energy that the settings name, or the one that suits the shape, see [`fitting`].
 pub(crate) fn build<const D: usize>(
     grid: &Grid<D>,
     shape: &Shape<D>,
@@ -83,7 +83,7 @@ pub(crate) fn build<const D: usize>(
     Ok(built)
 }
 
-/// Samples of a shape.
+/// Samples a shape.
 fn samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, sampling: Sampling) -> Vec<Sample<D>> {
     match sampling {
         Sampling::Subcells => subcell_samples(grid, shape),
@@ -91,21 +91,21 @@ fn samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, sampling: Sampling)
     }
 }
 
-/// The area measure at samples, stiffened by the regions of pins.
+/// Builds energy `area` at samples, stiffened by the regions of pins.
 fn area<const D: usize>(grid: &Grid<D>, mut samples: Vec<Sample<D>>, pins: &[PointPin<D>], cancel: &Cancel) -> Area<D> {
     samples.iter_mut().for_each(|sample| sample.stiffness *= region_stiffness_at(pins, sample.at));
     Area::new(grid, &samples, cancel)
 }
 
-/// A measure over sets of triangle sides.
+/// Builds an energy of sets of triangle sides.
 fn of_triangles<const D: usize>(grid: &Grid<D>, mesh: Shape<D>, members: &[SetEdge], cancel: &Cancel) -> EdgeSets<D> {
     let mean_stiffness = mesh.mean_stiffness();
     let vertices = EmbeddedVertices::new(grid, mesh.points, cancel);
     EdgeSets::new(vertices, members, MetricSource::Triangles(mesh.triangles)).with_mean_stiffness(mean_stiffness)
 }
 
-/// The measure for a shape, and a warning where it is not the requested one: meshes have no lines and
-/// lines no triangles. Problem files with plain sums ([`Sampling::Centroids`]) get the requested one.
+/// Returns the energy to use for a shape, and a warning if it is not the requested one: a mesh without lines cannot use `stroke`,
+/// lines without triangles need it. Problem files with plain sums ([`Sampling::Centroids`]) always get the requested energy.
 pub(crate) fn fitting<const D: usize>(shape: &Shape<D>, settings: &Settings) -> (Energy, Option<String>) {
     let wanted = settings.energy;
     if settings.sampling == Sampling::Centroids {

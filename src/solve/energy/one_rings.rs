@@ -1,7 +1,7 @@
-//! One-rings in SIMD packets of four vertices: the edge sets of energies in which
-//! each edge belongs to the sets of both its ends with the same weight.
+//! One-rings in SIMD packets of four vertices: the edge sets of energies in which each edge belongs to the sets of both its ends
+//! with the same weight.
 //!
-//! In: edges; moved vertices. Out: the best rotation of every vertex, and the right side of the edges.
+//! In: edges; moved vertices. Out: the best rotation of every vertex, and the right-hand side.
 
 use super::mesh_edges::Edge;
 use super::packets::{Ids, add_edge, points_of, rotate, rotations_of, slot_starts};
@@ -9,7 +9,7 @@ use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, sto
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
 use pulp::{Simd, WithSimd};
 
-/// One edge of each of four vertices; lanes without an edge have weight 0.
+/// One edge of each of four vertices; the weight is 0 in unused lanes.
 #[derive(Clone, Debug)]
 struct Slot<const D: usize> {
     /// The vertices j at the other ends.
@@ -24,7 +24,7 @@ struct Slot<const D: usize> {
 #[derive(Debug)]
 pub(super) struct OneRings<const D: usize> {
     count: usize,
-    /// Where the slots of every four vertices start, and where the last ones end.
+    /// First slot of every group of four vertices, and the end of the last group.
     starts: Vec<usize>,
     slots: Vec<Slot<D>>,
 }
@@ -51,24 +51,25 @@ impl<const D: usize> OneRings<D> {
         Self { count: rest.len(), starts, slots }
     }
 
-    /// Four vertices; lanes beyond the last vertex repeat it with weight 0.
+    /// Vertices of a packet; lanes beyond the last vertex repeat it (their edges have weight 0).
     #[inline(always)]
     fn own(&self, packet: usize) -> Ids {
         let vertex = |lane: usize| (packet * LANES + lane).min(self.count - 1) as u32;
         [vertex(0), vertex(1), vertex(2), vertex(3)]
     }
 
-    /// The best rotation of every vertex's edges for moved vertices, and Σ_i Σ_j w (‖v'_i − v'_j‖² − 2 v'ᵀR_i v).
+    /// Returns the best rotation of every one-ring for moved vertices, and
+    /// Σ_i Σ_j w (‖v'_i − v'_j‖² − 2 (v'_i − v'_j)ᵀ R_i (v_i − v_j)).
     pub(super) fn rotations(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         dispatch(Rotations { one_rings: self, moved })
     }
 
-    /// b_i = Σ_j w (R_i + R_j)(v_i − v_j).
+    /// Returns b_i = Σ_j w (R_i + R_j)(v_i − v_j).
     pub(super) fn right_side(&self, rotations: &[SquareMatrix<D>]) -> Vec<[f64; D]> {
         dispatch(RightSide { one_rings: self, rotations })
     }
 
-    /// Σ_i Σ_j w ‖(v'_i − v'_j) − R_i (v_i − v_j)‖².
+    /// Energy Σ_i Σ_j w ‖(v'_i − v'_j) − R_i (v_i − v_j)‖².
     pub(super) fn energy(&self, rest: &[[f64; D]], rotations: &[SquareMatrix<D>], moved: &[[f64; D]]) -> f64 {
         let mut sum = 0.0;
         for (vertex, rotation) in rotations.iter().enumerate() {
@@ -153,7 +154,7 @@ mod tests {
     use super::super::set_edges::SetEdge;
     use super::*;
 
-    /// A strip of vertices, some with many edges, and one without any.
+    /// Compares one-rings with general edge sets, on vertices of which some have many edges and the last has none.
     fn compare<const D: usize>(count: usize) {
         let place = |k: usize, phase: f64| std::array::from_fn(|d| (phase * k as f64 + 2.0 * d as f64).sin());
         let rest: Vec<[f64; D]> = (0..count).map(|k| place(k, 1.3)).collect();

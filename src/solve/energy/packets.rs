@@ -1,6 +1,6 @@
-//! Four sets of edges at a time: their points and rotations in vector registers.
+//! Four edge sets at a time: their points and rotations in vector registers, one set per lane.
 //!
-//! In: indices of points and sets. Out: one register per coordinate; best rotations of four sets.
+//! In: indices of points and sets. Out: one register per coordinate or matrix entry; best rotations of four sets.
 
 use crate::solve::linalg::simd::{LANES, Lanes, add_multiple, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, best_rotation};
@@ -9,8 +9,8 @@ use pulp::Simd;
 /// Indices of four vertices or sets.
 pub(super) type Ids = [u32; LANES];
 
-/// Where the slots of every four sets start, and where the last ones end, by the sizes of all sets: there are as many slots as the
-/// largest of the four needs.
+/// Returns the first slot of every group of four sets, and the end of the last group. A group has as many slots as its largest
+/// set has edges, given in `sizes`.
 pub(super) fn slot_starts(sizes: &[usize]) -> Vec<usize> {
     let ends = sizes.chunks(LANES).scan(0, |end, sizes| {
         *end += sizes.iter().copied().max().unwrap_or(0);
@@ -19,7 +19,7 @@ pub(super) fn slot_starts(sizes: &[usize]) -> Vec<usize> {
     std::iter::once(0).chain(ends).collect()
 }
 
-/// Adds (edge)(to − from)ᵀ to the sums of four sets, and returns ‖to − from‖².
+/// Adds the outer products edge (to − from)ᵀ to the sums of four sets, and returns ‖to − from‖².
 #[inline(always)]
 pub(super) fn add_edge<S: Simd, const D: usize>(
     simd: S,
@@ -38,7 +38,7 @@ pub(super) fn add_edge<S: Simd, const D: usize>(
     square
 }
 
-/// Four points, by coordinate.
+/// Loads four points, one register per coordinate.
 #[inline(always)]
 pub(super) fn points_of<S: Simd, const D: usize>(simd: S, points: &[[f64; D]], ids: &Ids) -> [S::f64s; D] {
     let mut lanes = [[0.0; LANES]; D];
@@ -55,7 +55,7 @@ pub(super) fn points_of<S: Simd, const D: usize>(simd: S, points: &[[f64; D]], i
     registers
 }
 
-/// Four rotations, by entry.
+/// Loads four rotations, one register per matrix entry.
 #[inline(always)]
 pub(super) fn rotations_of<S: Simd, const D: usize>(
     simd: S,
@@ -80,7 +80,7 @@ pub(super) fn rotations_of<S: Simd, const D: usize>(
     rows
 }
 
-/// The rotations R that maximise tr(R S) of four S, and the sum of these traces.
+/// Finds the rotations R that maximise tr(R S) for four matrices S, and returns the sum of these traces.
 #[inline(always)]
 pub(super) fn rotate<S: Simd, const D: usize>(
     simd: S,
@@ -105,7 +105,7 @@ pub(super) fn rotate<S: Simd, const D: usize>(
     gain
 }
 
-/// [`best_rotation`] in 2D: the angle is atan2(Σ w e × e', Σ w e · e'), and the trace their length.
+/// [`best_rotation`] in 2D: the angle is atan2(Σ w e × e', Σ w e · e'), the trace is the length of that vector.
 #[inline(always)]
 fn rotate_in_plane<S: Simd, const D: usize>(
     simd: S,

@@ -1,8 +1,9 @@
-//! Neighbourhoods of pins: a disc that stays smooth, so that a pin pulls a bulge and not a spike, and regions that move rigidly
+//! Neighbourhoods of pins: discs that stay smooth, so that a pin pulls out a bulge and not a spike, and regions that move rigidly
 //! with their pin.
 //!
-//! In: pins, radii. Out: a [`Distortion`] that adds to that of the shape, E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²).
-//! H is the second derivative around the pin, J̄ the mean gradient over the region, R the rotation nearest to it.
+//! In: pins and radii. Out: a [`Distortion`], the energy of the shape with those of the neighbourhoods,
+//! E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²), where H is the second derivative around the pin, J̄ the mean gradient
+//! over the region, and R the rotation nearest to J̄.
 
 use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
 use super::rotation_hessian::{differential_row, rotation_differential};
@@ -16,54 +17,55 @@ use crate::solve::problem::PointPin;
 use crate::solve::second_differences::{SecondDifferences, bend_around, fade};
 use crate::solve::settings::Settings;
 
-/// Radii of the rings (2D: circles, 3D: spheres) relative to the disc's; enough to resolve cubics, the pieces of a B-spline.
+/// Radii of the rings of quadrature points (2D: circles, 3D: spheres) relative to the radius of the disc; enough to resolve
+/// cubics, the pieces of a B-spline.
 const RINGS: [f64; 3] = [0.3, 0.6, 0.9];
 
-/// Weight of a region with a rigidity of 1, as a multiple of that of the model.
+/// Weight of a region of rigidity 1, as a multiple of the weight of the model.
 const REGION_RIGIDITY: f64 = 300.0;
 
-/// One neighbourhood.
+/// Disc or rigid region around a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PinNeighbourhood<const D: usize> {
     at: [f64; D],
     radius: f64,
     /// a: weight of the deviation from an affine map.
     affine: f64,
-    /// g: weight of the deviation of that map from a rotation.
+    /// g: weight of the deviation of that affine map from a rotation.
     rigid: f64,
 }
 
-/// A pin, and how its neighbourhoods act on unknowns that are not the handles of a grid.
+/// A pin whose neighbourhoods act on unknowns other than the handles of a grid.
 pub(crate) trait Neighbourhood<const D: usize> {
     /// The pin.
     fn pin(&self) -> &PointPin<D>;
 
-    /// Rows over handles around the pin as rows over unknowns.
+    /// Converts rows over handles around the pin to rows over unknowns.
     fn rows(&self, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D>;
 
-    /// The weighted mean of the gradients at points around the pin: unknowns, ascending, and their parts of it.
+    /// Returns the weighted mean of ∇W at points around the pin, as (unknown, gradient) in ascending order of the unknowns.
     fn mean_gradient(&self, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])>;
 }
 
-/// J̄ of one neighbourhood, with its rotation.
+/// A region that stays rigid: the coefficients of its mean gradient J̄.
 #[derive(Clone, Debug)]
 struct RigidRegion<const D: usize> {
-    /// Handles and their mean gradients.
+    /// Handles and the mean of their ∇W over the region.
     mean: Vec<(usize, [f64; D])>,
     weight: f64,
 }
 
-/// A distortion with the neighbourhoods of its pins.
+/// The energy of a shape and of the neighbourhoods of its pins.
 #[derive(Debug)]
 pub(crate) struct WithPinNeighbourhoods<const D: usize> {
     shape: Box<dyn Distortion<D>>,
-    /// Each with its weight.
+    /// Rows of the discs, each set with its weight.
     discs: Vec<(f64, LeastSquaresRows<D>)>,
     regions: Vec<RigidRegion<D>>,
 }
 
 impl<const D: usize> WithPinNeighbourhoods<D> {
-    /// Adds the neighbourhoods of the pins, where there are any.
+    /// Adds the neighbourhoods of the pins to the energy of a shape; returns that energy unchanged if there are none.
     pub(crate) fn around(
         shape: Box<dyn Distortion<D>>,
         grid: &Grid<D>,
@@ -83,7 +85,8 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
         Box::new(with_pins)
     }
 
-    /// As [`Self::around`] for unknowns other than handles; more rows of the energy are given, as multiples of its mean.
+    /// Same as [`Self::around`] for unknowns other than handles. `rows` are additional rows of the energy, weighted relative to
+    /// its mean.
     pub(crate) fn over(
         shape: Box<dyn Distortion<D>>,
         grid: &Grid<D>,
@@ -121,7 +124,8 @@ impl<const D: usize> WithPinNeighbourhoods<D> {
 }
 
 impl<const D: usize> PinNeighbourhood<D> {
-    /// The disc of a pin and its rigid region; both fade with the pin.
+    /// Returns the disc of a pin and its rigid region, as far as they have a radius and a weight; both weights fade with that of
+    /// the pin.
     fn of(grid: &Grid<D>, pin: &PointPin<D>, settings: &Settings) -> Vec<Self> {
         let disc = Self {
             at: pin.at,
@@ -131,27 +135,27 @@ impl<const D: usize> PinNeighbourhood<D> {
         };
         let region = pin.region.map(|region| {
             let firmness = REGION_RIGIDITY * region.rigidity * pin.weight;
-            // A pin that holds a gradient determines the mean gradient of the region.
+            // The gradient that a pin prescribes already determines the mean gradient of the region.
             let rigid = if pin.gradient.is_some() { 0.0 } else { firmness };
             Self { radius: region.radius, affine: firmness, rigid, ..disc }
         });
         [Some(disc), region].into_iter().flatten().filter(|spec| spec.radius > 0.0 && spec.affine > 0.0).collect()
     }
 
-    /// Weight of the second derivative H: for a field where it is constant, Σ_k ω_k ‖J_k − J̄‖² is ‖H‖² r² / (D + 6) for this fade.
+    /// Weight of ‖H‖². Where H is constant, Σ_k ω_k ‖J_k − J̄‖² is ‖H‖² r² / (D + 6) for the weights ω of `fade`.
     fn bend_weight(&self) -> f64 {
         self.affine * (self.radius.powi(2) / (D + 6) as f64)
     }
 }
 
-/// Fraction of a disc's weight that is used: a lattice whose handle spacing exceeds the radius cannot form a
-/// spike, and there the disc would only stiffen limbs (docs/METHOD.md has the cost).
+/// Fraction of the disc's weight that is used. A lattice whose handle spacing exceeds the radius cannot form a spike; there the
+/// disc would only stiffen limbs (docs/METHOD.md, "Discs and regions of pins").
 fn share_of_disc<const D: usize>(grid: &Grid<D>, settings: &Settings) -> f64 {
     let pitch = (0..D).map(|axis| grid.spacing(axis)).fold(0.0, f64::max);
     (settings.disc.radius * grid.diagonal() / pitch).min(1.0).powi(6)
 }
 
-/// Σ ω_k ∇W(x_k) over the points of a pattern: handles, ascending, and their gradients.
+/// Returns Σ ω_k ∇W(x_k) over the points of a pattern, as (handle, gradient) in ascending order of the handles.
 fn mean_gradient<const D: usize>(grid: &Grid<D>, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])> {
     let mut mean = std::collections::BTreeMap::new();
     for (point, share) in points {
@@ -164,7 +168,7 @@ fn mean_gradient<const D: usize>(grid: &Grid<D>, points: &[([f64; D], f64)]) -> 
 }
 
 impl<const D: usize> RigidRegion<D> {
-    /// J̄.
+    /// Mean gradient J̄ over the region.
     fn gradient_at(&self, handles: &[[f64; D]]) -> SquareMatrix<D> {
         let mut gradient = [[0.0; D]; D];
         for &(handle, mean) in &self.mean {
@@ -175,7 +179,7 @@ impl<const D: usize> RigidRegion<D> {
         gradient
     }
 
-    /// Adds a multiple of the products of a matrix with the mean gradients.
+    /// Adds `scale` · matrix · (mean gradient of W) to the sum of every handle of the region.
     fn add_scaled(&self, scale: f64, matrix: &SquareMatrix<D>, sums: &mut [[f64; D]]) {
         for (handle, mean) in &self.mean {
             for (slot, row) in sums[*handle].iter_mut().zip(matrix) {
@@ -230,7 +234,7 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
         cancel: &Cancel,
     ) {
         self.shape.subtract_rotation_hessian(handles, hessian, normal, cancel);
-        // In space what regions turn is left out: the matrix stays above the second derivative.
+        // In 3D the rotation Hessian of regions is left out, so the matrix is an upper bound of the second derivative.
         if D != 2 {
             return;
         }
@@ -279,7 +283,8 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
     }
 }
 
-/// Quadrature points of the disc with weights that sum to 1: ω fades to the rim, times the measure of a ring. Points outside the box are moved to its border.
+/// Returns quadrature points of a disc with weights that sum to 1: the fade ω times the measure of the ring. Points outside the
+/// box are moved to its border.
 fn pattern<const D: usize>(grid: &Grid<D>, spec: &PinNeighbourhood<D>) -> Vec<([f64; D], f64)> {
     let mut points = vec![(grid.clamp_to_box(spec.at), 0.1_f64.powi(D as i32))];
     let directions = directions::<D>();
@@ -295,7 +300,7 @@ fn pattern<const D: usize>(grid: &Grid<D>, spec: &PinNeighbourhood<D>) -> Vec<([
     points
 }
 
-/// Evenly distributed unit vectors: eight around a circle; the corners and face centres of a cube.
+/// Returns evenly distributed unit vectors: eight around a circle, or the face centres and corners of a cube.
 fn directions<const D: usize>() -> Vec<[f64; D]> {
     if D == 2 {
         let around = (0..8).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos());

@@ -1,26 +1,27 @@
-//! Nearest rotations of four gradients in space at once.
+//! Nearest rotations of four 3D gradients at once.
 //!
-//! In: four 3 x 3 gradients, one a lane. Out: their rotations. N. J. Higham, "Computing the Polar Decomposition—with
+//! In: four 3 × 3 gradients, one per lane. Out: their nearest rotations. N. J. Higham, "Computing the Polar Decomposition—with
 //! Applications", 1986: Newton's iteration X ← ½ (γ X + X⁻ᵀ/γ), which converges to the rotation of a gradient with a positive
-//! determinant; the others, and those near zero, take the way of [`nearest_rotation`].
+//! determinant. Gradients with a determinant that is negative or near zero are left to [`nearest_rotation`].
 
 use crate::solve::linalg::simd::{LANES, Lanes, lane_of, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant, identity, nearest_rotation};
 use pulp::Simd;
 
-/// Determinant over the cube of the norm from which on the iteration is used: it takes seven steps at most there.
+/// Smallest determinant, relative to the cube of the Frobenius norm, for which the iteration is used; it then needs at most seven
+/// steps.
 const MIN_DET: f64 = 1e-4;
 
-/// Steps; the last ones change nothing.
+/// Maximum number of steps.
 const STEPS: usize = 12;
 
-/// The iteration ends where the square of a step is below this: it doubles its digits, so rounding is all that is left.
+/// The iteration ends when the squared length of a step is below this. As convergence is quadratic, only rounding errors remain.
 const SETTLED: f64 = 1e-17;
 
-/// Four matrices, one a lane.
+/// Four matrices, one per lane.
 pub(super) type LaneMatrix<S, const D: usize> = [[<S as Simd>::f64s; D]; D];
 
-/// The rotations nearest to four 3D gradients.
+/// Returns the rotations nearest to four 3D gradients.
 #[inline(always)]
 pub(super) fn nearest_rotations<S: Simd, const D: usize>(simd: S, gradients: &LaneMatrix<S, D>) -> LaneMatrix<S, D> {
     let given = gradients.map(|row| row.map(|x| store::<S>(x)));
@@ -60,7 +61,7 @@ pub(super) fn nearest_rotations<S: Simd, const D: usize>(simd: S, gradients: &La
     rotations.map(|row| row.map(|lanes| load::<S>(&lanes)))
 }
 
-/// ½ (γ X + X⁻ᵀ/γ), γ² = ‖X⁻¹‖/‖X‖.
+/// Takes a step of the iteration: ½ (γ X + X⁻ᵀ/γ), γ² = ‖X⁻¹‖/‖X‖.
 #[inline(always)]
 fn step<S: Simd, const D: usize>(simd: S, x: &LaneMatrix<S, D>) -> LaneMatrix<S, D> {
     let (cofactors, det) = cofactors(simd, x);
@@ -81,7 +82,7 @@ fn step<S: Simd, const D: usize>(simd: S, x: &LaneMatrix<S, D>) -> LaneMatrix<S,
     next
 }
 
-/// Cofactors and determinants of four 3 x 3 matrices: X⁻ᵀ = cof X/det X.
+/// Returns the cofactors and determinants of four 3 × 3 matrices; X⁻ᵀ = cof X/det X.
 #[inline(always)]
 pub(super) fn cofactors<S: Simd, const D: usize>(simd: S, x: &LaneMatrix<S, D>) -> (LaneMatrix<S, D>, S::f64s) {
     let mut cofactors = *x;

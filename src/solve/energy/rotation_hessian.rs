@@ -1,8 +1,8 @@
-//! The rotation Hessian of energy `area` in the plane: best rotations follow the handles, which subtracts a square per sample
-//! from the second derivative.
+//! The rotation Hessian of energy `area` in 2D: because the best rotations follow the handles, the second derivative is smaller
+//! than the constant matrix, by one rank-one term per sample.
 //!
-//! In: gradients of samples, handles. Out: the matrix of all coordinates minus the squares.
-//! With along = J00 + J11, across = J10 − J01 and ρ = ‖(along, across)‖ = s1 + s2, R rotates by
+//! In: ∇W at the samples, handles. Out: the matrix of all coordinates minus these terms.
+//! With along = J00 + J11, across = J10 − J01 and ρ = ‖(along, across)‖ = s1 + s2, the rotation R changes by
 //! dθ = (cos·d across − sin·d along)/ρ, and the second derivative of ‖J − R‖² is 2‖dJ‖² − 2ρ dθ².
 
 use super::distortion::RotationHessian;
@@ -15,7 +15,7 @@ use crate::solve::linalg::small_matrix::SquareMatrix;
 use crate::solve::linalg::syrk::SyrkRows;
 use pulp::{Simd, WithSimd};
 
-/// Sine and cosine of the rotation nearest to a plane gradient, over √ρ; 1/ρ is at most `limit`.
+/// Returns the sine and cosine of the rotation nearest to a 2D gradient, both divided by √ρ, with 1/ρ limited to `limit`.
 pub(super) fn rotation_differential<const D: usize>(gradient: &SquareMatrix<D>, limit: f64) -> [f64; 2] {
     let (along, across) = (gradient[0][0] + gradient[1][1], gradient[1][0] - gradient[0][1]);
     let spread = (along * along + across * across).sqrt();
@@ -25,16 +25,16 @@ pub(super) fn rotation_differential<const D: usize>(gradient: &SquareMatrix<D>, 
     [across * factor, along * factor]
 }
 
-/// Coefficients of √ρ·dθ for the coordinates of a handle with gradient (x, y).
+/// Returns the coefficients of √ρ·dθ for the two coordinates of a handle whose ∇W is (x, y).
 #[inline(always)]
 pub(super) fn differential_row([sin, cos]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     [-sin * x - cos * y, cos * x - sin * y]
 }
 
-/// Kernel that subtracts the squares of all samples from the matrix.
+/// Kernel that subtracts the rank-one terms of all samples from the matrix.
 pub(super) struct SubtractRotationHessian<'a, const D: usize> {
     pub(super) gradients: &'a BlockedWeights<D>,
-    /// Area times stiffness of each lane's sample.
+    /// Area times stiffness of the sample in each lane.
     pub(super) areas: &'a [Lanes],
     pub(super) handles: &'a [[f64; D]],
     pub(super) hessian: RotationHessian,
@@ -84,11 +84,11 @@ impl<const D: usize> WithSimd for SubtractRotationHessian<'_, D> {
     }
 }
 
-/// [`differential_row`] of all handles for each sample, twice; for bases of global support.
+/// [`differential_row`] of every handle for each sample, as both factors of the product, for bases of global support.
 struct DifferentialRows<'a, const D: usize> {
     gradients: &'a BlockedWeights<D>,
     block: &'a Block,
-    /// Sine and cosine of each packet, see [`rotation_differential_lanes`].
+    /// Sine and cosine per packet, see [`rotation_differential_lanes`].
     differentials: Vec<[Lanes; 2]>,
 }
 
@@ -109,7 +109,7 @@ impl<const D: usize> SyrkRows for DifferentialRows<'_, D> {
     }
 }
 
-/// [`rotation_differential`] for four samples, times the roots of their areas.
+/// [`rotation_differential`] for four samples, multiplied by the square roots of their areas.
 #[inline(always)]
 fn rotation_differential_lanes<S: Simd, const D: usize>(
     simd: S,
@@ -128,7 +128,7 @@ fn rotation_differential_lanes<S: Simd, const D: usize>(
     [simd.mul_f64s(across, factor), simd.mul_f64s(along, factor)]
 }
 
-/// [`differential_row`] of all handles for four samples: one row each.
+/// Writes [`differential_row`] of every handle for four samples, one row per sample.
 #[inline(always)]
 fn push_rows<S: Simd, const D: usize>(
     simd: S,

@@ -1,6 +1,6 @@
-//! The rotation Hessian of energy `area` in space as a matrix, for factorisations beside the barrier.
+//! The rotation Hessian of energy `area` in 3D as a matrix, for the factorisations of the barrier.
 //!
-//! In: gradients of samples, handles. Out: the matrix of all coordinates minus three squares a sample: with R and M as in
+//! In: ∇W at the samples, handles. Out: the matrix of all coordinates minus three rank-one terms per sample. With R and M as in
 //! [`super::rotation_response`], the second derivative of ‖J − R‖² is 2 ‖dJ‖² − 2 axial · M⁻¹ axial, axial = axial(RᵀdJ).
 
 use super::Area;
@@ -13,7 +13,7 @@ use crate::solve::linalg::simd::{LANES, Lanes, dispatch, lane_of};
 use crate::solve::linalg::small_matrix::SquareMatrix;
 
 impl<const D: usize> Area<D> {
-    /// Subtracts the squares of all samples; rows are D·handle + coordinate.
+    /// Subtracts the rank-one terms of all samples; the row of a coordinate is D·handle + coordinate.
     pub(super) fn subtract_rotation_hessian_in_space(
         &self,
         handles: &[[f64; D]],
@@ -44,7 +44,8 @@ impl<const D: usize> Area<D> {
     }
 }
 
-/// One square as a row over the coordinates of a block's handles, for the sample in a lane of their gradients.
+/// Writes one rank-one term as a row over the coordinates of the handles of a block, for the sample in the given lane of
+/// `coefficients`.
 fn write_row<const D: usize>(row: &mut [f64], square: &SquareMatrix<D>, (coefficients, lane): (&[[Lanes; D]], usize)) {
     for (slots, lanes) in row.chunks_exact_mut(D).zip(coefficients) {
         let along = lanes.map(|x| x[lane]);

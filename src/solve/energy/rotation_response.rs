@@ -1,25 +1,25 @@
-//! How best rotations in space follow the handles: products of the second derivative with directions.
+//! The derivative of the best rotations in 3D with respect to the handles, for products of the second derivative with directions.
 //!
-//! In: gradients of samples, directions. Out: changes of rotations. With R the rotation nearest to J, S = RᵀJ and
-//! M = tr(S) I − S, whose eigenvalues are the sums of two singular values: dR = R [ω]×, M ω = axial(RᵀdJ), and the second
+//! In: gradients of samples, changes of the gradients. Out: changes of the rotations. With R the rotation nearest to J, S = RᵀJ
+//! and M = tr(S) I − S, whose eigenvalues are the sums of two singular values: dR = R [ω]×, M ω = axial(RᵀdJ), and the second
 //! derivative of ‖J − R‖² is 2 ‖dJ‖² − 2 axial · M⁻¹ axial (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion
-//! Energies", 2019, where its eigenvectors are the twist modes).
+//! Energies", 2019, where the eigenvectors of M are the twist modes).
 
 use super::polar::{LaneMatrix, cofactors, nearest_rotations};
 use crate::solve::linalg::simd::{LANES, Lanes, lane_of, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, nearest_rotation, symmetric_eigen, times, transpose};
 use pulp::Simd;
 
-/// Where the least sum of two singular values may be below this, M is inverted by its eigenvectors, and what is not
-/// convex is left out: a gradient that is nearly flat or turned inside out has no rotation that could follow it.
+/// Where the smallest sum of two singular values may be below this, M is inverted by its eigenvectors and the non-convex part is
+/// left out: a gradient that is nearly flat or inverted has no stable nearest rotation.
 const MIN_SUM: f64 = 0.5;
 
-/// Responses of all samples of a measure at one state.
+/// Responses of all samples of an energy at one state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RotationResponse<const D: usize> {
-    /// Of packets of samples.
+    /// Responses of the packets of samples.
     pub(super) packets: Vec<PacketResponse<D>>,
-    /// Of the rigid regions of pins.
+    /// Responses of the rigid regions of pins.
     pub(super) regions: Vec<SampleResponse<D>>,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct SampleResponse<const D: usize> {
     inverse: SquareMatrix<D>,
 }
 
-/// The same for four gradients, one a lane.
+/// R and M⁻¹ of four gradients, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PacketResponse<const D: usize> {
     rotation: [[Lanes; D]; D],
@@ -38,19 +38,19 @@ pub(super) struct PacketResponse<const D: usize> {
 }
 
 impl<const D: usize> SampleResponse<D> {
-    /// At a gradient; the eigenvalues of M⁻¹ are at most `limit`.
+    /// Computes the response at a gradient; the eigenvalues of M⁻¹ are limited to `limit`.
     pub(super) fn at(gradient: &SquareMatrix<D>, limit: f64) -> Self {
         let rotation = nearest_rotation(gradient);
         let stretch = times(&transpose(&rotation), gradient);
         Self { rotation, inverse: limited_inverse(&spread(&stretch), limit) }
     }
 
-    /// Matrices Q of unit changes of the gradient with weight · axial · M⁻¹ axial = Σ ⟨Q, dJ⟩²: one an eigenvalue of M⁻¹.
+    /// Returns matrices Q with weight · axial · M⁻¹ axial = Σ ⟨Q, dJ⟩², one for each eigenvalue of M⁻¹.
     pub(super) fn squares(&self, weight: f64) -> [SquareMatrix<D>; D] {
         let (values, vectors) = symmetric_eigen(&self.inverse);
         std::array::from_fn(|k| {
             let root = (weight * values[k].max(0.0)).sqrt();
-            // ⟨v, axial(Rᵀ dJ)⟩ by the entries of dJ: R times the cross product matrix of v.
+            // Coefficients of ⟨v, axial(Rᵀ dJ)⟩ for the entries of dJ: R times the cross product matrix of v.
             std::array::from_fn(|row| {
                 std::array::from_fn(|axis| {
                     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -60,7 +60,7 @@ impl<const D: usize> SampleResponse<D> {
         })
     }
 
-    /// dR for a change of the gradient.
+    /// Returns dR for a change of the gradient.
     pub(super) fn turned(&self, change: &SquareMatrix<D>) -> SquareMatrix<D> {
         let local = times(&transpose(&self.rotation), change);
         let axial: [f64; D] =
@@ -73,7 +73,7 @@ impl<const D: usize> SampleResponse<D> {
     }
 }
 
-/// tr(S) I − S, of the symmetric part of S.
+/// Returns M = tr(S) I − S for the symmetric part of S.
 fn spread<const D: usize>(stretch: &SquareMatrix<D>) -> SquareMatrix<D> {
     let trace: f64 = (0..D).map(|k| stretch[k][k]).sum();
     std::array::from_fn(|a| {
@@ -81,7 +81,7 @@ fn spread<const D: usize>(stretch: &SquareMatrix<D>) -> SquareMatrix<D> {
     })
 }
 
-/// The inverse of M with eigenvalues of at most `limit`; at most ½, which is convex, where M is nearly singular.
+/// Returns the inverse of M with its eigenvalues limited to `limit`, and to ½ (which is convex) where M is nearly singular.
 fn limited_inverse<const D: usize>(m: &SquareMatrix<D>, limit: f64) -> SquareMatrix<D> {
     let (values, vectors) = symmetric_eigen(m);
     let of = |value: f64| {
@@ -93,7 +93,7 @@ fn limited_inverse<const D: usize>(m: &SquareMatrix<D>, limit: f64) -> SquareMat
 }
 
 impl<const D: usize> PacketResponse<D> {
-    /// At four gradients, see [`SampleResponse::at`].
+    /// Computes the responses at four gradients, see [`SampleResponse::at`].
     #[inline(always)]
     pub(super) fn at<S: Simd>(simd: S, gradients: &LaneMatrix<S, D>, limit: f64) -> Self {
         let rotation = nearest_rotations(simd, gradients);
@@ -103,7 +103,8 @@ impl<const D: usize> PacketResponse<D> {
         let mut response = Self { rotation: rotation.map(|row| row.map(|x| store::<S>(x))), inverse };
         let (spread, det) = (spread.map(|row| row.map(|x| store::<S>(x))), store::<S>(det));
         for lane in 0..LANES {
-            // The two larger sums of singular values are at most half of the trace, which is twice the sum of all.
+            // `half` is the sum of all singular values and bounds each eigenvalue of M from above, so det / half² is a lower
+            // bound of the smallest.
             let half = 0.5 * (0..D).map(|k| spread[k][k][lane]).sum::<f64>();
             let least = if half > 0.0 { det[lane] / (half * half) } else { 0.0 };
             if least < MIN_SUM || least * limit < 1.0 {
@@ -116,7 +117,7 @@ impl<const D: usize> PacketResponse<D> {
         response
     }
 
-    /// dR for four changes of gradients.
+    /// Returns dR for changes of four gradients.
     #[inline(always)]
     pub(super) fn turned<S: Simd>(&self, simd: S, change: &LaneMatrix<S, D>) -> LaneMatrix<S, D> {
         let rotation = self.rotation.map(|row| row.map(|lanes| load::<S>(&lanes)));
@@ -143,7 +144,7 @@ impl<const D: usize> PacketResponse<D> {
     }
 }
 
-/// tr(S) I − S with S = RᵀJ for four gradients, made symmetric.
+/// Returns the symmetric part of tr(S) I − S, S = RᵀJ, for four gradients.
 #[inline(always)]
 fn spread_of<S: Simd, const D: usize>(
     simd: S,

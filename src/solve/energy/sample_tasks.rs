@@ -1,13 +1,13 @@
-//! Blocks of samples, shared out among threads.
+//! Divides blocks of samples into tasks for several threads.
 //!
-//! In: blocks. Out: tasks of about as much work each, the same for every number of threads.
+//! In: blocks. Out: tasks with about equal work, the same for any number of threads.
 
 use crate::solve::blocked_weights::Block;
 
-/// Packets times handles of a task. Fixed, so that sums do not depend on the number of threads.
+/// Work of a task, as packets times handles. It is fixed, so that sums do not depend on the number of threads.
 const TASK: usize = 1 << 15;
 
-/// Blocks, or parts of large ones, in tasks of about as much work each.
+/// Groups blocks into tasks with about equal work; large blocks are split.
 pub(super) fn tasks(blocks: &[Block]) -> Vec<Vec<Block>> {
     let (mut tasks, mut task, mut work) = (Vec::new(), Vec::new(), 0);
     for block in blocks {

@@ -1,13 +1,14 @@
-//! Energy `spokes-and-rims`: 2 Σ_t Σ_{v∈t} A_t/3 ‖J_t − R_v‖²_F, one rotation per vertex over all edges of its triangles, spokes and
-//! rims (I. Chao et al., "A Simple Geometric Model for Elastic Deformations", 2010). R_v maximises tr(R_vᵀ Σ A_t J_t).
+//! Energy `spokes-and-rims`: 2 Σ_t Σ_{v∈t} A_t/3 ‖J_t − R_v‖²_F, with one rotation per vertex over all edges of its triangles,
+//! the spokes and rims (I. Chao et al., "A Simple Geometric Model for Elastic Deformations", 2010).
+//! R_v maximises tr(R_vᵀ Σ A_t J_t).
 //!
-//! In: a mesh. Out: one edge set per vertex, as in `element` with a third of each cotangent.
+//! In: a mesh. Out: one edge set per vertex; weights are a third of the cotangents of `element`.
 
 use super::mesh_edges::triangle_edges;
 use super::set_edges::{SetEdge, sorted};
 use crate::solve::problem::Shape;
 
-/// The sides of all triangles at every vertex as its set.
+/// Lists the sides of all triangles at each vertex as the set of that vertex.
 pub(super) fn members<const D: usize>(shape: &Shape<D>) -> Vec<SetEdge> {
     let mut edges = Vec::with_capacity(shape.triangles.len() * 9);
     for (number, corners) in shape.triangles.iter().enumerate() {

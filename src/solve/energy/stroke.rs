@@ -1,8 +1,9 @@
-//! Energy `stroke`: Σ_k Σ_{0<|j−k|≤2} ‖(x'_k − x'_j) − R_k (x_k − x_j)‖² / s_kj along polylines, s_kj the arc length
-//! between the points k and j: the paper's equation 3 on drawings (its stroke-based scheme, T. Fukusato and S. Morishima,
-//! "Active comicing for freehand drawing animation", 2016). Derived in docs/METHOD.md.
+//! Energy `stroke`: Σ_k Σ_{0<|j−k|≤2} ‖(x'_k − x'_j) − R_k (x_k − x_j)‖² / s_kj along polylines, with s_kj the arc length between
+//! points k and j. It is the paper's equation 3 on drawings (its stroke-based scheme, T. Fukusato and S. Morishima, "Active
+//! comicing for freehand drawing animation", 2016), derived in docs/METHOD.md, "Energies".
 //!
-//! In: lines, a grid. Out: points along them and one edge set per point; the second ring makes straight lines resist bending.
+//! In: lines and a grid. Out: points along the lines and one edge set per point. The second ring of neighbours makes straight
+//! lines resist bending.
 
 use super::area::Area;
 use super::edge_sets::{EdgeSets, MetricSource};
@@ -16,17 +17,17 @@ use crate::solve::samples::{Sample, subcell_dims};
 use crate::solve::settings::{Sampling, Settings};
 use crate::solve::stiffness::region_stiffness_at;
 
-/// Neighbours on each side.
+/// Number of neighbours on each side.
 const RINGS: usize = 2;
 
 /// Points of one line, in order.
 struct Line<const D: usize> {
     points: Vec<[f64; D]>,
-    /// The last point is joined to the first.
+    /// Whether the last point is connected to the first.
     is_closed: bool,
 }
 
-/// The energy of the lines of a shape.
+/// Builds the energy of the strokes of a shape.
 pub(super) fn build<const D: usize>(
     grid: &Grid<D>,
     shape: &Shape<D>,
@@ -60,7 +61,7 @@ pub(super) fn build<const D: usize>(
         .with_mean_stiffness(mean_stiffness)
 }
 
-/// Spacing of points on resampled lines: the shortest side of a sub-cell.
+/// Returns the spacing of points on resampled lines: the shortest side of a sub-cell.
 fn spacing<const D: usize>(grid: &Grid<D>) -> f64 {
     let dims = subcell_dims(grid);
     (0..D).map(|axis| grid.size(axis) / dims[axis] as f64).fold(f64::INFINITY, f64::min)
@@ -76,12 +77,12 @@ impl<const D: usize> Line<D> {
         Self { points, is_closed }
     }
 
-    /// Points of the line; the first one is repeated at the end of a closed line.
+    /// Points of the line; a closed line repeats its first point at the end.
     fn corners(&self) -> impl Iterator<Item = &[f64; D]> + Clone {
         self.points.iter().chain(self.points.first().filter(|_| self.is_closed))
     }
 
-    /// Arc length from the start to every corner.
+    /// Arc length from the start to each corner.
     fn lengths(&self) -> Vec<f64> {
         let mut along = 0.0;
         let segments = self.corners().zip(self.corners().skip(1)).map(|(a, b)| {
@@ -92,8 +93,8 @@ impl<const D: usize> Line<D> {
         std::iter::once(0.0).chain(segments).collect()
     }
 
-    /// Runs of points inside the box, evenly spaced along the line by `spacing` or less, so that the result does not depend on how
-    /// the line was drawn. Parts outside the box do not contribute.
+    /// Resamples the line at even spacing, `spacing` or less, so that the result does not depend on how the line was drawn.
+    /// Returns the runs of consecutive points inside the box; parts outside the box do not contribute.
     fn resampled(&self, spacing: f64, grid: &Grid<D>) -> Vec<Self> {
         let Some(places) = ArcLengthSteps::along(self, spacing) else { return Vec::new() };
         let mut runs: Vec<InsideRun<D>> = Vec::new();
@@ -115,7 +116,7 @@ impl<const D: usize> Line<D> {
         runs.map(|run| Self { points: run.points, is_closed: is_whole }).collect()
     }
 
-    /// Adds the edges, each of which is in the sets of both its ends; points of the line are numbered from `first` on.
+    /// Adds the edges, each of which is in the sets of both its ends. `first` is the index of the line's first point.
     fn add_edges(&self, first: usize, edges: &mut Vec<Edge>) {
         let (count, lengths) = (self.points.len(), self.lengths());
         let total = lengths.last().copied().unwrap_or(0.0);
@@ -132,7 +133,7 @@ impl<const D: usize> Line<D> {
         }
     }
 
-    /// Every point with the part of the line that is nearest to it.
+    /// Returns a sample per point, whose area is the length of the line nearest to the point.
     fn samples(&self) -> impl Iterator<Item = Sample<D>> {
         let lengths = self.lengths();
         let count = self.points.len();
@@ -151,15 +152,15 @@ impl<const D: usize> Line<D> {
     }
 }
 
-/// Evenly spaced points along a line, counted in steps from its start.
+/// Evenly spaced points along a line, numbered by steps from its start.
 struct ArcLengthSteps<'a, const D: usize> {
     corners: Vec<&'a [f64; D]>,
-    /// Arc length from the start to every corner.
+    /// Arc length from the start to each corner.
     lengths: Vec<f64>,
     total: f64,
-    /// Steps from end to end, an integer that may exceed the range of integers.
+    /// Number of steps from end to end: an integral value, which may exceed the range of integer types.
     count: f64,
-    /// The last distinct step: of a closed line, the one before its start.
+    /// Last distinct step; on a closed line the one before the start is reached again.
     last: f64,
 }
 
@@ -171,7 +172,7 @@ struct InsideRun<const D: usize> {
 }
 
 impl<'a, const D: usize> ArcLengthSteps<'a, D> {
-    /// `None` for lines of length zero or of infinite length.
+    /// Returns `None` for lines of zero or infinite length.
     fn along(line: &'a Line<D>, spacing: f64) -> Option<Self> {
         let lengths = line.lengths();
         let total = *lengths.last()?;
@@ -181,15 +182,15 @@ impl<'a, const D: usize> ArcLengthSteps<'a, D> {
         is_finite.then(|| Self { corners: line.corners().collect(), lengths, total, count, last })
     }
 
-    /// Steps on the segment that ends at corner `next`, and their points, where these lie in the box.
+    /// Returns the steps on the segment that ends at corner `next`, with their points, as far as these lie in the box.
     fn inside(&self, next: usize, grid: &Grid<D>) -> impl Iterator<Item = (f64, [f64; D])> {
         let (start, end) = (self.lengths[next - 1], self.lengths[next]);
         let step_at = |share: f64| (start + share * (end - start)) / self.total * self.count;
-        // One more on each side, because the point of entry is rounded.
+        // One step more on each side, because the entry and exit points are rounded.
         let shares = clipped([self.corners[next - 1], self.corners[next]], grid);
         let range = shares.map(|[from, to]| [(step_at(from).floor() - 1.0).max(0.0), step_at(to).ceil() + 1.0]);
         let [first, last] = range.unwrap_or([1.0, 0.0]);
-        // For lines so long that steps are below rounding, no more than fit into the box.
+        // On lines so long that a step is below rounding, at most as many steps as fit into the box.
         let most = grid.diagonal() / self.total * self.count + 4.0;
         let steps = (last.min(self.last) - first + 1.0).clamp(0.0, most) as usize;
         (0..steps).filter_map(move |k| {
@@ -199,7 +200,7 @@ impl<'a, const D: usize> ArcLengthSteps<'a, D> {
         })
     }
 
-    /// The point of a step, and the corner at which its segment ends.
+    /// Returns the corner at which the segment of a step ends, and the point of the step.
     fn at(&self, step: f64) -> (usize, [f64; D]) {
         let along = self.total * (step / self.count);
         let next = self.lengths.partition_point(|&length| length <= along).clamp(1, self.corners.len() - 1);
@@ -210,7 +211,8 @@ impl<'a, const D: usize> ArcLengthSteps<'a, D> {
     }
 }
 
-/// Joins the runs at the start of a closed line, so that it is cut open outside the box only.
+/// Joins the last and the first run of a closed line where the line's start lies inside the box, so that the line is cut only
+/// outside.
 fn join_ends<const D: usize>(runs: &mut Vec<InsideRun<D>>, count: f64) {
     let starts_inside = runs.first().is_some_and(|run| run.first == 0.0);
     let ends_inside = runs.last().is_some_and(|run| run.last == count - 1.0);
@@ -220,7 +222,7 @@ fn join_ends<const D: usize>(runs: &mut Vec<InsideRun<D>>, count: f64) {
     }
 }
 
-/// The interval of a segment that lies in the box, 0 to 1 along the segment (Y.-D. Liang and B. Barsky, 1984).
+/// Returns the interval of a segment that lies in the box, as fractions 0 to 1 of the segment (Y.-D. Liang and B. Barsky, 1984).
 fn clipped<const D: usize>([from, to]: [&[f64; D]; 2], grid: &Grid<D>) -> Option<[f64; 2]> {
     let mut shares = [0.0_f64, 1.0_f64];
     for axis in 0..D {
@@ -258,7 +260,7 @@ mod tests {
             let runs = line(&[[-far, 0.4], [far, 0.4], [far, far]], false).resampled(0.1, &grid());
             assert!(runs.len() <= 20 && runs.iter().map(|run| run.points.len()).sum::<usize>() < 40, "{far}");
         }
-        // The steps are counted from the start of the line, wherever it enters.
+        // Steps are counted from the start of the line, wherever the line enters the box.
         let [run] = &line(&[[-0.53, 0.5], [3.47, 0.5]], false).resampled(0.1, &grid())[..] else { panic!("one run") };
         assert_eq!(run.points.len(), 10);
         let is_even = |(k, point): (usize, &[f64; 2])| (point[0] - (0.07 + 0.1 * k as f64)).abs() < 1e-12;
@@ -267,7 +269,7 @@ mod tests {
 
     #[test]
     fn closed_lines_are_cut_where_they_are_outside() {
-        // Its first corner lies inside, the third far outside.
+        // The first corner lies inside the box, the third far outside.
         let corners = [[0.3, 0.3], [0.7, 0.3], [0.5, 1.9]];
         let [run] = &line(&corners, true).resampled(0.05, &grid())[..] else { panic!("one run") };
         assert!(!run.is_closed && run.points.len() > 30);

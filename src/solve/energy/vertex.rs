@@ -1,7 +1,7 @@
 //! Energy `vertex`: Σ_i ‖(L V')_i − R_i (L V)_i‖², the paper's equation 5 taken literally, ‖LWP' − TLV‖².
 //!
-//! In: a mesh. R_i is that of `edge`. Normal matrix WᵀLᵀLW, right side WᵀLᵀ(R_i (LV)_i). Where LV = 0, as inside flat
-//! cotangent meshes, there is no rigidity.
+//! In: a mesh. Out: the normal matrix WᵀLᵀLW and the right-hand side WᵀLᵀ(R_i (LV)_i). R_i is the rotation of energy `edge`.
+//! Where LV = 0, as inside flat meshes with cotangent weights, the energy has no rigidity.
 
 use super::distortion::{Distortion, DistortionMetrics};
 use super::edge_sets::{EdgeSets, add_to_row};
@@ -16,7 +16,7 @@ use pulp::Simd;
 /// The energy of a mesh.
 #[derive(Debug)]
 pub(crate) struct Vertex<const D: usize> {
-    /// The vertices, and the edges whose best rotation is R_i.
+    /// The vertices, and the edge sets whose best rotations are the R_i.
     sets: EdgeSets<D>,
     half_edges: HalfEdges,
     /// L V, #vertices.
@@ -24,14 +24,14 @@ pub(crate) struct Vertex<const D: usize> {
 }
 
 impl<const D: usize> Vertex<D> {
-    /// `sets` are those of `edge` over the same edges.
+    /// Builds the energy; `sets` are those of energy `edge` with the same edges.
     pub(super) fn new(sets: EdgeSets<D>, edges: &[Edge]) -> Self {
         let half_edges = HalfEdges::new(sets.vertices.rest.len(), edges);
         let rest = half_edges.laplacian(&sets.vertices.rest);
         Self { sets, half_edges, rest }
     }
 
-    /// R_i (L V)_i.
+    /// Returns R_i (L V)_i for every vertex.
     fn turned(&self, rotations: &[SquareMatrix<D>]) -> Vec<[f64; D]> {
         rotations.iter().zip(&self.rest).map(|(rotation, rest)| apply(rotation, rest)).collect()
     }
@@ -47,7 +47,7 @@ impl<const D: usize> Vertex<D> {
         })
     }
 
-    /// Σ ‖(L V')_i − turned_i‖².
+    /// Returns Σ ‖(L V')_i − turned_i‖².
     fn residual_energy(&self, moved: &[[f64; D]], turned: &[[f64; D]]) -> f64 {
         let laplacian = self.half_edges.laplacian(moved);
         let squares = laplacian.iter().zip(turned).map(|(now, turned)| {
@@ -59,7 +59,7 @@ impl<const D: usize> Vertex<D> {
 }
 
 impl<const D: usize> Distortion<D> for Vertex<D> {
-    /// Half the upper bound of Σ ‖(L V)_i‖² for edges of these lengths: LV itself may vanish.
+    /// Half an upper bound of Σ ‖(L V)_i‖² for the given edge lengths, because LV itself may vanish.
     fn mass(&self) -> f64 {
         let rest = &self.sets.vertices.rest;
         let most = (0..self.half_edges.vertex_count()).map(|i| {
@@ -111,7 +111,7 @@ impl<const D: usize> Distortion<D> for Vertex<D> {
     }
 }
 
-/// Rows of LW, twice; for bases of global support.
+/// Rows of LW, as both factors of the product, for bases of global support.
 struct LaplacianSquares<'a> {
     weights: SeparableRows,
     half_edges: &'a HalfEdges,

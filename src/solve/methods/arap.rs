@@ -1,9 +1,9 @@
-//! As-rigid-as-possible deformation of the mesh itself, without a lattice.
+//! As-rigid-as-possible deformation of a mesh without a lattice.
 //!
 //! O. Sorkine, M. Alexa, "As-rigid-as-possible surface modeling", SGP 2007, <https://doi.org/10.2312/SGP/SGP07/109-116>:
 //! cotangent weights, one rotation per vertex over its spokes, handles as hard constraints.
 //!
-//! In: shape and pins (each on its nearest vertex). Out: moved vertices, #vertices.
+//! In: shape and pins (each acts on its nearest vertex). Out: moved vertices, #vertices.
 
 use crate::solve::energy::{HalfEdges, edges};
 use crate::solve::error::SolveError;
@@ -15,9 +15,9 @@ use crate::solve::settings::EdgeWeights;
 /// Settings of the iteration.
 #[derive(Clone, Copy, Debug)]
 pub struct Arap {
-    /// Most local-global iterations.
+    /// Maximum number of local-global iterations.
     pub iteration_limit: usize,
-    /// Stop when no vertex moves farther than this part of the shape's diagonal.
+    /// The iteration stops when no vertex moves farther than this fraction of the diagonal of the shape's bounding box.
     pub tolerance: f64,
 }
 
@@ -27,15 +27,15 @@ impl Default for Arap {
     }
 }
 
-/// Weight that draws every vertex to its rest position, relative to the mean diagonal, so that parts without a pin are determined. They stay
-/// in place, as differential methods do with isolated meshes.
+/// Weight of the rest positions relative to the mean diagonal of the matrix. It determines parts without a pin, which stay in
+/// place, as isolated meshes do in differential methods.
 const TETHER: f64 = 1e-9;
 
 impl Arap {
-    /// Moves the vertices; also gives the number of iterations.
+    /// Moves the vertices; returns them and the number of iterations.
     ///
     /// # Errors
-    /// [`SolveError::Singular`] where the matrix cannot be factored.
+    /// [`SolveError::Singular`] if the matrix cannot be factored.
     pub fn deform<const D: usize>(
         &self,
         shape: &Shape<D>,
@@ -60,13 +60,13 @@ impl Arap {
     }
 }
 
-/// The prefactored global step.
+/// The global step, with its factored matrix.
 struct System<'a, const D: usize> {
     shape: &'a Shape<D>,
     edges: HalfEdges,
-    /// Where a vertex is held, #vertices.
+    /// Positions of held vertices; `None` for free ones. #vertices.
     held: Vec<Option<[f64; D]>>,
-    /// Row of a free vertex, #vertices.
+    /// Matrix row of each free vertex, #vertices.
     rows: Vec<usize>,
     tether: f64,
     factor: SparseFactor,
@@ -99,8 +99,8 @@ impl<'a, const D: usize> System<'a, D> {
         Ok(Self { shape, edges, held, rows, tether, factor })
     }
 
-    /// Best rotations at `points` (their equation 6), then Σ_j w (p'_i − p'_j) = Σ_j w ½ (R_i + R_j) (p_i − p_j)
-    /// (equation 8) with held vertices moved to the right side.
+    /// One iteration: best rotations at `points` (equation 6 of the paper), then
+    /// Σ_j w (p'_i − p'_j) = Σ_j w ½ (R_i + R_j) (p_i − p_j) (equation 8), with held vertices on the right-hand side.
     fn step(&self, points: &[[f64; D]]) -> Vec<[f64; D]> {
         let rest = &self.shape.points;
         let rotations: Vec<_> = (0..rest.len())
@@ -131,7 +131,7 @@ impl<'a, const D: usize> System<'a, D> {
     }
 }
 
-/// Each pin displaces its nearest vertex like itself; pins with the same vertex displace it by their mean.
+/// Applies the displacement of each pin to its nearest vertex; a vertex with several pins gets their mean displacement.
 fn held_vertices<const D: usize>(shape: &Shape<D>, pins: &[PointPin<D>]) -> Vec<Option<[f64; D]>> {
     let mut sums = vec![([0.0; D], 0.0); shape.points.len()];
     for pin in pins.iter().filter(|pin| pin.weight > 0.0) {
@@ -163,7 +163,7 @@ fn diagonal<const D: usize>(points: &[[f64; D]]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A strip of squares along x.
+    /// Returns a strip of squares along x.
     fn strip() -> Shape<2> {
         let points = (0..12).map(|k| [f64::from(k / 2), f64::from(k % 2)]).collect();
         let triangles = (0..5).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 1]]).collect();

@@ -1,7 +1,8 @@
-//! Direct manipulation: the least change of the handles that brings the pins to their targets.
+//! Direct manipulation: the smallest change of the handles that moves the pins to their targets.
 //!
 //! W. M. Hsu, J. F. Hughes, H. Kaufman, "Direct manipulation of free-form deformations", SIGGRAPH 1992,
-//! <https://doi.org/10.1145/133994.134036>. As lp-FFD's authors compare it: as least squares, with their E_gr (equation 8).
+//! <https://doi.org/10.1145/133994.134036>, in the form in which the authors of lp-FFD compare it: as least squares, with their
+//! E_gr (equation 8).
 //!
 //! In: grid and pins; the shape is not used. Out: handles.
 
@@ -14,10 +15,10 @@ use crate::solve::problem::Problem;
 use crate::solve::settings::{Lambdas, Settings};
 use crate::solve::validate;
 
-/// min λmp Σ ‖W_p P − c‖² + λgp Σ ‖P − d‖² + λgr Σ ‖P − P⁰‖², the last over handles not moved by hand.
+/// Minimises λmp Σ ‖W_p P − c‖² + λgp Σ ‖P − d‖² + λgr Σ ‖P − P⁰‖², the last sum over the handles that the problem does not move.
 #[derive(Clone, Copy, Debug)]
 pub struct Hsu {
-    /// λ, by default the paper's. The weight of the shape is not used.
+    /// Weights λ, by default those of the paper. The weight of the shape is not used.
     pub lambdas: Lambdas,
 }
 

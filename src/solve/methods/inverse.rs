@@ -1,7 +1,7 @@
-//! Inverse free-form deformation of a mesh that another method has moved.
+//! Inverse free-form deformation: fits a lattice to a mesh that another method has moved.
 //!
-//! Noh et al. 2021 (`noh2021inverse` of <https://arxiv.org/abs/2405.07450v1>), as lp-FFD's authors describe and compare
-//! it: least squares to the moved vertices and a smoothing term over neighbouring handles.
+//! Noh et al. 2021 (`noh2021inverse` of <https://arxiv.org/abs/2405.07450v1>), as the authors of lp-FFD describe and compare it:
+//! least squares to the moved vertices and a smoothing term over neighbouring handles.
 //!
 //! In: grid, rest and moved vertices. Out: handles.
 
@@ -17,12 +17,12 @@ use crate::solve::regularizer;
 use crate::solve::settings::Scaling;
 use crate::solve::validate;
 
-/// As-rigid-as-possible deformation of the mesh, then the lattice that fits it best.
+/// As-rigid-as-possible deformation of the mesh, followed by the lattice that fits the result best.
 #[derive(Clone, Copy, Debug)]
 pub struct ArapAndInverse {
-    /// The first step.
+    /// Settings of the deformation of the mesh.
     pub arap: Arap,
-    /// Weight of the smoothing term: lp-FFD's λgr, since the paper does not give one.
+    /// Weight of the smoothing term: λgr of lp-FFD, since the paper does not give one.
     pub smoothing: f64,
 }
 
@@ -43,7 +43,7 @@ impl<const D: usize> Deformer<D> for ArapAndInverse {
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
         validate::problem(problem)?;
-        // Seams of texture coordinates would tear the mesh apart.
+        // Without this the mesh would come apart at texture seams.
         let shape = merge_duplicates(problem.shape);
         let (moved, iterations) = self.arap.deform(&shape, problem.pins)?;
         let lattice = inverse_ffd(problem.grid, &shape.points, &moved, self.smoothing)?;
@@ -51,12 +51,13 @@ impl<const D: usize> Deformer<D> for ArapAndInverse {
     }
 }
 
-/// min Σ ‖W_i P − v'_i‖² + λ Σ ‖(P_a − P_b) − (P⁰_a − P⁰_b)‖², the second sum over the edges of the grid.
+/// Returns the lattice that minimises Σ ‖W_i P − v'_i‖² + λ Σ ‖(P_a − P_b) − (P⁰_a − P⁰_b)‖², the second sum over the edges of
+/// the grid.
 ///
-/// `rest` and `moved` are #vertices.
+/// `rest` and `moved` are the vertices before and after the deformation, #vertices each.
 ///
 /// # Errors
-/// [`SolveError::Singular`] where vertices and smoothing do not determine all handles.
+/// [`SolveError::Singular`] if vertices and smoothing do not determine all handles.
 pub fn inverse_ffd<const D: usize>(
     grid: &Grid<D>,
     rest: &[[f64; D]],

@@ -1,7 +1,6 @@
-//! lp-FFD as a method of the comparison: the paper's preset and the default of this program.
+//! lp-FFD as two methods of the comparison: with the paper's preset, and with the defaults of this program.
 //!
-//! T. Fukusato, A. Maejima, T. Igarashi, "Locality-Preserving Free-Form Deformation", 2024,
-//! <https://arxiv.org/abs/2405.07450v1>.
+//! T. Fukusato, A. Maejima, T. Igarashi, "Locality-Preserving Free-Form Deformation", 2024, <https://arxiv.org/abs/2405.07450v1>.
 //!
 //! In: a problem. Out: handles.
 
@@ -12,10 +11,10 @@ use crate::solve::problem::Problem;
 use crate::solve::settings::Settings;
 use crate::solve::solver::solve;
 
-/// The paper's preset.
+/// lp-FFD with the paper's preset.
 #[derive(Clone, Debug)]
 pub struct PaperLpFfd {
-    /// [`Settings::paper`], unless changed.
+    /// Settings, by default [`Settings::paper`] with up to 2000 iterations.
     pub settings: Settings,
 }
 
@@ -39,7 +38,7 @@ impl<const D: usize> Deformer<D> for PaperLpFfd {
     }
 }
 
-/// The settings and basis of the problem, by default those of this program.
+/// lp-FFD with the settings and the basis of the problem, which default to those of this program.
 #[derive(Clone, Copy, Debug)]
 pub struct DefaultLpFfd;
 

@@ -1,8 +1,8 @@
-//! Rigid moving least squares on the handles of the grid.
+//! Rigid moving least squares (MLS), applied to the handles of the grid.
 //!
 //! S. Schaefer, T. McPhail, J. Warren, "Image deformation using moving least squares", SIGGRAPH 2006,
-//! <https://doi.org/10.1145/1179352.1141920>; in 3D: Y. Zhu, S. J. Gortler, "3D deformation using moving least
-//! squares", 2007. As in lp-FFD's comparison each handle is a point that MLS moves; the shape is not used.
+//! <https://doi.org/10.1145/1179352.1141920>; in 3D: Y. Zhu, S. J. Gortler, "3D deformation using moving least squares", 2007. As
+//! in the comparison of lp-FFD, MLS moves each handle as a point; the shape is not used.
 //!
 //! In: grid and pins. Out: handles.
 
@@ -13,10 +13,10 @@ use crate::solve::linalg::small_matrix::{apply, best_rotation, dot, minus};
 use crate::solve::problem::Problem;
 use crate::solve::validate;
 
-/// f(v) = R (v − p*) + q*, R the best rotation under the weights 1/|p − v|^2α.
+/// Rigid MLS, f(v) = R (v − p*) + q*, with R the best rotation under the weights 1/|p − v|^2α.
 #[derive(Clone, Copy, Debug)]
 pub struct Mls {
-    /// α; the authors' pictures have 1.
+    /// α, which is 1 in the pictures of the authors.
     pub alpha: f64,
 }
 
@@ -26,7 +26,7 @@ impl Default for Mls {
     }
 }
 
-/// Rest point and target of a pin or moved handle.
+/// Rest position and target of a pin or moved handle.
 type Control<const D: usize> = ([f64; D], [f64; D]);
 
 impl<const D: usize> Deformer<D> for Mls {
@@ -49,7 +49,7 @@ impl<const D: usize> Deformer<D> for Mls {
 }
 
 impl Mls {
-    /// Image of a point (their equations 5 to 8; R by the polar decomposition, which is equivalent in 2D).
+    /// Returns the image of a point (equations 5 to 8 of Schaefer et al.; R is the polar factor, which is equivalent in 2D).
     fn image<const D: usize>(&self, point: &[f64; D], controls: &[Control<D>]) -> [f64; D] {
         let mut weights = Vec::with_capacity(controls.len());
         for (rest, target) in controls {

@@ -1,4 +1,4 @@
-//! The methods that lp-FFD is compared with, and lp-FFD itself, behind one trait.
+//! lp-FFD and the methods that it is compared with, behind one trait.
 //!
 //! In: a [`Problem`]. Out: a lattice. The methods are those of the paper's section 4.1.
 
@@ -25,21 +25,21 @@ use crate::lattice::{Basis, Grid, Lattice};
 
 /// A method that deforms a lattice so that pins reach their targets.
 pub trait Deformer<const D: usize>: Send + Sync {
-    /// Its name on the command line: `hsu`, `mls`, `arap`, `paper`, `default`.
+    /// Name on the command line: `hsu`, `mls`, `arap`, `paper`, `default`.
     fn key(&self) -> &'static str;
 
-    /// Its name in tables and pictures.
+    /// Name in tables and pictures.
     fn name(&self) -> &'static str;
 
-    /// The basis it was published with; `None`: that of the problem.
+    /// Basis with which the method was published; `None` for the basis of the problem.
     fn basis(&self) -> Option<Basis> {
         Some(Basis::Bernstein)
     }
 
-    /// Moves the handles of the problem's grid.
+    /// Computes the handles of the problem's grid.
     ///
     /// # Errors
-    /// [`SolveError`] where the problem is malformed or does not determine all handles.
+    /// [`SolveError`] if the problem is malformed or does not determine all handles.
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError>;
 }
 
@@ -48,11 +48,11 @@ pub trait Deformer<const D: usize>: Send + Sync {
 pub struct Deformed<const D: usize> {
     /// The lattice.
     pub lattice: Lattice<D>,
-    /// Iterations run; 1 for methods that solve once.
+    /// Number of iterations; 1 for methods that solve once.
     pub iterations: usize,
 }
 
-/// All methods of the comparison, this program's last.
+/// All methods of the comparison; that of this program is the last.
 #[must_use]
 pub fn all<const D: usize>() -> Vec<Box<dyn Deformer<D>>> {
     vec![
@@ -64,7 +64,7 @@ pub fn all<const D: usize>() -> Vec<Box<dyn Deformer<D>>> {
     ]
 }
 
-/// The handles that minimise Σ of the terms, each a weight and its rows.
+/// Returns the lattice that minimises Σ weight · ‖rows·P − targets‖² over all terms. `what` names the system in errors.
 fn least_squares<const D: usize>(
     grid: &Grid<D>,
     terms: &[(f64, &LeastSquaresRows<D>)],
@@ -86,7 +86,7 @@ fn least_squares<const D: usize>(
     Ok(Lattice { grid: grid.clone(), handles })
 }
 
-/// Rows of the problem's pins and moved handles.
+/// Returns the rows of the problem's pins and those of its moved handles.
 fn held<const D: usize>(problem: &Problem<D>) -> [LeastSquaresRows<D>; 2] {
     [pins::pin_rows(problem.grid, problem.pins, problem.settings), pins::handle_rows(problem.handles)]
 }

@@ -3,33 +3,33 @@
 use crate::solve::error::SolveError;
 use std::path::PathBuf;
 
-/// A problem file that cannot be solved.
+/// A problem file that cannot be read or solved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProblemError {
     /// The file cannot be read.
     #[error("cannot read {}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Something in a file is wrong.
+    /// An error in the contents of a file.
     #[error("{}: {source}", path.display())]
     In {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What.
+        /// The error.
         source: Box<ProblemError>,
     },
-    /// The text is not JSON of the right form.
+    /// The text is not JSON of the required form.
     #[error("not a problem file: {0}")]
     Json(#[from] serde_json::Error),
     /// A key has an invalid value.
     #[error("`{key}`: {what}; {hint}")]
     Key {
-        /// The key, with its index in a list.
+        /// The key, with its index if it is in a list.
         key: String,
         /// What is wrong.
         what: String,

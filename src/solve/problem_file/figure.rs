@@ -1,6 +1,6 @@
 //! A problem file as a figure: a mesh with coloured parts and one or more poses, for comparisons and pictures.
 //!
-//! In: a JSON file. Out: [`Figures`]. A file without `poses` has one pose, its `pins`.
+//! In: a JSON file. Out: [`Figures`]. A file without `poses` has one pose, which consists of its `pins`.
 
 use super::error::ProblemError;
 use super::file::{ProblemFile, RawPart};
@@ -14,16 +14,16 @@ use std::path::Path;
 /// A figure in 2D or 3D.
 #[derive(Clone, Debug)]
 pub enum Figures {
-    /// Two coordinates.
+    /// A figure in 2D.
     Plane(Figure<2>),
-    /// Three.
+    /// A figure in 3D.
     Space(Figure<3>),
 }
 
 /// A mesh, its lattice and its poses.
 #[derive(Clone, Debug)]
 pub struct Figure<const D: usize> {
-    /// The file's `name`; empty where it has none.
+    /// Value of `name` in the file; empty if there is none.
     pub name: String,
     /// The rest grid.
     pub grid: Grid<D>,
@@ -33,34 +33,34 @@ pub struct Figure<const D: usize> {
     pub settings: Settings,
     /// Moved handles, the same in all poses.
     pub handles: Vec<HandlePin<D>>,
-    /// Colours of all triangles, in their order; empty where the file has none.
+    /// Parts with the colours of all triangles, in the order of the triangles; empty if the file has none.
     pub parts: Vec<FigurePart>,
-    /// At least one.
+    /// Poses, at least one.
     pub poses: Vec<FigurePose<D>>,
 }
 
-/// A run of triangles of one colour.
+/// Consecutive triangles of one colour.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FigurePart {
-    /// Its name.
+    /// Name of the part.
     pub name: String,
-    /// sRGB.
+    /// Colour in sRGB.
     pub color: [u8; 3],
-    /// How many triangles.
+    /// Number of triangles.
     pub triangles: usize,
 }
 
 /// A set of pins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigurePose<const D: usize> {
-    /// Its name; empty where the file names none.
+    /// Name of the pose; empty if the file gives none.
     pub name: String,
     /// Pins with their targets.
     pub pins: Vec<PointPin<D>>,
 }
 
 impl<const D: usize> Figure<D> {
-    /// The problem of a pose.
+    /// Returns the problem of a pose.
     #[must_use]
     pub fn problem<'a>(&'a self, pose: &'a FigurePose<D>) -> Problem<'a, D> {
         Problem {
@@ -73,10 +73,10 @@ impl<const D: usize> Figure<D> {
     }
 }
 
-/// Reads a figure.
+/// Reads a figure from a problem file.
 ///
 /// # Errors
-/// [`ProblemError`], naming the file and the key.
+/// [`ProblemError`], which names the file and the key.
 pub fn read_figure(path: &Path) -> Result<Figures, ProblemError> {
     let text = crate::files::read_text(path, crate::files::LATTICE_BYTES);
     let text = text.map_err(|source| ProblemError::Read { path: path.to_owned(), source })?;

@@ -1,6 +1,6 @@
 //! The keys of a problem file as written, and their conversion to settings.
 //!
-//! In: JSON text. Out: raw keys; words become enums, lists become points, with errors that name the key.
+//! In: JSON text. Out: raw keys; names converted to enums and lists to points, with errors that name the key.
 
 use super::error::ProblemError;
 use crate::lattice::Basis;
@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 /// Keys that the solver ignores.
 const SILENT: [&str; 2] = ["note", "expected"];
-/// Keys that it reads.
+/// Keys that the solver reads.
 const KEYS: [&str; 18] = [
     "name",
     "dims",
@@ -54,19 +54,19 @@ pub(super) struct ProblemFile {
     pub(super) vertices: Vec<Vec<f64>>,
     #[serde(default)]
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Polylines, vertex after vertex.
+    /// Polylines as lists of vertex indices.
     #[serde(default)]
     pub(super) strokes: Vec<Vec<u32>>,
-    /// Places and areas, x, y(, z), a.
+    /// Samples as position and area: x, y(, z), a.
     pub(super) samples: Option<Vec<Vec<f64>>>,
     #[serde(default)]
     pub(super) pins: Vec<RawPin>,
     #[serde(default)]
     pub(super) handles: Vec<RawHandle>,
-    /// Runs of triangles with their colours, for pictures.
+    /// Consecutive triangles with their colours, for pictures.
     #[serde(default)]
     pub(super) parts: Vec<RawPart>,
-    /// Sets of pins, by name; without `pins` the first one counts.
+    /// Named sets of pins. In a file without `pins` the first set takes their place.
     #[serde(default)]
     pub(super) poses: Vec<RawPose>,
     pub(super) iterations: Option<usize>,
@@ -74,7 +74,7 @@ pub(super) struct ProblemFile {
     others: BTreeMap<String, serde_json::Value>,
 }
 
-/// Weights of the terms, by default the paper's.
+/// Weights λ of the terms, by default those of the paper.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawLambdas {
@@ -84,7 +84,7 @@ pub(super) struct RawLambdas {
     gr: Option<f64>,
 }
 
-/// A pin: exactly one of `vertex`, `point`, or `triangle` with `bary`.
+/// A pin, given by exactly one of `vertex`, `point`, or `triangle` with `bary`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPin {
@@ -95,18 +95,18 @@ pub(super) struct RawPin {
     pub(super) target: Vec<f64>,
 }
 
-/// A run of triangles.
+/// Consecutive triangles of one colour.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPart {
     pub(super) name: String,
-    /// `#rrggbb`.
+    /// Colour as `#rrggbb`.
     pub(super) color: String,
-    /// How many triangles.
+    /// Number of triangles.
     pub(super) triangles: usize,
 }
 
-/// A set of pins.
+/// A named set of pins.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPose {
@@ -123,7 +123,7 @@ pub(super) struct RawHandle {
 }
 
 impl ProblemFile {
-    /// Reads the keys.
+    /// Reads the keys; fails on an unknown key that resembles a known one.
     pub(super) fn parse(text: &str) -> Result<Self, ProblemError> {
         let mut file: Self = serde_json::from_str(text)?;
         for key in file.others.keys().filter(|key| !SILENT.contains(&key.as_str())) {
@@ -138,7 +138,7 @@ impl ProblemFile {
         Ok(file)
     }
 
-    /// Number of coordinates: as many as `dims` has entries, else as the first vertex has.
+    /// Number of coordinates: the length of `dims`, or that of the first vertex if there is no `dims`.
     pub(super) fn axes(&self) -> Result<usize, ProblemError> {
         let axes = self.dims.as_ref().map_or(self.vertices.first().map_or(2, Vec::len), Vec::len);
         if axes == 2 || axes == 3 {
@@ -147,13 +147,13 @@ impl ProblemFile {
         Err(ProblemError::key("dims", format!("has {}", counted(axes, "entry", "entries")), "give two or three"))
     }
 
-    /// Handles per axis; by default ten in 2D, five in 3D.
+    /// Number of handles per axis; by default ten in 2D, five in 3D.
     pub(super) fn dims<const D: usize>(&self) -> [usize; D] {
         let least = if D == 2 { 10 } else { 5 };
         std::array::from_fn(|axis| self.dims.as_ref().map_or(least, |dims| dims[axis]))
     }
 
-    /// The basis.
+    /// Basis of the lattice.
     pub(super) fn basis(&self) -> Result<Basis, ProblemError> {
         let Some(name) = self.basis.as_deref() else { return Ok(Basis::default()) };
         let named = serde_json::from_value(serde_json::Value::from(name));
@@ -182,7 +182,7 @@ impl ProblemFile {
         }
     }
 
-    /// Edge weights; those of other forms are ignored.
+    /// Edge weights; the names of weights of other forms are accepted and ignored.
     fn edge_weights(&self, energy: Energy) -> Result<EdgeWeights, ProblemError> {
         match self.weights.as_deref() {
             None | Some("uniform") => Ok(EdgeWeights::Uniform),
@@ -192,7 +192,7 @@ impl ProblemFile {
         }
     }
 
-    /// Settings: `lambdas` select plain sums, `iterations` an exact number of plain steps.
+    /// Converts the keys to settings: `lambdas` selects plain sums, `iterations` an exact number of plain steps.
     pub(super) fn settings(&self) -> Result<Settings, ProblemError> {
         let energy = self.energy()?;
         let weights = self.edge_weights(energy)?;
@@ -230,7 +230,7 @@ impl ProblemFile {
     }
 }
 
-/// A list as a point, or an error that names the key.
+/// Converts a list to a point, or returns an error that names the key.
 pub(super) fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], ProblemError> {
     <[f64; D]>::try_from(values).map_err(|_| {
         let given = counted(values.len(), "coordinate", "coordinates");

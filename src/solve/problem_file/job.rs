@@ -84,7 +84,7 @@ pub(super) fn shape<const D: usize>(file: &ProblemFile) -> Result<Shape<D>, Prob
     Ok(Shape { strokes: file.strokes.clone(), ..Shape::of_triangles(points, file.triangles.clone()) })
 }
 
-/// The grid; without `bbox` over the bounds of the vertices, padded by a tenth.
+/// Returns the grid. Without `bbox` its box is that of the vertices, padded by a tenth of its size on each side.
 pub(super) fn grid<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Result<Grid<D>, ProblemError> {
     let [lo, hi] = match &file.bbox {
         Some([lo, hi]) => [point(lo, || "bbox[0]".into())?, point(hi, || "bbox[1]".into())?],
@@ -117,7 +117,7 @@ pub(super) fn point_pins<const D: usize>(raw: &[RawPin], shape: &Shape<D>) -> Re
     .collect()
 }
 
-/// The vertices that a pin is attached to, with their barycentric weights; none for a pin at a free point.
+/// Returns the vertices that a pin is attached to, with barycentric weights; none for a pin at a free point.
 fn corners<const D: usize>(raw: &RawPin, k: usize, shape: &Shape<D>) -> Result<Vec<(usize, f64)>, ProblemError> {
     let missing = |name: &str, index: usize, count: usize| {
         let what = format!("names {name} {index}, there are {count}");
@@ -139,7 +139,8 @@ fn corners<const D: usize>(raw: &RawPin, k: usize, shape: &Shape<D>) -> Result<V
     }
 }
 
-/// Pin rows; on a triangle Σ_k bary_k · (row of corner k), interpolated by the mesh, not by the lattice.
+/// Returns the pin rows. The row of a pin on a triangle is Σ_k bary_k · (row of corner k), interpolated by the mesh instead of
+/// the lattice.
 fn pin_rows<const D: usize>(file: &ProblemFile, problem: &Problem<D>) -> LeastSquaresRows<D> {
     let mut rows = LeastSquaresRows::new();
     for (k, (raw, pin)) in file.pins.iter().zip(problem.pins).enumerate() {
@@ -174,7 +175,7 @@ pub(super) fn moved_handles<const D: usize>(file: &ProblemFile) -> Result<Vec<Ha
         .collect()
 }
 
-/// The energy; `samples` in the file replace those of the shape.
+/// Builds the energy; `samples` in the file replace those of the shape.
 fn distortion<const D: usize>(
     file: &ProblemFile,
     problem: &Problem<D>,

@@ -1,14 +1,14 @@
 //! Distortion measures of a deformed mesh.
 //!
-//! In: rest shape and moved vertices. Out: sums over triangles, σ1 ≥ σ2 the singular values of the map of each, ρ its
-//! share of the rest area. Liu et al., "A Local/Global Approach to Mesh Parameterization", 2008, for `ang_liu`,
+//! In: rest shape and moved vertices. Out: sums over the triangles, with σ1 ≥ σ2 the singular values of the map of a triangle and
+//! ρ its fraction of the total rest area. Liu et al., "A Local/Global Approach to Mesh Parameterization", 2008, for `ang_liu` and
 //! `area_liu`. Triangles without rest area are left out.
 
 use crate::solve::linalg::small_matrix::{area_of, dot, minus, singular_values};
 use crate::solve::problem::Shape;
 use serde::Serialize;
 
-/// Distortion of a mesh; 0 where nothing is distorted, except `ang_liu`, `area_liu`, `min_*`, `max_s`.
+/// Distortion of a mesh. Without distortion all measures are 0, except `ang_liu` and `area_liu` (2), `min_*` and `max_s` (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measures {
     /// `ang_liu` − 2.
@@ -19,9 +19,9 @@ pub struct Measures {
     pub ang_liu: f64,
     /// Σ ρ (σ1σ2 + 1/(σ1σ2)).
     pub area_liu: f64,
-    /// Mean change of a corner's angle, radians.
+    /// Mean change of the angles of the triangles, in radians.
     pub ang_rad: f64,
-    /// The same, weighted by area.
+    /// `ang_rad` weighted by rest area.
     pub ang_rad_w: f64,
     /// Σ ρ |σ1σ2 − 1|.
     pub area_abs: f64,
@@ -31,9 +31,9 @@ pub struct Measures {
     pub area_norm: f64,
     /// Σ ρ ((σ1−1)² + (σ2−1)²).
     pub arap: f64,
-    /// Flipped triangles (det J ≤ 0).
+    /// Number of flipped triangles (det J ≤ 0).
     pub flips: usize,
-    /// Smallest det J (in 3D, where triangles have no sign: smallest σ1σ2).
+    /// Smallest det J; in 3D, where triangles have no orientation, the smallest σ1σ2.
     pub min_det: f64,
     /// Smallest singular value.
     pub min_s: f64,
@@ -41,18 +41,18 @@ pub struct Measures {
     pub max_s: f64,
 }
 
-/// Quantities of one triangle.
+/// Measures of one triangle.
 struct Element {
     rest_area: f64,
     moved_area: f64,
     singular: [f64; 2],
     det: f64,
-    /// Mean change of the three angles.
+    /// Mean change of the three angles, in radians.
     angle: f64,
 }
 
 impl Measures {
-    /// Measures all triangles of a shape with rest area; `moved` is #vertices.
+    /// Measures all triangles of a shape that have rest area; `moved` is #vertices.
     #[must_use]
     pub fn of<const D: usize>(shape: &Shape<D>, moved: &[[f64; D]]) -> Self {
         let elements: Vec<Element> = shape
@@ -103,11 +103,11 @@ impl Element {
         let sides = |corners: &[[f64; D]; 3]| [minus(&corners[1], &corners[0]), minus(&corners[2], &corners[0])];
         let ([u, v], [a, b]) = (sides(&rest), sides(&moved));
         let (doubled, moved_doubled) = (area_of(&u, &v), area_of(&a, &b));
-        // Areas below the rounding of the sides count as zero.
+        // An area within the rounding error of the sides counts as zero.
         if doubled <= 1e-14 * (dot(&u, &u) + dot(&v, &v)) {
             return None;
         }
-        // In an orthonormal frame of the rest triangle the map has two columns.
+        // In orthonormal coordinates of the rest triangle the map has two columns.
         let along = dot(&u, &u).sqrt();
         let (shear, height) = (dot(&u, &v) / along, doubled / along);
         let first: [f64; D] = std::array::from_fn(|d| a[d] / along);
@@ -128,19 +128,19 @@ impl Element {
     }
 }
 
-/// Signed area of u and v in the plane of the first two axes.
+/// Signed area of the parallelogram of u and v in the plane of the first two axes.
 fn turn<const D: usize>(u: &[f64; D], v: &[f64; D]) -> f64 {
     u[0] * v[1] - u[1] * v[0]
 }
 
-/// Angle at a corner, radians; 0 where a side has no length.
+/// Angle at a corner, in radians; 0 where an adjacent side has no length.
 fn angle<const D: usize>(corners: &[[f64; D]; 3], k: usize) -> f64 {
     let u = minus(&corners[(k + 1) % 3], &corners[k]);
     let v = minus(&corners[(k + 2) % 3], &corners[k]);
     area_of(&u, &v).atan2(dot(&u, &v))
 }
 
-/// Clamps the distortion of collapsed triangles to 1e9: JSON has no infinity.
+/// Limits the distortion of collapsed triangles to 1e9, because JSON has no infinity.
 fn finite(value: f64) -> f64 {
     if value < 1e9 { value } else { 1e9 }
 }

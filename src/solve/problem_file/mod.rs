@@ -1,7 +1,7 @@
-//! Problem files: the bare solver on a mesh, as JSON, for researchers and tests.
+//! Problem files: the solver applied to a mesh, with JSON as input and output, for researchers and tests.
 //!
-//! In: a JSON file (vertices, triangles, dims, pins, ...). Out: P', V', energies per iteration, distortion measures.
-//! Keys left out take the defaults of the program; `lambdas` switch to the paper's plain sums, see [`run_file`].
+//! In: a JSON file (vertices, triangles, dims, pins, ...). Out: P', V', energies per iteration, distortion measures. Missing keys
+//! take the defaults of the program; `lambdas` selects the plain sums of the paper, see [`run_file`].
 
 mod error;
 mod figure;
@@ -17,7 +17,7 @@ use super::minimization::Energies;
 use serde::Serialize;
 use std::path::Path;
 
-/// The result of a problem file. Points have two or three coordinates, as `dims` has entries.
+/// The result of a problem file. Points have as many coordinates as `dims` has entries, two or three.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultFile {
     /// Moved handles, #handles, x fastest.
@@ -26,24 +26,25 @@ pub struct ResultFile {
     /// Moved vertices, #vertices.
     #[serde(rename = "V")]
     pub vertices: Vec<Vec<f64>>,
-    /// Terms after each accepted step: local-global ones under the rotations they were solved with, Newton's under
-    /// the best ones. The last entry belongs to `P`.
+    /// Energy terms after each accepted step: those of local-global steps with the rotations of the step, those of Newton steps
+    /// with the best rotations. The last entry belongs to `P`.
     pub energies: Vec<Energies>,
-    /// Distortion of the triangles, rest to `V`.
+    /// Distortion of the triangles from rest to `V`.
     pub measures: Measures,
-    /// Iterations run.
+    /// Number of iterations.
     pub iterations: usize,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
 /// Solves the problem in a file.
 ///
-/// With `lambdas`: plain sums, one sample per triangle, started at rest, no clamping; with `iterations`: exactly so many,
-/// not accelerated. Without them: the defaults, to convergence.
+/// With `lambdas` the energies are plain sums with one sample per triangle, the solve starts at rest, and points outside the box
+/// are not clamped. With `iterations` it takes exactly that number of steps without acceleration. Without both it uses the
+/// defaults and runs to convergence.
 ///
 /// # Errors
-/// [`ProblemError`], naming the file and the key.
+/// [`ProblemError`], which names the file and the key.
 pub fn run_file(problem: &Path) -> Result<ResultFile, ProblemError> {
     let text = crate::files::read_text(problem, crate::files::LATTICE_BYTES);
     let text = text.map_err(|source| ProblemError::Read { path: problem.to_owned(), source })?;
@@ -61,7 +62,7 @@ pub fn run_file(problem: &Path) -> Result<ResultFile, ProblemError> {
 /// ```
 ///
 /// # Errors
-/// [`ProblemError`], naming the key.
+/// [`ProblemError`], which names the key.
 pub fn run_text(problem: &str) -> Result<ResultFile, ProblemError> {
     let file = file::ProblemFile::parse(problem)?;
     match file.axes()? {

@@ -1,8 +1,8 @@
 //! Convex polygons clipped by axis-aligned planes (I. Sutherland and G. Hodgman, "Reentrant polygon clipping", 1974).
 //!
-//! In: a polygon and a plane. Out: the part below and the part above; together they are the polygon, up to rounding.
+//! In: a polygon and a plane. Out: the parts below and above the plane, which together are the polygon, up to rounding.
 
-/// Maximum number of corners of a triangle after two cuts per axis, in up to three dimensions.
+/// Capacity in corners. A triangle has at most nine after two cuts per axis in three dimensions.
 const MAX_CORNERS: usize = 12;
 
 /// A convex polygon in D dimensions.
@@ -25,7 +25,7 @@ impl<const D: usize> Polygon<D> {
         &self.corners[..self.count]
     }
 
-    /// Smallest and largest coordinate on an axis.
+    /// Smallest and largest coordinate along an axis.
     pub(crate) fn range(&self, axis: usize) -> [f64; 2] {
         self.corners().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
             [low.min(corner[axis]), high.max(corner[axis])]
@@ -33,14 +33,15 @@ impl<const D: usize> Polygon<D> {
     }
 
     fn push(&mut self, corner: [f64; D]) {
-        // Convex input gains one corner per cut, so the capacity suffices; a dropped corner would lose a sliver.
+        // A cut adds at most one corner to a convex polygon, so the capacity suffices; dropping a corner would lose a sliver.
         if self.count < MAX_CORNERS {
             self.corners[self.count] = corner;
             self.count += 1;
         }
     }
 
-    /// Cuts off the part with coordinate ≤ `at` on an axis and keeps the part ≥ `at`; either may be empty.
+    /// Splits the polygon at the plane where the coordinate of `axis` equals `at`: returns the part below and keeps the part
+    /// above. Either may be empty.
     pub(crate) fn split_off(&mut self, axis: usize, at: f64) -> Self {
         let (mut below, mut above) = (Self::NONE, Self::NONE);
         for k in 0..self.count {

@@ -1,7 +1,7 @@
-//! Samples of the model at which energy `area` evaluates the gradient of the lattice.
+//! Samples of the model, at which energy `area` evaluates the gradient of the lattice.
 //!
-//! In: a shape and a grid. Out: positions with areas. The number of sub-cell samples depends on the grid only, so a solve
-//! costs the same for a hundred vertices and for a million.
+//! In: a shape and a grid. Out: positions with areas. The number of sub-cell samples depends on the grid only, so a solve costs
+//! the same for a hundred vertices as for a million.
 
 mod clip;
 mod moments;
@@ -15,7 +15,7 @@ use super::problem::Shape;
 use crate::lattice::Grid;
 use moments::Subcells;
 
-/// One sample per triangle: centroid and unsigned area. For an empty shape: the box, evenly.
+/// Returns one sample per triangle, its centroid with the unsigned area; for an empty shape, even samples of the box.
 pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Sample<D>> {
     let samples: Vec<Sample<D>> = shape
         .triangles
@@ -31,19 +31,20 @@ pub(crate) fn centroid_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>)
     if samples.is_empty() { even_samples(grid) } else { samples }
 }
 
-/// Up to 2 D samples per sub-cell, with the area, centroid and covariance of the part of the model inside it.
-/// For a shape outside the box: the box, evenly.
+/// Returns 2 D samples for each sub-cell that contains some of the model, with the area, centroid and covariance of that part. A
+/// shape outside the box gets even samples of the box.
 pub(crate) fn subcell_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Sample<D>> {
     let samples = Subcells::of(grid, shape).samples();
     if samples.is_empty() { even_samples(grid) } else { samples }
 }
 
-/// The same for parts of a shape, which may lie outside the box; no sample leaves its sub-cell.
+/// Same as [`subcell_samples`] for parts of a shape, which may lie outside the box and then get no samples; no sample leaves its
+/// sub-cell.
 pub(crate) fn samples_of_pieces<const D: usize>(grid: &Grid<D>, pieces: &Shape<D>) -> Vec<Sample<D>> {
     Subcells::of(grid, pieces).samples_inside()
 }
 
-/// The centre of every sub-cell.
+/// Returns the centres of all sub-cells, with a total area of 1.
 fn even_samples<const D: usize>(grid: &Grid<D>) -> Vec<Sample<D>> {
     let dims = subcell_dims(grid);
     let count: usize = dims.iter().product();

@@ -1,7 +1,7 @@
-//! Area, centroid and covariance of a model inside every sub-cell of a grid, and the points that match them.
+//! Area, centroid and covariance of the model inside every sub-cell of a grid, and the samples that match them.
 //!
-//! In: triangles (any orientation, slivers, overlaps) and the sub-cells of a box. Out: samples.
-//! Triangles inside one sub-cell add their moments; only those across borders are clipped.
+//! In: triangles (any orientation, slivers, overlaps) and the sub-cells of a box. Out: samples. A triangle inside one sub-cell
+//! adds its moments as a whole; only triangles that cross borders are clipped.
 
 use super::clip::Polygon;
 use super::sample::{Sample, subcell_dims};
@@ -10,10 +10,11 @@ use crate::solve::linalg::small_matrix::{area_of, minus, symmetric_root};
 use crate::solve::problem::Shape;
 use rayon::prelude::*;
 
-/// Triangles per task. Fixed, so that sums do not depend on the number of threads.
+/// Triangles per task. The number is fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 15;
 
-/// Samples that have to stay inside a sub-cell reach no nearer to its border than this share of the way.
+/// Maximum distance of a sample that must stay inside its sub-cell, as a fraction of the distance from the pair's midpoint to the
+/// border.
 const INSIDE: f64 = 0.999;
 
 /// Moments about the centre of a sub-cell.
@@ -38,7 +39,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Adds a triangle whose corners are relative to the centre: ∫xxᵀ = A/12 (Σ v vᵀ + 9 c cᵀ).
+    /// Adds a triangle whose corners are relative to the centre: ∫xxᵀ = A/12 (Σ v vᵀ + 9 c cᵀ), with c the centroid.
     fn add_triangle(&mut self, corners: [[f64; D]; 3], stiffness: f64) {
         let [v0, v1, v2] = corners;
         let area = 0.5 * area_of(&minus(&v1, &v0), &minus(&v2, &v0));
@@ -55,14 +56,15 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Points centre + c ± s_k with s_k the columns of √D·Σ^½: 2 D equal areas with the same first and second moments.
+    /// Appends 2 D points, centre + c ± s_k with s_k the columns of √D·Σ^½, of equal area and with the same first and second
+    /// moments.
     fn samples(&self, middle: [f64; D], samples: &mut Vec<Sample<D>>) {
         let mean = self.first.map(|x| x / self.area);
         let covariance =
             std::array::from_fn(|a| std::array::from_fn(|b| self.second[a][b] / self.area - mean[a] * mean[b]));
         let root = symmetric_root::<D>(&covariance);
         let (spread, area) = ((D as f64).sqrt(), self.area / (2 * D) as f64);
-        // The root is symmetric: its rows are its columns.
+        // The root is symmetric, so its rows are its columns.
         for column in &root {
             for sign in [-spread, spread] {
                 let at = std::array::from_fn(|d| middle[d] + mean[d] + sign * column[d]);
@@ -90,10 +92,10 @@ impl<const D: usize> Layout<D> {
         self.dims.iter().product()
     }
 
-    /// Cell index of a coordinate; below 0 or from `dims` on it lies outside.
+    /// Cell index of a coordinate; an index below 0, or `dims` and above, lies outside the box.
     fn cell(&self, axis: usize, x: f64) -> f64 {
         let place = (x - self.lo[axis]) / self.side[axis];
-        // Without SSE 4.1 `floor` is a function call; beyond the range of integers any cell outside will do.
+        // Without SSE 4.1 `floor` is a function call. Beyond the range of integers any index outside the box is correct.
         let whole = place as i64 as f64;
         if whole > place { whole - 1.0 } else { whole }
     }
@@ -172,7 +174,7 @@ impl<const D: usize> Subcells<D> {
         cell.add_triangle(corners.map(|corner| minus(&corner, &middle)), self.stiffness);
     }
 
-    /// Cuts a polygon into the slabs of each axis in turn.
+    /// Cuts a polygon into the slabs of cells along each axis in turn, and adds the pieces to their sub-cells.
     fn cut(&mut self, polygon: &mut Polygon<D>, axis: usize, mut place: [usize; D]) {
         if axis == D {
             let corners = polygon.corners();
@@ -200,8 +202,8 @@ impl<const D: usize> Subcells<D> {
         }
     }
 
-    /// The samples, each pair drawn together until both lie inside their sub-cell: where a model is at two ends of one, those that
-    /// match its covariance do not.
+    /// Returns the samples, each pair moved together until both lie inside their sub-cell. Samples that match the covariance
+    /// leave the sub-cell where the model lies at two ends of it.
     pub(super) fn samples_inside(&self) -> Vec<Sample<D>> {
         let mut samples = self.samples();
         for pair in samples.chunks_exact_mut(2) {
@@ -223,10 +225,10 @@ impl<const D: usize> Subcells<D> {
         samples
     }
 
-    /// The samples of all sub-cells that contain some of the model, in cell order.
+    /// Returns the samples of all sub-cells that contain some of the model, in cell order.
     pub(super) fn samples(&self) -> Vec<Sample<D>> {
         let total: f64 = self.cells.iter().map(|cell| cell.area).sum();
-        // Areas of rounding size at a border are ignored.
+        // Areas at a border that are only rounding errors are ignored.
         let least = 1e-12 * total;
         let mut samples = Vec::new();
         for (number, cell) in self.cells.iter().enumerate() {
@@ -248,7 +250,7 @@ mod tests {
         Grid { dims: [6, 5], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] }
     }
 
-    /// Area and first and second moments of samples about the origin.
+    /// Area, first and second moments of samples about the origin.
     fn moments_of(samples: impl Iterator<Item = Sample<2>>) -> [f64; 6] {
         let mut sums = [0.0; 6];
         for Sample { at: [x, y], area, .. } in samples {
@@ -259,7 +261,7 @@ mod tests {
         sums
     }
 
-    /// Midpoints of the sides of a triangle integrate quadratics exactly; the dense sum.
+    /// Dense reference: the midpoints of the sides of a triangle integrate quadratics exactly.
     fn dense(shape: &Shape<2>) -> impl Iterator<Item = Sample<2>> {
         shape.triangles.iter().flat_map(|triangle| {
             let corners = triangle.map(|corner| shape.points[corner as usize]);

@@ -5,22 +5,23 @@ use crate::lattice::Grid;
 /// A point that represents a piece of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample<const D: usize> {
-    /// Where.
+    /// Position.
     pub(crate) at: [f64; D],
     /// Area of the piece.
     pub(crate) area: f64,
-    /// Its stiffness.
+    /// Stiffness of the piece.
     pub(crate) stiffness: f64,
 }
 
-/// Sub-cells per lattice span and axis: a solve is within 4e-4 of a cell of one with fifteen (docs/METHOD.md).
+/// Sub-cells per lattice span and axis. The solution is within 4e-4 of a cell of that with fifteen (docs/METHOD.md, "Samples").
 const SUBCELLS: usize = 3;
-/// From this number of spans on, two are enough, in the plane and in space, where a sub-cell has six points.
+/// Number of spans from which on two sub-cells per span suffice, in 2D, and in 3D, where a sub-cell has six points.
 const MANY_SPANS: [usize; 2] = [12, 5];
-/// Most sub-cells an axis of a Bernstein grid: its functions are about √n spans wide, so more see nothing new.
+/// Maximum number of sub-cells per axis of a Bernstein grid: its basis functions are about √n spans wide, so more would add no
+/// information.
 const BERNSTEIN_LIMIT: usize = 64;
 
-/// Sub-cells of a grid, per axis.
+/// Number of sub-cells of a grid along each axis.
 pub(crate) fn subcell_dims<const D: usize>(grid: &Grid<D>) -> [usize; D] {
     let many = MANY_SPANS[usize::from(D > 2)];
     grid.dims.map(|count| {

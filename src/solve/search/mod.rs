@@ -1,8 +1,9 @@
-//! The search for the least minimum of a frame that is solved alone.
+//! Search for the lowest minimum of a frame that is solved alone.
 //!
-//! In: the minimum that the rigid fit leads to. Out: itself where the shape is hardly bent, else the least that several starts lead to;
-//! whether the second derivative is positive definite there. Of minima that are equally low the one on a fixed side is taken:
-//! a strip that is pressed straight buckles always to the same. docs/METHOD.md, "True minima".
+//! In: the minimum that the solve from the rigid fit reaches. Out: the same where the shape is hardly deformed, else the lowest
+//! minimum that several starts lead to, and whether the second derivative is positive definite there. Among equally low minima
+//! the one on a fixed side is taken, so that a strip under compression always buckles to the same side. See docs/METHOD.md, "True
+//! minima".
 
 mod saddle;
 mod side;
@@ -17,26 +18,28 @@ use super::settings::{Settings, Start};
 use super::system::System;
 use side::Side;
 
-/// Mean ‖J − R‖² below which a shape is hardly bent: none of 1,200 random problems had another minimum there.
+/// Mean ‖J − R‖² below which a shape counts as hardly deformed: none of 1,200 random problems had another minimum there.
 const HARDLY_BENT: f64 = 5e-3;
 
-/// Part of the energy by which a minimum is lower than another; nearer ones are equally low.
+/// Fraction of the energy by which one minimum must be lower than another; otherwise they count as equally low.
 const LOWER: f64 = 3e-4;
 
-/// Mean ‖ΔJ‖² below which a state, coarsely solved, leads to a minimum that is known.
+/// Mean ‖ΔJ‖² between a coarsely solved state and a known minimum below which the state leads to that minimum.
 const SAME: f64 = 5e-3;
 
-/// Tolerance of a first, coarse solve from a start; it looks for known minima every few steps, so many times at most.
+/// Tolerance and iteration limit of a coarse solve from a start, and the maximum number of such solves in succession. After each
+/// the state is compared with the known minima.
 const COARSE: (f64, usize, usize) = (3e-3, 6, 5);
 
-/// Coarse states whose energy is this many times the least after twice as many steps are dropped: they are wound the wrong way.
+/// A start is dropped if after the second coarse solve its energy exceeds this multiple of the lowest known energy: parts are
+/// then wound the wrong way.
 const HOPELESS: f64 = 1.5;
 
-/// Saddles that are left, at most.
+/// Maximum number of saddles that are left in succession.
 const ESCAPES: usize = 4;
 
 impl<const D: usize> System<D> {
-    /// The least minimum for targets; `observe` as in [`Minimization::run`].
+    /// Finds the lowest minimum for targets; `observe` is that of [`Minimization::run`].
     pub(crate) fn least(
         &self,
         targets: &TargetTerms<D>,
@@ -63,7 +66,8 @@ impl<const D: usize> System<D> {
 }
 
 impl<const D: usize> System<D> {
-    /// A state that was followed from another one; a lower one beside it where it is a saddle.
+    /// Checks a state that was reached from a previous one. Returns a lower state beside it if it is a saddle, else the state
+    /// itself.
     pub(crate) fn off_saddles(
         &self,
         followed: MinimizationResult<D>,
@@ -84,19 +88,19 @@ impl<const D: usize> System<D> {
 }
 
 impl<const D: usize> Minimization<'_, D> {
-    /// The energy has a second derivative that can be factored, and the iteration is not the plain one.
+    /// Whether the energy has a second derivative that can be factored, and the settings do not ask for plain iterations.
     fn has_second_derivative(&self) -> bool {
         self.settings.acceleration > 0 && self.settings.tolerance > 0.0 && self.distortion.flops().is_some()
     }
 }
 
-/// Minima that were found.
+/// Minima found so far.
 struct Search<'a, const D: usize> {
     problem: &'a Minimization<'a, D>,
     side: Side<D>,
-    /// States to start from, in rounds.
+    /// Start states, in rounds.
     rounds: Vec<Vec<Vec<[f64; D]>>>,
-    /// Each with its energy; the best so far first.
+    /// Known minima with their energies; the best is the first.
     known: Vec<(f64, MinimizationResult<D>)>,
 }
 
@@ -120,7 +124,7 @@ impl<'a, const D: usize> Search<'a, D> {
         Self { problem, side, rounds, known: vec![(energy, first)] }
     }
 
-    /// Solves from other starts, round by round as long as they find other minima.
+    /// Solves from the start states, round after round while a round finds new minima.
     fn look_around(&mut self) -> Result<(), Cancelled> {
         for starts in std::mem::take(&mut self.rounds) {
             let before = self.known.len();
@@ -134,7 +138,7 @@ impl<'a, const D: usize> Search<'a, D> {
         Ok(())
     }
 
-    /// Solves from a state, unless it leads to a minimum that is known.
+    /// Solves from a state, unless it leads to a known minimum.
     fn try_from(&mut self, from: &[[f64; D]]) -> Result<(), Cancelled> {
         let problem = self.problem;
         let (tolerance, iteration_limit, times) = COARSE;
@@ -160,7 +164,7 @@ impl<'a, const D: usize> Search<'a, D> {
         Ok(())
     }
 
-    /// Keeps a minimum: as the best where it is lower, or equally low and on the fixed side.
+    /// Adds a minimum, and makes it the best if it is lower, or equally low and on the fixed side.
     fn note(&mut self, found: MinimizationResult<D>) {
         let energy = self.problem.energy(&found.handles);
         if energy.is_nan() || self.is_known(&found.handles) {
@@ -177,7 +181,7 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    /// A state is near a minimum that is known.
+    /// Whether a state is near a known minimum.
     fn is_known(&self, handles: &[[f64; D]]) -> bool {
         let stiffness = self.problem.scales.shape * self.problem.distortion.mass();
         let is_near = |known: &MinimizationResult<D>| {
@@ -187,7 +191,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.known.iter().any(|(_, known)| is_near(known))
     }
 
-    /// The best, once it is no saddle, or no way leads down from it.
+    /// Returns the best state, after leaving it while it is a saddle and a lower state can be found.
     fn settled(mut self) -> Result<MinimizationResult<D>, Cancelled> {
         let mut is_minimum = self.problem.is_minimum(&self.known[0].1.handles)?;
         for _ in 0..ESCAPES {
@@ -200,13 +204,13 @@ impl<'a, const D: usize> Search<'a, D> {
         Ok(MinimizationResult { is_minimum: Some(is_minimum), energy: Some(energy), ..best })
     }
 
-    /// Leaves a saddle to both sides; false where that leads nowhere.
+    /// Leaves a saddle to both sides; returns false if neither leads to a lower minimum.
     fn escape(&mut self) -> Result<bool, Cancelled> {
         let problem = self.problem;
         let saddle = self.known[0].1.handles.clone();
         let before = self.known[0].0;
         let Some(along) = problem.descent_direction(&saddle)? else { return Ok(false) };
-        // Everything is lower than the saddle, and what was found before may be lower still.
+        // The energy of the saddle no longer counts, so that states beside it replace it.
         self.known[0].0 = f64::INFINITY;
         let first = if self.side.of(&along) < 0.0 { -1.0 } else { 1.0 };
         for sign in [first, -first] {
@@ -224,7 +228,7 @@ impl<'a, const D: usize> Search<'a, D> {
 }
 
 impl<'a, const D: usize> Minimization<'a, D> {
-    /// The same from another state.
+    /// Returns the same minimisation with another start state.
     fn from<'b>(&'b self, initial: &'b [[f64; D]]) -> Minimization<'b, D>
     where
         'a: 'b,

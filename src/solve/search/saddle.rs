@@ -1,9 +1,10 @@
-//! Second-order check of a stationary state, and the way down from a saddle.
+//! Second-order check of a stationary state, and the direction of descent from a saddle.
 //!
-//! In: a state at which the energy is stationary. Out: whether it is a minimum; a displacement along which the energy falls.
-//! The direction of least curvature relative to the constant matrix K minimises ⟨v, H v⟩/⟨v, K v⟩ by locally optimal conjugate gradients
-//! preconditioned by K, over directions that move no hard pin (A. Knyazev, "Toward the Optimal Preconditioned Eigensolver", 2001).
-//! H = K − G with G ≥ 0, so all but the soft directions are near 1 and steps converge fast.
+//! In: a state at which the energy is stationary. Out: whether it is a minimum; a displacement along which the energy falls. The
+//! direction of least curvature relative to the constant matrix K minimises ⟨v, H v⟩/⟨v, K v⟩ by locally optimal conjugate
+//! gradients preconditioned by K, over directions that move no hard pin (A. Knyazev, "Toward the Optimal Preconditioned
+//! Eigensolver", 2001). As H = K − G with G ≥ 0, the quotient is close to 1 for all but the soft directions, and the steps
+//! converge fast.
 
 use crate::solve::cancel::Cancelled;
 use crate::solve::energy::RotationHessian;
@@ -12,19 +13,19 @@ use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::linalg::small_matrix::symmetric_eigen;
 use crate::solve::minimization::Minimization;
 
-/// Steps for the direction of least curvature.
+/// Maximum number of steps towards the direction of least curvature.
 const STEPS: usize = 60;
 
-/// Curvature over that of K above which a direction is flat, not falling.
+/// Quotient of curvatures of H and K from which on a direction counts as flat.
 const FLAT: f64 = -1e-9;
 
-/// The least curvature is found where a step lowers it by less than this part.
+/// The least curvature has converged if a step lowers it by less than this fraction.
 const SETTLED: f64 = 1e-3;
 
-/// Mean ‖ΔJ‖² of a displacement from a saddle.
+/// Mean ‖ΔJ‖² of the first displacement from a saddle.
 const AWAY: f64 = 1e-2;
 
-/// Halvings of that displacement until the energy is lower.
+/// Maximum number of trials, each with half the displacement, until the energy is lower.
 const HALVINGS: usize = 12;
 
 type Vectors<const D: usize> = Vec<[f64; D]>;
@@ -38,14 +39,14 @@ struct Tested<const D: usize> {
 }
 
 impl<const D: usize> Minimization<'_, D> {
-    /// The second derivative at a state is positive definite.
+    /// Whether a stationary state is a minimum: the second derivative is positive definite, or the energy falls along no direction.
     pub(super) fn is_minimum(&self, handles: &[[f64; D]]) -> Result<bool, Cancelled> {
         let factor = Factorization::of_positive(self.second_derivative(handles), self.cancel);
         self.cancel.check()?;
         Ok(factor.is_some() || self.descent_direction(handles)?.is_none())
     }
 
-    /// A displacement from a saddle to a lower state; `None`: the energy falls nowhere.
+    /// Returns a displacement from a saddle to a lower state; `None` if the energy falls along no direction.
     pub(super) fn descent_direction(&self, handles: &[[f64; D]]) -> Result<Option<Vectors<D>>, Cancelled> {
         let second = self.second_derivative(handles);
         let mut direction = self.tested(self.projected(generic(handles.len())), &second);
@@ -83,7 +84,7 @@ impl<const D: usize> Minimization<'_, D> {
         Ok(None)
     }
 
-    /// ⟨x, K x⟩.
+    /// Returns ⟨x, K x⟩.
     pub(super) fn squared_length(&self, x: &[[f64; D]]) -> f64 {
         let mut image = vec![[0.0; D]; x.len()];
         self.normal.subtract_matvec(x, &mut image);
@@ -97,7 +98,7 @@ impl<const D: usize> Minimization<'_, D> {
         second
     }
 
-    /// K⁻¹ times a residual, without what would move hard pins.
+    /// Returns K⁻¹ times a residual, projected onto directions that move no hard pin.
     fn projected(&self, mut residual: Vectors<D>) -> Vectors<D> {
         self.factor.solve(&mut residual);
         self.constraints.project(self.terms, &mut Vec::new(), &mut residual);
@@ -114,7 +115,7 @@ impl<const D: usize> Minimization<'_, D> {
 }
 
 impl<const D: usize> Tested<D> {
-    /// With ⟨v, K v⟩ = 1.
+    /// Scales the direction so that ⟨v, K v⟩ = 1.
     fn scaled(self) -> Self {
         let factor = 1.0 / dot(&self.by, &self.constant).sqrt();
         let of = |vectors: &Vectors<D>| combined(vectors, factor, vectors, 0.0);
@@ -134,7 +135,7 @@ impl<const D: usize> Tested<D> {
     }
 }
 
-/// The direction of least curvature among the combinations of up to three.
+/// Returns the direction of least curvature among the linear combinations of up to three.
 fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
     let mut orthonormal: Vec<Tested<D>> = Vec::new();
     for mut direction in basis {
@@ -145,12 +146,12 @@ fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
                 direction = direction.plus(1.0, other, -share);
             }
         }
-        // What depends on the others is left out.
+        // A direction that depends linearly on the others is left out.
         if dot(&direction.by, &direction.constant).sqrt() > 1e-8 * length {
             orthonormal.push(direction.scaled());
         }
     }
-    // Those that are missing rise steeply.
+    // Directions that are left out get a large curvature.
     let mut matrix = [[0.0; 3]; 3];
     for (a, row) in matrix.iter_mut().enumerate() {
         for (b, slot) in row.iter_mut().enumerate() {
@@ -168,7 +169,7 @@ fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
     Some(terms.fold(start, |sum, (k, direction)| sum.plus(1.0, direction, vectors[k][best])))
 }
 
-/// A vector with a share of every direction, the same on every machine.
+/// A deterministic vector with components along all directions.
 fn generic<const D: usize>(count: usize) -> Vectors<D> {
     (0..count).map(|k| std::array::from_fn(|d| (12.9898 * (k * D + d + 1) as f64).sin())).collect()
 }

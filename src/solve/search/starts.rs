@@ -1,22 +1,24 @@
-//! Where other solves start: turned, and bent in waves.
+//! Other start states of a solve: the rigid fit rotated, and bent in waves.
 //!
-//! In: the rigid fit. Out: states, in rounds. What is pressed buckles to one side or the other, or to both by turns; a wave
-//! along an axis of the box leads into each. What the fit turned the wrong way round is found by turning it further.
+//! In: the rigid fit. Out: states, in rounds. A compressed shape buckles to one side, to the other, or to both alternately; waves
+//! along the axes of the box lead to each of these. Parts that the rigid fit has rotated the wrong way are found by rotating it
+//! further.
 
 use crate::lattice::Grid;
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply};
 use std::f64::consts::PI;
 
-/// Half waves along an axis, at most.
+/// Maximum number of half waves along an axis.
 const HALVES: usize = 4;
 
-/// Height of a wave, in box diagonals.
+/// Amplitude of a wave, in box diagonals.
 const HEIGHT: f64 = 0.2;
 
-/// Further turns, degrees.
+/// Further rotations of the rigid fit, in degrees.
 const TURNS: [f64; 2] = [120.0, -120.0];
 
-/// Starts beside the rigid fit `start` of the unknowns that are at `rest`: turned and in one half wave, then in more and more halves.
+/// Returns the start states beside the rigid fit `start` of the unknowns whose rest positions are `rest`: first rotated ones and
+/// single half waves, then more and more half waves.
 pub(super) fn rounds<const D: usize>(
     grid: &Grid<D>,
     (start, rest): (&[[f64; D]], &[[f64; D]]),
@@ -28,7 +30,7 @@ pub(super) fn rounds<const D: usize>(
     rounds
 }
 
-/// Waves of so many halves: along each axis, across each other one, with both signs.
+/// Returns waves of `halves` half waves: along each axis, displaced along each other axis, with both signs.
 fn waves<const D: usize>(
     grid: &Grid<D>,
     (start, rest): (&[[f64; D]], &[[f64; D]]),
@@ -49,7 +51,7 @@ fn waves<const D: usize>(
     ways.map(wave).collect()
 }
 
-/// A state turned about its middle in the plane of the first two axes.
+/// Rotates a state about its centroid in the plane of the first two axes.
 fn turned<const D: usize>(state: &[[f64; D]], degrees: f64) -> Vec<[f64; D]> {
     let count = state.len().max(1) as f64;
     let middle: [f64; D] = std::array::from_fn(|d| state.iter().map(|x| x[d]).sum::<f64>() / count);
