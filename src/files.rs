@@ -6,6 +6,9 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+/// Name and version of this program, stored in every file it writes.
+pub(crate) const GENERATOR: &str = concat!("pinwarp ", env!("CARGO_PKG_VERSION"));
+
 /// Maximum size of a shot file, bytes; a hundred thousand keys take ten million.
 pub(crate) const SHOT_BYTES: u64 = 64 << 20;
 

@@ -3,6 +3,7 @@
 //! In: maps, and the largest displacement of their sequence. Out: 16-bit codes; the settings of the Displacement Map
 //! effect as a text file beside them. docs/AFTER_EFFECTS.md describes the procedure.
 
+use crate::files::GENERATOR;
 use crate::plate::WarpMap;
 use crate::spelling::counted;
 
@@ -33,7 +34,7 @@ impl DisplacementNote {
         let of_program = reach / 16384.0;
         let pace = counted(*rate, "frame", "frames");
         format!(
-            "Displacement maps for After Effects, written by `pinwarp export --to after-effects`.\n\n\
+            "Displacement maps for After Effects, written by {GENERATOR}, `pinwarp export --to after-effects`.\n\n\
              maps:      {maps}, frames {first} to {last}, {rate} a second, {width} x {height} pixels, 16 bits\n\
              element:   the unwarped picture or matted layer, of the same size\n\
              state:     {state}\n\n\

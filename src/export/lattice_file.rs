@@ -5,7 +5,7 @@
 use super::ExportError;
 use super::raw::{RawBranch, RawBranches, RawFile, RawFrame, RawSpace, RawTrack};
 use super::{LatticeBranch, LatticeBranches};
-use crate::files::{LATTICE_BYTES, read_text};
+use crate::files::{GENERATOR, LATTICE_BYTES, read_text};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
 use crate::plate::WholeWarp;
@@ -116,6 +116,7 @@ impl LatticeFile {
         });
         let raw = RawFile {
             pinwarp_lattice: if self.has_branches() { VERSION } else { PLAIN_VERSION },
+            generator: Some(GENERATOR.to_owned()),
             frame_aspect: self.frame_aspect,
             rate: self.rate,
             layers: layers.collect(),

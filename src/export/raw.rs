@@ -11,6 +11,9 @@ use serde::{Deserialize, Serialize};
 pub(super) struct RawFile {
     /// Version of the format.
     pub(super) pinwarp_lattice: u32,
+    /// Name and version of the program that wrote the file; not used on reading.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) generator: Option<String>,
     /// Width of the frame in frame heights.
     pub(super) frame_aspect: f64,
     /// Frame rate, in frames per second.

@@ -6,6 +6,7 @@
 use super::cryptomatte::MatteHeader;
 use super::exr_file::text;
 use super::provenance::{self, Provenance};
+use crate::files::GENERATOR;
 use crate::space::{FrameSize, ScreenPoint};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Rational, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
@@ -47,7 +48,7 @@ impl FrameMetadata {
         for (name, words) in self.mattes.iter().flat_map(MatteHeader::attributes) {
             layer.other.insert(text(&name), AttributeValue::Text(text(&words)));
         }
-        layer.software_name = Some(Text::from(concat!("pinwarp ", env!("CARGO_PKG_VERSION"))));
+        layer.software_name = Some(Text::from(GENERATOR));
         layer.frames_per_second = rational_rate(self.frames_per_second);
         if let Some(camera) = &self.camera {
             layer.world_to_camera = Some(row_vector_matrix(exr_camera_from_scene(camera)));

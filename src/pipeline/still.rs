@@ -7,6 +7,7 @@ use super::geometry_thread::geometry_of;
 use super::layer_timeline::Watcher;
 use super::passes::mid_shutter;
 use super::pictures::paint_frame;
+use super::timed_world::Unsolved;
 use super::trajectories::{facts, has_trajectory};
 use super::{PipelineError, PreparedShot, TimeSample, screen_layer, timed_layer};
 use crate::image::{Frame, Plate, SequencePath, read_any};
@@ -24,14 +25,14 @@ pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 pub type Device = dyn Raster + Send + 'static;
 
 impl PreparedShot {
-    /// Returns the solved sample shown by a frame, without waiting for trajectories of screen layers. Screen layers
-    /// whose trajectory is not solved yet are solved for this frame alone, so the sample is provisional; world layers
-    /// are solved as in a render.
+    /// Returns the solved sample shown by a frame, without waiting for trajectories. Layers whose trajectory is not
+    /// solved yet are solved for this frame alone, so the sample is provisional.
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
-        let mut sample = self.unsolved_at(self.mid_exposure_time(f64::from(frame)))?;
+        let time = self.mid_exposure_time(f64::from(frame));
+        let mut sample = self.world_solved_at(time, Unsolved::Alone)?;
         for (index, layer) in self.shot.layers.iter().enumerate() {
             let LayerSpace::Screen { bounds, .. } = layer.space else { continue };
             sample.layers[index] = if self.is_solved_over_time(index) {

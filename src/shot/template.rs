@@ -2,6 +2,7 @@
 //!
 //! In: facts about a scene. Out: a text that can be rendered unchanged, and that explains further options.
 
+use crate::files::GENERATOR;
 use crate::space::FrameSize;
 use toml_edit::Value;
 
@@ -71,7 +72,7 @@ fn head(scene_file: &str, facts: &TemplateFacts) -> String {
     let hide = hide(facts);
     let rate = facts.rate;
     format!(
-        "## A shot of pinwarp: a scene, its frames, and layers whose pins bend what the camera sees.
+        "## A shot of {GENERATOR}: a scene, its frames, and layers whose pins bend what the camera sees.
 ## Two # begin an explanation, one # a line to use: take the # away.
 ## Lengths on the screen are in frame heights, y up: [0, 0] is the lower left corner, [{aspect:.3}, 1] the upper right.
 version = 1
@@ -97,7 +98,7 @@ fn image_head(image_file: &str, facts: &TemplateFacts) -> String {
     let [first, last] = facts.frames;
     let FrameSize { width, height, .. } = facts.size;
     format!(
-        "## A shot of pinwarp: a picture, its frames, and layers whose pins bend it.
+        "## A shot of {GENERATOR}: a picture, its frames, and layers whose pins bend it.
 ## Two # begin an explanation, one # a line to use: take the # away.
 ## Lengths on the screen are in frame heights, y up: [0, 0] is the lower left corner, [{aspect:.3}, 1] the upper right.
 version = 1

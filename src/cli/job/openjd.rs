@@ -5,6 +5,7 @@
 //! job parameters; tasks that are interrupted or fail are rerun and continue where they stopped.
 
 use super::{Plan, list_of};
+use crate::files::GENERATOR;
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -24,6 +25,7 @@ pub(super) fn template(plan: &Plan) -> anyhow::Result<String> {
         "specificationVersion": "jobtemplate-2023-09",
         "extensions": ["TASK_CHUNKING"],
         "name": name,
+        "description": format!("Written by {GENERATOR}"),
         "parameterDefinitions": parameters(plan),
         "steps": [
             step("Prepare", &[], action(&prepare(plan))),

@@ -4,6 +4,7 @@
 //! where they stopped (`--requeue`, `--resume`).
 
 use super::{Plan, list_of};
+use crate::files::GENERATOR;
 use anyhow::bail;
 
 /// Maximum number of tasks of an array: Slurm's default limit is 1001 (`MaxArraySize`), and indices begin at 0.
@@ -26,7 +27,7 @@ pub(super) fn script(plan: &Plan) -> anyhow::Result<String> {
     let (work, report, more, chunks) = (words(&plan.work), words(&plan.report), words(&plan.more), chunks.join("\n"));
     Ok(format!(
         r#"#!/bin/bash
-# Renders a shot on a Slurm cluster. Run it on a machine that can submit jobs:
+# Renders a shot on a Slurm cluster; written by {GENERATOR}. Run it on a machine that can submit jobs:
 #   bash THIS [OPTIONS OF SBATCH], e.g. --partition=render --cpus-per-task=16 --mem=32G
 # All nodes must have access to all files and folders. Submitting again renders only the missing frames.
 set -euo pipefail

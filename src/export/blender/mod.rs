@@ -4,6 +4,7 @@
 //! In: lattices placed in the scene, or the reason why a layer is baked into the .glb beside the script. Out: the
 //! script. docs/EXPORT.md derives why the lattices agree.
 
+use crate::files::GENERATOR;
 use crate::scene::{Lens, Packed, Scene};
 use crate::space::FrameSize;
 use glam::DMat4;
@@ -129,7 +130,11 @@ pub fn script(scene: &BlenderScene) -> String {
     // Layer names are free text: they must not terminate the string literal that contains them.
     let told: String = told.collect::<String>().replace('\\', "/").replace('"', "'");
     let data = data(scene).to_string().replace('\'', "\\u0027");
-    SCRIPT.replace("@SCENE@", &scene.scene_file).replace("@LAYERS@", &told).replace("@DATA@", &data)
+    SCRIPT
+        .replace("@GENERATOR@", GENERATOR)
+        .replace("@SCENE@", &scene.scene_file)
+        .replace("@LAYERS@", &told)
+        .replace("@DATA@", &data)
 }
 
 fn data(scene: &BlenderScene) -> Value {

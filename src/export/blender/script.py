@@ -1,4 +1,4 @@
-"""Warped scene for Blender (tried in 5.0), written by `pinwarp export --to blender`.
+"""Warped scene for Blender (tried in 5.0), written by @GENERATOR@, `pinwarp export --to blender`.
 
 Run it with `blender --python THIS_FILE`, or open it in the text editor and press Run. In a new file the default cube,
 light and camera are removed first; other objects are kept.

@@ -4,6 +4,7 @@
 //! and the camera in front of them.
 
 use super::buffer::{add, add_bounded, push};
+use crate::files::GENERATOR;
 use crate::scene::{Camera, Lens, Node, Packed, Placement, Primitive, Scene};
 use serde_json::{Value, json};
 
@@ -15,7 +16,7 @@ const FAR: f32 = 100.0;
 #[must_use]
 pub fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed {
     let json = json!({
-        "asset": { "version": "2.0", "generator": concat!("pinwarp ", env!("CARGO_PKG_VERSION")) },
+        "asset": { "version": "2.0", "generator": GENERATOR },
         "scene": 0,
         "scenes": [{ "nodes": (0..scene.nodes.len()).collect::<Vec<_>>() }],
         "extensionsUsed": ["KHR_materials_unlit"],

@@ -13,6 +13,7 @@ pub use baked::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeM
 pub use cards::packed_cards;
 
 use super::ExportError;
+use crate::files::GENERATOR;
 use crate::scene::{Lens, Packed};
 use buffer::push;
 use serde_json::{Value, json};
@@ -35,6 +36,7 @@ pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, Export
         let node = add_camera(&mut packed.json, camera);
         clip::add_camera_motion(&mut packed, baked, (camera, node));
     }
+    packed.json["asset"]["generator"] = json!(GENERATOR);
     container(packed)
 }
 

@@ -5,6 +5,7 @@
 mod grid;
 
 use super::{LatticeFile, Track};
+use crate::files::GENERATOR;
 use crate::space::FrameSize;
 use grid::{Side, grid_knob};
 use std::fmt::Write;
@@ -22,9 +23,8 @@ pub struct NukeScene<'a> {
     pub size: FrameSize,
 }
 
-/// Header of the script.
+/// Header of the script, below the line that names its generator.
 const HEAD: &str = "\
-# Written by `pinwarp export --to nuke`.
 # Connect your plate to the dots 'plate' and 'plate_for_grids'.
 # pinwarp_stmap: the warp of pinwarp itself, to the pixel; use this one for finals.
 # pinwarp_grid_*: the same lattices as grids to look at and to move by hand. Along grid lines of B-splines they agree,
@@ -39,7 +39,7 @@ pub fn script(scene: &NukeScene<'_>) -> String {
     let FrameSize { width, height, pixel_aspect } = scene.size;
     let format = format!("\"{width} {height} 0 0 {width} {height} {pixel_aspect} pinwarp\"");
     let rate = scene.lattices.rate;
-    let mut text = HEAD.to_owned();
+    let mut text = format!("# Written by {GENERATOR}, `pinwarp export --to nuke`.\n{HEAD}");
     let root = format!(
         "Root {{\n inputs 0\n project_directory \"\\[python \\{{nuke.script_directory()\\}}]\"\n first_frame {first}\n \
          last_frame {last}\n fps {rate}\n format {format}\n}}\n"

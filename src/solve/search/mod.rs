@@ -171,7 +171,8 @@ impl<'a, const D: usize> Search<'a, D> {
             return;
         }
         let (least, best) = &self.known[0];
-        let margin = LOWER * least;
+        // The energy of a saddle that is being left is infinite: any state beside it is lower.
+        let margin = if least.is_finite() { LOWER * least } else { 0.0 };
         let is_better = energy < least - margin
             || energy <= least + margin && self.side.of(&difference(&found.handles, &best.handles)) > 0.0;
         self.known.push((energy, found));

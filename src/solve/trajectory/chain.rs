@@ -28,6 +28,9 @@ const ROUNDS: usize = 30;
 /// A knot whose points move less than this part of the box diagonal does not disturb its neighbours.
 const TOLERANCE: f64 = 2e-5;
 
+/// The same while weights are still being raised: stiffly coupled knots converge slowly, and the next weights do not need more.
+const COARSE_TOLERANCE: f64 = 3e-4;
+
 /// An interval holds a proximal term of at least eight times its weight; this much of it has to make the energy convex.
 const CONVEX_SHARE: f64 = 2.0;
 
@@ -75,7 +78,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     /// One an interval: known to be continuous where its knots are.
     is_continuous: Vec<bool>,
     coupling: Coupling,
-    tolerance: f64,
+    /// Mean diagonal of the boxes.
+    diagonal: f64,
     /// Polled by the thread that solves.
     cancel: &'a Cancel<'a>,
 }
@@ -104,7 +108,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             limits: Vec::new(),
             is_continuous: Vec::new(),
             coupling: *coupling,
-            tolerance: TOLERANCE * diagonal,
+            diagonal,
             cancel,
         };
         chain.extend(knots);
@@ -152,14 +156,19 @@ impl<'a, const D: usize> Chain<'a, D> {
     pub(crate) fn solve(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         let first = self.passed;
         self.pass_forward(passed)?;
-        self.settle(first)?;
+        self.settle(first, TOLERANCE)?;
+        let mut tolerance = TOLERANCE;
         for _ in 0..ROUNDS {
-            if !self.tighten() {
-                break;
+            if self.tighten(tolerance == TOLERANCE) {
+                tolerance = COARSE_TOLERANCE;
+            } else if tolerance == TOLERANCE {
+                return Ok(());
+            } else {
+                tolerance = TOLERANCE;
             }
-            self.settle(0)?;
+            self.settle(0, tolerance)?;
         }
-        Ok(())
+        if tolerance > TOLERANCE { self.settle(0, TOLERANCE) } else { Ok(()) }
     }
 
     /// Every knot from the one before; the first, and one after a gap, alone.
@@ -190,17 +199,23 @@ impl<'a, const D: usize> Chain<'a, D> {
         before + self.weights.get(index).copied().unwrap_or(0.0)
     }
 
-    /// Sweeps until nothing moves, beginning at a knot and all after it.
-    fn settle(&mut self, first: usize) -> Result<(), SolveError> {
+    /// Sweeps until no knot moves by more than `tolerance` box diagonals, beginning with the knot `first` and all after it.
+    fn settle(&mut self, first: usize, tolerance: f64) -> Result<(), SolveError> {
         let count = self.knots.len();
         let mut is_stale: Vec<bool> = (0..count).map(|index| index + 1 >= first).collect();
         for sweep in 0..SWEEPS {
             for step in 0..count {
                 let index = if sweep % 2 == 0 { count - 1 - step } else { step };
-                if std::mem::take(&mut is_stale[index]) && self.relax(index)? > self.tolerance {
+                if !std::mem::take(&mut is_stale[index]) {
+                    continue;
+                }
+                let moved = self.relax(index)? / self.diagonal;
+                if moved > TOLERANCE {
+                    self.is_continuous[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
+                }
+                if moved > tolerance {
                     is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
                     is_stale[index] = false;
-                    self.is_continuous[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
                 }
             }
             if !is_stale.contains(&true) {
@@ -229,8 +244,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(before.farthest(&knot.displacement))
     }
 
-    /// Raises the weights where the model moves too far between two knots; false where it does nowhere.
-    fn tighten(&mut self) -> bool {
+    /// Raises the weights where the model moves too far between two knots, and, if `searches`, where its motion jumps; false where it
+    /// does neither.
+    fn tighten(&mut self, searches: bool) -> bool {
         let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
         for (index, &excess) in excess.iter().enumerate().filter(|(_, excess)| **excess > 1.0) {
@@ -239,8 +255,10 @@ impl<'a, const D: usize> Chain<'a, D> {
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
         }
-        for (slot, continuous) in raised.iter_mut().zip(self.continuous_weights()) {
-            *slot = slot.max(continuous);
+        if searches {
+            for (slot, continuous) in raised.iter_mut().zip(self.continuous_weights()) {
+                *slot = slot.max(continuous);
+            }
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
