@@ -56,7 +56,10 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     let output = args.output.display();
     let landmarks = counted(pairs.len(), "landmark", "landmarks");
     writeln!(io::stdout(), "wrote {output}: {} x {} handles, {landmarks}", dims[0], dims[1])?;
-    writeln!(io::stdout(), "lay it over a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}")?;
+    writeln!(
+        io::stdout(),
+        "to apply it to a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}"
+    )?;
     Ok(Outcome::Complete)
 }
 

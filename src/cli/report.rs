@@ -117,7 +117,7 @@ fn sequences(args: &ReportArgs) -> anyhow::Result<Vec<(SequencePath, Vec<i32>)>>
             (None, None) => vec![own_frame(&path)?],
             (None, Some(there)) => {
                 let (Some(&first), Some(&last)) = (there.first(), there.last()) else {
-                    bail!("{}: there are no such frames", path.pattern().display());
+                    bail!("{}: no frame of this sequence exists", path.pattern().display());
                 };
                 (first..=last).collect()
             }
@@ -172,7 +172,7 @@ fn faults(report: &SequenceReport, limits: &Limits) -> Vec<String> {
 
 fn print(path: &SequencePath, report: &SequenceReport, faults: &[String]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    writeln!(out, "{}: {}", path.pattern().display(), counted(report.frames, "whole frame", "whole frames"))?;
+    writeln!(out, "{}: {}", path.pattern().display(), counted(report.frames, "complete frame", "complete frames"))?;
     let mut warnings = Warnings::default();
     report.warnings.iter().for_each(|(frame, warning)| warnings.add(*frame, warning));
     for line in warnings.lines() {
@@ -235,7 +235,7 @@ fn contact_sheet(
     // A missing or damaged frame has an empty tile, even if only its pixels are damaged.
     let read = |frame: i32| read_any(&path.path_of(frame)).ok().map(|plate| preview(&plate.into_frame()));
     let first = shown.iter().find_map(|&frame| read(frame));
-    let Some(first) = first else { bail!("there is no whole frame to show on a contact sheet") };
+    let Some(first) = first else { bail!("there is no complete frame to show on a contact sheet") };
     let columns = ((shown.len() as f64).sqrt().ceil() as usize).clamp(1, 12);
     let mut sheet = ContactSheet::new(shown.len(), columns, TILE_WIDTH, [first.width, first.height]);
     for frame in shown {

@@ -110,7 +110,7 @@ pub enum PipelineError {
         folder: PathBuf,
     },
     /// A frame was abandoned before it was complete.
-    #[error("frame {frame} was given up before all its passes were drawn")]
+    #[error("frame {frame} was abandoned before all its passes were drawn")]
     Interrupted {
         /// The frame.
         frame: i32,

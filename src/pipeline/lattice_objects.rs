@@ -107,7 +107,7 @@ impl PreparedShot {
             let place = |corner: u32| lattice.frame.box_from_scene(posed.positions[corner as usize].0.as_dvec3());
             if corners.any(|&corner| !is_inside(grid, place(corner).to_array())) {
                 return Err(
-                    "some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into()
+                    "some vertices lie outside the lattice's box, where pinwarp's lattice extrapolates rigidly".into(),
                 );
             }
         }
@@ -141,8 +141,8 @@ fn blend_of(basis: Basis) -> Result<LatticeBlend, Reason> {
     match basis {
         Basis::Bspline => Ok(LatticeBlend::Bspline),
         Basis::Bilinear => Ok(LatticeBlend::Linear),
-        Basis::Bernstein => Err("Blender's lattices know no Bernstein polynomials".to_owned()),
-        Basis::Barytri => Err("Blender's lattices know no barycentric cells".to_owned()),
+        Basis::Bernstein => Err("Blender's lattices do not support Bernstein polynomials".to_owned()),
+        Basis::Barytri => Err("Blender's lattices do not support barycentric cells".to_owned()),
     }
 }
 
@@ -179,7 +179,7 @@ fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reas
         );
     }
     if corners.iter().any(|(_, seen)| !is_inside(grid, seen.point().0.to_array())) {
-        return Err("some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into());
+        return Err("some vertices lie outside the lattice's box, where pinwarp's lattice extrapolates rigidly".into());
     }
     Ok(())
 }

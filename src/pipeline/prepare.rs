@@ -155,13 +155,16 @@ pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), 
 fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
     let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
     if !assignment.parts_of_layer[layer].contains(part) {
-        return Some("which the layer does not claim: the pin follows it all the same".into());
+        return Some("which the layer does not move; the pin still follows it".into());
     }
     let share = assignment.share(layer, *part);
     let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
     (moved < FULL_SHARE).then(|| {
         let percent = (100.0 * moved).round();
-        format!("where the layer moves {percent} % of the mesh: it goes that far only; pin it farther inside, or lessen `feather`")
+        format!(
+            "where the layer moves {percent} % of the mesh: the pin moves it only that far; pin it farther inside, or reduce \
+             `feather`"
+        )
     })
 }
 

@@ -70,8 +70,8 @@ fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
     };
     let name = &layer.name;
     format!(
-        "layer '{name}': a snap is spread over frames {first} to {last} (up to {speed} a frame beside the rigid fit of its \
-         pins); another pin where it bends decides for it"
+        "layer '{name}': a sudden jump is spread over frames {first} to {last} (up to {speed} per frame relative to the \
+         rigid fit of its pins); another pin where it bends decides for it"
     )
 }
 
@@ -122,7 +122,9 @@ fn pin_warnings(
 fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<String> {
     let told = |&(pin, by): &(usize, f64)| {
         let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
-        format!("layer '{layer}': pin '{pin}' is dragged to the border or past it, which gives way there by {by:.1} px")
+        format!(
+            "layer '{layer}': pin '{pin}' is dragged to the border or past it, which is displaced there by {by:.1} px"
+        )
     };
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
 }
@@ -166,7 +168,7 @@ fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> St
         "nothing folds".to_owned()
     } else {
         let folded = counted(solve.folded_model_cells, "cell folds", "cells fold");
-        format!("{folded} all the same")
+        format!("{folded} nevertheless")
     };
-    format!("layer '{}': guard: {what} gives way {distance} before its target, {why}", layer.name)
+    format!("layer '{}': guard: {what} stops {distance} short of its target; {why}", layer.name)
 }

@@ -1,4 +1,4 @@
-//! Decides which frames of a run are made, which are kept, and why existing frames are made again.
+//! Decides which frames of a run are made, which are kept, and why existing frames are rendered again.
 //!
 //! In: the requested frames, and a check of a single frame. Out: [`Todo`].
 
@@ -26,7 +26,7 @@ pub(crate) struct Todo {
 }
 
 impl Todo {
-    /// Sorts the requested frames. `check` returns the reason why an existing frame has to be made again; it is called
+    /// Sorts the requested frames. `check` returns the reason why an existing frame has to be rendered again; it is called
     /// only if existing frames may be kept.
     pub(crate) fn of(
         wanted: Vec<i32>,
@@ -70,14 +70,14 @@ impl Todo {
         Ok(self)
     }
 
-    /// Returns one line for each reason to make frames again.
+    /// Returns one line for each reason to render frames again.
     pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
         let mut by_reason: BTreeMap<&str, Vec<i32>> = BTreeMap::new();
         for redone in &self.redone {
             by_reason.entry(&redone.reason).or_default().push(redone.frame);
         }
         let note = |(reason, frames): (&str, Vec<i32>)| {
-            let count = counted(frames.len(), "frame is made again", "frames are made again");
+            let count = counted(frames.len(), "frame is rendered again", "frames are rendered again");
             format!("{count} ({}): {reason}", ranges(&frames))
         };
         by_reason.into_iter().map(note).collect::<Vec<_>>().into_iter()

@@ -82,7 +82,9 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
         && (first > shot.frames.first || last < shot.frames.last)
     {
         let name = &shot.layers[index].name;
-        notes.push(format!("layer '{name}': its lattices cover frames {first} to {last}; beyond them the ends hold"));
+        notes.push(format!(
+            "layer '{name}': its lattices cover frames {first} to {last}; the first and last are held outside that range"
+        ));
     }
     Ok(Loaded { frames, has_branches })
 }

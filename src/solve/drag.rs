@@ -69,8 +69,8 @@ impl<const D: usize> Solver<D> {
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
         if self.system().has_branches() {
             return Err(SolveError::Invalid {
-                what: "the drag starts from a lattice, the solver has branches".into(),
-                hint: "start from a whole solution: `drag_from`".into(),
+                what: "the drag needs all branches, because the lattice of this solver branches".into(),
+                hint: "start from a complete solution: `drag_from`".into(),
             });
         }
         self.drag_unknowns(&from.handles)

@@ -398,7 +398,7 @@ impl<const D: usize> System<D> {
     /// Returns the solution of a problem without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
-        warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
+        warnings.push("no pins and no moved handles: the lattice stays at rest; add a pin".into());
         let result = MinimizationResult {
             handles: self.rest(),
             iterations: 0,

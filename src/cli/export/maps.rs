@@ -194,7 +194,10 @@ impl Maps {
             _ => None,
         };
         if covered.is_none() && layers.len() > 1 {
-            bail!("of several layers some branch, and nothing says what each moves; export one at a time (--layer)");
+            bail!(
+                "some layers have branching lattices, and a lattice file does not store which pixels each layer moves; \
+                 export one layer at a time (--layer)"
+            );
         }
         let mut parts = Vec::new();
         let place = (self.size, self.window);

@@ -234,7 +234,7 @@ impl ProblemFile {
 pub(super) fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], ProblemError> {
     <[f64; D]>::try_from(values).map_err(|_| {
         let given = counted(values.len(), "coordinate", "coordinates");
-        ProblemError::key(key(), format!("has {given}"), format!("give {D}, as `dims` has"))
+        ProblemError::key(key(), format!("has {given}"), format!("give {D} coordinates, one per entry of `dims`"))
     })
 }
 
