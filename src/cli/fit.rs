@@ -47,7 +47,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     check_inside(args, &landmarks, [subject.size, size_of_b])?;
     let pairs = pairs(&landmarks, subject.size, size_of_b);
     let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or_default())?;
-    tell(&landmarks, &found, subject.size)?;
+    print(&landmarks, &found, subject.size)?;
     let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
     let (placements, branches, wholes) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
     let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements, branches, wholes };
@@ -161,7 +161,7 @@ fn check_inside(args: &FitArgs, landmarks: &Landmarks, sizes: [FrameSize; 2]) ->
 }
 
 /// Prints the residuals and folds.
-fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
+fn print(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     let px = |length: f64| length * f64::from(size.height);
     for (pair, &residual) in landmarks.pairs.iter().zip(&found.residuals) {

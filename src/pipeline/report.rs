@@ -4,7 +4,7 @@
 
 use super::lattice_box::screen_bounds;
 use super::shared_cells;
-use super::trajectories::{Told, told_at};
+use super::trajectories::{TimedNote, note_at};
 use super::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{ResidualReason, SolveReport, Spread};
@@ -34,13 +34,13 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
         report.warnings.extend(shared_cells::warning(layer, state, &solve, height_px));
-        match told_at(prepared, index, frame) {
-            Some(Told::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
-            Some(Told::Alone(why)) => {
+        match note_at(prepared, index, frame) {
+            Some(TimedNote::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
+            Some(TimedNote::Alone(why)) => {
                 let text = "cannot be solved over time, so that each frame is solved alone";
                 report.warnings.push(format!("layer '{}' {text}: {why}", layer.name));
             }
-            Some(Told::Outside([first, last])) => report.warnings.push(format!(
+            Some(TimedNote::Outside([first, last])) => report.warnings.push(format!(
                 "layer '{}': the frame lies outside solve_range, over which frames are solved together ({first} to {last}), and may \
                  not fit its neighbours; widen solve_range in the shot",
                 layer.name

@@ -148,7 +148,7 @@ impl<'a> Element<'a> {
             None => still_scene(prepared, layer, (&frames, folder.path(), &pattern))?,
         };
         let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
-        let tell = |event: Event| match event {
+        let on_event = |event: Event| match event {
             Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
             // The scene's notes were already shown when the shot was read, and the missing warp is intended here.
             Event::Note { text } if !alone.notes.contains(&text) => {
@@ -156,7 +156,7 @@ impl<'a> Element<'a> {
             }
             _ => {}
         };
-        let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
+        let summary = render(&alone, &options, &AtomicBool::new(false), &on_event)?;
         let frames = counted(summary.rendered, "frame", "frames");
         writeln!(io::stdout(), "wrote {}: {frames}", pattern.display())?;
         Ok(summary.failed == 0)
