@@ -4,7 +4,7 @@
 //! pinwarp does, or the reason why none exists.
 
 use super::{LayerState, PipelineError, PreparedShot, TimeSample};
-use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
+use crate::export::blender::{BlenderLayer, BlenderMethod, CameraNode, LatticeBlend, LatticeObject, LatticePose};
 use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive};
@@ -32,11 +32,11 @@ impl PreparedShot {
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
         let name = self.shot.layers[index].name.clone();
-        let way = match self.lattice_object(index, frames)? {
-            Ok(lattice) => BlenderWay::Lattice(lattice),
-            Err(reason) => BlenderWay::Baked(reason),
+        let method = match self.lattice_object(index, frames)? {
+            Ok(lattice) => BlenderMethod::Lattice(lattice),
+            Err(reason) => BlenderMethod::Baked(reason),
         };
-        Ok(BlenderLayer { name, way })
+        Ok(BlenderLayer { name, method })
     }
 
     /// Returns the node of the shot's camera, or that the camera is added.
