@@ -17,7 +17,7 @@ use glam::{DMat4, DVec3};
 const FLATNESS: f64 = 1e-6;
 
 /// Distance by which vertices may leave the box and still count as inside, relative to its side.
-const BORDER: f64 = 1e-7;
+const BOX_TOLERANCE: f64 = 1e-7;
 
 /// Frames of a layer; `None` where it is not warped.
 type Poses = Vec<(i32, Option<LatticePose>)>;
@@ -161,7 +161,7 @@ fn filled(poses: Poses, dims: [usize; 3]) -> Option<Vec<LatticePose>> {
 
 fn is_inside<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> bool {
     (0..D).all(|axis| {
-        let slack = BORDER * grid.size(axis);
+        let slack = BOX_TOLERANCE * grid.size(axis);
         (grid.lo[axis] - slack..=grid.hi[axis] + slack).contains(&point[axis])
     })
 }
@@ -186,12 +186,12 @@ fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reas
 
 /// Returns the distance between the first and the last handle of an axis, relative to the box: the outermost handles of
 /// a B-spline lie outside the box.
-fn reach(basis: Basis, count: usize) -> f64 {
+fn handle_extent(basis: Basis, count: usize) -> f64 {
     (count - 1) as f64 / basis.spans(count) as f64
 }
 
 fn extents<const D: usize>(grid: &Grid<D>) -> [f64; D] {
-    std::array::from_fn(|axis| grid.size(axis) * reach(grid.basis, grid.dims[axis]))
+    std::array::from_fn(|axis| grid.size(axis) * handle_extent(grid.basis, grid.dims[axis]))
 }
 
 /// Returns the displacements of the handles from rest, relative to the size of the lattice.

@@ -66,7 +66,7 @@ impl WorldLayer<'_> {
         let is_fading = goal.handles.is_empty() && presence < 1.0;
         if !is_fading
             && has_trajectory(self.prepared, self.index)
-            && let Outcome::Solved(kept) = world_trajectory(self.prepared, self.index, Watcher::PATIENT)?
+            && let Outcome::Solved(kept) = world_trajectory(self.prepared, self.index, Watcher::NONE)?
             && let Some(problem) = self.timed_problem(time, &kept.points)
         {
             return kept.trajectory.solve_at(time, problem, &layer.settings, &never).map_err(fault);

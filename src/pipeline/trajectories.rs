@@ -60,7 +60,7 @@ pub(super) fn note_at(prepared: &PreparedShot, index: usize, frame: i32) -> Opti
         return None;
     }
     let range = prepared.shot.solve_range;
-    match facts(prepared, index, Watcher::PATIENT).ok()? {
+    match facts(prepared, index, Watcher::NONE).ok()? {
         Err(why) => Some(TimedNote::Alone(why)),
         Ok(_) if !(range[0]..=range[1]).contains(&frame) => Some(TimedNote::Outside(range)),
         Ok(facts) => {

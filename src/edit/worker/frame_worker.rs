@@ -181,7 +181,7 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
-            if !prepared.settle(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
+            if !prepared.solve_trajectories(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
                 return Ok(false);
             }
             teller.tell(Reply::Progress(1.0));

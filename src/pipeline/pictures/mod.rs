@@ -34,7 +34,7 @@ impl Gallery {
     ///
     /// # Errors
     /// [`PipelineError`] if a picture cannot be read, is empty, or does not match the size of the others or the shape of the frame.
-    pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
+    pub(super) fn load(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
         check_memory(paths)?;
         let (mut flat_pictures, mut left_out) = (Vec::new(), Vec::new());
         let mut frame: Option<(FrameSize, &Path)> = None;

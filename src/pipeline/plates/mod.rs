@@ -10,7 +10,7 @@
 mod at_rest;
 mod default_mattes;
 mod fill;
-mod heads;
+mod headers;
 mod job;
 mod plan;
 mod read;

@@ -7,7 +7,7 @@ use super::super::output::input_files;
 use super::super::resume::{Todo, refuse_existing};
 use super::super::topology::check_plain;
 use super::super::{Existing, PipelineError, PreparedShot};
-use super::heads::{self, Sources};
+use super::headers::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
@@ -69,7 +69,7 @@ impl Plan {
         let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
         let todo = todo(job, (wanted, &plate, &output), (&digests, device));
         let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
-        notes.extend(heads::check(job, &sources, &layers, &todo.frames)?);
+        notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
         Ok(Self { plate, output, clean, maps, layers, todo, notes, digests })
