@@ -84,7 +84,7 @@ pub(super) fn window_under(composite: &Composite, map: &WarpMap) -> PixelRect {
         .into_par_iter()
         .map(|index| {
             let source = nearest_source(map.window.pixel_at(index), map.offsets[index]);
-            f32::from(u8::from(source.is_some_and(|source| source_window.place_of(source).is_some())))
+            f32::from(u8::from(source.is_some_and(|source| source_window.sample_index(source).is_some())))
         })
         .collect();
     let seen = bounds(&seen, map.window);

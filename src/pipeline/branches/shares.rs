@@ -55,7 +55,7 @@ impl<'a> Shares<'a> {
     }
 
     fn share(&self, pixel: [i32; 2], label: u32) -> f32 {
-        let covered = self.window.place_of(pixel).map(|place| {
+        let covered = self.window.sample_index(pixel).map(|place| {
             let shown = self.seen.iter().map(|labels| labels[place]).filter(|&shown| shown != NO_LABEL);
             shown.fold([0_u32; 2], |[own, all], shown| [own + u32::from(shown == label), all + 1])
         });
