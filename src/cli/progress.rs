@@ -7,7 +7,7 @@ use super::warnings::kind_of;
 use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, Summary, WarpEvent, WarpSummary};
 use crate::plate::Holes;
 use crate::solve::Spread;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -126,7 +126,7 @@ impl EventPrinter {
             BakeEvent::Started { layers, solve_range: [first, last] } => {
                 self.bar.set_length(0);
                 self.bar.enable_steady_tick(Duration::from_millis(500));
-                self.line(&format!("{} over frames {first} to {last}", counted(*layers, "layer", "layers")));
+                self.line(&format!("{} over frames {first} to {last}", pluralised(*layers, "layer", "layers")));
             }
             BakeEvent::Progress { layer, done, of } => self.baking(layer, *done, *of),
             BakeEvent::LayerDone(baked) => self.line(&baked_in_words(baked)),
@@ -134,7 +134,7 @@ impl EventPrinter {
             BakeEvent::Finished(summary) => {
                 self.bar.finish_and_clear();
                 let BakeSummary { solved, kept, failed, is_cancelled, wall_secs } = summary;
-                let solved = counted(*solved, "layer", "layers");
+                let solved = pluralised(*solved, "layer", "layers");
                 let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
                 let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
                 let stopped = if *is_cancelled { "; stopped: go on with the same command" } else { "" };
@@ -159,8 +159,8 @@ impl EventPrinter {
         self.bar.set_length(frames as u64);
         self.bar.enable_steady_tick(Duration::from_millis(500));
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
-        self.line(&format!("{}{place}{kept}", counted(frames, "frame", "frames")));
-        self.print_scheduler_status(&format!("{} to make", counted(frames, "frame", "frames")));
+        self.line(&format!("{}{place}{kept}", pluralised(frames, "frame", "frames")));
+        self.print_scheduler_status(&format!("{} to make", pluralised(frames, "frame", "frames")));
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {
@@ -200,13 +200,13 @@ impl EventPrinter {
         self.bar.finish_and_clear();
         let printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
         for (kind, count) in printed.iter().filter(|(_, count)| **count > MAX_REPEATS) {
-            self.line(&format!("warning: {}: {kind}", counted(count - MAX_REPEATS, "more time", "more times")));
+            self.line(&format!("warning: {}: {kind}", pluralised(count - MAX_REPEATS, "more time", "more times")));
         }
         let Totals { done, failed, is_cancelled, wall_secs, busy } = totals;
         let fps = *done as f64 / wall_secs;
         let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
         let stopped = if *is_cancelled { "; stopped: go on with --resume" } else { "" };
-        let done = counted(*done, "frame", "frames");
+        let done = pluralised(*done, "frame", "frames");
         self.line(&format!("{done} in {wall_secs:.1} s ({fps:.2} fps){failed}{stopped}"));
         let busy: Vec<String> = busy.iter().map(|(stage, ms)| format!("{stage} {ms:.0} ms")).collect();
         tracing::info!("busy: {}", busy.join(", "));
@@ -263,7 +263,7 @@ impl EventPrinter {
 /// Describes the result of a baked layer.
 fn baked_in_words(baked: &BakedLayer) -> String {
     let BakedLayer { layer, path, is_kept, knots, spreads, wall_secs } = baked;
-    let times = counted(*knots, "time", "times");
+    let times = pluralised(*knots, "time", "times");
     let done = if *is_kept { "kept".to_owned() } else { format!("solved at {times} in {wall_secs:.1} s") };
     let spread = |spread: &Spread| format!("{} to {}", spread.frames[0], spread.frames[1]);
     let spreads: Vec<String> = spreads.iter().map(spread).collect();
@@ -301,9 +301,9 @@ impl Totals {
 fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
     let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
     let empty =
-        counted(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
+        pluralised(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
     let holes = format!("{empty}; fill holes by --clean or `holes`");
-    let contained = counted(
+    let contained = pluralised(
         contained_samples,
         "sample was not finite and was replaced",
         "samples were not finite and were replaced",

@@ -6,7 +6,7 @@
 use super::atomic::{Destination, replace_file};
 use super::{Channel, ImageError, Storage, exr_head};
 use crate::space::PixelRect;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use exr::block::lines::LineRefMut;
 use exr::image::write::WritableImage;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
@@ -72,8 +72,8 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
     let mut names = HashSet::new();
     for Channel { name, samples, .. } in channels {
         if samples.len() != window.area() {
-            let found = counted(samples.len(), "sample", "samples");
-            return Err(format!("channel '{name}' has {found} for {}", counted(window.area(), "pixel", "pixels")));
+            let found = pluralised(samples.len(), "sample", "samples");
+            return Err(format!("channel '{name}' has {found} for {}", pluralised(window.area(), "pixel", "pixels")));
         }
         if name.is_empty() || name.len() > 255 || name.bytes().any(|byte| byte == 0) {
             return Err(format!("'{name}' is not a valid channel name; use 1 to 255 characters"));

@@ -6,7 +6,7 @@ use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
 use crate::space::ScreenPoint;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::path::PathBuf;
 
 /// The error of a warp that cannot be computed, or of a picture that was not completed.
@@ -83,8 +83,8 @@ pub enum LiveError {
     /// A plane does not have one sample per pixel of its window.
     #[error(
         "a plane of {what} has {} for {}; this is a fault of the host's adapter",
-        counted(*found, "sample", "samples"),
-        counted(*wanted, "pixel", "pixels")
+        pluralised(*found, "sample", "samples"),
+        pluralised(*wanted, "pixel", "pixels")
     )]
     Planes {
         /// The name of the picture.
@@ -97,7 +97,7 @@ pub enum LiveError {
     /// The background and the source differ in their number of channels.
     #[error(
         "the background has {}, the source {wanted}; give both the same",
-        counted(*found, "channel", "channels")
+        pluralised(*found, "channel", "channels")
     )]
     PlaneCount {
         /// Number of channels of the background.

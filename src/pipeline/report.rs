@@ -8,7 +8,7 @@ use super::trajectories::{TimedNote, note_at};
 use super::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{ResidualReason, SolveReport, Spread};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Distance from its target above which a pin is reported, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
@@ -154,7 +154,7 @@ fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
     if solve.folded_model_cells == 0 {
         return None;
     }
-    let cells = counted(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
+    let cells = pluralised(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
     Some(format!(
         "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
          lies between, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
@@ -167,7 +167,7 @@ fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> St
     let why = if solve.folded_model_cells == 0 {
         "nothing folds".to_owned()
     } else {
-        let folded = counted(solve.folded_model_cells, "cell folds", "cells fold");
+        let folded = pluralised(solve.folded_model_cells, "cell folds", "cells fold");
         format!("{folded} nevertheless")
     };
     format!("layer '{}': guard: {what} stops {distance} short of its target; {why}", layer.name)

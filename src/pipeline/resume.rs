@@ -6,7 +6,7 @@ use super::output::prepare_folder;
 use super::run_lock::{RunLock, remove_dead};
 use super::{PipelineError, Redone};
 use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
-use crate::spelling::{counted, ranges};
+use crate::spelling::{pluralised, ranges};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -65,7 +65,7 @@ impl Todo {
         let paths = self.wanted.iter().map(|&frame| output.path_of(frame));
         let stale = remove_stale(paths.flat_map(|path| [path.with_extension("png"), path]));
         if stale > 0 {
-            tracing::info!("{} of runs that died removed", counted(stale, "temporary file", "temporary files"));
+            tracing::info!("{} of runs that died removed", pluralised(stale, "temporary file", "temporary files"));
         }
         Ok(self)
     }
@@ -77,7 +77,7 @@ impl Todo {
             by_reason.entry(&redone.reason).or_default().push(redone.frame);
         }
         let note = |(reason, frames): (&str, Vec<i32>)| {
-            let count = counted(frames.len(), "frame is rendered again", "frames are rendered again");
+            let count = pluralised(frames.len(), "frame is rendered again", "frames are rendered again");
             format!("{count} ({}): {reason}", ranges(&frames))
         };
         by_reason.into_iter().map(note).collect::<Vec<_>>().into_iter()

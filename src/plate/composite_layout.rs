@@ -9,7 +9,7 @@ use super::moving_layer::MovingLayer;
 use super::warp_map::nearest_source;
 use super::{Matte, PlateError, WarpMap};
 use crate::space::{FrameSize, PixelRect};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -199,7 +199,7 @@ fn overlap(mattes: &[MatteCoverage], moving_layers: &[MovingLayer], window: Pixe
         format!(
             "the mattes of the layers {} overlap: {} more than once; let each pixel belong to one layer",
             names.join(" and "),
-            counted(pixels.len(), "pixel moves", "pixels move")
+            pluralised(pixels.len(), "pixel moves", "pixels move")
         )
     })
 }

@@ -14,7 +14,7 @@ use super::settings::Settings;
 use super::solver::{CancellableSolver, Solver};
 use super::targets::Targets;
 use crate::lattice::Lattice;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Maximum number of Newton steps per move.
 const STEPS: usize = 5;
@@ -95,7 +95,7 @@ impl<const D: usize> Solver<D> {
         let (found, wanted) = (from.len(), self.system().rest().len());
         if found != wanted {
             return Err(SolveError::Invalid {
-                what: format!("the drag starts from {}, the grid has {wanted}", counted(found, "handle", "handles")),
+                what: format!("the drag starts from {}, the grid has {wanted}", pluralised(found, "handle", "handles")),
                 hint: "start from a solution of the same solver".into(),
             });
         }

@@ -26,7 +26,7 @@ use super::yielding::{YieldingPair, yielding_pairs};
 use super::yielding_rows::YieldingRows;
 use super::{energy, pin_residuals, pins, validate};
 use crate::lattice::{Folds, Grid, Lattice};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -426,7 +426,7 @@ impl<const D: usize> System<D> {
                 .push("the solve ended at a saddle: the shape may buckle to either side; move a pin or add one".into());
         }
         if !result.is_converged && self.settings.tolerance > 0.0 {
-            let spent = counted(result.iterations, "iteration", "iterations");
+            let spent = pluralised(result.iterations, "iteration", "iterations");
             warnings.push(format!("not converged after {spent}; the result may still move"));
         }
         self.report(goal, result, warnings)

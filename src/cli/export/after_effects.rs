@@ -12,7 +12,7 @@ use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{SequencePath, replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, PreparedShot, RenderOptions, input_files, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -157,7 +157,7 @@ impl<'a> Element<'a> {
             _ => {}
         };
         let summary = render(&alone, &options, &AtomicBool::new(false), &on_event)?;
-        let frames = counted(summary.rendered, "frame", "frames");
+        let frames = pluralised(summary.rendered, "frame", "frames");
         writeln!(io::stdout(), "wrote {}: {frames}", pattern.display())?;
         Ok(summary.failed == 0)
     }

@@ -13,7 +13,7 @@ use crate::pipeline::{
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -257,7 +257,7 @@ impl Maps {
 
     /// Describes the folds of a frame's map; `None` if there are none.
     pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
-        let pixels = counted(map.folded_pixels.len(), "pixel", "pixels");
+        let pixels = pluralised(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
         let layers =
             if let [only] = &names[..] { format!("layer {only}") } else { format!("layers {}", names.join(", ")) };

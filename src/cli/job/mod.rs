@@ -13,7 +13,7 @@ use super::shared_args::OverwriteArg;
 use crate::image::{Inputs, SequencePath};
 use crate::pipeline::{PreparedShot, input_files};
 use crate::shot::{Shot, Source};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -99,8 +99,8 @@ pub(super) fn run(args: &JobArgs) -> anyhow::Result<Outcome> {
     };
     outputs::allow_text(&plan.inputs, (&output, &text), args.overwrite)?;
     std::fs::write(&output, &text).with_context(|| format!("{} cannot be written", output.display()))?;
-    let tasks = counted(plan.frames.len().div_ceil(plan.chunk), "task", "tasks");
-    let frames = counted(plan.frames.len(), "frame", "frames");
+    let tasks = pluralised(plan.frames.len().div_ceil(plan.chunk), "task", "tasks");
+    let frames = pluralised(plan.frames.len(), "frame", "frames");
     let next = match args.to {
         Scheduler::Openjd => format!("openjd run {} --step Report --run-dependencies", output.display()),
         Scheduler::Slurm => format!("bash {}", output.display()),

@@ -84,7 +84,7 @@ fn recover(ui: &mut Ui, left: &[Unfinished], action: &mut Option<StartAction>) {
         for (index, one) in left.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.label(one.path.display().to_string());
-                ui.weak(crate::spelling::counted(one.history.labels().count(), "change", "changes"));
+                ui.weak(crate::spelling::pluralised(one.history.labels().count(), "change", "changes"));
                 if ui.button("Recover").clicked() {
                     *action = Some(StartAction::Recover(index));
                 }
