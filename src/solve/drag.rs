@@ -157,7 +157,7 @@ impl<const D: usize> Drag<'_, D> {
         let mut run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            run = self.solver.system().off_saddles(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
+            run = self.solver.system().leave_saddle(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
             self.handles.clone_from(&run.handles);
             self.checked = Some(run.handles.clone());
         }

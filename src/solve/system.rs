@@ -88,7 +88,8 @@ impl<const D: usize> System<D> {
         self.is_active = active_cells(&self.grid, shape);
     }
 
-    /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term ([`Self::draw_points`]).
+    /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term
+    /// ([`Self::set_proximal_targets`]).
     pub(crate) fn with_points(
         problem: &Problem<D>,
         points: &[ModelPoint<D>],
@@ -181,12 +182,12 @@ impl<const D: usize> System<D> {
             stiffness,
             warnings,
         };
-        system.let_yield(cancel)?;
+        system.apply_yielding(cancel)?;
         Ok(system)
     }
 
     /// Lets pins give way for the targets in the problem, where these demand too much.
-    fn let_yield(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
+    fn apply_yielding(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
         let Retargeted { terms, yielded } = self.yielding((&self.pins, &self.handles), self.terms.clone(), cancel)?;
         (self.terms, self.yielded) = (terms, yielded);
         Ok(())
@@ -234,7 +235,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Draws the points of the proximal term to `places` with the given weight.
-    pub(crate) fn draw_points(
+    pub(crate) fn set_proximal_targets(
         &mut self,
         places: impl IntoIterator<Item = [f64; D]>,
         weight: f64,
@@ -249,7 +250,7 @@ impl<const D: usize> System<D> {
         self.terms.proximal.add_normal(weight, &mut normal, cancel);
         self.terms.yielding = None;
         self.prefactored = Prefactored::new(normal, &self.terms, &self.pins, &self.settings, cancel)?;
-        self.let_yield(cancel)
+        self.apply_yielding(cancel)
     }
 
     /// Whether the second derivative of the energy with a proximal term of the given weight is positive definite at `handles`.
