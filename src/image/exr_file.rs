@@ -87,7 +87,7 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
 
 /// Treatment of NaN, and of infinities in half channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wild {
+pub(super) enum NonFinitePolicy {
     /// NaN becomes 0, infinity the largest half float.
     Contained,
     /// Preserved; finite numbers still never become infinite.
@@ -98,15 +98,15 @@ pub(super) enum Wild {
 #[derive(Clone, Copy)]
 pub(super) struct Lines<'a> {
     storage: Storage,
-    wild: Wild,
+    non_finite: NonFinitePolicy,
     samples: &'a [f32],
     /// Width in pixels; 0 until the header is known.
     width: usize,
 }
 
 impl<'a> Lines<'a> {
-    pub(super) fn of(channel: &'a Channel, wild: Wild) -> Self {
-        Self { storage: channel.storage, wild, samples: &channel.samples, width: 0 }
+    pub(super) fn of(channel: &'a Channel, non_finite: NonFinitePolicy) -> Self {
+        Self { storage: channel.storage, non_finite, samples: &channel.samples, width: 0 }
     }
 }
 
@@ -134,13 +134,15 @@ impl SamplesWriter for Lines<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let start = line.location.position.y() * self.width + line.location.position.x();
         let samples = &self.samples[start..start + line.location.sample_count];
-        match (self.storage, self.wild) {
-            (Storage::Half, Wild::Contained) => write_halves(samples, line.value, contained_in_half),
-            (Storage::Half, Wild::Kept) => write_halves(samples, line.value, finite_in_half),
-            (Storage::Float, Wild::Contained) => {
+        match (self.storage, self.non_finite) {
+            (Storage::Half, NonFinitePolicy::Contained) => write_halves(samples, line.value, contained_in_half),
+            (Storage::Half, NonFinitePolicy::Kept) => write_halves(samples, line.value, finite_in_half),
+            (Storage::Float, NonFinitePolicy::Contained) => {
                 write_words(samples, line.value, |sample| if sample.is_nan() { 0 } else { sample.to_bits() })
             }
-            (Storage::Float, Wild::Kept) | (Storage::Uint, _) => write_words(samples, line.value, f32::to_bits),
+            (Storage::Float, NonFinitePolicy::Kept) | (Storage::Uint, _) => {
+                write_words(samples, line.value, f32::to_bits)
+            }
         }
     }
 }

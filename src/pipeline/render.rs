@@ -13,7 +13,7 @@ use super::resume::{Todo, refuse_existing};
 use super::solve_ahead::solve_before_frames;
 use super::write::{Writer, preview_hash};
 use super::{Event, Existing, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
-use crate::image::{Depth, Expected, ImageError, PictureKind, Redo, SequencePath, check_kept};
+use crate::image::{Depth, Expected, ImageError, PictureKind, SequencePath, StaleReason, check_kept};
 use crate::memory;
 use crate::raster::{self, ChannelGroup, DeviceClass, Raster};
 use crate::shot::{Shot, Source};
@@ -116,7 +116,7 @@ impl<'a> Work<'a> {
             check_kept(&path, &expected, depth)?;
             if options.has_preview || options.has_overlay {
                 let expected = Expected { shot_hash: &preview_hash, ..expected };
-                check_kept(&path.with_extension("png"), &expected, depth).map_err(|_| Redo::Preview)?;
+                check_kept(&path.with_extension("png"), &expected, depth).map_err(|_| StaleReason::Preview)?;
             }
             Ok(())
         });

@@ -5,7 +5,7 @@
 use super::output::prepare_folder;
 use super::run_lock::{RunLock, remove_dead};
 use super::{PipelineError, Redone};
-use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
+use crate::image::{Existing, SequencePath, StaleReason, is_there, remove_stale};
 use crate::spelling::{pluralised, ranges};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -32,14 +32,14 @@ impl Todo {
         wanted: Vec<i32>,
         output: &SequencePath,
         existing: Existing,
-        check: impl Fn(i32) -> Result<(), Redo>,
+        check: impl Fn(i32) -> Result<(), StaleReason>,
     ) -> Self {
         let (mut frames, mut redone, mut kept) = (Vec::new(), Vec::new(), 0);
         for &frame in &wanted {
-            let outcome = if existing.is_resume() { check(frame) } else { Err(Redo::Missing) };
+            let outcome = if existing.is_resume() { check(frame) } else { Err(StaleReason::Missing) };
             match outcome {
                 Ok(()) => kept += 1,
-                Err(Redo::Missing) => frames.push(frame),
+                Err(StaleReason::Missing) => frames.push(frame),
                 Err(reason) => {
                     redone.push(Redone { frame, path: output.path_of(frame), reason: reason.to_string() });
                     frames.push(frame);

@@ -11,7 +11,7 @@ use super::headers::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
-    Depth, Expected, ImageError, Inputs, PictureKind, Redo, SequencePath, check_kept, is_there, picture_size,
+    Depth, Expected, ImageError, Inputs, PictureKind, SequencePath, StaleReason, check_kept, is_there, picture_size,
 };
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, Unmatted, digest};
@@ -92,7 +92,7 @@ fn todo(
     Todo::of(wanted, output, job.existing, |frame| {
         let path = output.path_of(frame);
         if !is_there(&path) {
-            return Err(Redo::Missing);
+            return Err(StaleReason::Missing);
         }
         let size = picture_size(&plate.path_of(frame)).ok();
         let expected = Expected { frame, shot_hash: &digests.of(frame), size, device };
