@@ -66,14 +66,14 @@ impl PreparedShot {
         let loaded = transfer::load(&shot, &mut notes)?;
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
-        let Mattes { pieces, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
+        let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,
             scene,
             notes,
             assignment,
             layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, links, loaded },
-            draw_inputs: DrawInputs { rig: Vec::new(), pieces, mattes, hidden_layers: Vec::new(), hidden_nodes },
+            draw_inputs: DrawInputs { rig: Vec::new(), submeshes, mattes, hidden_layers: Vec::new(), hidden_nodes },
             gallery: None,
             camera,
             clip,
